@@ -10,7 +10,8 @@
 
 static const int ignored[] = {SIGPIPE, SIGXFSZ};
 
-/* Opened the wrong way round, so that its use fails instead of vanishing. open gives the lowest free number. */
+/* Opened the wrong way round, so that its use fails instead of vanishing. open gives the lowest free number.
+ */
 static void open_standard_descriptors(void) {
     for (int fd = 0; fd <= 2; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF && open("/dev/null", fd ? O_RDONLY : O_WRONLY) < 0)

@@ -119,8 +119,8 @@ static bool leave_out(struct fetch *q, const char *name) {
     return true;
 }
 
-/* Leaves out what the daemon does not know, if the answer says so: a voice, a language, a gender. Each time one
- * member goes, so that it ends. */
+/* Leaves out what the daemon does not know, if the answer says so: a voice, a language, a gender. Each time
+ * one member goes, so that it ends. */
 static bool give_in(struct fetch *q, const struct remote_answer *answer) {
     const char *code = json_string_value(json_object_get(answer->body, "code"));
     const char *field = json_string_value(json_object_get(answer->body, "field"));

@@ -59,9 +59,9 @@ struct voice {
 
 /* Starts the workers. ready is called once, when every plugin has listed its voices, has failed to start, or
  * takes longer than start_seconds, and once more when there was no voice then and one comes after all; a
- * plugin that failed is skipped with a log line. The process must ignore SIGPIPE (program_begin): a write to a
- * worker that has just died raises it. Unless plugins are unconfined nobody reads its memory (mem.h). Returns
- * NULL with *e ("voice-unavailable") when no plugin or no worker program is found. */
+ * plugin that failed is skipped with a log line. The process must ignore SIGPIPE (program_begin): a write to
+ * a worker that has just died raises it. Unless plugins are unconfined nobody reads its memory (mem.h).
+ * Returns NULL with *e ("voice-unavailable") when no plugin or no worker program is found. */
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 

@@ -2,7 +2,9 @@
 // faccia-lva beside a stand-in of Linux Voice Assistant that speaks its peripheral API (docs/peripheral_api.md there; it is packaged nowhere).
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
+import { createHash } from 'node:crypto';
 import { once } from 'node:events';
+import fs from 'node:fs';
 import net from 'node:net';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -104,6 +106,75 @@ test('what is no event costs nothing, and an assistant that goes is found again'
   assistant.tell(`raw:"${'x'.repeat(1 << 21)}"`);
   await found(told);
   await listens();
+});
+
+/** A server that says what it likes, frame by frame, to each who comes. */
+async function strange(serve) {
+  const came = [], sockets = [];
+  const server = net.createServer((socket) => {
+    came.push(Date.now());
+    sockets.push(socket);
+    socket.on('error', () => {});
+    socket.once('data', (head) => {
+      const key = /sec-websocket-key: (.*)\r/i.exec(head)[1];
+      const accept = createHash('sha1').update(`${key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest('base64');
+      socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`);
+      serve(socket);
+    });
+  });
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+  return { came, url: `ws://127.0.0.1:${server.address().port}`, close: () => (sockets.forEach((socket) => socket.destroy()), new Promise((resolve) => server.close(resolve))) };
+}
+const frame = (opcode, payload, size = payload.length) => {
+  const head = Buffer.alloc(10);
+  head[0] = 0x80 | opcode, head[1] = 127, head.writeBigUInt64BE(BigInt(size), 2);
+  return Buffer.concat([head, payload]);
+};
+const resident = ({ pid }) => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/proc/${pid}/status`, 'utf8'))[1]);
+
+test('a message that is too long, and what follows it, is not kept; it is tried again, later each time', async () => {
+  let sent = 0;
+  const server = await strange((socket) => { // it heeds no close
+    socket.write(frame(1, Buffer.alloc(0), 1 << 30));
+    const more = () => {
+      if (socket.destroyed || sent >= 64 << 20) return;
+      sent += 1 << 20;
+      if (socket.write(Buffer.alloc(1 << 20, 120))) setImmediate(more);
+      else socket.once('drain', more);
+    };
+    more();
+  });
+  const lva = start('--assistant', server.url, '--url', daemon.url);
+  await eventually(() => lva.text.includes('too long'), `the loss; ${lva.text}`);
+  await eventually(() => server.came.length >= 3, 'the next tries');
+  assert.ok(server.came[2] - server.came[1] > 800, `${server.came}`);
+  assert.ok(sent < 32 << 20, 'most of it was not read');
+  assert.ok(resident(lva) < (process.env.FACCIA_BUILD?.includes('sanitized') ? 200 : 40) << 10, `${resident(lva)} kB`);
+  lva.kill('SIGTERM');
+  assert.equal(await lva.exited, 0, lva.text);
+  await server.close();
+});
+
+test('a server that goes while it is answered', async () => {
+  const pings = await strange((socket) => {
+    for (let i = 0; i < 200; i++) socket.write(frame(9, Buffer.alloc(100)));
+    socket.resetAndDestroy();
+  });
+  for (const [server, told] of [[pings, /not there/]]) {
+    const lva = start('--assistant', server.url, '--url', daemon.url);
+    await eventually(() => told.test(lva.text), `${told}; ${lva.text}`);
+    await eventually(() => server.came.length >= 2, 'the next try');
+    lva.kill('SIGTERM');
+    assert.equal(await lva.exited, 0, lva.text);
+    await server.close();
+  }
+});
+
+test('a flood of events ends with the last of them', async () => {
+  for (let i = 0; i < 2000; i++) assistant.tell(i % 2 ? 'listening' : 'idle');
+  assistant.tell('stt_text', { text: 'the last' });
+  await kiosk.wait({ type: 'state', state: 'thinking', text: 'the last' });
+  await shows('idle');
 });
 
 test('options that are wrong are told', async () => {

@@ -166,6 +166,57 @@ test('Home Assistant finds a device with all that the room does, again when it s
   await kiosk.wait({ type: 'sentence', text: 'Detto da casa.' });
 });
 
+test('a voice that is not there is refused, and she goes on speaking', async () => {
+  const from = lines().length;
+  await publish('faccia/kitchen/voice', 'nobody:x');
+  const { payload } = await saidOn('faccia/kitchen/refused', undefined, from);
+  assert.deepEqual(JSON.parse(payload), { command: 'voice', message: 'there is no voice "nobody:x"' });
+  assert.equal((await saidOn('faccia/kitchen/now/voice', undefined, from)).payload, 'espeak:it', 'what shows the choice shows the old one');
+  await publish('faccia/kitchen/say', { id: 'voiced', text: 'Parlo ancora.' });
+  await saidOn('faccia/kitchen/said', '{"id":"voiced","reason":"done"}');
+});
+
+test('each say has its said, whatever is in it', async () => {
+  for (const [payload, message] of [['{{ states("sensor.x") }}', /JSON/], ['{"text":', /JSON/], [{ text: 7 }, /string/], [' ', /./], ['{}', /./]]) {
+    const from = lines().length;
+    await publish('faccia/kitchen/say', payload);
+    const said = JSON.parse((await saidOn('faccia/kitchen/said', undefined, from)).payload);
+    assert.equal(said.reason, 'failed');
+    assert.match(said.message, message);
+    assert.ok(said.id.startsWith('mqtt-'));
+  }
+  for (const [name, bytes, message] of [['nul', 'a\0b', /NUL/], ['latin', Buffer.from([0x63, 0x69, 0xe0]), /UTF-8/], ['long', 'a '.repeat((1 << 19) + 1), /1 MiB/]]) {
+    const file = path.join(folder, name), from = lines().length;
+    fs.writeFileSync(file, bytes);
+    await start('mosquitto_pub', ['-p', String(port), '-q', '1', '-t', 'faccia/kitchen/say', '-f', file]).exited;
+    assert.match(JSON.parse((await saidOn('faccia/kitchen/said', undefined, from)).payload).message, message);
+  }
+});
+
+test('what is no text is refused with its reason', async () => {
+  for (const [command, payload] of [['express', '[{"name":'], ['express', 'nonsense'], ['state', 'dancing'], ['choices', '{}'], ['choices', '{{ x }}'], ['presence', 'perhaps']]) {
+    const from = lines().length;
+    await publish(`faccia/kitchen/${command}`, payload);
+    const refused = JSON.parse((await saidOn('faccia/kitchen/refused', undefined, from)).payload);
+    assert.equal(refused.command, command);
+    assert.ok(refused.message.length > 5, `${command} ${payload}: ${refused.message}`);
+  }
+  await publish('faccia/kitchen/express', 'joy 0.5');
+  await saidOn('faccia/kitchen/now/mood', 'joy 0.5');
+  assert.ok(!lines().some((l) => l.topic === 'faccia/kitchen/now/mood' && l.payload.includes('nonsense')), 'a mood that was not taken is not shown');
+});
+
+test('Home Assistant’s text: its state keeps to 255 characters, and a longer text is said', async () => {
+  const { cmps } = JSON.parse((await saidOn('homeassistant/device/faccia_kitchen/config')).payload);
+  assert.deepEqual([cmps.text.min, cmps.text.max, cmps.text.value_template, cmps.words.value_template], [0, 255, '{{ value[:255] }}', '{{ value[:255] }}']);
+  for (const part of [cmps.voice, cmps.mood]) assert.ok(part.value_template, 'a state that is one of the options, or None');
+  const text = `Comincia ${'una frase che non finisce mai e '.repeat(12)}poi finisce.`;
+  assert.ok(text.length > 300);
+  await publish(cmps.say.command_topic, text);
+  await kiosk.wait({ type: 'word', text: 'Comincia' });
+  await publish('faccia/kitchen/stop', '');
+});
+
 test('Rhasspy’s hermes: said in the room of its site, and told when it is finished', async () => {
   await publish('hermes/tts/say', { text: 'Ciao da Hermes.', lang: 'it', id: 'r1', siteId: 'kitchen', sessionId: 's' });
   await kiosk.wait({ type: 'sentence', id: 'r1' });

@@ -109,6 +109,67 @@ test('where nobody looks on, the sound and its index marks go to the server', as
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
+test('a wrong language, voice or markup is not silence', async () => {
+  const module = load();
+  const spoken = async (text) => {
+    await module.speak(text);
+    await eventually(() => module.lines.some((line) => /^70[23]/.test(line)), 'the end');
+    assert.ok(module.lines.includes('702 END'), `${text} ${module.lines} ${module.child.log}`);
+    return Buffer.concat(module.sound);
+  };
+  const set = async (...settings) => {
+    const from = module.lines.length;
+    module.send('SET', ...settings, '.');
+    await module.told('203 OK SETTINGS RECEIVED', from);
+  };
+  const usual = await spoken('<speak>Seven.</speak>');
+  await set('language=en');
+  const english = await spoken('<speak>Seven.</speak>');
+  assert.ok(usual.length > 8000 && !usual.equals(english));
+  for (const lang of ['en_US.UTF-8', 'en_GB@euro']) {
+    await set(`language=${lang}`);
+    assert.ok((await spoken('<speak>Seven.</speak>')).length > 8000, lang);
+  }
+  await set('language=en', 'synthesis_voice=nobody:x');
+  assert.ok((await spoken('<speak>Seven.</speak>')).equals(english), 'its language at least');
+  for (const lang of ['c', 'C', 'C.UTF-8', 'POSIX', 'xx', 'tlh-Latn', '!', 'x'.repeat(100)]) {
+    await set(`language=${lang}`, `synthesis_voice=${'v'.repeat(200)}`);
+    assert.ok((await spoken('<speak>Seven.</speak>')).equals(usual), lang);
+  }
+  await set('voice_type=female1', 'language=xx');
+  assert.ok((await spoken('<speak>Seven.</speak>')).length > 8000);
+  for (const text of ['<speak>Uno <b>due</speak>', '<speak>Uno & due < tre</speak>', '<speak><mark name="a">Uno</speak>', '<speak>\u0001 uno</speak>'])
+    assert.ok((await spoken(text)).length > 8000, text.slice(0, 80));
+  module.send('QUIT');
+  assert.equal(await module.child.exited, 0, module.child.log);
+});
+
+test('a mark’s name writes no lines of the protocol', async () => {
+  const module = load();
+  const screen = await daemon.stream('?room=desk&lang=it');
+  await screen.wait({ type: 'joined' });
+  await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.some((r) => r.name === 'desk' && r.followers === 2), 'the module in the room');
+  module.send('SET', 'language=xx', '.');
+  await module.told('203 OK SETTINGS RECEIVED');
+  await module.speak('<speak>Seven.</speak>');
+  await module.told('702 END'); // the room refuses it after it has taken it: the sound alone is given
+  assert.ok(Buffer.concat(module.sound).length > 8000);
+  module.send('SET', 'language=it', '.');
+  for (const looks of [true, false]) {
+    if (!looks) {
+      await screen.close();
+      await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.every((r) => r.name !== 'desk' || !r.listeners), 'nobody in the room');
+    }
+    await module.speak('<speak>Uno. <mark name="q&#10;702 END&#13;&#10;703 STOP"/> Due.</speak>');
+    await module.told('702 END');
+    const lines = module.lines.filter((line) => /^70[0-4]/.test(line));
+    assert.deepEqual(lines.map((line) => line.replace(/^700-q .*/, '700-q')), ['701 BEGIN', '700-q', '700 INDEX MARK', '702 END'], `${looks}`);
+    assert.ok(!module.lines.some((line) => line.includes('\r')));
+  }
+  module.send('QUIT');
+  assert.equal(await module.child.exited, 0, module.child.log);
+});
+
 test('where somebody looks on, the face reads it; stop and pause are obeyed at once', async () => {
   const screen = await daemon.stream('?room=desk');
   await screen.wait({ type: 'joined' });

@@ -185,16 +185,6 @@ test('requests that come at once are answered in their order', async () => {
 test('what is wrong is told, or ends the connection; nobody else notices', async () => {
   const other = await connect(door.port);
   const client = await connect(door.port);
-  client.send('synthesize', { text: 'Ciao.', voice: { name: 'nobody:x' } });
-  assert.match((await client.heard('error')).data.text, /nobody:x/);
-  client.events.length = 0;
-  client.send('synthesize', {});
-  assert.match((await client.heard('error')).data.text, /no text/);
-  client.events.length = 0;
-  client.send('synthesize', { text: 'a'.repeat(100001) });
-  assert.match((await client.heard('error')).data.text, /too long/);
-  client.events.length = 0;
-  client.send('synthesize', { text: ' ' });
   client.send('nonsense', { x: 1 });
   client.send('synthesize', { text: 'Ancora qui.', voice: { name: 'espeak:it' } });
   await client.heard('audio-chunk');
@@ -210,6 +200,68 @@ test('what is wrong is told, or ends the connection; nobody else notices', async
   other.send('synthesize', { text: 'Tutto bene.', voice: { name: 'espeak:it' } });
   await other.heard('audio-stop');
   other.socket.end();
+});
+
+test('every text ends with audio-stop, or with an error and the end of the connection', async () => {
+  const client = await connect(door.port);
+  const speak = async (data) => {
+    client.events.length = 0;
+    client.send('synthesize', data);
+    await client.heard('audio-stop');
+    assert.equal(client.events[0].type, 'audio-start');
+    return pcmOf(client.events);
+  };
+  for (const text of ['', ' ', '\n\t ']) assert.equal((await speak({ text })).length, 0, JSON.stringify(text));
+  // a voice or a language that is not there: the daemon's own speaks, and the log says so
+  const usual = await speak({ text: 'Seven.' }), english = await speak({ text: 'Seven.', voice: { language: 'en' } });
+  assert.ok(loudest(usual) > 1000 && !usual.equals(english));
+  assert.ok((await speak({ text: 'Seven.', voice: { name: 'nobody:x' } })).equals(usual));
+  assert.match(door.child.text, /nobody:x/);
+  assert.ok((await speak({ text: 'Seven.', voice: { name: 'nobody:x', language: 'en' } })).equals(english));
+  for (const language of ['xx', 'c', 'not a tag\n', '']) assert.ok((await speak({ text: 'Seven.', voice: { language } })).equals(usual), language);
+  client.events.length = 0;
+  client.send('synthesize-start', { voice: { name: 'nobody:x' } });
+  client.send('synthesize-chunk', { text: 'Uno. Due.' });
+  client.send('describe'); // in the middle of it
+  await client.heard('info');
+  client.send('synthesize-chunk', { text: ' Tre.' });
+  client.send('synthesize-stop');
+  await client.heard('synthesize-stopped');
+  assert.ok(pcmOf(client.events).length > 44100, 'all of it');
+  client.socket.end();
+  for (const [data, why] of [[{}, /no text/], [{ text: 7 }, /no text/], [{ text: 'a'.repeat(100001) }, /too long/], [{ text: '<speak>', text_format: 'ssml' }, /./]]) {
+    const refused = await connect(door.port);
+    refused.send('synthesize', data);
+    await refused.closed();
+    if (refused.events.some((e) => e.type === 'audio-stop')) continue; // it was spoken after all
+    assert.match((await refused.heard('error')).data.text, why);
+    assert.equal(refused.events.length, 1);
+  }
+});
+
+test('a daemon that is away ends the connection; a list without voices is not given', async () => {
+  const away = await start('--url', 'http://127.0.0.1:1');
+  for (const [type, data] of [['describe'], ['synthesize', { text: 'Ciao.' }], ['synthesize-start', {}]]) {
+    const client = await connect(away.port);
+    client.send(type, data);
+    await client.closed();
+    assert.deepEqual(client.events.map((e) => e.type), ['error'], type);
+  }
+  assert.equal(await away.stop(), 0, away.child.text);
+});
+
+test('clients that leave in the middle of the sound leave the others', async () => {
+  for (let round = 0; round < 5; round++) {
+    const client = await connect(door.port);
+    client.send('synthesize', { text: 'Una frase molto lunga. '.repeat(50), voice: { name: 'espeak:it' } });
+    await client.heard('audio-chunk');
+    client.socket.resetAndDestroy();
+  }
+  const client = await connect(door.port);
+  client.send('synthesize', { text: 'Ancora qui.', voice: { name: 'espeak:it' } });
+  await client.heard('audio-stop');
+  assert.equal(door.child.exitCode ?? door.child.signalCode, null);
+  client.socket.end();
 });
 
 test('options that are wrong are told', async () => {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/pool_fixture.h"
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -47,6 +48,7 @@ static void link_plugin(const struct pool_test *s, const char *name) {
 struct pool_test *pool_test_open(struct voice_pool_options options, const char *const *names) {
     struct error e;
     struct pool_test *s = mem_alloc(sizeof *s);
+    program_begin();
     strcpy(s->folder, "/tmp/faccia-test-XXXXXX");
     assert_non_null(mkdtemp(s->folder));
     for (; *names; names++)

@@ -35,9 +35,9 @@ struct assistant {
     const char *room, *speak, *lang, *voice;
     double volume;
     bool muted_sound, muted, there;
-    char why[128];    /* it was not there last */
-    unsigned asking;  /* requests that wait for the daemon: so many */
-    json_t *next;     /* the last state that has to wait for them; NULL: none */
+    char why[128];   /* it was not there last */
+    unsigned asking; /* requests that wait for the daemon: so many */
+    json_t *next;    /* the last state that has to wait for them; NULL: none */
 };
 
 static void show_next(struct assistant *a);

@@ -11,8 +11,8 @@
 enum {
     AGAIN_MS = 500,
     AGAIN_MOST_MS = 10000,
-    OPEN_MS = 10000,   /* within which it must be open */
-    STEADY_MS = 5000,  /* open for so long, and the next try after it comes soon again */
+    OPEN_MS = 10000,     /* within which it must be open */
+    STEADY_MS = 5000,    /* open for so long, and the next try after it comes soon again */
     UNSENT_MOST = 65536, /* bytes of answers to pings that it does not take */
     COME_MOST = WEBSOCKET_TEXT_MOST + 65536,
     KEEPALIVE_SECONDS = 30

@@ -42,10 +42,10 @@ static void on_connected(void *ctx) {
 
 static void on_message(void *ctx, const char *topic, const char *payload, size_t size, bool retained) {
     struct bridge *b = ctx;
-    const char *wrong = !payload                               ? "it is longer than 1 MiB"
-                        : memchr(payload, 0, size)             ? "it holds a NUL character"
+    const char *wrong = !payload                           ? "it is longer than 1 MiB"
+                        : memchr(payload, 0, size)         ? "it holds a NUL character"
                         : utf8_check(payload, size) < size ? "it is not UTF-8"
-                                                               : NULL;
+                                                           : NULL;
     size_t base = strlen(b->base), discovery = b->discovery ? strlen(b->discovery) : 0;
     if (discovery && !strncmp(topic, b->discovery, discovery) && !strcmp(topic + discovery, "/status")) {
         if (!wrong && !strcmp(payload, "online"))

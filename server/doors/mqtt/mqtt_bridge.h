@@ -48,7 +48,8 @@ void room_publish_json(struct bridge_room *room, const char *topic, json_t *payl
 void room_publish_all(struct bridge_room *room);
 /* The mix that was asked for: its names, with their intensities. */
 void room_take_mood(struct bridge_room *room, const json_t *mix);
-/* What was sent to one of its topics is not done, and why: told in `said` if it was to be said, else in `refused`. */
+/* What was sent to one of its topics is not done, and why: told in `said` if it was to be said, else in
+ * `refused`. */
 void room_refuse(struct bridge_room *room, const char *command, const char *why);
 /* Is there such a voice? As long as none are known, any. */
 bool bridge_has_voice(const struct bridge *bridge, const char *voice);

@@ -133,8 +133,7 @@ static struct asking *ask_for(struct bridge_room *r, const char *command, const 
         return NULL;
     }
     struct asking *a = mem_alloc(sizeof *a);
-    *a = (struct asking){
-        .room = r, .command = command, .path = path, .body = json_dumps(body, JSON_COMPACT)};
+    *a = (struct asking){.room = r, .command = command, .path = path, .body = json_dumps(body, JSON_COMPACT)};
     snprintf(a->id, sizeof a->id, "%s", id);
     a->timer = mem_alloc(sizeof *a->timer);
     uv_timer_init(r->bridge->loop, a->timer);
@@ -231,7 +230,12 @@ static void presence(struct bridge_room *r, const char *payload) {
     if (!on && strcasecmp(payload, "OFF") && strcasecmp(payload, "not_home"))
         room_refuse(r, "presence", "it is neither ON nor OFF");
     else if (on == r->absent)
-        ask_for(r, "presence", "/v1/state", json_pack("{ss}", "state", !on ? "asleep" : r->muted ? "muted" : "idle"), "");
+        ask_for(r, "presence", "/v1/state",
+                json_pack("{ss}", "state",
+                          !on        ? "asleep"
+                          : r->muted ? "muted"
+                                     : "idle"),
+                "");
 }
 
 /* "joy 0.7 surprise 0.2", "neutral", or a list of a mix. */
@@ -256,9 +260,8 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
     json_t *mix = mix_of(text, size);
     const char *state = *r->state ? r->state : "idle";
     if (mix) {
-        struct asking *a =
-            ask_for(r, "express", "/v1/state",
-                    json_pack("{ss sO}", "state", r->muted ? "muted" : state, "mix", mix), "");
+        struct asking *a = ask_for(r, "express", "/v1/state",
+                                   json_pack("{ss sO}", "state", r->muted ? "muted" : state, "mix", mix), "");
         if (a)
             a->mix = json_incref(mix);
     } else {

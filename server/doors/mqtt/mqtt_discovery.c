@@ -11,8 +11,8 @@ struct component {
     const char *state_template;  /* NULL: the payload is the state */
 };
 
-/* A state has 255 characters at most there: a longer one is refused, for a text with an exception. A choice must be
- * one of its options; "None" is no choice. */
+/* A state has 255 characters at most there: a longer one is refused, for a text with an exception. A choice
+ * must be one of its options; "None" is no choice. */
 enum { STATE_MOST = 255 };
 static const char cut[] = "{{ value[:255] }}", chosen[] = "{{ value or 'None' }}",
                   first_word[] = "{{ (value.split() or ['neutral'])[0] }}";

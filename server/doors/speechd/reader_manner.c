@@ -33,7 +33,8 @@ static bool set_volume(char text[16], const char *value) {
     return true;
 }
 
-/* What is none, or too long to be one, is as if it had not been set: a wrong setting must not silence the reader. */
+/* What is none, or too long to be one, is as if it had not been set: a wrong setting must not silence the
+ * reader. */
 static void set_text(char *text, size_t cap, const char *value) {
     bool none = !strcmp(value, "none") || !strcmp(value, "NULL") || strlen(value) >= cap;
     snprintf(text, cap, "%s", none ? "" : value);

@@ -14,8 +14,8 @@ struct reader_manner {
 
 enum { READER_MEMBERS = 8 };
 
-/* As a setting of speech-dispatcher (SSIP) says. False: no such value. Any language and voice is taken: what the
- * daemon does not know is left out when it is spoken. */
+/* As a setting of speech-dispatcher (SSIP) says. False: no such value. Any language and voice is taken: what
+ * the daemon does not know is left out when it is spoken. */
 bool manner_set(struct reader_manner *manner, const char *name, const char *value);
 
 /* The members, up to one with the name NULL; they point into the manner. */
@@ -24,7 +24,8 @@ void manner_members(const struct reader_manner *manner, struct remote_member mem
 /* The message as SSML, to be freed. */
 char *manner_text(const struct reader_manner *manner, enum reader_kind kind, const char *text);
 
-/* Its words without its markup, as SSML again, to be freed: for a text that the daemon refuses. ssml is mended. */
+/* Its words without its markup, as SSML again, to be freed: for a text that the daemon refuses. ssml is
+ * mended. */
 char *manner_words(char *ssml);
 
 #endif

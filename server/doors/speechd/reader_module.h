@@ -42,8 +42,8 @@ void module_finish(struct reader_module *module, const char *event);
 void module_ask(struct reader_module *module, const char *path, const struct remote_member *members,
                 remote_bytes *bytes, remote_answered *answered);
 
-/* A text that the daemon refuses is tried once more, its words alone. False: it was refused for something else, or
- * tried already. */
+/* A text that the daemon refuses is tried once more, its words alone. False: it was refused for something
+ * else, or tried already. */
 bool module_give_up_markup(struct reader_module *module, const struct remote_answer *answer);
 
 /* reader_alone.c: nobody looks at the face. The times of the marks are asked for, then the sound, which is

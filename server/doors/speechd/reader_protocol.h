@@ -42,8 +42,8 @@ void reader_free(struct reader_protocol *protocol);
 /* A line to the server, at once; or two, of which nothing was written by others. */
 void reader_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Up to three texts of others, with tabs between them, as one line behind "CODE-". NULL: fewer. What would end the
- * line becomes a space, so that no text makes a line of its own. */
+/* Up to three texts of others, with tabs between them, as one line behind "CODE-". NULL: fewer. What would
+ * end the line becomes a space, so that no text makes a line of its own. */
 void reader_list(int code, const char *first, const char *second, const char *third);
 
 /* An index mark has been reached. */

@@ -117,8 +117,7 @@ static void on_voices(void *ctx, const struct remote_answer *answer) {
     json_t *one, *voices = json_object_get(answer->body, "voices");
     size_t i;
     (void)ctx;
-    json_array_foreach(voices, i, one)
-        reader_list(200, text_of(one, "id"), text_of(one, "lang"), "none");
+    json_array_foreach(voices, i, one) reader_list(200, text_of(one, "id"), text_of(one, "lang"), "none");
     reader_say("%s", json_array_size(voices) ? "200 OK VOICE LIST SENT" : "304 CANT LIST VOICES");
 }
 
@@ -139,9 +138,12 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         module_begin(m);
     else if (!strcmp(type, "mark") && name)
         reader_mark(name);
-    else if (!strcmp(type, "error") && !m->begun && !m->fetch && code && !strcmp(code, "unheard"))
-        m->face = false, module_speak_alone(m); /* nobody came to look on */
-    else if (!strcmp(type, "end"))
+    else if (!strcmp(type, "error") && !m->begun && !m->fetch) {
+        log_warn("the face does not speak it: %s", code ? code : type);
+        *m->id = '\0'; /* its end in the room is not the message's */
+        m->face = false;
+        module_speak_alone(m);
+    } else if (!strcmp(type, "end"))
         module_finish(m, reason && !strcmp(reason, "done") ? "702 END" : "703 STOP");
 }
 

@@ -142,9 +142,9 @@ static void on_shut(uv_shutdown_t *shutdown, int status) {
         let_go(shutdown->data);
 }
 
-/* Clients wait for audio-stop or for the end of the connection, and not all of them know the event `error`: it is
- * told, and the connection ends. What the client still sends is read until it hangs up, so that the network does
- * not drop the error. */
+/* Clients wait for audio-stop or for the end of the connection, and not all of them know the event `error`:
+ * it is told, and the connection ends. What the client still sends is read until it hangs up, so that the
+ * network does not drop the error. */
 static void fail(struct wyoming_client *c, const char *why, const char *code) {
     if (c->failed || c->closing)
         return;
@@ -204,8 +204,8 @@ static void speak(struct wyoming_client *c, const char *text) {
     const struct wyoming *w = c->wyoming;
     const char *markup = c->ssml ? "ssml" : "plain", *type = "text/plain",
                *voice = json_string_value(json_object_get(c->voice, "name"));
-    const char *other = json_string_value(json_object_get(c->voice, "language")), *lang = voice ? NULL : other,
-               *open = text ? NULL : "1";
+    const char *other = json_string_value(json_object_get(c->voice, "language")),
+               *lang = voice ? NULL : other, *open = text ? NULL : "1";
     const struct remote_member here[] = {{"format", "wav"},  {"voice", voice}, {"lang", lang},
                                          {"markup", markup}, {"open", open},   {NULL, NULL}};
     const struct remote_member there[] = {{"room", w->room},  {"voice", voice}, {"lang", lang},
