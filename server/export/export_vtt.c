@@ -42,10 +42,11 @@ static void put_text(struct cue_text *c, size_t from, size_t to) {
                 *last = '\n';
             continue;
         }
-        const char *entity = c->tagged     ? NULL
+        /* A text with tags has entities of its own; its bare '>' would make a cue's "-->" (4.1). */
+        const char *entity = sign == '>'   ? "&gt;"
+                             : c->tagged   ? NULL
                              : sign == '&' ? "&amp;"
                              : sign == '<' ? "&lt;"
-                             : sign == '>' ? "&gt;"
                                            : NULL;
         buf_add(line, entity ? entity : &sign, entity ? strlen(entity) : 1);
         c->characters += (sign & 0xC0) != 0x80;

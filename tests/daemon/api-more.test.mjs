@@ -36,6 +36,13 @@ test('GET, POST of text and POST of JSON speak the same', async () => {
   assert.equal((await asked('/v1/speech', json({ format: 'json', text: marked, markup: 'plain' }))).marks.length, 0);
 });
 
+test('no text writes an arrow into a cue of WebVTT', async () => {
+  for (const text of ['<speak xml:lang="it">Uno --> due &amp; tre.</speak>', 'Uno --> due & tre.']) {
+    const cues = (await bytes(`/v1/speech?format=vtt&lang=it&text=${encodeURIComponent(text)}`)).toString().split('\n').filter((line) => /[a-z]/.test(line));
+    assert.match(cues.join(' ').replace(/<[\d:.]+>/g, ''), /^Uno --&gt; due &amp; tre\.$/);
+  }
+});
+
 const wrong = [
   ['GET without a text', '/v1/speech?lang=it', undefined, { status: 400, code: 'missing-field', field: 'text' }],
   ['GET with an empty text', '/v1/speech?text=', undefined, { status: 400, code: 'empty-text' }],
