@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What each part of the visible speech does: engines, the layer of contacts, shape and resistance apart; closures in the phones' own times.
-//     node tests/bench/ablation.mjs [LANG...]
+//     node tests/bench/run.mjs ablation [LANG...]
 import { spawnSync } from 'node:child_process';
 import path from 'node:path';
 import { build } from '../lib/daemon.mjs';

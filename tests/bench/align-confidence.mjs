@@ -2,7 +2,7 @@
 // What the confidence of aligned words is worth: sentences of known times (Festival's voices: every word; Debian's asterisk-core-sounds-it: where each
 // prompt begins) are read in one order and written in another, with lines missing, replaced, repeated, in another order, and noise or music between. Of the
 // words with a confidence, how many are within 0.3 s of where they are said, how many a second off or not said at all?
-// node tests/bench/align-confidence.mjs [SENTENCES, 14] [SEED, 1] [--voices kal,slt,lp,pc,carlo] [--program FACCIA]
+// node tests/bench/run.mjs align-confidence [SENTENCES, 14] [SEED, 1] [--voices kal,slt,lp,pc,carlo] [--program FACCIA]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far the alignment is off on a person: stops between vowels beside the closures that can be heard, and what chance would give.
 // Wants Debian's asterisk-core-sounds-it and asterisk-core-sounds-it-wav (18 MB).
-// node tests/bench/align-people.mjs [PROMPTS, all]
+// node tests/bench/run.mjs align-people [PROMPTS, all]
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';

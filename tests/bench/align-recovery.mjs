@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A person's recording that is not what its text says: prompts of Debian's asterisk-core-sounds-it one after the other, of which the text has others.
 // Of every sentence that is in both: is it found where it is? Of those that are in one alone: is that said?
-// node tests/bench/align-recovery.mjs [PROMPTS, 60] [SEED, 1] [--program FACCIA]
+// node tests/bench/run.mjs align-recovery [PROMPTS, 60] [SEED, 1] [--program FACCIA]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far aligned phones lie from the truth, where it is known (Festival's voices as recordings), and how fast the alignment is:
 // seconds of sound for each second of CPU, next to sox that only reads the same file and writes it again, in one run.
-// Usage: node tests/bench/align.mjs
+// Usage: node tests/bench/run.mjs align
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -2,7 +2,7 @@
 // One speaker in a room to many listeners: what a delivered message costs the daemon's process, next to a minimal libwebsockets
 // program (ring.c) that sends the same messages at the same times to as many. Both on core 0, the listeners on core 1. CPU times
 // are those of the kernel's scheduler, so others on the machine hardly show. (The ring needs libwebsockets-dev, which is
-// installed then.) Usage: node tests/bench/broadcast.mjs [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
+// installed then.) Usage: node tests/bench/run.mjs broadcast [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

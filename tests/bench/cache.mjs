@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the cache of finished sentences saves: the time until speech begins for a sentence that was spoken before, next to one that
 // was not, and next to a request that needs no voice at all, in one run. From memory, from a file, and from another daemon by Redis.
-// Usage: node tests/bench/cache.mjs [RUNS] [VOICE]...
+// Usage: node tests/bench/run.mjs cache [RUNS] [VOICE]...
 import fs from 'node:fs';
 import http from 'node:http';
 import os from 'node:os';

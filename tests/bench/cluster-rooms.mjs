@@ -4,7 +4,7 @@
 // all a listener has a message. Daemons and Redis on core 0, the listeners on core 1; the two in turns.
 // At rest: what daemons and Redis do while nothing is said, in the time that the speech takes; it is a part of the CPU time.
 // Took: from the request until all had its end. Waited: for how much of that the one of daemons and Redis that waited longest had no processor.
-// Usage: node tests/bench/cluster-rooms.mjs [LISTENERS [DAEMONS [TURNS [SENTENCES]]]] (4000 4 3 3). A process may have `ulimit -n` descriptors:
+// Usage: node tests/bench/run.mjs cluster-rooms [LISTENERS [DAEMONS [TURNS [SENTENCES]]]] (4000 4 3 3). A process may have `ulimit -n` descriptors:
 // the listeners are as many processes as that wants; at one daemon there are no more of them than it allows, and CPU ratios are those of a message.
 import { execFileSync } from 'node:child_process';
 import { roomTurn } from './room-turn.mjs';

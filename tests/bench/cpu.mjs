@@ -3,7 +3,7 @@
 // clients at once, next to the espeak-ng program that writes the same speech to WAV files. Both in turns, so that what the machine does
 // meanwhile meets both; the ratio is the median of those of the turns. The clients only count what comes: what they compute would
 // drive the daemon's data out of the processor's caches and be charged to it.
-// Usage: node tests/bench/cpu.mjs [CLIENTS] [SECONDS] [TURNS]
+// Usage: node tests/bench/run.mjs cpu [CLIENTS] [SECONDS] [TURNS]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import WebSocket from 'ws';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every sound of every language (contexts and syllables, too) in every affect, spoken in both blends, on every head: what goes through what.
 // Hours for all of it: --minutes ends the search of each head then, and says how many poses, taken from all over, it came to.
-// FACCIA_BUILD=build node tests/bench/crossings.mjs [--apart 0.25] [--minutes N] [HEAD]...
+// FACCIA_BUILD=build node tests/bench/run.mjs crossings [--apart 0.25] [--minutes N] [HEAD]...
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';

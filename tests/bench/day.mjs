@@ -2,7 +2,7 @@
 // A day of speech as fast as the machine makes it, and the memory of the daemon and its voices meanwhile, which must stay flat.
 // POST /v1/speech in all formats, some of them left by the client before their end, and beside them sockets that come, speak, idle,
 // change their mood, stop, and go. No sentence is said twice, so a small cache turns over all the time.
-// Usage: node tests/bench/day.mjs [--hours 24] [--minutes 10] (it ends after so many minutes, however much was said by then)
+// Usage: node tests/bench/run.mjs day [--hours 24] [--minutes 10] (it ends after so many minutes, however much was said by then)
 import { parseArgs } from 'node:util';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, and to the end of the
 // first sentence, in one run.
-// Usage: node tests/bench/first-media.mjs [RUNS]
+// Usage: node tests/bench/run.mjs first-media [RUNS]
 import { execFileSync } from 'node:child_process';
 import { Daemon } from '../lib/daemon.mjs';
 import { median, quantile } from './figures.mjs';

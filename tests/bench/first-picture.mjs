@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How long until one sees somebody: for each head its bytes on the way, and the milliseconds from asking for the page until its poster is
 // there and until the head itself is drawn, in headless Chromium with software rendering, empty caches. An empty page of the same server stands
-// beside it. FACCIA_BUILD=build node tests/bench/first-picture.mjs [TURNS]; another build: with its FACCIA_BUILD, FACCIA_MODELS, FACCIA_WEB.
+// beside it. FACCIA_BUILD=build node tests/bench/run.mjs first-picture [TURNS]; another build: with its FACCIA_BUILD, FACCIA_MODELS, FACCIA_WEB.
 import { Daemon } from '../lib/daemon.mjs';
 import { launch } from '../lib/browser.mjs';
 import { servePages } from '../lib/page-server.mjs';

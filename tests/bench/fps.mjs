@@ -4,7 +4,7 @@
 // empty page that only counts its frames; in turns, so that what else the machine does falls on all. With --before also the page as
 // another folder has it (a build/web of an older commit). Chromium is as it is without a graphics processor: SwiftShader draws faces, and the
 // page is put together without it. With --forced that goes through SwiftShader as well, which no visitor has, and older figures have.
-// Usage: node tests/bench/fps.mjs [--seconds 8] [--turns 3] [--before FOLDER] [--model mara] [--forced] [--only high] (beside the reference)
+// Usage: node tests/bench/run.mjs fps [--seconds 8] [--turns 3] [--before FOLDER] [--model mara] [--forced] [--only high] (beside the reference)
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';

@@ -3,7 +3,7 @@
 // something left out, in turn, so that what else the machine does falls on all. For each picture: processor time of all the browser's
 // processes, and time by the clock. Pictures are waited for (one point is read back), and none is put on the display: that is fps.mjs.
 // With --before also as the client of another folder draws it (the web/ of an older commit, with its protocol/ beside it), in the same turns.
-// Usage: node tests/bench/frame.mjs [--level low] [--web FOLDER] [--before FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
+// Usage: node tests/bench/run.mjs frame [--level low] [--web FOLDER] [--before FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';

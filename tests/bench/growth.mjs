@@ -4,7 +4,7 @@
 // the same turn. Listeners: one speaks in a room to all of them, at any daemon. Speakers: streams of their own, spread over the daemons,
 // with a text of its own each, so that none is in a cache. At rest: what daemons and Redis do while nothing is said, in the time that the
 // speech takes, which does not grow with the listeners.
-// Usage: node tests/bench/growth.mjs [LISTENERS [SPEAKERS [TURNS [SECONDS]]]] (2000 24 3 8; no speakers: 0; ulimit -n must allow the listeners)
+// Usage: node tests/bench/run.mjs growth [LISTENERS [SPEAKERS [TURNS [SECONDS]]]] (2000 24 3 8; no speakers: 0; ulimit -n must allow the listeners)
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import readline from 'node:readline';

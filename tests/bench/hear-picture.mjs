@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws web/hear.webp, the picture of the README: somebody's voice as it goes over a running daemon's stream, in real time, and the lips that come back. From above:
 // the mouth every so often, the sound, the lips' distance; behind them, where `faccia align` with the text finds /p b m/, which the daemon is not told.
-// Wants Debian's pocketsphinx-testdata. FACCIA_BUILD=build node tests/bench/hear-picture.mjs [OUT]
+// Wants Debian's pocketsphinx-testdata. FACCIA_BUILD=build node tests/bench/run.mjs hear-picture [OUT]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

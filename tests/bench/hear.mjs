@@ -4,7 +4,7 @@
 // Wants ffmpeg and Debian's asterisk-core-sounds-it, -it-wav, -it-g722 (Italian, one man, at 8 and at 16 kHz), -en, -es, -fr, -ru with their -g722 (English and Spanish: one woman;
 // French, Russian: another each), pocketsphinx-testdata (English, five sentences of a reader) and festvox-kallpc16k (a voice whose phones are known without any alignment).
 // Each speaks in one go, half a second after each recording.
-// node tests/bench/hear.mjs [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER]
+// node tests/bench/run.mjs hear [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER]
 // FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; then they hear the same in the same run. Rhubarb takes twice as long as somebody speaks.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';

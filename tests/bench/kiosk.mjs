@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Hours of a room's page, accelerated: sentences, questions, moods, nights, a wire that is cut each hour; and what the browser holds after each
 // of them, garbage collected: heap, nodes, listeners, nodes of sound, timers.
-// Usage: node tests/bench/kiosk.mjs [--hours 8] [--says 6] (sentences in an hour) [--webgl]
+// Usage: node tests/bench/run.mjs kiosk [--hours 8] [--says 6] (sentences in an hour) [--webgl]
 import { parseArgs } from 'node:util';
 import { launch } from '../lib/browser.mjs';
 import { Daemon } from '../lib/daemon.mjs';

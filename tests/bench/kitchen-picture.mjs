@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Takes web/kiosk.webp, the picture of the README: the face of a room, and the desk from which somebody speaks through it.
-// FACCIA_BUILD=build node tests/bench/kitchen-picture.mjs [OUT]
+// FACCIA_BUILD=build node tests/bench/run.mjs kitchen-picture [OUT]
 import fs from 'node:fs';
 import path from 'node:path';
 import { launch } from '../lib/browser.mjs';

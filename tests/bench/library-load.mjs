@@ -3,7 +3,7 @@
 // of them a second from eight clients, in turns; one more client searches four times a second. What is searched for is as hard as can be: three words
 // that are met most. Clients and speakers share the processors with the daemon: as many requests of /healthz, which do nothing, tell what
 // of the lateness is theirs.
-// node tests/bench/library-load.mjs [SPEAKERS, 50] [SEARCHES A SECOND, 1000] [MEGABYTES, 10] [TURNS, 2]
+// node tests/bench/run.mjs library-load [SPEAKERS, 50] [SEARCHES A SECOND, 1000] [MEGABYTES, 10] [TURNS, 2]
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import fs from 'node:fs';

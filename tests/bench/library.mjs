@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The library's index: how fast it is built, and how long searches take, beside sqlite3 on the same index and grep on the same files.
-// node tests/bench/library.mjs [MEGABYTES, 20] [SEARCHES, 500]
+// node tests/bench/run.mjs library [MEGABYTES, 20] [SEARCHES, 500]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

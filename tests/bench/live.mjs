@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From a sample to its face over the stream: how long after the moment at which it was spoken a frame is there, at each lookahead. The sound is sent every 10 ms as it
 // is spoken, 16 kHz. What the daemon adds to the lookahead is beside how late a `ping` is answered on the same connection meanwhile: that is the machine's.
-// node tests/bench/live.mjs [SECONDS, 20]
+// node tests/bench/run.mjs live [SECONDS, 20]
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Daemon } from '../lib/daemon.mjs';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws web/mouth.png, the twelve mouths of the README, as the program speaks them: FACCIA_BUILD=build node tests/bench/mouth-picture.mjs [MODEL] [OUT]
+// Draws web/mouth.png, the twelve mouths of the README, as the program speaks them: FACCIA_BUILD=build node tests/bench/run.mjs mouth-picture [MODEL] [OUT]
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contacts and openings of 25 sentences a language, at four rates, neutral and in five emotions, by both blends, with all engines of the
-// language. Usage: node tests/bench/mouth.mjs [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320]
+// language. Usage: node tests/bench/run.mjs mouth [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320]
 // [--engines dominance,syllable] [--list] [LANG]...
 // In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of the first --sentences (3), neutral and in
 // two emotions at 320 words a minute, or of --all. --list names what fails.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Text that is spoken while it is written: from the last token of the first sentence to the first media message, next to a `speak` of that
 // sentence alone, in turns. The writer is a stand-in for a language model: a token of up to five characters in each interval.
-// Usage: node tests/bench/open.mjs [RUNS]; FACCIA_BUILD=... measures another build
+// Usage: node tests/bench/run.mjs open [RUNS]; FACCIA_BUILD=... measures another build
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Daemon } from '../lib/daemon.mjs';
 import { median, quantile } from './figures.mjs';

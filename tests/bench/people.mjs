@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How near the engines come to people: node tests/bench/people.mjs LANG CURVES TIMES [CURVES TIMES]...
+// How near the engines come to people: node tests/bench/run.mjs people LANG CURVES TIMES [CURVES TIMES]...
 // Prints a table in Markdown: correlation and error for each parameter, the mean over the recordings. Recordings of the same sentence are laid beside each
 // other (the last line). With two recordings or more, a pack is fitted to each of them, too, and measured on the others.
 import { spawnSync } from 'node:child_process';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the phones' times of the voices lie beside what is heard, and the table that moves them there (models/boundaries.md).
-// Usage: node tests/bench/phones.mjs [--write FILE] [VOICE]...
+// Usage: node tests/bench/run.mjs phones [--write FILE] [VOICE]...
 // By voice and event: the median of a boundary's time less that of its event in the spectrum, ms (positive: the boundary is late), ± how far half
 // of them lie from it; the mean of all without their signs (how many), as the voice says; below it, where a correction is worth while, what is left
 // where it was not learned: what every other sentence says moves those between, and the reverse. --write FILE: the table of what is learned from all, as far as it holds on the other halves; of voices

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a picture of a face of pictures costs: node tests/bench/pictures.mjs. A sentence's FAPs are drawn by the engine in a real
+// What a picture of a face of pictures costs: node tests/bench/run.mjs pictures. A sentence's FAPs are drawn by the engine in a real
 // Chromium without WebGL, as fast as it can. The processor's time on the page's thread is told for each picture, and the pictures a second on the
 // clock with the processor as it is and slowed down four and six times (Emulation.setCPUThrottlingRate).
 import { createRequire } from 'node:module';

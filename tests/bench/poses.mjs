@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Do somebody's own ways of moving come back from pictures of poses? A head of ours (luca) gets ways that no tool knows, is drawn at rest and in six poses, made a head
 // by `make-portrait.mjs` on another (--like, mara) with --poses and without, and both are told what was played: how far does their skin go otherwise than the drawn
-// one's? In the poses that were shown, and in others. node tests/bench/poses.mjs [HEAD] [--like HEAD]; pictures are kept in build/poses.
+// one's? In the poses that were shown, and in others. node tests/bench/run.mjs poses [HEAD] [--like HEAD]; pictures are kept in build/poses.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';

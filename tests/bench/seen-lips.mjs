@@ -3,7 +3,7 @@
 // of it as the page draws them, swaying, are watched by `faccia head lips`, the curves compared with the FAPs that were played; and with --fit a pack is
 // fitted to some sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
 // the place of the film.
-// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]; pictures are kept in build/seen-lips. Lines are
+// node tests/bench/run.mjs seen-lips [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]; pictures are kept in build/seen-lips. Lines are
 // those of a whole picture that shows 27 cm of height; with --crf they go through x264.
 // The scale is from the distance of the pupils, or with --iris from the iris.
 import { execFileSync, spawnSync } from 'node:child_process';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the heads have in common, and what it saves: on the way, if a second head left out what came with the first; in the browser's memory, where
-// what is the same is kept once. FACCIA_BUILD=build node tests/bench/sharing.mjs
+// what is the same is kept once. FACCIA_BUILD=build node tests/bench/run.mjs sharing
 import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What pictures from the side bring to a portrait: node tests/bench/sides.mjs. Bruno, drawn from the front and half turned to either side, is made on Mara; told are
+// What pictures from the side bring to a portrait: node tests/bench/run.mjs sides. Bruno, drawn from the front and half turned to either side, is made on Mara; told are
 // how far the head's feature points are from his own, laid onto each other, and how far the face is from his, seen from the side, in colour.
 import fs from 'node:fs';
 import path from 'node:path';

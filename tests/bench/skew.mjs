@@ -4,7 +4,7 @@
 // times are those that the browser records of its compositor and its sound system, not those that the page goes by. In the
 // same run: the same pictures as simpler players would have drawn them. Then once more without the page's word for
 // anything: of a recording whose jaw moves and whose sound clicks, from the pixels and the samples alone.
-// Usage: node tests/bench/skew.mjs [SECONDS [low|high|auto]]
+// Usage: node tests/bench/run.mjs skew [SECONDS [low|high|auto]]
 import { Daemon } from '../lib/daemon.mjs';
 import { launch, openPage } from '../lib/browser.mjs';
 import { quantile } from './figures.mjs';

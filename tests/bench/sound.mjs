@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What coding takes from the sound: the daemon's own coder at several bit rates, next to what known damage does, voice by voice.
-// likeness.mjs says what is measured. Usage: node tests/bench/sound.mjs [VOICE]... (default: espeak:it and Festival's LP)
+// likeness.mjs says what is measured. Usage: node tests/bench/run.mjs sound [VOICE]... (default: espeak:it and Festival's LP)
 import { execFileSync, spawnSync } from 'node:child_process';
 import { Daemon } from '../lib/daemon.mjs';
 import { likeness } from './likeness.mjs';

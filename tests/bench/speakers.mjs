@@ -2,7 +2,7 @@
 // How many can speak at once until media come late: separate streams, each with an Italian text of its own (none is in the
 // cache), in real time, heard as any client hears them (Opus and FAPC). Doubled until more than 1 % of the chunks come after their
 // play time, then bisected. The hearers share the cores: their CPU is said, too.
-// Usage: node tests/bench/speakers.mjs [--workers N] [--seconds S] [--query '&audio=none'] [N]... (N: only these; default: search from 50)
+// Usage: node tests/bench/run.mjs speakers [--workers N] [--seconds S] [--query '&audio=none'] [N]... (N: only these; default: search from 50)
 import { spawn } from 'node:child_process';
 import os from 'node:os';
 import { once } from 'node:events';

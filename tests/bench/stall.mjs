@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How long others wait while long texts are read: the slowest of the pings that another client, in a thread of its own,
-// sends every 2 ms, for each kind of text. Usage: node tests/bench/stall.mjs [BYTES...]
+// sends every 2 ms, for each kind of text. Usage: node tests/bench/run.mjs stall [BYTES...]
 import { isMainThread, parentPort, Worker, workerData } from 'node:worker_threads';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';

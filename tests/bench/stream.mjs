@@ -2,7 +2,7 @@
 // What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life as a .fapc file,
 // ASCII .fap, that gzipped, and JSON of 52 blend shapes at 60 a second, which takes a few seconds; and the beginning of it heard
 // live (Opus and FAPC), by a client that says no more, by one that has the events packed, as the page does, and by one that also
-// wants only 12 kbit/s of Opus, which takes as long as she speaks. Usage: node tests/bench/stream.mjs [SECONDS [LIVE]]
+// wants only 12 kbit/s of Opus, which takes as long as she speaks. Usage: node tests/bench/run.mjs stream [SECONDS [LIVE]]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';

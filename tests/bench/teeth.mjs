@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is seen of teeth and tongue in each sound of each language, on every head, and what must be seen, as tables:
-// FACCIA_BUILD=build node tests/bench/teeth.mjs [--all] [HEAD]...; --all: sound by sound
+// FACCIA_BUILD=build node tests/bench/run.mjs teeth [--all] [HEAD]...; --all: sound by sound
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';

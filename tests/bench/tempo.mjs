@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A recording at other rates than its own: pitch, times. A person's (Debian's asterisk-core-sounds-it and
 // -it-wav), and a voice's.
-// node tests/bench/tempo.mjs [PROMPTS, 30] [person|voice, both]
+// node tests/bench/run.mjs tempo [PROMPTS, 30] [person|voice, both]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

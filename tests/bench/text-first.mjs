@@ -3,7 +3,7 @@
 // headless Chromium with empty caches, slowed by the DevTools protocol (150 ms there and back, 1.6 Mbit/s down, a quarter of the processor, as
 // Lighthouse's mobile setting), the bytes that have come by then, and when the head's files were asked for first. The page without scripts
 // stands beside it, and the pages of another build (a folder as build/web), turn by turn.
-// FACCIA_BUILD=build FACCIA_MODELS=build/models FACCIA_WEB=build/web node tests/bench/text-first.mjs [TURNS] [WEB]
+// FACCIA_BUILD=build FACCIA_MODELS=build/models FACCIA_WEB=build/web node tests/bench/run.mjs text-first [TURNS] [WEB]
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Each voice plugin next to its bare engine's own program, on the same text in one run: speed against real time, the time to the
 // first audio of one sentence in a running daemon, and memory.
-// Usage: node tests/bench/voices.mjs [SECONDS OF TEXT] [VOICE]...
+// Usage: node tests/bench/run.mjs voices [SECONDS OF TEXT] [VOICE]...
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
