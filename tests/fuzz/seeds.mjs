@@ -123,6 +123,12 @@ const parts = {
     const chance = new Chance(i);
     return joined(i, ...Array.from({ length: 1 + i % 3 }, () => webSocketFrames(chance, messageText(chance).subarray(0, 300))).flat());
   }),
+  picture_size: () => {
+    const png = (width, height) => joined('\x89PNG\r\n\x1a\n'.split('').map((c) => c.charCodeAt(0)), [0, 0, 0, 13], 'IHDR', u32(width).reverse(), u32(height).reverse(), [8, 2, 0, 0, 0, 0, 0, 0, 0]);
+    const webp = (kind, ...body) => joined('RIFF', u32(22), 'WEBP', kind, u32(10), ...body);
+    return [png(16000, 16000), png(2 ** 32 - 1, 1), webp('VP8X', u32(0), [255, 1, 0, 255, 255, 255]), webp('VP8L', [0x2f], u32(0x3fc1ff), Buffer.alloc(5)), webp('VP8 ', [0, 0, 0, 0x9d, 1, 0x2a, 64, 65, 64, 66]),
+      joined([0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2, 0xff, 0xff, 0xc2, 0, 17, 8, 1, 2, 3, 4])];
+  },
   phones: () => [joined(0, 200, 't͡ʃaˈo̞ː ʎɲɡ'), joined(1, 200, 'tS a "o_o: L J g <\\>_~'), joined(2, 0, timesFiles.offsets), ...[0, 1, 2, 3, 4, 5].map((pack) => joined(3, pack, 'tʃaʊ̯ɲːk͡px'))],
 };
 

@@ -22,6 +22,8 @@ const BETWEEN = [1, 3.2]; // mm from where lips meet: of parted ones a picture s
 const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
 const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
 
+const SHEEN = 0.018; // linear: what shines on skin in the portrait's light, whatever its colour
+
 const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
@@ -50,6 +52,25 @@ export function toneOf(picture, landmarks) {
   const spread = Math.max(1, Math.hypot(landmarks[234][0] - landmarks[454][0], landmarks[234][1] - landmarks[454][1]) / 60);
   return medians(SKIN.flatMap((i) => [-1, 0, 1].flatMap((a) =>
     [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
+}
+
+/** The linear light behind a drawn colour: the inverse of `filmic` (head/shader-surface.mjs), which presses what is bright. */
+export function beforeFilm(c) {
+  const pressed = Math.min(0.97, Math.max(...c));
+  if (pressed <= 0.7) return [...c];
+  const peak = 0.4 + 0.09 / (1 - pressed);
+  const white = 1 - 1 / (0.2 * (peak - pressed) + 1);
+  return c.map((x) => (Math.max(0, Math.min(x, pressed) - pressed * white) / (1 - white)) * (peak / pressed));
+}
+
+/**
+ * By how much the base's texture must change so that its skin is drawn in the picture's tone: what is drawn is the texture
+ * times the light, and what shines, as it would on a film.
+ * @param {number[]} wanted linear @param {number[]} drawn linear: how the base's skin looks
+ */
+export function toneRatio(wanted, drawn) {
+  const [to, from] = [wanted, drawn].map(beforeFilm);
+  return to.map((x, k) => Math.max(0.15 * x, x - SHEEN) / Math.max(0.15 * from[k], from[k] - SHEEN));
 }
 
 /** Which lip a place belongs to: below the line where they touch, or above. */
@@ -194,14 +215,21 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
     layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
     look: eyes }));
   // Of the base it is known how its skin looks when it is drawn, by the same measure: light adds to what the texture has.
-  const drawn = base.tone ?? tone.was;
-  const ratio = tone.is.map((x, k) => x / drawn[k]);
+  const ratio = toneRatio(tone.is, base.tone);
+  // The picture shows its own light, too: this much of its colour belongs to the texture.
+  const unlit = tone.was.map((x, k) => (x * ratio[k]) / (tone.is[k] + 1e-4));
   const slowOwn = slowly(position, own, mask, layers[0].chosen);
   for (const one of layers) {
     one.gain = new Float32Array(position.length);
     for (const v of one.chosen)
-      for (let k = 0; k < 3; k++) one.gain[3 * v + k] = Math.min(GAIN[1],
-        Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (one.slow[3 * v + k] + 1e-4)) ** EVEN));
+      for (let k = 0; k < 3; k++) one.gain[3 * v + k] = unlit[k] * Math.min(GAIN[1],
+        Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (unlit[k] * one.slow[3 * v + k] + 1e-4)) ** EVEN));
+    // The evening moves the tone: cheeks and forehead, by which it is measured, are lit more than their surroundings.
+    const wanted = skinTone(base, position, own, one.weight);
+    const painted = one.colours.map((x, i) => x * one.gain[i]);
+    for (const v of one.chosen) for (let k = 0, dull = dulled(one.colours, one.slow, v); k < 3; k++) painted[3 * v + k] *= dull;
+    const got = wanted && skinTone(base, position, painted, one.weight);
+    for (let i = 0; got && i < one.gain.length; i++) one.gain[i] *= (wanted[i % 3] * ratio[i % 3]) / (got[i % 3] + 1e-4);
   }
   divide(layers);
   const data = new Uint8ClampedArray(texture.data);
@@ -222,17 +250,26 @@ function divide(layers) {
   }
 }
 
-function skinTone(base, position, own) {
-  return medians(
-    SKIN.filter((i) => base.at[i]).map((i) => {
-      let [best, least] = [0, Infinity];
-      for (let v = 0; v < position.length; v += 3) {
-        const far = base.at[i].reduce((sum, x, k) => sum + (x - position[v + k]) ** 2, 0);
-        if (far < least) [least, best] = [far, v];
-      }
-      return [...own.subarray(best, best + 3)];
-    }),
-  );
+/**
+ * The tone of colours of vertices, as toneOf measures a picture's. @param {Float32Array|null} [weight] only where it is above a
+ * half @returns {number[]|null} null: that is nowhere
+ */
+function skinTone(base, position, colours, weight = null) {
+  const vertices = SKIN.filter((i) => base.at[i]).map((i) => {
+    let [best, least] = [0, Infinity];
+    for (let v = 0; v < position.length / 3; v++) {
+      const far = base.at[i].reduce((sum, x, k) => sum + (x - position[3 * v + k]) ** 2, 0);
+      if (far < least) [least, best] = [far, v];
+    }
+    return best;
+  }).filter((v) => !weight || weight[v] > 0.5);
+  return vertices.length ? medians(vertices.map((v) => [...colours.subarray(3 * v, 3 * v + 3)])) : null;
+}
+
+/** What is left of a colour that shines. */
+function dulled(colours, slow, v = 0) {
+  const bright = luma(colours.subarray?.(3 * v) ?? colours) / (luma(slow.subarray?.(3 * v) ?? slow) + 1e-4);
+  return bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
 }
 
 function paint(layers, { uv, index, size }, data) {
@@ -249,8 +286,7 @@ function paint(layers, { uv, index, size }, data) {
       if (w < 0.004) continue;
       rest -= w;
       sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
-      const bright = luma(colour) / (luma([0, 1, 2].map((k) => mixed(slow, 3, k))) + 1e-4);
-      const dull = bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
+      const dull = dulled(colour, [0, 1, 2].map((k) => mixed(slow, 3, k)));
       for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
     }
     if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
