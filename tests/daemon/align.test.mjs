@@ -302,6 +302,31 @@ test('times from files, with the words found in the sound', () => {
   assert.match(foreign.stderr, /\d+ of the \d+ words of the times are not in the text/);
 });
 
+test('a TextGrid with words needs no text: its tiers are found by their names, or told', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+  const tier = (name, list) => `"IntervalTier"\n${quoted(name)}\n0\n${truth.json.duration}\n${list.length}\n${list.map(({ start, end, text, ipa }) => `${start}\n${end}\n${quoted(text ?? ipa)}`).join('\n')}\n`;
+  const grid = (...tiers) => write('own.TextGrid', `File type = "ooTextFile"\nObject class = "TextGrid"\n0\n${truth.json.duration}\n<exists>\n${tiers.length}\n${tiers.join('')}`);
+  const said = truth.json.words.flatMap(({ text, start, end }) => {
+    const parts = text.split(/(?<=')/); // what an apostrophe cuts are two words
+    return parts.map((part, i) => ({ text: part, start: start + (i / parts.length) * (end - start), end: start + ((i + 1) / parts.length) * (end - start) }));
+  });
+  const check = (timing, ...more) => {
+    const result = run(['align', truth.path, '--timing', timing, ...more]);
+    assert.equal(result.status, 0, result.stderr);
+    const { words: list, phones: sounds } = JSON.parse(result.stdout);
+    assert.deepEqual(list.map((w) => w.text), said.map((w) => w.text.replace(/[^\p{L}]/gu, '')));
+    list.forEach((w, i) => assert.ok(Math.abs(w.start - said[i].start) < 0.21, `${w.text} at ${w.start}, not ${said[i].start}`));
+    assert.ok(sounds.filter((p) => p.ipa).length > 60);
+  };
+  check(grid(tier('anna - words', said), tier('anna - phones', truth.json.phones)));
+  const two = grid(tier('one', said), tier('two', truth.json.phones));
+  check(two, '--tier', 'two', '--word-tier', 'one');
+  const unknown = run(['align', truth.path, '--timing', two]);
+  assert.equal(unknown.status, 1);
+  assert.match(unknown.stderr, /none of the tiers is named "phones": tell which of "one", "two"/);
+});
+
 // However slow the machine is, it has the time that it takes.
 const PATIENCE = '300';
 const patience = ['--deadline-base', PATIENCE];
