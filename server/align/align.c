@@ -17,7 +17,13 @@ static size_t nearest(const struct align_map *map, size_t j, size_t count) {
 /* Noise before a word costs the warp no more on a frame of the word than beside it, so the word may begin
  * with the noise: a frame so near to the word's boundary (frames) that is held for so long (frames of the
  * recording) is not the word but something that is none of it; so much is left to it. */
-enum { NEAR_WORD = 8, BEGIN_HELD = 30, END_HELD = 60, HELD_KEPT = 4 }; /* last vowels are long */
+enum {
+    NEAR_WORD = 8,
+    BEGIN_HELD = 30,
+    END_HELD = 60,
+    HELD_KEPT = 4,
+    CLOSURE = 12
+}; /* last vowels are long */
 
 static bool is_held(const struct align_map *map, size_t j, size_t least) {
     return map->until[j] > map->at[j] + least;
@@ -40,10 +46,30 @@ static void end_sooner(struct align_map *map, size_t held, size_t to) {
         map->at[j] = end;
 }
 
+/* A word that begins with a closed mouth may begin in the pause before it: with its first sounds spread over
+ * a silence so long that it is none of the word. It begins where the last such silence ends. */
+static void begin_after_silence(struct align_map *map, size_t from, size_t to,
+                                const struct features *recording) {
+    size_t silent = 0, begin = 0;
+    for (size_t i = map->at[from]; i < map->until[to - 1] && i < recording->count; i++) {
+        silent = recording->silent[i] ? silent + 1 : 0;
+        if (silent > BEGIN_HELD)
+            begin = i + 1 - HELD_KEPT;
+    }
+    for (size_t j = from; j < to && map->at[j] < begin; j++) {
+        map->at[j] = begin;
+        map->until[j] = map->until[j] > begin ? map->until[j] : begin;
+    }
+}
+
 /* Gives back what words hold at their beginnings and before pauses that none of them is. */
-static void release(struct align_map *map, const size_t *gaps, size_t count) {
+static void release(struct align_map *map, const size_t *gaps, size_t count,
+                    const struct features *recording) {
     for (size_t g = 0; g < count; g++) {
         size_t held = SIZE_MAX, end = g + 1 < count ? gaps[g + 1] : map->frames;
+        size_t near = gaps[g] + CLOSURE < map->frames ? gaps[g] + CLOSURE : map->frames;
+        if (near > gaps[g])
+            begin_after_silence(map, gaps[g], near, recording);
         for (size_t j = gaps[g]; j < gaps[g] + NEAR_WORD && j < end; j++)
             if (is_held(map, j, BEGIN_HELD))
                 held = j;
@@ -83,7 +109,7 @@ int align_make(struct align_map *map, const struct align_sound *recording,
     map->passed = mem_alloc(b.count * sizeof *map->passed);
     map->distance = warp(&a, &b, &options, map->at, map->until);
     if (map->distance >= 0)
-        release(map, gaps, gap_count);
+        release(map, gaps, gap_count, &a);
     for (size_t j = 0; j < b.count && map->distance >= 0; j++)
         map->apart[j] = b.silent[j] ? -1 : warp_distance(a.frames[nearest(map, j, a.count)], b.frames[j]);
     for (size_t j = 1; j < b.count && map->distance >= 0; j++)

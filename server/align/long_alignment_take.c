@@ -15,6 +15,9 @@
 /* A word of which one moment is held for so long is doubtful, and worth nothing, s. */
 #define HELD_DOUBTFUL 0.25
 #define HELD_WORTHLESS 0.9
+/* A word that takes so many times as long as the voice's has a pause or noise in it, or sounds of its
+ * neighbours: what is beyond that counts as held. */
+#define DRAWN_OUT 3.0
 /* A word is too short to be judged by itself: so many on both sides count, too. */
 enum { BESIDE = 2 };
 
@@ -81,14 +84,17 @@ static void take_phones(const struct fit *fit, const struct reference_span *span
 }
 
 /* How sure word i is: by the sound of it and of its neighbours, on the piece's scale, and by how it lasts. */
-static double word_confidence(const struct fit *fit, const struct reference_span *span, size_t i,
+/* Word i, which takes so many seconds. */
+static double word_confidence(const struct fit *fit, const struct reference_span *span, size_t i, double took,
                               const struct long_alignment_piece *piece, double apart) {
     const struct reference_word *words = fit->said->speech.words;
     size_t first = i >= span->words + BESIDE ? i - BESIDE : span->words, last = i + BESIDE + 1;
     uint64_t end = last < span[1].words ? words[last].start : span->end;
     uint64_t own = i + 1 < span[1].words ? words[i + 1].start : span->end;
     double here = apart_of(fit, words[first].start, end);
-    double held = align_held(fit->map, inside(fit, words[i].start), inside(fit, own));
+    double spoken = (double)(own - words[i].start) / fit->said->speech.rate;
+    double held =
+        fmax(align_held(fit->map, inside(fit, words[i].start), inside(fit, own)), took - DRAWN_OUT * spoken);
     double lasts = fmax(0, fmin(1, (HELD_WORTHLESS - held) / (HELD_WORTHLESS - HELD_DOUBTFUL)));
     return lasts *
            (here < 0 || piece->apart <= 0 ? confidence(apart) : confidence(apart * here / piece->apart));
@@ -102,15 +108,14 @@ static void take_words(const struct fit *fit, const struct reference_span *span,
     for (size_t i = span->words; i < span[1].words; i++) {
         const struct reference_word *from = &fit->said->speech.words[i];
         struct long_alignment_word *w = &piece->words[piece->word_count++];
-        *w = (struct long_alignment_word){.from = from->from,
-                                          .to = from->to,
-                                          .start = fit_time(fit, from->start),
-                                          .confidence = word_confidence(fit, span, i, piece, apart)};
+        *w = (struct long_alignment_word){
+            .from = from->from, .to = from->to, .start = fit_time(fit, from->start)};
         w->end = w->start;
         double next = i + 1 < span[1].words ? fit_time(fit, from[1].start) : INFINITY;
         for (; phone < piece->phone_count && piece->phones[phone].start < next - 1e-9; phone++)
             w->end = fmax(w->end, piece->phones[phone].end);
         w->end = fmin(w->end, fmax(w->start, next));
+        w->confidence = word_confidence(fit, span, i, w->end - w->start, piece, apart);
     }
 }
 

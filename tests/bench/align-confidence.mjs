@@ -50,7 +50,7 @@ const music = (rate, seconds) => Int16Array.from({ length: rate * seconds }, (_,
   return [1, 1.26, 1.5, 2, 3].reduce((sum, n) => sum + 1200 * Math.sin(2 * Math.PI * root * n * t), 0) * Math.exp(-3 * (t % 0.5));
 });
 
-const BINS = [0, 0.15, 0.4, 0.6, 0.8, 0.95, 1.01];
+const BINS = [0, 0.15, 0.5, 0.9, 1.01];
 const tally = () => BINS.slice(1).map(() => ({ n: 0, right: 0, far: 0, unsaid: 0, sum: 0 }));
 
 /** One recording against one text, into the bins. */

@@ -57,8 +57,8 @@ const join = (...parts) => {
   return all;
 };
 /** Noise that is the same in every run. */
-const noise = (samples, loudness) => {
-  let state = 1;
+const noise = (samples, loudness, seed = 1) => {
+  let state = seed;
   return Int16Array.from({ length: samples }, () => {
     state = (Math.imul(state, 1664525) + 1013904223) | 0;
     return (state / 2 ** 31) * loudness;
@@ -168,6 +168,40 @@ test('beside noise no word that is sure begins a second off', () => {
       }
     }
   }
+});
+
+// J. Milton, "When I consider how my light is spent" (1673)
+const sonnet = `When I consider how my light is spent,
+Ere half my days, in this dark world and wide,
+And that one talent which is death to hide
+Lodged with me useless, though my soul more bent
+To serve therewith my Maker, and present
+My true account, lest he returning chide;
+Doth God exact day-labour, light denied?
+I fondly ask. But patience, to prevent
+That murmur, soon replies, God doth not need
+Either man's work or his own gifts; who best
+Bear his mild yoke, they serve him best. His state
+Is kingly. Thousands at his bidding speed
+And post o'er land and ocean without rest;
+They also serve who only stand and wait.
+`;
+
+test('a slow reader of a sonnet who pauses after each line, beside a hiss: all fourteen lines are found', () => {
+  const said = say(['-l', 'en', '-v', 'espeak:en-us', '-r', '90'], sonnet, {}, ordinary);
+  assert.equal(said.status, 0, said.stderr);
+  const { pcm, rate } = said, real = wordStarts(said), pause = new Int16Array(Math.round(0.7 * rate));
+  const bytes = sonnet.trim().split('\n').reduce((all, line) => [...all, all.at(-1) + Buffer.byteLength(line) + 1], [0]).slice(0, 14);
+  const cuts = bytes.map((byte, i) => (i ? Math.round((real[byte] - 0.02) * rate) : 0));
+  const sound = join(...cuts.flatMap((cut, i) => [pcm.subarray(cut, cuts[i + 1] ?? pcm.length), pause]));
+  const hiss = noise(sound.length, 100, 7);
+  sound.forEach((x, i) => (sound[i] = Math.max(-32768, Math.min(32767, x + hiss[i]))));
+  const found = aligned(wav('sonnet.wav', sound, rate), sonnet, { lang: 'en', from: ordinary }), starts = wordStarts(found);
+  assert.doesNotMatch(found.stderr, /is not read/);
+  bytes.forEach((byte, i) => {
+    const expected = real[byte] + i * pause.length / rate;
+    assert.ok(Math.abs(starts[byte] - expected) < 0.3, `line ${i + 1} at ${starts[byte]}, not ${expected}`);
+  });
 });
 
 test('the wrong transcript is named with its place and time; of one that goes wrong later, what is not read', () => {
@@ -300,6 +334,31 @@ test('times from files, with the words found in the sound', () => {
   const foreign = run(['align', truth.path, '--timing', own, '--text', write('austen.txt', austen)]);
   assert.equal(foreign.status, 1);
   assert.match(foreign.stderr, /\d+ of the \d+ words of the times are not in the text/);
+});
+
+test('a TextGrid with words needs no text: its tiers are found by their names, or told', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+  const tier = (name, list) => `"IntervalTier"\n${quoted(name)}\n0\n${truth.json.duration}\n${list.length}\n${list.map(({ start, end, text, ipa }) => `${start}\n${end}\n${quoted(text ?? ipa)}`).join('\n')}\n`;
+  const grid = (...tiers) => write('own.TextGrid', `File type = "ooTextFile"\nObject class = "TextGrid"\n0\n${truth.json.duration}\n<exists>\n${tiers.length}\n${tiers.join('')}`);
+  const said = truth.json.words.flatMap(({ text, start, end }) => {
+    const parts = text.split(/(?<=')/); // what an apostrophe cuts are two words
+    return parts.map((part, i) => ({ text: part, start: start + (i / parts.length) * (end - start), end: start + ((i + 1) / parts.length) * (end - start) }));
+  });
+  const check = (timing, ...more) => {
+    const result = run(['align', truth.path, '--timing', timing, ...more]);
+    assert.equal(result.status, 0, result.stderr);
+    const { words: list, phones: sounds } = JSON.parse(result.stdout);
+    assert.deepEqual(list.map((w) => w.text), said.map((w) => w.text.replace(/[^\p{L}]/gu, '')));
+    list.forEach((w, i) => assert.ok(Math.abs(w.start - said[i].start) < 0.21, `${w.text} at ${w.start}, not ${said[i].start}`));
+    assert.ok(sounds.filter((p) => p.ipa).length > 60);
+  };
+  check(grid(tier('anna - words', said), tier('anna - phones', truth.json.phones)));
+  const two = grid(tier('one', said), tier('two', truth.json.phones));
+  check(two, '--tier', 'two', '--word-tier', 'one');
+  const unknown = run(['align', truth.path, '--timing', two]);
+  assert.equal(unknown.status, 1);
+  assert.match(unknown.stderr, /none of the tiers is named "phones": tell which of "one", "two"/);
 });
 
 // However slow the machine is, it has the time that it takes.
