@@ -50,7 +50,8 @@ struct net {
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
     struct askers askers;                   /* of the library */
-    struct askers savers;                   /* of shelves: speech does not wait for what they save */
+    struct askers savers;                   /* on shelves: speech does not wait for what they save */
+    struct askers shelves;                  /* list, read and remove there, and do not wait for savers */
     unsigned works;                         /* HTTP answers that are being made */
     json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */
