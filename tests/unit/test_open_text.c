@@ -113,7 +113,7 @@ static void leaves_links_out(void **state) {
     (void)state;
     static const char *const pairs[][2] = {
         {"[a](b) c", "\1a\1\1\1\1 c"},
-        {"[a [b](c) d](e)", "\1a [b\1\1\1\1 d](e)"},
+        {"[a [b](c) d](e)", "\1a \1b\1\1\1\1 d\1\1\1\1"},
         {"[a] [b](c) [d](e)", "[a] \1b\1\1\1\1 \1d\1\1\1\1"},
         {"[a](]b) [c] (d) [e](f", "\1a\1\1\1\1\1 [c] (d) [e](f"},
         {"[[[", "[[["},
