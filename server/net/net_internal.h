@@ -125,12 +125,12 @@ struct exchange_session {
 struct exchange *exchange_open(struct net *net, const struct http_request *request,
                                const struct exchange_session *session);
 void exchange_close(struct exchange *x);
-void exchange_sent(struct exchange *x);           /* bytes have left */
-bool exchange_answered(const struct exchange *x); /* its head has been made */
-bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
-bool exchange_persists(const struct exchange *x); /* and another one may follow it */
-bool exchange_endless(const struct exchange *x);
-void exchange_look(struct exchange *x); /* from time to time */
+void exchange_sent(struct exchange *x);                   /* bytes have left */
+bool exchange_answered(const struct exchange *x);         /* its head has been made */
+bool exchange_done(const struct exchange *x);             /* all of it has been sent: close it */
+bool exchange_persists(const struct exchange *x);         /* and another one may follow it */
+bool exchange_ends_with_client(const struct exchange *x); /* that closes its side */
+void exchange_look(struct exchange *x);                   /* from time to time */
 
 /* What answers returns 0, for routes to pass on. */
 
@@ -180,6 +180,7 @@ struct exchange_work {
     void (*free)(void *self);
     void *self;
     bool endless; /* nobody waits for its end before the daemon stops */
+    bool costly; /* is not gone on with for a client that has closed its side and may not be there any more */
 };
 bool exchange_streams_body(const struct exchange *x); /* its body may take as long as it likes */
 void exchange_set_work(struct exchange *x, struct exchange_work work);

@@ -167,7 +167,9 @@ int shelf_serve(struct exchange *x, const struct shelf_service *service, const s
         free_keeping(k);
         return exchange_error(x, &e);
     }
-    exchange_set_work(x, (struct exchange_work){.body_end = on_body_end, .free = leave, .self = k});
+    exchange_set_work(x,
+                      (struct exchange_work){
+                          .body_end = on_body_end, .free = leave, .self = k, .costly = k->doing == SAVING});
     if (k->doing != SAVING)
         return begin(k);
     exchange_expect_body(x, shelf->most_bytes, ERROR_DOCUMENT_TOO_LONG);
