@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PIECE = 1 << 20 };
+enum { PIECE = 1 << 20, DECLARATION_BYTES_MAX = 256 };
 
 static const char *local(const char *name) {
     const char *colon = strrchr(name, ':');
@@ -61,6 +61,36 @@ static void on_entity(void *ctx, const char *name, int is_parameter) {
         w->entity(w, name);
 }
 
+/* Whether `standalone="yes"` stands at text[at..size); *end: where it ends. */
+static bool is_standalone(const char *text, size_t size, size_t at, size_t *end) {
+    static const char name[] = "standalone", white[] = " \t\r\n";
+    const size_t length = sizeof name - 1;
+    if (size - at < length || memcmp(text + at, name, length) != 0)
+        return false;
+    for (at += length; at < size && (text[at] == '=' || memchr(white, text[at], 4)); at++)
+        ;
+    *end = at + 5;
+    return size - at >= 5 && (!memcmp(text + at, "\"yes\"", 5) || !memcmp(text + at, "'yes'", 5));
+}
+
+/* Parses the XML declaration, if there is one, without what says that it needs no DTD: entities that nobody
+ * declares would be errors then, and the rest of a book would be lost for a `&nbsp;`. Returns its size. */
+static size_t parse_declaration(struct xml_walk *w, const char *data, size_t size, enum XML_Status *status) {
+    char text[DECLARATION_BYTES_MAX];
+    size_t begin = size >= 3 && !memcmp(data, "\xEF\xBB\xBF", 3) ? 3 : 0, end;
+    size_t most = size < sizeof text ? size : sizeof text;
+    if (most < begin + 6 || memcmp(data + begin, "<?xml", 5) != 0)
+        return 0;
+    const char *close = memmem(data, most, "?>", 2);
+    size_t length = close ? (size_t)(close - data) + 2 : 0;
+    memcpy(text, data, length);
+    for (size_t at = begin; at < length; at++)
+        if (is_standalone(text, length, at, &end))
+            memset(text + at, ' ', end - at);
+    *status = length ? XML_Parse(w->parser, text, (int)length, 0) : XML_STATUS_OK;
+    return length;
+}
+
 int xml_walk(struct xml_walk *w, const char *data, size_t size, struct error *e) {
     w->parser = XML_ParserCreate(NULL);
     w->e = e;
@@ -71,7 +101,8 @@ int xml_walk(struct xml_walk *w, const char *data, size_t size, struct error *e)
     XML_SetParamEntityParsing(w->parser, XML_PARAM_ENTITY_PARSING_NEVER);
     XML_UseForeignDTD(w->parser, XML_TRUE); /* entities that nobody declares are told, and are no error */
     enum XML_Status status = XML_STATUS_OK;
-    for (size_t at = 0; status == XML_STATUS_OK && !w->result; at += PIECE) {
+    for (size_t at = parse_declaration(w, data, size, &status); status == XML_STATUS_OK && !w->result;
+         at += PIECE) {
         size_t n = size - at < PIECE ? size - at : PIECE;
         status = XML_Parse(w->parser, data + at, (int)n, at + n == size);
         if (at + n == size)

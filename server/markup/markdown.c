@@ -24,14 +24,37 @@ static size_t blank_line_mark(char *s, size_t n, size_t at) {
     return at;
 }
 
+/* The next sign of its kind in a text that is read from its beginning to its end. It is looked for again only
+ * from where it was, and only once it is passed or left out: all looking together costs one pass. */
+struct next_sign {
+    char sign;
+    size_t at; /* the size of the text: there is none */
+};
+
+static size_t find_sign(struct next_sign *next, const char *s, size_t n, size_t from) {
+    if (next->at < from)
+        next->at = from;
+    if (next->at < n && s[next->at] != next->sign) {
+        const char *at = memchr(s + next->at, next->sign, n - next->at);
+        next->at = at ? (size_t)(at - s) : n;
+    }
+    return next->at;
+}
+
+struct link_signs {
+    struct next_sign bracket, parenthesis; /* that close */
+};
+
 /* [text](address) keeps its text. */
-static void blank_link(char *s, size_t n, size_t at) {
-    char *close = memchr(s + at, ']', n - at), *end;
-    if (!close || close + 1 >= s + n || close[1] != '(' ||
-        !(end = memchr(close, ')', n - (size_t)(close - s))))
+static void blank_link(struct link_signs *signs, char *s, size_t n, size_t at) {
+    size_t close = find_sign(&signs->bracket, s, n, at);
+    if (close + 1 >= n || s[close + 1] != '(')
+        return;
+    size_t end = find_sign(&signs->parenthesis, s, n, close);
+    if (end == n)
         return;
     s[at] = MARKDOWN_LEFT_OUT;
-    memset(close, MARKDOWN_LEFT_OUT, (size_t)(end + 1 - close));
+    memset(s + close, MARKDOWN_LEFT_OUT, end + 1 - close);
 }
 
 static bool is_emoji(uint32_t c) {
@@ -54,6 +77,7 @@ static bool marks_words(const char *s, size_t n, size_t at) {
 
 void markdown_blank(char *s, size_t n, bool begins_line) {
     char *whole = s;
+    struct link_signs signs = {.bracket.sign = ']', .parenthesis.sign = ')'};
     for (size_t at = 0, length; at < n; at += length) {
         uint32_t cp = 0;
         length = 1;
@@ -64,7 +88,7 @@ void markdown_blank(char *s, size_t n, bool begins_line) {
         begins_line = s[at] == '\n';
         if ((unsigned char)s[at] < 0x80) {
             if (s[at] == '[')
-                blank_link(s, n, at);
+                blank_link(&signs, s, n, at);
             else if (strchr("*_`~", s[at]) && marks_words(whole, n, at))
                 s[at] = MARKDOWN_LEFT_OUT;
             continue;

@@ -75,8 +75,8 @@ bool exchange_persists(const struct exchange *x) {
     return x->persists;
 }
 
-bool exchange_endless(const struct exchange *x) {
-    return x->work.endless;
+bool exchange_ends_with_client(const struct exchange *x) {
+    return x->work.endless || (x->work.costly && !exchange_answered(x));
 }
 
 void exchange_look(struct exchange *x) {

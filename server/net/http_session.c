@@ -202,12 +202,12 @@ static void take_bytes(struct connection *c, const char *bytes, size_t size) {
         buf_add(&h->pending, (const uint8_t *)bytes + used, size - used);
 }
 
-/* One that has asked, and says that it has nothing to add, is answered; one that just listens is not there
- * any more. */
+/* A client that closes its side may still read: it is answered. Most, however, have left; so what only sends
+ * events ends, and what costs much is not worth the doubt. */
 static void on_eof(struct connection *c) {
     struct http_session *h = c->http;
     h->eof = true;
-    if (!h->exchange || !h->complete || exchange_endless(h->exchange))
+    if (!h->exchange || !h->complete || exchange_ends_with_client(h->exchange))
         connection_close(c);
 }
 

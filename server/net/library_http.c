@@ -15,8 +15,8 @@ enum {
 /* Belongs to its exchange, and to the threads until it is done. */
 struct asking {
     struct coder_job job;
-    struct asker *asker; /* NULL: it has been answered, or was refused */
-    struct exchange *x;  /* NULL: its client is gone */
+    struct asker *asker;  /* NULL: it has been answered, or was refused */
+    struct exchange *x;   /* NULL: its client is gone */
     atomic_bool given_up; /* for the thread: likewise */
     struct net *net;
     struct library_question question;
@@ -223,6 +223,6 @@ int library_get(struct exchange *x) {
         free_asking(a);
         return exchange_error(x, &e);
     }
-    exchange_set_work(x, (struct exchange_work){.free = leave, .self = a});
+    exchange_set_work(x, (struct exchange_work){.free = leave, .self = a, .costly = true});
     return 0;
 }

@@ -106,7 +106,7 @@ static void pass_open(struct pass *p, struct buf *out, const json_t *block) {
         const char *kind = text_of(mark, "kind");
         if (!strcmp(kind, "note")) {
             put_edge(p, mark, i, EDGE_POINT);
-        } else if ((!strcmp(kind, "emphasis") || !strcmp(kind, "foreign")) &&
+        } else if ((!strcmp(kind, "emphasis") || !strcmp(kind, "foreign") || !strcmp(kind, "stage")) &&
                    place_of(mark, "start") < place_of(mark, "end")) {
             put_edge(p, mark, i, EDGE_START);
             put_edge(p, mark, i, EDGE_END);
@@ -115,20 +115,22 @@ static void pass_open(struct pass *p, struct buf *out, const json_t *block) {
     qsort(p->edges, p->count, sizeof *p->edges, compare_edges);
 }
 
-static bool is_emphasis(const json_t *mark) {
-    return !strcmp(text_of(mark, "kind"), "emphasis");
+static bool is_kind(const json_t *mark, const char *kind) {
+    return !strcmp(text_of(mark, "kind"), kind);
+}
+
+static const char *element_of(const json_t *mark) {
+    return is_kind(mark, "emphasis") ? "em" : is_kind(mark, "foreign") ? "i" : "span";
 }
 
 static void draw_start(struct pass *p, const json_t *mark) {
-    if (p->drawing && is_emphasis(mark))
-        add(p->out, "<em>");
-    else if (p->drawing)
-        open_tag(p->out, "i", "", mark);
+    if (p->drawing)
+        open_tag(p->out, element_of(mark), is_kind(mark, "stage") ? "stage" : "", mark);
 }
 
 static void draw_end(struct pass *p, const json_t *mark) {
     if (p->drawing)
-        add(p->out, is_emphasis(mark) ? "</em>" : "</i>");
+        buf_printf(p->out, "</%s>", element_of(mark));
 }
 
 /* Elements nest: those that began later than the mark are closed with it, and opened again. */

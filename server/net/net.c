@@ -109,6 +109,7 @@ void net_close(struct net *net) {
     connections_close(net);
     askers_close(&net->askers);
     askers_close(&net->savers);
+    askers_close(&net->shelves);
     channel_turn_close(net);
     if (net->idle)
         uv_close((uv_handle_t *)net->idle, free_idle);

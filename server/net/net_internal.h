@@ -50,7 +50,8 @@ struct net {
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
     struct askers askers;                   /* of the library */
-    struct askers savers;                   /* of shelves: speech does not wait for what they save */
+    struct askers savers;                   /* on shelves: speech does not wait for what they save */
+    struct askers shelves;                  /* list, read and remove there, and do not wait for savers */
     unsigned works;                         /* HTTP answers that are being made */
     json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */
@@ -124,12 +125,12 @@ struct exchange_session {
 struct exchange *exchange_open(struct net *net, const struct http_request *request,
                                const struct exchange_session *session);
 void exchange_close(struct exchange *x);
-void exchange_sent(struct exchange *x);           /* bytes have left */
-bool exchange_answered(const struct exchange *x); /* its head has been made */
-bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
-bool exchange_persists(const struct exchange *x); /* and another one may follow it */
-bool exchange_endless(const struct exchange *x);
-void exchange_look(struct exchange *x); /* from time to time */
+void exchange_sent(struct exchange *x);                   /* bytes have left */
+bool exchange_answered(const struct exchange *x);         /* its head has been made */
+bool exchange_done(const struct exchange *x);             /* all of it has been sent: close it */
+bool exchange_persists(const struct exchange *x);         /* and another one may follow it */
+bool exchange_ends_with_client(const struct exchange *x); /* that closes its side */
+void exchange_look(struct exchange *x);                   /* from time to time */
 
 /* What answers returns 0, for routes to pass on. */
 
@@ -179,6 +180,7 @@ struct exchange_work {
     void (*free)(void *self);
     void *self;
     bool endless; /* nobody waits for its end before the daemon stops */
+    bool costly; /* is not gone on with for a client that has closed its side and may not be there any more */
 };
 bool exchange_streams_body(const struct exchange *x); /* its body may take as long as it likes */
 void exchange_set_work(struct exchange *x, struct exchange_work work);

@@ -9,7 +9,8 @@ enum doing { LISTING, READING, SAVING, REMOVING };
 /* Belongs to its exchange, and to the thread until it is done. */
 struct keeping {
     struct coder_job job;
-    struct asker *asker; /* NULL: no thread has it */
+    struct asker *asker;   /* NULL: no thread has it */
+    struct askers *askers; /* what it waits among; see begin */
     struct net *net;
     struct exchange *x;   /* NULL: its client is gone */
     atomic_bool given_up; /* for the thread: likewise */
@@ -85,7 +86,7 @@ static int answer(struct keeping *k) {
 
 static void done(struct coder_job *job) {
     struct keeping *k = (struct keeping *)job;
-    askers_answered(&k->net->savers, k->asker);
+    askers_answered(k->askers, k->asker);
     k->asker = NULL;
     if (job->cancelled)
         k->result = error_plain(&k->error, ERROR_CANCELLED);
@@ -106,18 +107,20 @@ static void leave(void *self) {
     k->x = NULL;
     atomic_store(&k->given_up, true);
     if (k->asker) /* it comes back by itself */
-        coder_pool_cancel(k->net->savers.pool, &k->asker->line, is_left);
+        coder_pool_cancel(k->askers->pool, &k->asker->line, is_left);
     else
         free_keeping(k);
 }
 
+/* Checking a document takes seconds, the rest a moment: listing, reading and removing do not wait for what
+ * the same client saves, nor for a thread that checks. */
 static int begin(struct keeping *k) {
     struct error e;
-    k->net->savers.full = ERROR_TOO_MANY_REQUESTS;
+    k->askers = k->doing == SAVING ? &k->net->savers : &k->net->shelves;
+    k->askers->full = ERROR_TOO_MANY_REQUESTS;
     k->job.work = in_thread;
     k->job.done = done;
-    if (askers_ask(&k->net->savers, k->net->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->asker,
-                   &e))
+    if (askers_ask(k->askers, k->net->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->asker, &e))
         return exchange_error(k->x, &e);
     return 0;
 }
@@ -164,7 +167,9 @@ int shelf_serve(struct exchange *x, const struct shelf_service *service, const s
         free_keeping(k);
         return exchange_error(x, &e);
     }
-    exchange_set_work(x, (struct exchange_work){.body_end = on_body_end, .free = leave, .self = k});
+    exchange_set_work(x,
+                      (struct exchange_work){
+                          .body_end = on_body_end, .free = leave, .self = k, .costly = k->doing == SAVING});
     if (k->doing != SAVING)
         return begin(k);
     exchange_expect_body(x, shelf->most_bytes, ERROR_DOCUMENT_TOO_LONG);

@@ -200,3 +200,22 @@ test('without a library it says so', async () => {
   await page.waitForFunction(() => /--library/.test(document.querySelector('#news').textContent));
   await page.close();
 });
+
+test('a stage direction counts in the text that it stands in; marks in each other are drawn as far as they can be seen', async () => {
+  const page = await open();
+  const [words, drawn] = await page.evaluate(async () => {
+    const { rangeIn, showText } = await import('/library-text.js');
+    const text = 'Vieni (lo chiama) qui.';
+    const deep = Array.from({ length: 20000 }, (_, i) => ({ kind: 'emphasis', start: i, end: 40000 - i }));
+    const blocks = [{ kind: 'paragraph', id: 'w:1:p1', text, marks: [{ kind: 'stage', start: 6, end: 17 }] }, { kind: 'paragraph', id: 'w:1:p2', text: 'a'.repeat(40000), marks: deep }];
+    const passage = document.querySelector('#passage');
+    showText(passage, { id: 'w:1', work: { lang: 'it' }, blocks });
+    const [first, second] = passage.children;
+    return [[[0, 5], [18, 21]].map(([start, end]) => rangeIn(first, start, end).toString()).concat(first.querySelector('span.stage').textContent),
+      [second.textContent.length, second.querySelectorAll('em').length]];
+  });
+  assert.deepEqual(words, ['Vieni', 'qui', '(lo chiama)']);
+  assert.deepEqual(drawn, [40000, 16]);
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});

@@ -87,9 +87,10 @@ before(async () => {
   writeZip(path.join(works, 'again.epub'), again);
   // what is repeated on each block, by defaults that a document gives to its elements
   fs.writeFileSync(path.join(works, 'repeats.xml'), tei(`<sp><speaker>${'Nome '.repeat(20000)}</speaker>${'<p>a</p>'.repeat(3000)}</sp><lg>${'<l>b</l>'.repeat(3000)}</lg>`, { doctype: `<!DOCTYPE TEI [<!ATTLIST l n CDATA "${'9'.repeat(50000)}">]>` }));
-  // entities that make much of little
+  fs.writeFileSync(path.join(works, 'alone.xml'), tei('<p>Due&nbsp;parole &mdash; caff&egrave;.</p><p>Dopo.</p>').replace('version="1.0"', 'version="1.0" encoding="UTF-8" standalone = \'yes\' '));
+  // entities that make much of little: 200 blocks each, and each with the name of who speaks
   fs.mkdirSync(bounds);
-  fs.writeFileSync(path.join(bounds, 'entities.xml'), tei(`<p>Prima.</p><!--${' '.repeat(1 << 20)}-->${'<p>&much;</p>\n'.repeat(7000)}`, { doctype: `<!DOCTYPE TEI [<!ENTITY much "${`${'o'.repeat(999)} `.repeat(10)}">]>` }));
+  fs.writeFileSync(path.join(bounds, 'entities.xml'), tei(`<p>Prima.</p><sp><speaker>${'Nome '.repeat(40)}</speaker>${'&much;\n'.repeat(1500)}</sp>`, { doctype: `<!DOCTYPE TEI [<!ENTITY much "${'<p>a</p>'.repeat(200)}">]>` }));
   // nothing outside the folder
   fs.writeFileSync(secret, 'Questo non si legge.\n');
   fs.writeFileSync(path.join(folder, 'secret.wav'), 'RIFF');
@@ -121,6 +122,11 @@ test('the header: authors without numbers of authority files, the date of the so
   const head = all.works.find(({ id }) => id === 'head');
   assert.deepEqual([head.author, head.date], ['Ada Neri; Ugo Bo', '1788']);
   assert.equal(await read('old'), 'Vecchia forma.');
+});
+
+test('a document that says that it needs no DTD keeps what follows an entity that nobody declares', async () => {
+  assert.equal(await read('alone'), 'Due parole — caffè.\nDopo.');
+  assert.deepEqual(problemsOf('alone.xml'), []);
 });
 
 test('alternatives without a lemma are told once, elements that are known not at all', () => {

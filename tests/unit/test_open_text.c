@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Texts that are read while they are written: whatever way a text came, its pieces are the same. */
 #include "server/base/buf.h"
+#include "server/markup/markdown.h"
 #include "server/markup/open_text.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -105,6 +107,42 @@ static void leaves_markdown_and_emoji_out(void **state) {
     check("auto", "Ciao! 😀👍🏽 Guarda [qui](http://a.b/c?d=1). `code` 2 * 3 e nome_di_file.", NULL);
     check("auto", "***\n\n---\n\n😀", "");
     check("plain", "*Ciao*. 😀 Poi.", "0:*Ciao*.|8:😀 Poi.|");
+}
+
+static void leaves_links_out(void **state) {
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"[a](b) c", "\1a\1\1\1\1 c"},
+        {"[a [b](c) d](e)", "\1a \1b\1\1\1\1 d\1\1\1\1"},
+        {"[a] [b](c) [d](e)", "[a] \1b\1\1\1\1 \1d\1\1\1\1"},
+        {"[a](]b) [c] (d) [e](f", "\1a\1\1\1\1\1 [c] (d) [e](f"},
+        {"[[[", "[[["},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        char *text = strdup(pairs[i][0]);
+        markdown_blank(text, strlen(text), false);
+        assert_string_equal(text, pairs[i][1]);
+        free(text);
+    }
+}
+
+/* Brackets that nothing closes, and closed ones whose address has no end: looking for it from each is 10^12
+ * steps. */
+static void takes_one_pass_over_brackets(void **state) {
+    (void)state;
+    enum { SIZE = 3000000, SECONDS_MOST = 30 };
+    static const char *const units[] = {"[", "[]("};
+    char *text = malloc(SIZE);
+    for (size_t u = 0; u < sizeof units / sizeof *units; u++) {
+        size_t length = strlen(units[u]);
+        for (size_t i = 0; i < SIZE; i++)
+            text[i] = units[u][i % length];
+        const clock_t begun = clock();
+        markdown_blank(text, SIZE, false);
+        assert_true((clock() - begun) / CLOCKS_PER_SEC < SECONDS_MOST);
+        assert_int_equal(text[0], '[');
+    }
+    free(text);
 }
 
 static void reads_pieces_inside_their_elements(void **state) {
@@ -241,6 +279,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cuts_prose_in_four_languages),
         cmocka_unit_test(leaves_markdown_and_emoji_out),
+        cmocka_unit_test(leaves_links_out),
+        cmocka_unit_test(takes_one_pass_over_brackets),
         cmocka_unit_test(reads_pieces_inside_their_elements),
         cmocka_unit_test(bounds_what_it_keeps),
         cmocka_unit_test(knows_what_looks_like_an_end),

@@ -25,17 +25,23 @@ const pageMark = (n) => {
   return mark;
 };
 
+/** Marks that may lie in each other and still be drawn. */
+const MARKS_OPEN_MAX = 16;
+/** Elements of marks. A stage direction is in the text, and counts in it, though it is not said. */
+const MARKS = { emphasis: 'em', foreign: 'i' };
+
 /** A stretch of a block's text with its marks. @param {object} block @param {number} from @param {number} to */
 function inline(block, from, to, signs) {
   const parts = document.createDocumentFragment();
   const within = (block.marks ?? []).filter(({ start, end }) => start >= from && end <= to);
   const marks = within.sort((a, b) => a.start - b.start || b.end - a.end);
-  const piece = (start, end, rest) => {
+  const piece = (start, end, rest, depth) => {
     const here = document.createDocumentFragment();
     let at = start;
     while (rest.length) {
       const mark = rest.shift();
-      if (mark.start < at) continue; // crosses another
+      const point = mark.kind === 'note' || mark.kind === 'page';
+      if (mark.start < at || (!point && depth === MARKS_OPEN_MAX)) continue; // crosses another, or lies too deep
       here.append(block.text.slice(at, mark.start));
       at = Math.min(mark.end, end);
       if (mark.kind === 'note') here.append(noteMark(mark.note, signs.get(mark.note) ?? '*'));
@@ -43,16 +49,16 @@ function inline(block, from, to, signs) {
       else {
         const inner = [];
         while (rest.length && rest[0].start < at) inner.push(rest.shift());
-        const element = make(mark.kind === 'emphasis' ? 'em' : mark.kind === 'foreign' ? 'i' : 'span', {}, piece(mark.start, at, inner));
+        const element = make(MARKS[mark.kind] ?? 'span', {}, piece(mark.start, at, inner, depth + 1));
         if (mark.lang) element.lang = mark.lang;
-        if (mark.kind === 'stage') unread(element).className = 'stage';
+        if (mark.kind === 'stage') element.className = 'stage';
         here.append(element);
       }
     }
     here.append(block.text.slice(at, end));
     return here;
   };
-  parts.append(piece(from, to, marks));
+  parts.append(piece(from, to, marks, 0));
   return parts;
 }
 
