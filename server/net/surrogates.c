@@ -68,7 +68,7 @@ static bool replace_halves(const char *data, size_t size, struct buf *out) {
 
 json_t *surrogates_load(const char *data, size_t size, json_error_t *why) {
     json_t *value = json_loadb(data, size, JSON_ALLOW_NUL, why);
-    if (!size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
+    if (!data || !size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
         return value;
     struct buf mended = {0};
     json_error_t other; /* places count in what was sent */
