@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/settings_internal.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include <math.h>
@@ -51,6 +52,22 @@ static void add_to_list(struct settings *s, const struct setting *setting, const
 static void set_text(struct settings *s, const struct setting *setting, char *text) {
     free(pointer_of(s, setting));
     set_pointer(s, setting, text);
+}
+
+static int set_string(struct settings *s, const struct setting *setting, const char *text, const char *name,
+                      struct error *e) {
+    char tag[LANG_BYTES + 1];
+    size_t bad;
+    if (setting->shape && !strcmp(setting->shape, "TAG")) {
+        if (!lang_read(text, strlen(text), tag, &bad))
+            return error_in_field(
+                e, ERROR_BAD_FIELD, name,
+                "'%.100s' is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", text,
+                bad);
+        text = tag;
+    }
+    set_text(s, setting, mem_strdup(text));
+    return 0;
 }
 
 static int set_number(struct settings *s, const struct setting *setting, double value, const char *shown,
@@ -129,8 +146,7 @@ int setting_from_text(struct settings *s, const struct setting *setting, const c
     case SETTING_FOLDER:
         if (setting->type == SETTING_FOLDER && !is_folder(text))
             return error_in_field(e, ERROR_BAD_FIELD, name, "'%s' is not a folder", text);
-        set_text(s, setting, mem_strdup(text));
-        return 0;
+        return set_string(s, setting, text, name, e);
     case SETTING_NUMBER:
     case SETTING_REAL:
     case SETTING_MEGABYTES:

@@ -22,6 +22,28 @@ bool lang_is_tag(const char *s, size_t n, size_t *bad) {
     return at == n && n > 1;
 }
 
+bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad) {
+    static const char codeset[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-";
+    size_t end = 0;
+    while (end < n && s[end] != '.' && s[end] != '@')
+        end++;
+    for (size_t at = end; at < n; at++) /* what a locale has behind its territory */
+        if (!memchr(codeset, s[at], sizeof codeset - 1) &&
+            !(at == end || (s[at] == '@' && s[end] == '.' && !memchr(s + end, '@', at - end)))) {
+            *bad = at;
+            return false;
+        }
+    *bad = end;
+    if (end > LANG_BYTES || (end < n && end + 1 == n))
+        return false;
+    memcpy(tag, s, end);
+    tag[end] = '\0';
+    char *territory = memchr(tag, '_', end);
+    if (territory && (territory - tag == 2 || territory - tag == 3) && end - (size_t)(territory - tag) == 3)
+        *territory = '-';
+    return lang_is_tag(tag, end, bad);
+}
+
 const char *lang_usual(const char *tag) {
     static const char *const tags[][2] = {{"zh-HK", "yue"}, {"zh-MO", "yue"}, {"zh", "cmn"}, {"no", "nb"},
                                           {"nn", "nb"},     {"sh", "hr"},     {"iw", "he"},  {"in", "id"}};

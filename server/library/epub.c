@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* EPUB 3.3 (W3C) and 2.0.1: the container's first package, its spine in order. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
@@ -154,11 +155,20 @@ static void package_end(struct xml_walk *w, const char *name) {
     (void)name;
     if (p->wanted && p->capture.size) {
         char *text = mem_strndup((char *)p->capture.data, p->capture.size);
-        if (p->wanted == &p->meta->lang) { /* it was the default's */
-            free(p->meta->lang);
-            p->meta->lang = NULL;
+        static const char white[] = " \t\r\n";
+        char tag[LANG_BYTES + 1];
+        size_t bad, space = strspn(text, white);
+        if (p->wanted != &p->meta->lang) {
+            work_meta_set(p->wanted, text);
+        } else if (lang_read(text + space, strcspn(text + space, white), tag, &bad)) {
+            free(p->meta->lang); /* it was the default's */
+            p->meta->lang = mem_strdup(tag);
+        } else {
+            struct error e;
+            error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
+                          "%.100s: \"%.40s\" is no language tag (BCP 47, such as pt-BR)", p->opf, text);
+            build_problem(p->b, &e, false);
         }
-        work_meta_set(p->wanted, text);
         free(text);
     }
     p->wanted = NULL;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/library/readers.h"
 #include <stdlib.h>
@@ -24,6 +25,18 @@ static void set(struct work_meta *m, const char *line, size_t size, size_t numbe
             value++;
         while (end > value && strchr(" \t\"\r", end[-1]))
             end--;
+        char tag[LANG_BYTES + 1];
+        size_t bad;
+        if (fields[i].to == &m->lang) {
+            if (!lang_read(value, (size_t)(end - value), tag, &bad)) {
+                error_at_line(&e, ERROR_BAD_VALUE, number, (size_t)(value - line) + bad + 1,
+                              "lang: no language tag (BCP 47, such as pt-BR)");
+                build_problem(b, &e, false);
+                return;
+            }
+            value = tag;
+            end = tag + strlen(tag);
+        }
         free(*fields[i].to);
         *fields[i].to = mem_strndup(value, (size_t)(end - value));
         return;

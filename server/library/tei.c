@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* TEI P5 (Guidelines, https://tei-c.org/guidelines/p5): the elements that literature is made of. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/library/tei_internal.h"
 #include <stdio.h>
@@ -18,6 +19,21 @@ static void tell_unknown(struct tei *t, const struct xml_walk *w, const char *na
     error_at_line(&e, ERROR_UNKNOWN_ELEMENT, xml_walk_line(w), xml_walk_column(w),
                   "<%.60s> is read as its content", name);
     build_problem(t->b, &e, false);
+}
+
+/* The language tag, written to `out`; NULL, with a problem told, for what is none. */
+static const char *tei_lang(struct tei *t, const struct xml_walk *w, const char *lang,
+                            char out[LANG_BYTES + 1]) {
+    struct error e;
+    size_t bad;
+    if (!lang || !*lang)
+        return NULL;
+    if (lang_read(lang, strlen(lang), out, &bad))
+        return out;
+    error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
+                  "\"%.40s\" is no language tag (BCP 47, such as pt-BR)", lang);
+    build_problem(t->b, &e, false);
+    return NULL;
 }
 
 /* A stretch in another language than what is around it. */
@@ -242,9 +258,9 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
 static void on_start(struct xml_walk *w, const char *name, const char **attributes) {
     struct tei *t = w->ctx;
     struct tei_frame *f = &t->frames[w->depth];
-    const char *lang = xml_attribute(attributes, "lang");
+    char tag[LANG_BYTES + 1];
+    const char *lang = tei_lang(t, w, xml_attribute(attributes, "lang"), tag);
     *f = (struct tei_frame){.act = tei_act_of(name)};
-    lang = lang && *lang ? lang : NULL;
     if (w->depth == 1)
         t->is_tei = f->act == ACT_ROOT;
     choose(t, f, w, name);
@@ -260,7 +276,8 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     if (t->header || f->act == ACT_HEADER) {
         f->act = ACT_HEADER;
         t->header++;
-        const char *ident = !strcmp(name, "language") ? xml_attribute(attributes, "ident") : NULL;
+        const char *ident =
+            !strcmp(name, "language") ? tei_lang(t, w, xml_attribute(attributes, "ident"), tag) : NULL;
         if (ident && !*t->frames[1].lang)
             snprintf(t->frames[1].lang, sizeof t->frames[1].lang, "%s", ident);
         tei_header_start(t, w, name, attributes);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* XHTML as EPUBs have it. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
@@ -257,10 +258,25 @@ static bool is_block(enum html_act act) {
     return act >= HTML_GROUP && act != HTML_MARK && act <= HTML_PAGE;
 }
 
+static void tell_lang(struct html *h, const struct xml_walk *w, const char *lang) {
+    struct error e;
+    error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
+                  "\"%.40s\" is no language tag (BCP 47, such as pt-BR)", lang);
+    build_problem(h->b, &e, false);
+}
+
 static void on_start(struct xml_walk *w, const char *name, const char **attributes) {
     struct html *h = w->ctx;
     struct html_frame *f = &h->frames[w->depth];
     const char *lang = xml_attribute(attributes, "lang");
+    char tag[LANG_BYTES + 1];
+    size_t bad;
+    if (lang && *lang) { /* a book's own mistake changes nothing */
+        bool known = lang_read(lang, strlen(lang), tag, &bad);
+        if (!known)
+            tell_lang(h, w, lang);
+        lang = known ? tag : NULL;
+    }
     *f = (struct html_frame){.act = act_of(h, name, attributes)};
     snprintf(f->lang, sizeof f->lang, "%s", lang ? lang : (f - 1)->lang);
     h->b->lang = f->lang;

@@ -57,6 +57,14 @@ static void end_phoneme(struct markup_reader *r, struct frame *frame) {
         return;
     struct score_style style = frame->style;
     style.phonemes = reader_keep(r, reader_captured(r, frame));
+    if (strlen(style.phonemes) > READER_PHONES_BYTES) {
+        score_warn(r->score, frame->inside, ERROR_BAD_VALUE,
+                   "more than %d bytes of phones: the text is read instead", READER_PHONES_BYTES);
+        const char *text = frame->value ? frame->value : style.phonemes;
+        style.phonemes = NULL;
+        reader_say(r, frame, text, score_keep_style(r->score, &style));
+        return;
+    }
     if (!style_is_ipa(style.phonemes))
         score_warn(r->score, frame->inside, ERROR_BAD_VALUE, "not all of \"%.60s\" is IPA", style.phonemes);
     reader_say(r, frame, frame->value ? frame->value : style.phonemes, score_keep_style(r->score, &style));

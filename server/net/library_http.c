@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* /v1/library, /library and /oembed: what is asked of the library is answered in other threads. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/library/library.h"
 #include "server/net/library_page.h"
@@ -194,6 +195,19 @@ static bool read_request(struct asking *a, const struct http_request *request) {
     return read_address(a, http_query(request, "url"));
 }
 
+/* Languages, parted by commas. */
+static int check_langs(const char *list, struct error *e) {
+    char tag[LANG_BYTES + 1];
+    size_t bad;
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        if (!lang_read(at, strcspn(at, ","), tag, &bad))
+            return error_in_field(
+                e, ERROR_BAD_FIELD, "lang",
+                "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there",
+                (size_t)(at - list) + bad);
+    return 0;
+}
+
 int library_get(struct exchange *x) {
     const struct http_request *request = exchange_request(x);
     struct net *net = exchange_net(x);
@@ -212,6 +226,10 @@ int library_get(struct exchange *x) {
     if (q->kind == LIBRARY_SEARCH) {
         q->query = member(a, request, "q");
         q->lang = member(a, request, "lang");
+        if (check_langs(q->lang, &e)) {
+            free_asking(a);
+            return exchange_error(x, &e);
+        }
         q->author = member(a, request, "author");
         q->work = member(a, request, "work");
     }

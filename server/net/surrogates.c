@@ -5,7 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HALF = 0x100000, REPLACEMENT = 0xFFFD, ESCAPE = 6 };
+/* A half stands in a string as MARK and three hexadecimal digits, which count from DIGIT; a MARK that was
+ * sent as MARK and SENT. They are noncharacters, which no text of anybody is to have. */
+enum { MARK = 0xFDEF, SENT = 0xFDEE, DIGIT = 0xFDD0, DIGITS = 3, REPLACEMENT = 0xFFFD, ESCAPE = 6 };
+static const char mark[] = "\xEF\xB7\xAF";
 
 static bool is_high(uint32_t c) {
     return c >= 0xD800 && c < 0xDC00;
@@ -31,19 +34,31 @@ static void put(struct buf *out, uint32_t cp) {
     buf_add(out, character, utf8_put(cp, character));
 }
 
-/* Puts a character in the place of each half. False when there is none. */
+static void put_half(struct buf *out, uint32_t unit) {
+    put(out, MARK);
+    for (int shift = 4 * (DIGITS - 1); shift >= 0; shift -= 4)
+        put(out, DIGIT + ((unit - 0xD800) >> shift & 15));
+}
+
+/* Writes the halves, and the MARKs that were sent, as above. False when there are none. */
 static bool replace_halves(const char *data, size_t size, struct buf *out) {
     bool found = false;
     for (size_t at = 0, length; at < size; at += length) {
         uint32_t unit = escape_at(data + at, size - at);
+        bool raw = size - at >= sizeof mark - 1 && !memcmp(data + at, mark, sizeof mark - 1);
+        bool half = is_high(unit) || is_low(unit);
         length = data[at] == '\\' && at + 1 < size ? 2 : 1;
         if (is_high(unit) && is_low(escape_at(data + at + ESCAPE, size - at - ESCAPE))) {
             length = 2 * ESCAPE;
-        } else if (is_high(unit) || is_low(unit)) {
-            put(out, HALF + unit);
-            at += ESCAPE;
-            length = 0;
+        } else if (half || raw || unit == MARK) {
+            length = raw ? sizeof mark - 1 : ESCAPE;
             found = true;
+            if (half) {
+                put_half(out, unit);
+            } else {
+                put(out, MARK);
+                put(out, SENT);
+            }
             continue;
         }
         buf_add(out, data + at, length);
@@ -53,21 +68,40 @@ static bool replace_halves(const char *data, size_t size, struct buf *out) {
 
 json_t *surrogates_load(const char *data, size_t size, json_error_t *why) {
     json_t *value = json_loadb(data, size, JSON_ALLOW_NUL, why);
-    if (value || !size || !memmem(data, size, "\\u", 2))
+    if (!data || !size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
         return value;
     struct buf mended = {0};
     json_error_t other; /* places count in what was sent */
-    if (replace_halves(data, size, &mended))
+    if (replace_halves(data, size, &mended)) {
+        json_decref(value);
         value = json_loadb((const char *)mended.data, mended.size, JSON_ALLOW_NUL, &other);
+    }
     buf_free(&mended);
     return value;
+}
+
+/* The half whose digits stand there; 0: none. *length: the digits' bytes. */
+static uint32_t half_at(const char *s, size_t n, size_t *length) {
+    uint32_t unit = 0, cp;
+    *length = 0;
+    for (int i = 0; i < DIGITS; i++) {
+        size_t bytes = utf8_next(s + *length, n - *length, &cp);
+        if (!bytes || cp < DIGIT || cp > DIGIT + 15)
+            return 0;
+        unit = unit << 4 | (cp - DIGIT);
+        *length += bytes;
+    }
+    return 0xD800 + (unit & 0x7FF);
 }
 
 void surrogates_join(const char *text, size_t n, uint16_t *half, struct buf *out) {
     for (size_t at = 0, length; at < n; at += length) {
         uint32_t cp = 0;
         length = utf8_next(text + at, n - at, &cp);
-        uint32_t unit = length == 4 && cp >= HALF + 0xD800 && cp < HALF + 0xE000 ? cp - HALF : 0;
+        size_t more = 0;
+        uint32_t unit = length && cp == MARK ? half_at(text + at + length, n - at - length, &more) : 0;
+        if (unit)
+            length += more;
         if (*half && is_low(unit)) {
             put(out, 0x10000 + ((uint32_t)(*half - 0xD800) << 10) + (unit - 0xDC00));
             *half = 0;
@@ -81,5 +115,8 @@ void surrogates_join(const char *text, size_t n, uint16_t *half, struct buf *out
             put(out, REPLACEMENT);
         else if (!unit)
             buf_add(out, text + at, length);
+        if (!unit && cp == MARK && n - at - length >= length &&
+            utf8_next(text + at + length, n - at - length, &cp) && cp == SENT)
+            length *= 2;
     }
 }

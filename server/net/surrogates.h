@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Halves of characters in JSON: a program that cuts a text at UTF-16 units may send "\\ud83d" in one message and
- * "\\ude00" in the next. Jansson refuses a message with a half; here it is kept until its other half comes. */
+/* Halves of characters in JSON: a program that cuts a text at UTF-16 units may send "\\ud83d" in one message
+ * and
+ * "\\ude00" in the next. Jansson refuses a message with a half; here it is kept until its other half comes.
+ */
 #ifndef FACCIA_NET_SURROGATES_H
 #define FACCIA_NET_SURROGATES_H
 
@@ -9,11 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* As json_loadb (NULs allowed). A half stands in the strings as the private-use character U+100000 + its value. */
+/* As json_loadb (NULs allowed). In the strings a half stands as four
+ * noncharacters, which surrogates_join takes for what they are. */
 json_t *surrogates_load(const char *data, size_t size, json_error_t *why);
 
-/* Copies text[0..n), with its halves joined, to `out`. *half is the high half at the end of what came before, 0:
- * none; afterwards the one at the end of this. What has no other half becomes U+FFFD. */
+/* Copies text[0..n), with its halves joined, to `out`. *half is the high half at the end of what came before,
+ * 0: none; afterwards the one at the end of this. What has no other half becomes U+FFFD. */
 void surrogates_join(const char *text, size_t n, uint16_t *half, struct buf *out);
 
 #endif

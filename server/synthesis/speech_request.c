@@ -92,16 +92,23 @@ void request_copy(struct speech_request *to, const struct speech_request *from) 
 static int set_string(char **string, const struct field *f, const struct request_value *v, struct error *e) {
     if (v->type != REQUEST_STRING && v->type != REQUEST_WORD)
         return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be a string");
-    size_t bad;
+    size_t bad, size = v->size;
+    char tag[LANG_BYTES + 1];
+    const char *value = v->string;
     if (is_string(f) &&
         ((double)v->size < f->min || (double)v->size > f->max || memchr(v->string, 0, v->size)))
         return error_in_field(e, ERROR_BAD_FIELD, f->name, "must have %.0f to %.0f bytes", f->min, f->max);
-    if (f->type == TAG && !lang_is_tag(v->string, v->size, &bad))
-        return error_in_field(e, ERROR_BAD_FIELD, f->name,
-                              "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", bad);
+    if (f->type == TAG) {
+        if (!lang_read(value, size, tag, &bad))
+            return error_in_field(
+                e, ERROR_BAD_FIELD, f->name,
+                "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", bad);
+        value = tag;
+        size = strlen(tag);
+    }
     free(*string);
-    *string = mem_alloc(v->size + 1);
-    memcpy(*string, v->string, v->size);
+    *string = mem_alloc(size + 1);
+    memcpy(*string, value, size);
     return 0;
 }
 
@@ -174,8 +181,8 @@ bool request_get(const struct speech_request *request, size_t i, struct request_
     const void *member = (const char *)request + f->offset;
     double number = f->type == NUMBER || f->type == INTEGER ? *(const double *)member : 0;
     const char *string = f->type == TEXT || is_string(f) ? *(char *const *)member
-                         : f->type == CHOICE                  ? f->words[*(const unsigned *)member]
-                                                              : NULL;
+                         : f->type == CHOICE             ? f->words[*(const unsigned *)member]
+                                                         : NULL;
     switch (f->type) {
     case NUMBER:
     case INTEGER:

@@ -62,7 +62,13 @@ for (const [text, words, warned] of [
   ['<i>Who is it?</i>\n<i>Me.</i>', ['Who', 'is', 'it', 'Me'], 'bad-xml'],
   ['<ul><li>One</li><li>Two</li></ul> and more', ['One', 'Two', 'and', 'more'], 'ignored'],
   ['<script>var words = 1;</script>Hello', ['Hello'], 'ignored'],
-  ['caf&eacute; caf&#233;', null, null],
+  ['caf&eacute; caf&#233;', ['café', 'café'], null],
+  ['a < b', ['a', 'b'], null],
+  ['5 <3 you', ['you'], null],
+  ['- Who is it?', ['Who', 'is', 'it'], null],
+  ['<i>- Who is it?</i>\n<i>- Me.</i>', ['Who', 'is', 'it', 'Me'], 'bad-xml'],
+  ['<div class="answer"><h2>Two things</h2>\n<p>You <strong>should</strong> try <code>this</code>:</p>\n<ol>\n<li>First, <em>look</em>;</li>\n<li>then <a href="https://example.org/?a=1&b=2">read</a>.</li>\n</ol>\n<hr>\n<p>Good&nbsp;luck!</p></div>',
+    ['Two', 'things', 'You', 'should', 'try', 'this', 'First', 'look', 'then', 'read', 'Good', 'luck'], 'bad-xml'],
 ])
   test(`the words of ${JSON.stringify(text)} are spoken`, async () => {
     const said = await spoken(text);
@@ -79,7 +85,7 @@ test('a document that was said to be one is an error with its place', async () =
 });
 
 test('a language is a tag of BCP 47, or is refused with its place', async () => {
-  for (const lang of ['it\r\nX: y', 'en"><script>', 'e', 'en--us', '-en', 'en-', 'toolongsubtag', '12', 'en_US', 'a-b']) {
+  for (const lang of ['it\r\nX: y', 'en"><script>', 'e', 'en--us', '-en', 'en-', 'toolongsubtag', '12', 'en_', 'en_US_x', 'en_USA', 'C', 'POSIX', 'en_US.', 'en_US.UTF-8\r\n', 'a-b']) {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', id: 'a', lang, text: 'Hello.' });
     const error = await stream.wait({ type: 'error', id: 'a' });
@@ -89,13 +95,40 @@ test('a language is a tag of BCP 47, or is refused with its place', async () => 
     const response = await daemon.get(`/v1/speech?text=Hi&lang=${encodeURIComponent(lang)}`, {});
     assert.equal(response.status, 400);
   }
-  for (const lang of ['en', 'en-US', 'x-klingon', 'EN-us']) {
+  for (const lang of ['en', 'en-US', 'x-klingon', 'EN-us', 'en_US', 'it_IT.UTF-8', 'ca_ES.UTF-8@valencia']) {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', id: 'a', lang, text: 'Hello.' });
     const answer = await stream.wait((m) => ['begin', 'error'].includes(m.type));
     assert.ok(answer.type === 'begin' || answer.code === 'unknown-language', JSON.stringify(answer));
     await stream.close();
   }
+});
+
+test('the word behind a dash is reported, in each language', async () => {
+  for (const [lang, text, words] of [
+    ['en', '- Who is it?\n- Me.', ['Who', 'is', 'it', 'Me']],
+    ['it', '- Chi parla?\n- Sono io.', ['Chi', 'parla', 'Sono', 'io']],
+    ['tr', '- Kim geldi?\n- Ben geldim.', ['Kim', 'geldi', 'Ben', 'geldim']],
+    ['pt-BR', '- Quem fala?\n- Sou eu.', ['Quem', 'fala', 'Sou', 'eu']],
+    ['en', '<speak>Well - <emphasis>who</emphasis> knows?</speak>', ['Well', 'who', 'knows']],
+  ]) {
+    const said = await spoken(text, { lang });
+    assert.deepEqual(said.words, words, text);
+  }
+});
+
+test('private-use characters are what they are', async () => {
+  const stream = await daemon.stream();
+  for (const character of ['\u{10d83d}', '\u{10de00}', '\ufdef', '\ufdef\ufdd0\ufdd1\ufdd2'])
+    for (const written of [character, [...character].flatMap((c) => c.split('')).map((unit) => `\\u${unit.charCodeAt(0).toString(16).padStart(4, '0')}`).join('')]) {
+      const id = `p${Math.random()}`;
+      stream.send(`{"type":"speak","id":"${id}","lang":"en","text":"One ${written} two."}`);
+      await stream.wait({ type: 'end', id });
+      const sentence = stream.messages.find((m) => m.type === 'sentence' && m.id === id);
+      assert.equal(sentence.end - sentence.start, Buffer.byteLength(`One ${character} two.`));
+      assert.ok(!stream.messages.some((m) => m.id === id && ['error', 'warning'].includes(m.type)), JSON.stringify(stream.messages.filter((m) => m.type === 'warning')));
+    }
+  await stream.close();
 });
 
 test('two halves of a character in two pieces of an open text are one', async () => {

@@ -27,6 +27,7 @@ struct pool_test {
     size_t count, finished;
     bool ready, voiced, closing, closed;
     enum voice_turn turn; /* of what is spoken next */
+    uint32_t payer;       /* whose that is */
     void (*when_finished)(struct pool_test *s);
 };
 

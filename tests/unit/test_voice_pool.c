@@ -259,6 +259,28 @@ static void what_is_waited_for_comes_first(void **state) {
 }
 
 /* One worker, which speaks for nobody when somebody comes. */
+/* Forty sentences of one payer do not hold up those of others, who come later: a sentence of each by turns.
+ */
+static void payers_take_turns(void **state) {
+    (void)state;
+    enum { GREEDY = 40, MODEST = 2 };
+    struct pool_test *s = OPEN(WITH(0), "puppet");
+    s->payer = 1;
+    for (size_t i = 0; i < GREEDY; i++)
+        pool_test_speak(s, "plain", "uno");
+    for (size_t i = 0; i < 2 * MODEST; i++) {
+        s->payer = 2 + (uint32_t)(i % 2);
+        pool_test_speak(s, "plain", "due");
+    }
+    pool_test_run(s);
+    /* the first is begun at once, and one more may be on its way */
+    for (size_t i = 0; i < 2 * MODEST; i++)
+        assert_in_range(s->results[GREEDY + i].order, 1, 2 + 3 * (i / 2 + 1));
+    for (size_t i = 1; i < GREEDY; i++) /* each one's own in their order */
+        assert_true(s->results[i].order > s->results[i - 1].order);
+    pool_test_shut(s);
+}
+
 static void what_nobody_waits_for_makes_way(void **state) {
     (void)state;
     static const char *const texts[] = {"slow", "uno", "due", "tre"};
@@ -343,6 +365,7 @@ int main(void) {
         cmocka_unit_test(workers_work_side_by_side),
         cmocka_unit_test(callbacks_may_close_the_pool),
         cmocka_unit_test(what_is_waited_for_comes_first),
+        cmocka_unit_test(payers_take_turns),
         cmocka_unit_test(what_nobody_waits_for_makes_way),
         cmocka_unit_test(what_makes_way_may_be_forgotten),
         cmocka_unit_test(says_what_is_missing),
