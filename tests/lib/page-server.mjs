@@ -6,11 +6,14 @@ import { once } from 'node:events';
 /**
  * @param {Record<string, string | {body: string | Buffer, type?: string, headers?: object, cut?: number}>} files by path; a text is a page; cut: so many
  *   bytes are sent, and no more come
- * @returns {Promise<{port: number, url: string, files: object, close: () => Promise<void>}>}
+ * @returns {Promise<{port: number, url: string, files: object, served: Set<string>, close: () => Promise<void>}>}
  */
 export async function servePages(files) {
+  const served = new Set();
   const server = http.createServer((request, response) => {
-    const file = files[new URL(request.url, 'http://here').pathname];
+    const { pathname } = new URL(request.url, 'http://here');
+    const file = files[pathname];
+    if (file !== undefined) served.add(pathname);
     const { body, type = 'text/html; charset=utf-8', headers = {}, cut } = typeof file === 'string' ? { body: file } : (file ?? {});
     response.writeHead(file === undefined ? 404 : 200, { 'content-type': type, ...(cut === undefined ? {} : { 'content-length': body.length }), ...headers });
     if (cut === undefined) response.end(body);
@@ -23,6 +26,7 @@ export async function servePages(files) {
     port,
     url: `http://127.0.0.1:${port}`,
     files,
+    served, // paths that were asked for, and were there
     close() {
       server.closeAllConnections();
       return new Promise((resolve) => server.close(resolve));

@@ -52,6 +52,8 @@ writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   sideEffects: ['./dist/talking-head.js', './dist/talking-head.classic.js'],
   main: `./${script}`,
   types: './dist/talking-head.d.ts',
+  // for TypeScript's older resolution (node10), which does not read `exports`
+  typesVersions: { '*': Object.fromEntries(['react', 'vue', 'svelte'].map((name) => [name, [`./dist/${name}.d.ts`]])) },
   unpkg: './dist/talking-head.classic.js',
   jsdelivr: './dist/talking-head.classic.js',
   customElements: 'custom-elements.json',

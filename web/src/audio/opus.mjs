@@ -94,7 +94,7 @@ export async function canDecode(platform = globalThis) {
   }
 }
 
-const loadFallback = () => import(/* @vite-ignore */ companion('opus-decoder.js'));
+const loadFallback = () => import(/* webpackIgnore: true */ /* @vite-ignore */ companion('opus-decoder.js'));
 
 /**
  * Decodes the Opus parts of one utterance after the other.

@@ -16,7 +16,7 @@ import { AvatarProblem } from './problem.mjs';
 import { rigOf } from './rig.mjs';
 import { Solver } from './solver.mjs';
 import { tidy } from './tidy.mjs';
-import { dracoOf, unpacker } from './unpackers.mjs';
+import { dracoOf, setUnpackers, unpacker } from './unpackers.mjs';
 
 const MOST_BYTES = 64 << 20;
 const MOST_MAP_BYTES = 1 << 20;
@@ -30,12 +30,13 @@ const engine = {
 /**
  * Fetches an avatar and measures it.
  * @param {string} address
- * @param {{map?: string|null, signal: AbortSignal, progress?: (loaded: number, total: number|null) => void}} options map:
- *   address of a mapping file
+ * @param {{map?: string|null, signal: AbortSignal, progress?: (loaded: number, total: number|null) => void,
+ *   unpackers: {draco: string, basis: string}}} options map: address of a mapping file; unpackers: see setUnpackers
  * @returns {Promise<object>} a model that brings its own engine: see Stage
  * @throws {AvatarProblem}
  */
-export async function openAvatar(address, { map = null, signal, progress }) {
+export async function openAvatar(address, { map = null, signal, progress, unpackers }) {
+  setUnpackers(unpackers);
   const [bytes, mapping] = await Promise.all([
     fetched(address, MOST_BYTES, signal, progress),
     map ? fetched(map, MOST_MAP_BYTES, signal) : null,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { companion } from '../companions.mjs';
 
-const load = () => import(/* @vite-ignore */ companion('talking-head-avatar.js'));
+const load = () => import(/* webpackIgnore: true */ /* @vite-ignore */ companion('talking-head-avatar.js'));
 
 /** Brings an avatar, and before it the script that can read one. */
 export class AvatarSource {
@@ -44,7 +44,8 @@ export class AvatarSource {
       const { openAvatar } = await load().catch((error) => {
         throw Object.assign(error, { reason: 'no-script' });
       });
-      const model = await openAvatar(absolute(avatar), { map: map ? absolute(map) : null, signal, progress });
+      const unpackers = { draco: companion('talking-head-draco.js'), basis: companion('talking-head-basis.js') };
+      const model = await openAvatar(absolute(avatar), { map: map ? absolute(map) : null, signal, progress, unpackers });
       if (!signal.aborted) this.ports.show(model);
     } catch (error) {
       if (signal.aborted) return;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What unpacks files that are packed: each a script of its own beside this one, with its WebAssembly in it, fetched by the
-// first avatar that needs it. Nothing runs in workers made of text, and nothing else is fetched: a policy needs
+// What unpacks files that are packed: each a script of its own, with its WebAssembly in it, fetched by the first avatar that
+// needs it from where the element says that it is: this script may be a copy under another name, and what it says of the
+// files beside it nobody rewrites. Nothing runs in workers made of text, and nothing else is fetched: a policy needs
 // `'wasm-unsafe-eval'` for it, and no more.
 import { BufferAttribute, BufferGeometry } from 'three';
 import { AvatarProblem } from './problem.mjs';
 
 const SCRIPTS = {
-  draco: async () => (await import(/* @vite-ignore */ new URL('./talking-head-draco.js', import.meta.url).href)).openDraco(),
-  basis: async () => (await import(/* @vite-ignore */ new URL('./talking-head-basis.js', import.meta.url).href)).openBasis(),
+  draco: async (address) => (await import(/* webpackIgnore: true */ /* @vite-ignore */ address)).openDraco(),
+  basis: async (address) => (await import(/* webpackIgnore: true */ /* @vite-ignore */ address)).openBasis(),
   meshopt: async () => {
     const { MeshoptDecoder } = await import('three/examples/jsm/libs/meshopt_decoder.module.js'); // not before: it is WebAssembly
     await MeshoptDecoder.ready;
@@ -17,11 +18,17 @@ const SCRIPTS = {
 const NAMES = { draco: 'Draco', basis: 'KTX2', meshopt: 'meshopt' };
 
 const open = new Map();
+let places = {};
+
+/** @param {{draco: string, basis: string}} addresses of the scripts that unpack */
+export function setUnpackers(addresses) {
+  places = addresses;
+}
 
 /** @param {'draco'|'basis'|'meshopt'} name @throws {AvatarProblem} where it may not run here */
 export function unpacker(name) {
   if (!open.has(name)) {
-    const coming = SCRIPTS[name]().catch((error) => {
+    const coming = SCRIPTS[name](places[name]).catch((error) => {
       open.delete(name);
       const why = `the page's policy has to allow 'wasm-unsafe-eval' (${error.message})`;
       throw new AvatarProblem('unsupported', `it is packed with ${NAMES[name]}: ${why}`);
