@@ -20,9 +20,11 @@ static void complete(struct reply_check *c) {
 
 /* As hiredis reads it: of 64 bits, without zeros in front. */
 static bool read_number(const struct reply_check *c, long long *value) {
-    const char *digits = c->number + (*c->number == '-');
+    size_t sign = *c->number == '-';
+    const char *digits = c->number + sign;
     size_t count = strspn(digits, "0123456789");
-    if (c->length >= sizeof c->number || !count || digits[count] || (*digits == '0' && c->length > 1))
+    if (c->length >= sizeof c->number || !count || sign + count != c->length ||
+        (*digits == '0' && c->length > 1))
         return false;
     errno = 0;
     *value = strtoll(c->number, NULL, 10);
@@ -81,6 +83,8 @@ static const char *end_line(struct reply_check *c) {
 static const char *take_line(struct reply_check *c, char byte) {
     if (c->state == REPLY_LINE_FEED && byte == '\n')
         return end_line(c);
+    if (c->state == REPLY_LINE_FEED && c->type != '+' && c->type != '-')
+        return malformed; /* a CR within a number */
     c->state = byte == '\r' ? REPLY_LINE_FEED : REPLY_LINE;
     if (byte == '\r')
         return NULL;

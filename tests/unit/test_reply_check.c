@@ -49,6 +49,8 @@ static void replies_as_they_are(void **state) {
         {":9223372036854775808\r\n", ALL},
         {":-9223372036854775809\r\n", ALL},
         {":01\r\n", ALL},
+        {":1\r2\r\n", ALL},
+        {"$1\r\r\na\r\n", ALL},
         {":-0\r\n", ALL},
         {"$01\r\na\r\n", ALL},
         {"*65536\r\n", 0},
@@ -73,6 +75,8 @@ static void replies_as_they_are(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check(cases[i].text, strlen(cases[i].text), cases[i].replies);
     check("\0", 1, ALL);
+    check("$1\0\r\na\r\n", 8, ALL);
+    check(":1\r\0\r\n", 6, ALL);
 }
 
 static void what_has_no_end(void **state) {
