@@ -95,12 +95,13 @@ bool redis_link_send(struct redis_link *link, const struct link_text *words, int
 }
 
 void redis_link_flush(struct redis_link *link) {
-    if (link->up)
+    if (redis_link_up(link))
         redis_loop_flush(link->redis);
 }
 
+/* While a lost link ends its questions, it is up no more. */
 bool redis_link_up(const struct redis_link *link) {
-    return link->up;
+    return link->up && link->redis;
 }
 
 /* To AUTH and SELECT: what they refuse stands in the log, and it is tried again. */

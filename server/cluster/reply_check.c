@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/reply_check.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { DIGITS_MOST = 18 }; /* fewer than 10^18: none overflows */
 
 static const char malformed[] = "it does not speak the protocol of Redis";
 static const char oversized[] = "it sends a reply that is too large";
@@ -19,13 +18,17 @@ static void complete(struct reply_check *c) {
     c->bytes = c->elements = 0;
 }
 
+/* As hiredis reads it: of 64 bits, without zeros in front. */
 static bool read_number(const struct reply_check *c, long long *value) {
-    const char *digits = c->number + (*c->number == '-');
+    size_t sign = *c->number == '-';
+    const char *digits = c->number + sign;
     size_t count = strspn(digits, "0123456789");
-    if (c->length >= sizeof c->number || !count || digits[count])
+    if (c->length >= sizeof c->number || !count || sign + count != c->length ||
+        (*digits == '0' && c->length > 1))
         return false;
-    *value = count <= DIGITS_MOST ? strtoll(c->number, NULL, 10) : INT64_MAX;
-    return true;
+    errno = 0;
+    *value = strtoll(c->number, NULL, 10);
+    return !errno;
 }
 
 static const char *begin_bulk(struct reply_check *c, long long size) {
@@ -80,6 +83,8 @@ static const char *end_line(struct reply_check *c) {
 static const char *take_line(struct reply_check *c, char byte) {
     if (c->state == REPLY_LINE_FEED && byte == '\n')
         return end_line(c);
+    if (c->state == REPLY_LINE_FEED && c->type != '+' && c->type != '-')
+        return malformed; /* a CR within a number */
     c->state = byte == '\r' ? REPLY_LINE_FEED : REPLY_LINE;
     if (byte == '\r')
         return NULL;

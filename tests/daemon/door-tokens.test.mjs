@@ -33,8 +33,8 @@ after(() => {
 const doors = { 'faccia-say': ['x'], 'faccia-live': ['x.wav'], 'faccia-mqtt': [], 'faccia-wyoming': ['--listen', '127.0.0.1:0'], 'faccia-lva': [] };
 const nothing = { secret: `${secret}\n`, 'two parts': 'abc.def\n', 'four parts': 'a.b.c.d\n', 'an empty part': 'abc..def\n', words: 'my token is abc.def.ghi\n', empty: '' };
 
-async function run(program, options, env = {}) {
-  const child = spawn(path.join(build, 'server/doors', program), options, { env: { ...process.env, ...env }, stdio: ['ignore', 'ignore', 'pipe'] });
+async function run(program, options, env = {}, input = 'ignore') {
+  const child = spawn(path.join(build, 'server/doors', program), options, { env: { ...process.env, ...env }, stdio: [input, 'ignore', 'pipe'] });
   let stderr = '';
   // one that complains and goes on, as it does of FACCIA_TOKEN, is ended
   child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text) && env.FACCIA_TOKEN && stderr.includes('\n') && child.kill());
@@ -58,6 +58,18 @@ for (const [program, more] of Object.entries(doors))
       assert.match((await run(program, ['--url', url, ...more], { FACCIA_TOKEN: secret })).stderr, /FACCIA_TOKEN: no token is in it/);
       assert.equal(sent.includes(secret), false, 'nor sent');
     });
+
+if (fs.existsSync(path.join(build, 'server/doors/sd_faccia')))
+  test('sd_faccia, whose file is named in its configuration, does the same', async () => {
+    const config = (text) => file('faccia.conf', `FacciaUrl "http://127.0.0.1:${listener.address().port}"\nFacciaTokenFile "${file('token', text)}"\n`);
+    for (const [name, text] of Object.entries(nothing)) {
+      const { status, stderr } = await run('sd_faccia', [config(text)], {}, 'pipe'); // speech-dispatcher starts it with a pipe
+      assert.equal(status, 1, `${name}: ${stderr}`);
+      assert.match(stderr, /token: no token is in it/, name);
+      assert.equal(stderr.includes(secret), false, 'the secret is not written anywhere');
+    }
+    assert.equal(sent.includes(secret), false, 'nor sent');
+  });
 
 test('faccia-say sends a token', async () => {
   const token = sign({ secret });

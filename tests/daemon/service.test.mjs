@@ -28,6 +28,12 @@ test('workers may put themselves into namespaces and behind filters', () => {
   assert.deepEqual(settings('RestrictNamespaces').join(' ').split(' ').sort(), ['ipc', 'net', 'user']);
 });
 
+test('it takes no more of the memory than leaves the machine to others', () => {
+  const percent = (name) => Number(settings(name).join().match(/^(\d+)%$/)?.[1]);
+  const [high, most] = [percent('MemoryHigh'), percent('MemoryMax')];
+  assert.ok(high >= 20 && high < most && most <= 90, `MemoryHigh=${high}% MemoryMax=${most}%`);
+});
+
 /** The system calls that a list allows, as systemd reads it: later lines add, and those with ~ take away. */
 function allowed() {
   const group = (name) =>

@@ -97,6 +97,10 @@ const parts = {
       packet({ v: 3, kind: 'here', room: 'hall', from: 'f'.repeat(32), ways: [1, 2], n: 7 }), packet({ v: 3, kind: 'said', room: 'hall', at: 0.1, token: 12, parts: [{ event: 'word', size: 40, line: 9 }, { as: [1, 2, 0, false], size: 24 }] }, Buffer.alloc(64, 9)), packet({ v: 1, kind: 'gone', room: 'hall' }),
       joined(3, 1, u32(sound.length), deflateSync(sound))];
   },
+  // the first byte is the length of the pieces
+  replies: () => ['+PONG\r\n', '-NOSCRIPT no such script\r\n', ':-17\r\n', '$-1\r\n', '$0\r\n\r\n', '$5\r\nhe\r\no\r\n', '*-1\r\n', '*0\r\n:1\r\n', '*3\r\n$9\r\nsubscribe\r\n$1\r\na\r\n:1\r\n*3\r\n$7\r\nmessage\r\n$1\r\na\r\n$3\r\nxyz\r\n',
+    '*2\r\n*1\r\n*2\r\n:1\r\n$-1\r\n*1\r\n*0\r\n', '*1\r\n'.repeat(7), '*2147483647\r\n:1\r\n', '*-2\r\n', '$2147483647\r\nx', '$-2\r\n', ':9223372036854775808\r\n', '$05\r\nhello\r\n', '+a\rb\r\n', '>2\r\n', `+${'x'.repeat(5000)}`]
+    .flatMap((reply) => [0, 63].map((step) => joined(step, reply))),
   packs: () => Array.from({ length: 16 }, (_, i) => joined(i % 8, u16(i * 7), i % 9, u16(3), 1, 'a')),
   tables: () => Array.from({ length: 15 }, (_, i) => joined(i % 5, u16(i * 11), i % 9, u16(3), 1, 'a')),
   reading: () => ['12', '-1.234,5', '1/2', '3 1/2', '1.5.2024', '2024-05-01', '12:30:15', '7pm', '2h3m4s', 'PT2H', '€ 3,50', '$1,000.99', '5 kg', '3.5 km/h', 'anna@example.it', 'https://a.example/b?c=d', 'XIV', '+39 06 123', 'MCMXC']

@@ -53,7 +53,7 @@ static void start(struct server *server) {
 enum { TURNS = 9 };
 
 struct seen {
-    int ups, downs, asked, answers;
+    int ups, downs, asked, answers, unanswered;
 };
 
 static void on_changed(void *ctx, bool up) {
@@ -160,8 +160,48 @@ static void what_is_sent_in_each_turn_keeps_no_answer_from_being_read(void **sta
     unlink(server.path);
 }
 
+/* As the bus does: once something is answered, or is not, it sends more. */
+static void send_more(void *ctx, const redisReply *reply) {
+    struct asker *asker = ctx;
+    struct link_text ping = link_text_of("PING");
+    asker->seen->answers += reply != NULL;
+    if (reply)
+        return;
+    asker->seen->asked += redis_link_up(asker->link);
+    asker->seen->asked += redis_link_send(asker->link, &ping, 1, on_pong, asker->seen);
+    redis_link_flush(asker->link);
+    asker->seen->unanswered++;
+}
+
+static void what_a_lost_link_ends_finds_it_lost(void **state) {
+    uv_loop_t loop;
+    struct server server;
+    struct seen seen = {0};
+    struct asker asker = {.seen = &seen};
+    struct link_text ping = link_text_of("PING");
+    (void)state;
+    start(&server);
+    struct redis_address address = {.path = mem_strdup(server.path), .shown = mem_strdup("here")};
+    uv_loop_init(&loop);
+    asker.link = redis_link_open(&loop, &address, on_changed, &seen);
+    while (!seen.ups)
+        uv_run(&loop, UV_RUN_ONCE);
+    server.mute = true;
+    assert_true(redis_link_send(asker.link, &ping, 1, send_more, &asker));
+    redis_link_flush(asker.link);
+    redis_link_close(asker.link);
+    assert_int_equal(seen.unanswered, 1);
+    assert_int_equal(seen.asked, 0);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_int_equal(uv_loop_close(&loop), 0);
+    pthread_join(server.thread, NULL);
+    close(server.listening);
+    unlink(server.path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_a_lost_link_ends_finds_it_lost),
         cmocka_unit_test(a_loop_that_was_away_reads_before_it_judges),
         cmocka_unit_test(what_is_sent_in_each_turn_keeps_no_answer_from_being_read),
     };

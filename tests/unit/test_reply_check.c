@@ -44,6 +44,15 @@ static void replies_as_they_are(void **state) {
         {"*2147483647\r\n", ALL},
         {"*4294967297\r\n", ALL},
         {"*99999999999999999999999999\r\n", ALL},
+        /* numbers as hiredis takes them */
+        {":9223372036854775807\r\n:-9223372036854775808\r\n:0\r\n", 3},
+        {":9223372036854775808\r\n", ALL},
+        {":-9223372036854775809\r\n", ALL},
+        {":01\r\n", ALL},
+        {":1\r2\r\n", ALL},
+        {"$1\r\r\na\r\n", ALL},
+        {":-0\r\n", ALL},
+        {"$01\r\na\r\n", ALL},
         {"*65536\r\n", 0},
         {"*65537\r\n", ALL},
         {"*2\r\n*65534\r\n", 0},
@@ -66,6 +75,8 @@ static void replies_as_they_are(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check(cases[i].text, strlen(cases[i].text), cases[i].replies);
     check("\0", 1, ALL);
+    check("$1\0\r\na\r\n", 8, ALL);
+    check(":1\r\0\r\n", 6, ALL);
 }
 
 static void what_has_no_end(void **state) {
