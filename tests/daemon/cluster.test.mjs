@@ -140,7 +140,7 @@ test('a Redis that lets nobody in, and one that does not speak Redis, are told; 
   await new Promise((resolve) => liar.listen(0, '127.0.0.1', resolve));
   const cases = [
     [`redis://:wrong@127.0.0.1:${redis.port}`, /WRONGPASS/],
-    [`redis://127.0.0.1:${liar.address().port}`, /Protocol error/],
+    [`redis://127.0.0.1:${liar.address().port}`, /it does not speak the protocol of Redis/],
     ['unix:///nowhere/at.all', /No such file/],
     ['redis://no-such-host.invalid', /cluster: no-such-host\.invalid:6379: /],
   ];
