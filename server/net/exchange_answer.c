@@ -73,13 +73,14 @@ static void head_warnings(struct head *h, const struct exchange *x) {
 }
 
 /* What --embed is for: texts and the face. The pages that change something or show what is said (operator,
- * editor, the makers of avatars) are framed by nobody, lest clicks are drawn into them. */
+ * editor, the makers of avatars) are framed by nobody, lest clicks are drawn into them. path: NULL where the
+ * request was refused before it had one. */
 static bool is_for_frames(const char *path) {
     static const char *const pages[] = {"/", "/library.html", "/room.html"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
-        if (!strcmp(path, pages[i]))
+        if (path && !strcmp(path, pages[i]))
             return true;
-    return !strncmp(path, "/library/", strlen("/library/"));
+    return path && !strncmp(path, "/library/", strlen("/library/"));
 }
 
 static void head_common(struct head *h, const struct exchange *x, const char *type) {
