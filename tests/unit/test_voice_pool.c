@@ -35,7 +35,7 @@ static void a_fault_costs_one_sentence(void **state) {
     static const char *const faults[][2] = {
         {"crash", "voice-crashed"}, {"leave", "voice-crashed"},    {"fail", "voice-failed"},
         {"rates", "voice-failed"},  {"pitchless", "voice-failed"}, {"garbage", "voice-crashed"},
-        {"flood", "voice-failed"},  {"chatter", "voice-failed"},   {"hang", "voice-timeout"},
+        {"flood", "text-too-long"}, {"chatter", "voice-failed"},   {"hang", "voice-timeout"},
         {"slow", "voice-timeout"},
     };
     enum { COUNT = sizeof faults / sizeof *faults };
