@@ -89,10 +89,6 @@ struct index_reader *library_reader(struct library *l, struct error *e) {
     return r;
 }
 
-void library_reader_look(struct index_reader *r) {
-    r->damaged = r->damaged || index_is_damaged(r->sql);
-}
-
 void library_reader_done(struct library *l, struct index_reader *r) {
     pthread_mutex_lock(&l->mutex);
     bool current = r->generation == l->generation;

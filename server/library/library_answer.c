@@ -18,11 +18,6 @@ static uint64_t now(void) {
     return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
 }
 
-bool answer_is_late(struct answer_limit *limit) {
-    limit->late = limit->late || (limit->given_up && atomic_load(limit->given_up)) || now() > limit->until;
-    return limit->late;
-}
-
 static int on_progress(void *limit) {
     return answer_is_late(limit);
 }

@@ -51,9 +51,6 @@ struct library {
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
 
-/* After statements: notes whether the file turned out to be damaged. */
-void library_reader_look(struct index_reader *reader);
-
 /* library_scan.c: the thread. */
 void *library_scan(void *library);
 
@@ -61,9 +58,6 @@ void *library_scan(void *library);
  * with *e. */
 int library_recorded(struct library *library, struct index_writer *writer, const struct library_files *files,
                      struct error *e);
-
-/* library_answer.c: sets late when it is. */
-bool answer_is_late(struct answer_limit *limit);
 
 /* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
 json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
@@ -77,6 +71,12 @@ json_t *library_passage_json(struct index_reader *reader, const char *id, struct
 json_t *library_ahead_json(struct library *library); /* NULL: nothing is spoken ahead */
 
 /* library_read.c */
+
+/* Sets late when it is. */
+bool answer_is_late(struct answer_limit *limit);
+
+/* After statements: notes whether the file turned out to be damaged. */
+void library_reader_look(struct index_reader *reader);
 
 /* A statement, to be finalised; NULL with *e. */
 sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, struct error *e);

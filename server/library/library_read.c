@@ -1,6 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/library_internal.h"
 #include <stdlib.h>
+#include <time.h>
+
+static uint64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
+bool answer_is_late(struct answer_limit *limit) {
+    limit->late = limit->late || (limit->given_up && atomic_load(limit->given_up)) || now() > limit->until;
+    return limit->late;
+}
+
+void library_reader_look(struct index_reader *r) {
+    r->damaged = r->damaged || index_is_damaged(r->sql);
+}
 
 sqlite3_stmt *library_prepare(struct index_reader *r, const char *sql, struct error *e) {
     sqlite3_stmt *s = NULL;

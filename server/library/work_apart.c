@@ -2,7 +2,7 @@
 #include "server/library/work_apart.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/voice/wire.h"
+#include "server/base/wire_bytes.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,9 +3,6 @@
 #include "server/base/mem.h"
 #include <string.h>
 
-/* The length that stands for NULL. */
-#define NO_STRING UINT32_MAX
-
 /* Header: u32 payload length, u32 type, u32 job. */
 size_t wire_begin(struct buf *b, enum wire_type type, uint32_t job) {
     size_t place = b->size;
@@ -34,71 +31,8 @@ int wire_next(const uint8_t *data, size_t size, struct wire_frame *frame, size_t
     return 1;
 }
 
-void wire_put_u32(struct buf *b, uint32_t v) {
-    buf_add(b, &v, sizeof v);
-}
-
-void wire_put_u64(struct buf *b, uint64_t v) {
-    buf_add(b, &v, sizeof v);
-}
-
-static void put_f64(struct buf *b, double v) {
-    buf_add(b, &v, sizeof v);
-}
-
-void wire_put_string(struct buf *b, const char *s) {
-    if (!s) {
-        wire_put_u32(b, NO_STRING);
-        return;
-    }
-    size_t length = strlen(s);
-    wire_put_u32(b, (uint32_t)length);
-    buf_add(b, s, length + 1);
-}
-
 struct wire_reader wire_read(const struct wire_frame *frame) {
     return (struct wire_reader){.at = frame->data, .end = frame->data + frame->size};
-}
-
-static void get(struct wire_reader *r, void *out, size_t size) {
-    if (r->bad || (size_t)(r->end - r->at) < size) {
-        r->bad = true;
-        memset(out, 0, size);
-        return;
-    }
-    memcpy(out, r->at, size);
-    r->at += size;
-}
-
-uint32_t wire_get_u32(struct wire_reader *r) {
-    uint32_t v;
-    get(r, &v, sizeof v);
-    return v;
-}
-
-uint64_t wire_get_u64(struct wire_reader *r) {
-    uint64_t v;
-    get(r, &v, sizeof v);
-    return v;
-}
-
-static double get_f64(struct wire_reader *r) {
-    double v;
-    get(r, &v, sizeof v);
-    return v;
-}
-
-const char *wire_get_string(struct wire_reader *r) {
-    uint32_t length = wire_get_u32(r);
-    if (r->bad || length == NO_STRING)
-        return NULL;
-    if ((size_t)(r->end - r->at) <= length || memchr(r->at, '\0', (size_t)length + 1) != r->at + length) {
-        r->bad = true;
-        return NULL;
-    }
-    const char *s = (const char *)r->at;
-    r->at += (size_t)length + 1;
-    return s;
 }
 
 void wire_put_limits(struct buf *b, const struct wire_limits *limits) {
@@ -117,12 +51,12 @@ struct wire_limits wire_get_limits(struct wire_reader *r) {
 static void put_span(struct buf *b, const struct faccia_span *span) {
     wire_put_u32(b, span->kind);
     wire_put_u32(b, span->emphasis);
-    put_f64(b, span->intensity);
-    put_f64(b, span->seconds);
-    put_f64(b, span->rate);
-    put_f64(b, span->pitch);
-    put_f64(b, span->range);
-    put_f64(b, span->volume);
+    wire_put_f64(b, span->intensity);
+    wire_put_f64(b, span->seconds);
+    wire_put_f64(b, span->rate);
+    wire_put_f64(b, span->pitch);
+    wire_put_f64(b, span->range);
+    wire_put_f64(b, span->volume);
     wire_put_string(b, span->text);
     wire_put_string(b, span->lang);
     wire_put_string(b, span->phones);
@@ -133,12 +67,12 @@ static void put_span(struct buf *b, const struct faccia_span *span) {
 static void get_span(struct wire_reader *r, struct faccia_span *span) {
     span->kind = wire_get_u32(r);
     span->emphasis = wire_get_u32(r);
-    span->intensity = get_f64(r);
-    span->seconds = get_f64(r);
-    span->rate = get_f64(r);
-    span->pitch = get_f64(r);
-    span->range = get_f64(r);
-    span->volume = get_f64(r);
+    span->intensity = wire_get_f64(r);
+    span->seconds = wire_get_f64(r);
+    span->rate = wire_get_f64(r);
+    span->pitch = wire_get_f64(r);
+    span->range = wire_get_f64(r);
+    span->volume = wire_get_f64(r);
     span->text = wire_get_string(r);
     span->lang = wire_get_string(r);
     span->phones = wire_get_string(r);

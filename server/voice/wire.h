@@ -8,7 +8,7 @@
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
-#include "server/base/buf.h"
+#include "server/base/wire_bytes.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
@@ -54,22 +54,8 @@ void wire_end(struct buf *b, size_t place);
  * needed; -1 = garbage. */
 int wire_next(const uint8_t *data, size_t size, struct wire_frame *frame, size_t *used);
 
-/* Payloads. A string is its length, its bytes and a NUL; NULL has a length of its own. */
-void wire_put_u32(struct buf *b, uint32_t v);
-void wire_put_u64(struct buf *b, uint64_t v);
-void wire_put_string(struct buf *b, const char *s);
-
-/* Reads a payload. After the first thing that is not there, bad is set and everything reads as 0 or NULL.
- * Strings point into the payload. */
-struct wire_reader {
-    const uint8_t *at, *end;
-    bool bad;
-};
-
+/* A frame's payload. */
 struct wire_reader wire_read(const struct wire_frame *frame);
-uint32_t wire_get_u32(struct wire_reader *r);
-uint64_t wire_get_u64(struct wire_reader *r);
-const char *wire_get_string(struct wire_reader *r);
 
 /* What a worker may have. */
 struct wire_limits {
