@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One question to the daemon, and its answer. */
+#include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/doors/remote_internal.h"
@@ -126,8 +127,8 @@ static bool give_in(struct fetch *q, const struct remote_answer *answer) {
     const char *field = json_string_value(json_object_get(answer->body, "field"));
     if (!q->anyway || answer->status != 400 || !code)
         return false;
-    bool lang = !strcmp(code, "unknown-language") || (field && !strcmp(field, "lang"));
-    bool voice = !strcmp(code, "unknown-voice") || (field && !strcmp(field, "voice"));
+    bool lang = !strcmp(code, error_name(ERROR_UNKNOWN_LANGUAGE)) || (field && !strcmp(field, "lang"));
+    bool voice = !strcmp(code, error_name(ERROR_UNKNOWN_VOICE)) || (field && !strcmp(field, "voice"));
     if (!lang && !voice)
         return false;
     if (voice && leave_out(q, "voice")) {

@@ -76,7 +76,7 @@ struct score_item {
     enum score_kind kind;
     size_t start, end; /* bytes of the input */
     const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
-    bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
+    bool verbatim;    /* text is input[start..end), stray tags blanked, so offsets inside it map one to one */
     double seconds;   /* SCORE_BREAK */
     size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
                         left out when the sound is played, spoken when it cannot be */
@@ -148,8 +148,8 @@ enum { SCORE_WARNINGS = 1000 };
 void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Shortens the pauses that go beyond SCORE_PAUSE_SENTENCE in a sentence, or beyond SCORE_PAUSE_TEXT together with
- * those that there were in the text before (paused), s; warns of each sentence where it does. */
+/* Shortens the pauses that go beyond SCORE_PAUSE_SENTENCE in a sentence, or beyond SCORE_PAUSE_TEXT together
+ * with those that there were in the text before (paused), s; warns of each sentence where it does. */
 enum { SCORE_PAUSE_SENTENCE = 120, SCORE_PAUSE_TEXT = 3600 };
 void score_bound_pauses(struct score *score, double paused);
 double score_pauses(const struct score *score); /* how long they are together, s */

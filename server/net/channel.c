@@ -242,13 +242,6 @@ size_t channel_listeners(const struct channel *c) {
     return count;
 }
 
-bool channel_is_blocked(const struct channel *c) {
-    size_t blocked = 0;
-    for (const struct follower *f = c->followers; f; f = f->next)
-        blocked += f->blocked && !f->abroad && !f->watches;
-    return blocked && blocked == channel_listeners(c);
-}
-
 bool channel_pending(const struct channel *c) {
     return c->first;
 }

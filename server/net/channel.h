@@ -50,8 +50,6 @@ struct stream *channel_stream(const struct channel *channel);
 uint64_t channel_number(const struct channel *channel); /* no other has had it */
 const char *channel_name(const struct channel *channel);
 size_t channel_listeners(const struct channel *channel); /* followers that do not just look on */
-bool channel_is_blocked(
-    const struct channel *channel); /* it has listeners, and the sound of all is blocked */
 bool channel_is_room(const struct channel *channel);
 bool channel_speaks(const struct channel *channel);    /* something is spoken in it, or waits */
 bool channel_elsewhere(const struct channel *channel); /* a room in which another daemon speaks (homes.h) */

@@ -196,11 +196,22 @@ static bool is_of_chunk(enum stream_event_kind kind) {
            kind == STREAM_PHONE;
 }
 
+/* Does it have listeners, and is the sound of all of them blocked? */
+static bool is_blocked(const struct channel *c) {
+    bool blocked = false;
+    for (const struct follower *f = c->followers; f; f = f->next) {
+        if (f->abroad ? f->abroad->listeners : !f->watches && !f->blocked)
+            return false;
+        blocked = blocked || (!f->abroad && !f->watches);
+    }
+    return blocked;
+}
+
 /* The end in a room says when nobody can have heard it. */
 static const struct stream_event *with_blocked(const struct channel *c, const struct stream_event *event,
                                                struct stream_event *end) {
     *end = *event;
-    end->blocked = channel_is_blocked(c);
+    end->blocked = is_blocked(c);
     return end;
 }
 

@@ -28,7 +28,13 @@ static void free_sentence(struct sentence *s) {
     free(s);
 }
 
+static void on_closed(uv_handle_t *timer) {
+    free(timer);
+}
+
 void sentence_cancel(struct sentence *s) {
+    if (s->soon)
+        uv_close((uv_handle_t *)s->soon, on_closed);
     for (size_t i = 0; i < s->count; i++) {
         if (s->parts[i].job)
             voice_job_cancel(s->parts[i].job);
@@ -54,15 +60,27 @@ static void finish(struct sentence *s, const struct error *failure) {
 
 static void start(struct sentence *s, struct sentence_part *part);
 
-/* Starts what may be started; finishes when all is there. */
-static void go_on(struct sentence *s) {
+/* Starts what may be started. Returns whether all is there. */
+static bool start_parts(struct sentence *s) {
     for (size_t i = 0; i < s->count && s->running < RUNNING_MAX; i++)
         if (s->parts[i].wanted && !s->parts[i].started)
             start(s, &s->parts[i]);
     for (size_t i = 0; i < s->count; i++)
         if (s->parts[i].wanted && !s->parts[i].u && !s->parts[i].failed)
-            return;
-    finish(s, NULL);
+            return false;
+    return true;
+}
+
+static void go_on(struct sentence *s) {
+    if (start_parts(s))
+        finish(s, NULL);
+}
+
+static void on_soon(uv_timer_t *timer) {
+    struct sentence *s = timer->data;
+    s->soon = NULL;
+    uv_close((uv_handle_t *)timer, on_closed);
+    go_on(s);
 }
 
 static void on_done(void *ctx, struct sentence_audio *u) {
@@ -191,6 +209,11 @@ struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const 
         s->parts[i] = (struct sentence_part){.sentence = s, .what = found[i]};
     free(found);
     want(s, SIZE_MAX);
-    go_on(s);
+    if (start_parts(s)) { /* pauses alone: the caller has to know the sentence before it ends */
+        s->soon = mem_alloc(sizeof *s->soon);
+        uv_timer_init(loop, s->soon);
+        s->soon->data = s;
+        uv_timer_start(s->soon, on_soon, 0, 0);
+    }
     return s;
 }

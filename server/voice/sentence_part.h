@@ -29,7 +29,8 @@ struct sentence {
     struct plan cues; /* of the whole sentence */
     struct sentence_part *parts;
     size_t count, running, sounds;
-    double seconds; /* spoken or silent so far */
+    double seconds;   /* spoken or silent so far */
+    uv_timer_t *soon; /* runs while the end is told in the loop's next turn; else NULL */
 };
 
 static inline const struct score_item *sentence_item(const struct sentence *s, size_t index) {

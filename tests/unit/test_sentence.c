@@ -130,6 +130,26 @@ static void two_plugins_in_one_sentence(void **state) {
     end(&t);
 }
 
+/* It needs no voice, and ends all the same only when the caller knows it. */
+static void pauses_alone(void **state) {
+    (void)state;
+    for (int cancelled = 0; cancelled < 2; cancelled++) {
+        struct stage t;
+        begin(&t);
+        add(&t, SCORE_BREAK, "espeak:it", NULL)->seconds = 2;
+        struct sentence *sentence = start(&t, "espeak:it");
+        assert_false(t.done);
+        if (cancelled) {
+            sentence_cancel(sentence);
+        } else {
+            uv_run(&t.test->loop, UV_RUN_DEFAULT);
+            assert_non_null(t.u);
+            assert_int_equal(t.u->samples, 2 * t.u->sample_rate);
+        }
+        end(&t);
+    }
+}
+
 static void one_voice_that_is_not_the_request_s(void **state) {
     (void)state;
     struct stage t;
@@ -297,6 +317,7 @@ static void long_sounds_are_cut(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_plugins_in_one_sentence),
+        cmocka_unit_test(pauses_alone),
         cmocka_unit_test(one_voice_that_is_not_the_request_s),
         cmocka_unit_test(a_break_between_voices_has_its_length),
         cmocka_unit_test(a_voice_that_fails_fails_the_sentence),

@@ -75,17 +75,6 @@ static void on_message(void *ctx, const char *topic, const char *payload, size_t
 
 const struct mqtt_calls bridge_calls = {on_connected, on_message};
 
-bool bridge_has_voice(const struct bridge *b, const char *voice) {
-    size_t i;
-    json_t *one;
-    json_array_foreach(b->voices, i, one) {
-        const char *id = json_string_value(one), *name = strchr(id, ':');
-        if (!strcmp(id, voice) || (name && !strcmp(name + 1, voice)))
-            return true;
-    }
-    return !json_array_size(b->voices);
-}
-
 static void on_voices(void *ctx, const struct remote_answer *answer) {
     struct bridge *b = ctx;
     json_t *list = json_object_get(answer->body, "voices"), *one;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the broker asks for. What cannot reach the daemon is tried again for a while; what may have reached it
  * is not: nothing is said twice. */
+#include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -76,7 +77,7 @@ void room_drop_voice(struct bridge_room *r) {
 /* The room's voice has gone since it was chosen: it is said without. */
 static bool give_up_voice(struct asking *a, const struct remote_answer *answer) {
     const char *code = json_string_value(json_object_get(answer->body, "code"));
-    if (!a->of_room || !code || strcmp(code, "unknown-voice") != 0)
+    if (!a->of_room || !code || strcmp(code, error_name(ERROR_UNKNOWN_VOICE)) != 0)
         return false;
     json_t *body = json_loads(a->body, 0, NULL);
     json_object_del(body, "voice");

@@ -127,3 +127,14 @@ static void on_following(void *ctx, const char *why) {
 }
 
 const struct remote_events room_events_calls = {on_event, on_following};
+
+bool bridge_has_voice(const struct bridge *b, const char *voice) {
+    size_t i;
+    json_t *one;
+    json_array_foreach(b->voices, i, one) {
+        const char *id = json_string_value(one), *name = strchr(id, ':');
+        if (!strcmp(id, voice) || (name && !strcmp(name + 1, voice)))
+            return true;
+    }
+    return !json_array_size(b->voices);
+}
