@@ -17,8 +17,13 @@ static const char letters[] = {
     [BLOCK_SPEAKER] = 0, [BLOCK_STAGE] = 0,       [BLOCK_PAGE] = 0};
 
 void builder_open(struct builder *b, const struct work_sink *sink) {
-    *b = (struct builder){.sink = sink, .section = {.level = 1}};
+    *b = (struct builder){.sink = sink, .section = {.level = 1}, .bytes_max = WORK_BYTES_MAX};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b->begun);
+}
+
+void builder_allow(struct builder *b, uint64_t file_bytes) {
+    if (file_bytes > b->bytes_max / WORK_BYTES_FACTOR)
+        b->bytes_max = WORK_BYTES_FACTOR * file_bytes;
 }
 
 static void place_of(const struct builder *b, struct error *e) {
@@ -39,8 +44,8 @@ static void stop(struct builder *b, const char *format, int most) {
 /* Counts what is to be kept. False: it is too much, and nothing more is taken. */
 static bool weigh(struct builder *b, size_t bytes) {
     b->bytes += bytes;
-    if (b->bytes > WORK_BYTES_MAX)
-        stop(b, "a work may take %d MiB of the index: the rest is left out", WORK_BYTES_MAX >> 20);
+    if (b->bytes > b->bytes_max)
+        stop(b, "a work may take %d MiB of the index: the rest is left out", (int)(b->bytes_max >> 20));
     return !b->stopped;
 }
 

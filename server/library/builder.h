@@ -20,7 +20,8 @@ struct builder {
     enum { BREAK_NONE, BREAK_JOINS, BREAK_HYPHEN, BREAK_APART } line_break; /* before what comes next */
     bool soft;                                                              /* a soft hyphen came last */
     bool cut;              /* the reader was told that the block is too long */
-    uint64_t bytes;        /* so far, of WORK_BYTES_MAX */
+    uint64_t bytes;        /* so far, of bytes_max */
+    uint64_t bytes_max;    /* WORK_BYTES_MAX, unless builder_allow has raised it */
     struct timespec begun; /* processor time of the thread */
     struct error why;      /* stopped: the reason, where it is the work's */
     void (*where)(void *ctx, size_t *line, size_t *column); /* the place in the file; NULL: not known */
@@ -29,6 +30,9 @@ struct builder {
 
 /* lang may be set anew at any time. */
 void builder_open(struct builder *b, const struct work_sink *sink);
+
+/* A file of so many bytes may take as many times its size: it is not small, and what it makes is its own. */
+void builder_allow(struct builder *b, uint64_t file_bytes);
 
 /* Gives what is left. Not 0: the sink has stopped it. */
 int builder_close(struct builder *b);

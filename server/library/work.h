@@ -80,6 +80,7 @@ enum {
     SECTIONS_MAX = 100000,
     WORK_BYTES_MAX =
         64 << 20,           /* of its text, blocks, lines and marks; the index takes about four times that */
+    WORK_BYTES_FACTOR = 4,  /* times the file's size, if that is more */
     WORK_SECONDS_MAX = 120, /* of processor time, indexing included */
     BLOCK_BYTES_MAX = 1 << 20, /* a longer one is continued in another */
     NOTE_DEPTH_MAX = 4,

@@ -119,6 +119,7 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
     lang_of_name(path, meta);
     int result = kind == KIND_EPUB ? epub_read(fileno(file), meta, &b, e) : data ? 0 : load(file, &loaded, e);
     data = data ? data : &loaded;
+    builder_allow(&b, data->size); /* of an EPUB nothing is known here */
     if (!result && kind == KIND_XML)
         kind = kind_of_root(data);
     if (!result && kind == KIND_XML)
