@@ -54,7 +54,17 @@ static int from_environment(struct settings *s, enum program program, struct err
     return 0;
 }
 
-enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_SCHEMA, OPTION_CONFIG, OPTION_RENAMED };
+/* Behind what getopt_long returns for letters and for what it does not know: '?' is 63. OPTION_SETTING and
+ * what follows: the settings, in the order of their table. */
+enum {
+    OPTION_HELP = 1000,
+    OPTION_VERSION,
+    OPTION_PRINT,
+    OPTION_SCHEMA,
+    OPTION_CONFIG,
+    OPTION_RENAMED,
+    OPTION_SETTING
+};
 
 static const char *name_of(enum program program) {
     static const char *const names[] = {
@@ -78,7 +88,8 @@ static int read_options(struct settings *s, struct settings_request *request, en
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
         if (setting_is_of(program, setting))
-            options[count++] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL, (int)i};
+            options[count++] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL,
+                                               OPTION_SETTING + (int)i};
     }
     bool listed[SETTINGS_MAX] = {false};
     char name[64];
@@ -101,11 +112,12 @@ static int read_options(struct settings *s, struct settings_request *request, en
         else if (c == OPTION_RENAMED && !only_request)
             return setting_was_renamed("--token-file", e);
         else if (!only_request) {
-            const struct setting *setting = &settings_table[c];
+            size_t at = (size_t)(c - OPTION_SETTING);
+            const struct setting *setting = &settings_table[at];
             snprintf(name, sizeof name, "--%s", setting->option);
-            if (setting->type == SETTING_LIST && !listed[c])
+            if (setting->type == SETTING_LIST && !listed[at])
                 setting_clear(s, setting);
-            listed[c] = true;
+            listed[at] = true;
             if (setting_from_text(s, setting, setting->type == SETTING_FLAG ? "true" : optarg, name, e))
                 return -1;
         }
