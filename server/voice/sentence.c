@@ -116,7 +116,8 @@ static void on_read(uv_work_t *work, int status);
 
 static void read_sound(uv_work_t *work) {
     struct sound_task *r = work->data;
-    r->u = sound_read(r->path, r->volume, r->sample_rate, &r->e);
+    if (r->path) /* else it is a silence, which is there */
+        r->u = sound_read(r->path, r->volume, r->sample_rate, &r->e);
 }
 
 /* Wants what is to be heard when that sound is not; SIZE_MAX: what is to be heard anyway. */
@@ -131,11 +132,31 @@ static void give_up(struct sentence_part *part) {
     want(part->sentence, (size_t)(part - part->sentence->parts));
 }
 
+/* Nothing but pauses: nobody else calls back later. */
+static bool is_silent(const struct sentence *s) {
+    for (size_t i = 0; i < s->count; i++)
+        if (s->parts[i].wanted && s->parts[i].what.kind != PART_SILENCE)
+            return false;
+    return true;
+}
+
+static struct sound_task *new_task(struct sentence *s, struct sentence_part *part) {
+    struct sound_task *r = part->task = mem_alloc(sizeof *r);
+    r->work.data = r;
+    r->part = part;
+    s->running++;
+    return r;
+}
+
 static void start(struct sentence *s, struct sentence_part *part) {
     part->started = true;
     if (part->what.kind == PART_TEXT) {
         s->running++;
         speak(s, part);
+    } else if (part->what.kind == PART_SILENCE && is_silent(s)) {
+        struct sound_task *r = new_task(s, part); /* who asks is never called back at once */
+        r->u = sentence_silence(s, &part->what);
+        uv_queue_work(s->loop, &r->work, read_sound, on_read);
     } else if (part->what.kind == PART_SILENCE) {
         part->u = sentence_silence(s, &part->what);
     } else if (s->sounds++ >= SOUNDS_MAX) {
@@ -143,10 +164,7 @@ static void start(struct sentence *s, struct sentence_part *part) {
         give_up(part);
     } else {
         const struct score_item *sound = sentence_item(s, part->what.first);
-        struct sound_task *r = part->task = mem_alloc(sizeof *r);
-        r->work.data = r;
-        r->part = part;
-        s->running++;
+        struct sound_task *r = new_task(s, part);
         r->path = mem_strdup(s->selection->sounds[part->what.first]);
         r->volume = sound->style->volume * (s->request.volume > 0 ? s->request.volume : 1);
         r->sample_rate = s->request.voice->sample_rate;
