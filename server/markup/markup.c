@@ -183,6 +183,7 @@ static int read_leniently(const struct markup_kind *kind, struct score **score, 
     if (e->code != ERROR_BAD_XML)
         return -1;
     struct error broken = *e;
+    *e = (struct error){0};
     score_free(*score);
     *score = score_new();
     (*score)->input = text;

@@ -63,6 +63,8 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
     rules = synthesis_rules(s);
     rules.markdown = s->writing->open.markdown;
     rules.paused = s->writing->paused;
+    /* what comes behind a broken element could not be told from it any more: it is an error */
+    rules.lenient = rules.lenient && s->markup == markup_by_name("plain");
     r.document = markup_read(s->markup, piece->text, piece->size, &rules, e);
     if (!r.document && e->code == ERROR_EMPTY_TEXT)
         return 0;

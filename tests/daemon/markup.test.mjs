@@ -96,9 +96,11 @@ test('bad documents are refused with their place, and the next one is spoken', a
     if (!expected.includes(': error: ') || bytes.includes(0) || Buffer.compare(Buffer.from(bytes.toString()), bytes) !== 0) continue;
     stream.send({ type: 'speak', lang: 'it', text: bytes.toString() });
     const end = await stream.wait({ type: 'end' }, { from });
-    assert.equal(end.reason, 'failed', name);
-    const error = stream.messages.slice(from).find((m) => m.type === 'error');
-    if (error.code !== 'empty-text') assert.ok(expected.startsWith(`-:${error.line}:${error.column}: error: ${error.message}`), name);
+    // a stream speaks the words of what is no document, and says where it is none
+    const error = stream.messages.slice(from).find((m) => m.type === 'error' || (m.type === 'warning' && m.code === 'bad-xml'));
+    assert.equal(end.reason, error.type === 'error' ? 'failed' : 'done', name);
+    if (error.type === 'warning') assert.ok(expected.startsWith(`-:${error.line}:${error.column}: error: `), `${name}: ${JSON.stringify(error)}`);
+    else if (error.code !== 'empty-text') assert.ok(expected.startsWith(`-:${error.line}:${error.column}: error: ${error.message}`), name);
   }
   const from = stream.messages.length;
   stream.send({ type: 'speak', lang: 'it', text: '<speak>Ciao.</speak>' });

@@ -18,7 +18,7 @@ const post = (text, query = '', type = 'application/xml') =>
 async function spoken(text, more = {}) {
   const stream = await daemon.stream('?audio=none&fap=none');
   stream.send({ type: 'speak', id: 'a', lang: 'en', text, ...more });
-  const end = await stream.wait({ type: 'end', id: 'a' });
+  const end = await stream.wait({ type: 'end', id: 'a' }, { milliseconds: 30000 });
   const bytes = Buffer.from(text);
   const utf16 = (m) => text.slice(m.start, m.end);
   const words = stream.messages.filter((m) => m.type === 'word').map((m) => m.text ?? utf16(m));
@@ -36,6 +36,12 @@ test('pauses are no work of the voice: their sum is bounded, and told with the p
   const bytes = (await response.arrayBuffer()).byteLength;
   const seconds = bytes / 2 / 22050;
   assert.ok(seconds > 119 && seconds < 125, `${seconds} s`);
+});
+
+test('a pause between sentences is one of its own, and what comes behind it is spoken', async () => {
+  const said = await spoken('<speak><p>One.</p><break time="300ms"/><p>Two.</p><break/></speak>');
+  assert.equal(said.end.reason, 'done');
+  assert.deepEqual(said.words, ['One', 'Two']);
 });
 
 for (const [name, text] of Object.entries({

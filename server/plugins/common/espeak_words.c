@@ -63,13 +63,14 @@ static bool speaks_word_by_word(const struct faccia_span *span) {
     return es_text_words(span->phones) == es_text_words(span->text);
 }
 
-/* espeak-ng reports "- Who" where its dash is, which it does not speak: the word begins behind it, before
- * `limit`, where the next one was reported. */
-static void pass_marks(struct es_word *w, size_t limit, const struct es_text *text,
+/* espeak-ng reports "- Who" where its dash is, which it does not speak: the word begins behind it, unless
+ * another is reported there. */
+static void pass_marks(struct es_words *words, size_t i, const struct es_text *text,
                        const struct faccia_sentence *sentence) {
+    struct es_word *w = &words->list[i];
     bool apart = false;
     size_t p = w->position, length;
-    for (; p < limit && p < text->place_count; p++) {
+    for (; p < text->place_count; p++) {
         const struct faccia_span *span =
             text->places[p].span < sentence->span_count ? &sentence->spans[text->places[p].span] : NULL;
         uint32_t c = span && span->text ? at(span->text, text->places[p].offset, &length) : ' ';
@@ -80,15 +81,19 @@ static void pass_marks(struct es_word *w, size_t limit, const struct es_text *te
         else if (!is_mark(c))
             break;
     }
-    if (apart && p < limit && p < text->place_count)
-        w->position = p;
+    if (!apart || p == text->place_count)
+        return;
+    for (size_t k = 0; k < words->count; k++)
+        if (words->list[k].position > w->position && words->list[k].position <= p)
+            return;
+    w->position = p;
 }
 
 void es_words_locate(struct es_words *words, const struct es_text *text,
                      const struct faccia_sentence *sentence) {
     for (size_t i = 0; i < words->count; i++) {
         struct es_word *w = &words->list[i];
-        pass_marks(w, i + 1 < words->count ? words->list[i + 1].position : SIZE_MAX, text, sentence);
+        pass_marks(words, i, text, sentence);
         w->span = UINT32_MAX;
         for (size_t p = w->position; p < text->place_count && w->span == UINT32_MAX; p++) {
             w->span = text->places[p].span;
