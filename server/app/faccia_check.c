@@ -70,8 +70,14 @@ static int check(const struct check *c, const char *path) {
         buf_free(&text);
         return -1;
     }
-    if (!decode(&text, &e))
-        document = markup_read(c->kind, (const char *)text.data, text.size, NULL, &e);
+    bool read = !decode(&text, &e);
+    /* A stream speaks the words of what is no document; an author wants to know what is wrong with it. */
+    const struct markup_kind *kind =
+        read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
+    if (kind == markup_by_name("plain"))
+        kind = c->kind;
+    if (read)
+        document = markup_read(kind, (const char *)text.data, text.size, NULL, &e);
     if (!document)
         report(path, "error", &e, &text);
     if (document && c->score)
