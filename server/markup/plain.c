@@ -243,6 +243,27 @@ static size_t word_end(const char *text, size_t at, size_t end) {
     return at;
 }
 
+/* Adds text[at..to). What stands there for a tag or a reference (stray_tags.h) is an item of its own, whose
+ * place is all of that: up to `end` with what is left out behind it. style: NULL = the plain one. */
+static void add_text(struct score *score, const char *text, size_t at, size_t to, size_t end,
+                     const struct score_style *style) {
+    const char *input = score->input;
+    while (at < to) {
+        bool same = !input || text[at] == input[at];
+        size_t from = at;
+        while (at < to && same == (!input || text[at] == input[at]))
+            at++;
+        size_t place = at;
+        while (!same && at == to && place < end && text[place] == MARKDOWN_LEFT_OUT)
+            place++;
+        struct score_item *item = score_add(score, SCORE_TEXT, from, place);
+        item->text = score_strndup(score, text + from, at - from);
+        item->verbatim = same;
+        if (style)
+            item->style = style;
+    }
+}
+
 /* Adds what is in one language, from a place on; *run: the stretch that comes next. Returns its end. */
 static size_t add_run(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
@@ -258,14 +279,13 @@ static size_t add_run(struct score *score, const char *text, size_t at, size_t e
         to = word_end(text, next->to, end);
     else if (!inside && begin < end)
         to = begin;
-    struct score_item *item = score_add(score, SCORE_TEXT, at, to);
-    item->text = score_strndup(score, text + at, to - at);
-    item->verbatim = true;
+    const struct score_style *own = NULL;
     if (inside && !(rules->lang && !strcmp(rules->lang, next->lang))) {
         struct score_style style = score_plain_style;
         style.lang = score_strndup(score, next->lang, strlen(next->lang));
-        item->style = score_keep_style(score, &style);
+        own = score_keep_style(score, &style);
     }
+    add_text(score, text, at, to, end, own);
     return to;
 }
 
@@ -273,6 +293,7 @@ static size_t add_run(struct score *score, const char *text, size_t at, size_t e
 static void add_items(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
     bool markdown = is_markdown(rules);
+    size_t whole = end;
     const char *edge = markdown ? " \t\r\n\1" : "";
     while (at < end && strchr(edge, text[at]))
         at++;
@@ -283,11 +304,8 @@ static void add_items(struct score *score, const char *text, size_t at, size_t e
     while (at < end) {
         const char *out = markdown ? memchr(text + at, MARKDOWN_LEFT_OUT, end - at) : NULL;
         size_t to = out ? (size_t)(out - text) : end;
-        if (to > at) {
-            struct score_item *item = score_add(score, SCORE_TEXT, at, to);
-            item->text = score_strndup(score, text + at, to - at);
-            item->verbatim = true;
-        }
+        if (to > at)
+            add_text(score, text, at, to, whole, NULL);
         at = to + (out != NULL);
     }
     score_end_sentence(score);
