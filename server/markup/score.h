@@ -76,7 +76,7 @@ struct score_item {
     enum score_kind kind;
     size_t start, end; /* bytes of the input */
     const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
-    bool verbatim;    /* text is input[start..end), stray tags blanked, so offsets inside it map one to one */
+    bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
     double seconds;   /* SCORE_BREAK */
     size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
                         left out when the sound is played, spoken when it cannot be */
