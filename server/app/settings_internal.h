@@ -36,6 +36,9 @@ extern const size_t settings_count;
 /* Does the setting concern the program? */
 bool setting_is_of(enum program program, const struct setting *setting);
 
+/* Is its value the tag of a language (base/lang.h)? */
+bool setting_is_tag(const struct setting *setting);
+
 /* The daemon's --token-file, as it was called once: -1 with *e, which says what it is called now. name: as
  * the setting was written. */
 int setting_was_renamed(const char *name, struct error *e);

@@ -5,6 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What lang_read takes (base/lang.h): a tag of BCP 47, or a POSIX locale that names one. */
+#define TAG_PATTERN                                                                                          \
+    "^(?:[A-Za-z]{2,8}(?:-[A-Za-z0-9]{1,8})*|[xXiI](?:-[A-Za-z0-9]{1,8})+|[A-Za-z]{2,3}_[A-Za-z0-9]{2})"     \
+    "(?:\\.[A-Za-z0-9-]+(?:@[A-Za-z0-9-]+)?|@[A-Za-z0-9-]+)?$"
+
 /* null is as good as no value. */
 static json_t *or_null(const char *type) {
     return json_pack("{s[ss]}", "type", type, "null");
@@ -25,7 +30,10 @@ static json_t *type_of(const struct setting *setting) {
     switch (setting->type) {
     case SETTING_STRING:
     case SETTING_FOLDER:
-        return or_null("string");
+        value = or_null("string");
+        if (setting_is_tag(setting))
+            json_object_set_new(value, "pattern", json_string(TAG_PATTERN));
+        return value;
     case SETTING_CHOICE:
         return choice(setting->shape);
     case SETTING_FLAG:

@@ -54,11 +54,15 @@ static void set_text(struct settings *s, const struct setting *setting, char *te
     set_pointer(s, setting, text);
 }
 
+bool setting_is_tag(const struct setting *setting) {
+    return setting->type == SETTING_STRING && setting->shape && !strcmp(setting->shape, "TAG");
+}
+
 static int set_string(struct settings *s, const struct setting *setting, const char *text, const char *name,
                       struct error *e) {
     char tag[LANG_BYTES + 1];
     size_t bad;
-    if (setting->shape && !strcmp(setting->shape, "TAG")) {
+    if (setting_is_tag(setting)) {
         if (!lang_read(text, strlen(text), tag, &bad))
             return error_in_field(
                 e, ERROR_BAD_FIELD, name,

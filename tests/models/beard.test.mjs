@@ -60,7 +60,7 @@ async function bearded(name, eye) {
 }
 
 const bare = { change: (head) => ({ ...head, parts: head.parts.filter(({ name }) => !name.startsWith('beard')) }) };
-for (const [name, what, has] of [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['samuel', "with Bruno's beard in grey", true]])
+for (const [name, what, has] of [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['mei', "with Bruno's beard", true], ['samuel', "with Bruno's beard in grey", true]])
   test(`${name}, ${what}, on a base without one`, async (t) => {
     const eye = await openEye();
     const folder = what.includes("Bruno's") ? await bearded(name, eye) : heads;
