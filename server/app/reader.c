@@ -2,6 +2,7 @@
 /* faccia-reader: parses one input that cannot be trusted for the daemon, which starts this program for each
  * (base/reader_process.h). It may read that input, which is its standard input, and the system's libraries,
  * write to its standard output, and take the processor time and memory that it is told. */
+#include "server/base/program.h"
 #include "server/library/work_apart.h"
 #include "server/voice/memory_limit.h"
 #include "server/voice/sandbox.h"
@@ -35,6 +36,7 @@ static void confine(const char *program) {
 }
 
 int main(int argc, char **argv) {
+    program_begin();
     bool work = argc == LANG + 1 && !strcmp(argv[KIND], "work");
     bool check = argc == INPUT + 1 && !strcmp(argv[KIND], "check");
     if (!work && !check) {

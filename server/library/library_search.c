@@ -3,6 +3,7 @@
 #include "server/library/library_internal.h"
 #include "server/library/search_places.h"
 #include "server/library/search_query.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +21,7 @@ struct searching {
     const struct library_question *question;
     struct search_query query;
     sqlite3_stmt *row, *shape;
+    json_t *lines; /* of the shapes that were needed, by the first row of their passage */
     struct answer_limit *limit;
 };
 
@@ -70,17 +72,32 @@ static json_t *snippet(const char *text, size_t size, bool verse, const struct m
                      from > 0 || more_before, "after", to < size || more_after);
 }
 
+/* The lines of the passage whose first row it is, as its shape has them; each shape is parsed once. NULL:
+ * there are none. */
+static json_t *lines_of(struct searching *s, int64_t first, int64_t *first_line) {
+    char key[24];
+    snprintf(key, sizeof key, "%lld", (long long)first);
+    json_t *known = json_object_get(s->lines, key);
+    if (!known) {
+        sqlite3_reset(s->shape);
+        sqlite3_bind_int64(s->shape, 1, first);
+        if (sqlite3_step(s->shape) != SQLITE_ROW)
+            return NULL;
+        json_t *shape = json_loads(text_at(s->shape, 0), 0, NULL);
+        known = json_pack("{sO? sI}", "lines", json_object_get(shape, "lines"), "first",
+                          (json_int_t)sqlite3_column_int64(s->shape, 1));
+        json_decref(shape);
+        json_object_set_new(s->lines, key, known);
+    }
+    *first_line = json_integer_value(json_object_get(known, "first"));
+    return json_object_get(known, "lines");
+}
+
 /* The number of a line as the edition has it. */
 static void set_line(struct searching *s, json_t *result, int64_t row, int part, int64_t line) {
-    sqlite3_reset(s->shape);
-    sqlite3_bind_int64(s->shape, 1, row - part);
-    if (sqlite3_step(s->shape) != SQLITE_ROW)
-        return;
-    json_t *shape = json_loads(text_at(s->shape, 0), 0, NULL);
-    json_t *one =
-        json_array_get(json_object_get(shape, "lines"), (size_t)(line - sqlite3_column_int64(s->shape, 1)));
-    json_object_set(result, "n", json_object_get(one, "n"));
-    json_decref(shape);
+    int64_t first = 0;
+    json_t *lines = lines_of(s, row - part, &first);
+    json_object_set(result, "n", json_object_get(json_array_get(lines, (size_t)(line - first)), "n"));
 }
 
 static json_t *result_of(struct searching *s, int64_t row, double worth) {
@@ -140,13 +157,13 @@ static json_t *run(struct searching *s, struct error *e) {
 
 json_t *library_search_json(struct index_reader *r, const struct library_question *question,
                             struct answer_limit *limit, struct error *e) {
-    struct searching s = {.reader = r, .question = question, .limit = limit};
-    const struct query_options options = {r->stems, question->lang};
-    json_t *answer = NULL;
     if (!question->query) {
         error_plain_in_field(e, ERROR_MISSING_FIELD, "q");
         return NULL;
     }
+    struct searching s = {.reader = r, .question = question, .limit = limit, .lines = json_object()};
+    const struct query_options options = {r->stems, question->lang};
+    json_t *answer = NULL;
     s.shape = library_prepare(r, "SELECT shape, first_line FROM passage WHERE id = ?", e);
     s.row = library_prepare(
         r,
@@ -159,5 +176,6 @@ json_t *library_search_json(struct index_reader *r, const struct library_questio
     search_query_free(&s.query);
     sqlite3_finalize(s.shape);
     sqlite3_finalize(s.row);
+    json_decref(s.lines);
     return answer;
 }

@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { artefacts, Daemon } from '../lib/daemon.mjs';
+import { isDeepStrictEqual } from 'node:util';
 import { difference, launch, openPage, record } from '../lib/browser.mjs';
 import { PNG } from 'pngjs';
 import path from 'node:path';
@@ -225,8 +226,11 @@ test('keeping still she shows her mood all the same, and holds it', async () => 
   const shown = () => page.evaluate(() => document.querySelector('talking-head').faps);
   await change("head.setAttribute('still', ''); head.setAttribute('expression', 'joy 0.9')");
   await page.waitForFunction(() => document.querySelector('talking-head').faps[12] > 20, null, { timeout: 60000 }); // a corner of the lips
-  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 2500))); // the mood has been taken on
-  const before = await shown();
+  let before; // the mood has been taken on when it changes no more
+  for (let now = await shown(); !isDeepStrictEqual(now, before); now = await shown()) {
+    before = now;
+    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1000)));
+  }
   await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1500)));
   assert.deepEqual(await shown(), before);
   await change("head.setAttribute('expression', '')");

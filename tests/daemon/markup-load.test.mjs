@@ -84,13 +84,13 @@ test('one that cannot be read says so at its place, and the next is spoken', asy
   const stream = await daemon.stream('?lang=it');
   const bad = million('<speak>', 'Uno due. ', '\n <b></speak>', 1e6);
   stream.send({ type: 'speak', id: 'first', text: 'Prima.' });
-  stream.send({ type: 'speak', id: 'bad', text: bad });
+  stream.send({ type: 'speak', id: 'bad', text: bad, markup: 'ssml' });
   stream.send({ type: 'speak', id: 'next', text: 'Dopo.' });
   const error = await stream.wait({ type: 'error', id: 'bad' });
   assert.deepEqual([error.code, error.line], ['bad-xml', 2]);
   assert.equal((await stream.wait({ type: 'end', id: 'bad' })).reason, 'failed');
   assert.equal((await stream.wait({ type: 'end', id: 'next' })).reason, 'done');
-  const posted = await daemon.get('/v1/speech?lang=it', { method: 'POST', body: bad, headers: { 'content-type': 'application/xml' } });
+  const posted = await daemon.get('/v1/speech?lang=it', { method: 'POST', body: bad, headers: { 'content-type': 'application/ssml+xml' } });
   assert.equal(posted.status, 400);
   assert.deepEqual((({ code, line }) => [code, line])(await posted.json()), ['bad-xml', 2]);
   await stream.close();

@@ -72,10 +72,10 @@ const speechStories = [
   },
   {
     id: 'wrong', group: speaking, title: 'What is wrong',
-    about: 'A text that cannot be read gives an error with its place; what is left out of one that can, a warning. She goes on living.',
+    about: 'Markup that is said to be SSML and is none gives an error with its place; what is left out of a text, a warning. She goes on living.',
     shows: ['@error', '@warning'], attributes: { lang: 'en' },
     actions: {
-      error: ['Markup that does not end', (head) => head.speak('<speak>Good morning.</spaek>')],
+      error: ['Markup that does not end', (head) => head.speak('<speak>Good morning.</spaek>', { markup: 'ssml' })],
       warning: ['An element that is not known', (head) => head.speak('<speak>Good <blink>morning</blink>.</speak>')],
     },
   },

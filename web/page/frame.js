@@ -112,7 +112,12 @@ export class Frame {
     head.addEventListener('error', ({ detail }) => {
       if (!this.access.concerns(detail.code) && !IN_THE_PICTURE.includes(detail.code)) this.problem.show(detail);
     });
-    head.addEventListener('begin', () => this.problem.clear());
+    head.addEventListener('warning', ({ detail }) => {
+      if (detail.code === 'bad-xml') this.problem.show(detail); // its words are spoken, not what its tags say
+    });
+    head.addEventListener('begin', ({ detail }) => {
+      if (this.problem.error?.id === undefined || this.problem.error.id !== detail.id) this.problem.clear();
+    });
     head.addEventListener('sound', ({ detail }) => {
       if (detail.sound === 'none') this.tell('noSound');
     });

@@ -39,7 +39,7 @@ struct wire {
     size_t taken;
     char answer[WEBSOCKET_ANSWER_BYTES];
     uint64_t since; /* loop time at which it was opened, ms */
-    bool looks_up, open, closing;
+    bool looks_up, open, closing, closed; /* closed: only its look-up keeps it */
 };
 
 static void start(struct websocket_client *c);
@@ -53,6 +53,7 @@ static void free_wire(struct wire *w) {
 
 static void on_wire_closed(uv_handle_t *handle) {
     struct wire *w = handle->data;
+    w->closed = true;
     if (!w->looks_up)
         free_wire(w);
 }
@@ -226,10 +227,10 @@ static void connect_to(struct wire *w, const struct addrinfo *found) {
 static void on_found(uv_getaddrinfo_t *lookup, int status, struct addrinfo *found) {
     struct wire *w = (struct wire *)((char *)lookup - offsetof(struct wire, lookup));
     w->looks_up = false;
-    if (!w->client && !uv_is_closing((uv_handle_t *)&w->tcp))
-        close_wire(w);
-    else if (!w->client)
-        free_wire(w); /* its handle is closed already */
+    if (w->closed)
+        free_wire(w);
+    else if (w->closing)
+        ; /* the handle's end frees it */
     else if (status < 0)
         lose(w, uv_strerror(status));
     else

@@ -138,8 +138,10 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         module_begin(m);
     else if (!strcmp(type, "mark") && name)
         reader_mark(name);
-    else if (!strcmp(type, "error") && !m->begun && !m->fetch) {
+    else if (!strcmp(type, "error") && !m->begun) {
         log_warn("the face does not speak it: %s", code ? code : type);
+        if (m->fetch) /* the room was quicker to tell than the answer to come */
+            remote_give_up(m->fetch);
         *m->id = '\0'; /* its end in the room is not the message's */
         m->face = false;
         module_speak_alone(m);
