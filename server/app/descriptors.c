@@ -4,7 +4,7 @@
 #include <sys/resource.h>
 
 enum {
-    OWN = 40,        /* of the loop, of files that are read, and of those that listen */
+    OWN = 48,        /* of the loop, of files that are read, and of those that listen */
     EACH_WORKER = 4, /* its socket, and what it takes to start it */
     PLUGINS = 6,
     LEAST = 4 /* connections */

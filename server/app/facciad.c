@@ -11,6 +11,7 @@
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/app/stages.h"
+#include "server/app/tls_place.h"
 #include "server/base/log.h"
 #include "server/base/program.h"
 #include "server/codec/codec_load.h"
@@ -33,6 +34,7 @@ struct daemon {
     struct paths paths;
     struct settings settings;
     struct access_place access;
+    struct tls_place tls;
     int *sockets; /* from systemd */
     unsigned socket_count;
     struct stages stages;
@@ -74,6 +76,7 @@ static struct net_options net_options_of(struct daemon *d) {
     options.works = d->settings.library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
+    options.tls = d->tls.on ? &d->tls.tls : NULL;
     options.secrets = d->access.secrets.count ? &d->access.secrets : NULL;
     options.revocations = &d->access.revocations;
     options.shares = d->place.cluster != NULL;
@@ -218,7 +221,8 @@ static int start(struct daemon *d, struct error *e) {
     const struct settings *s = &d->settings;
     struct voice_pool_options voices = s->voices;
     struct pipeline *pipeline = &d->stages.pipeline;
-    if (access_place_load(&d->access, s, e) || stages_load(&d->stages, s, STAGES_ALL, &d->loop, e))
+    if (access_place_load(&d->access, s, e) || tls_place_open(&d->tls, s, e) ||
+        stages_load(&d->stages, s, STAGES_ALL, &d->loop, e))
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
@@ -276,6 +280,7 @@ static int run(struct daemon *d) {
     uv_loop_close(&d->loop);
     stages_free(&d->stages);
     access_place_free(&d->access);
+    tls_place_free(&d->tls);
     return status;
 }
 

@@ -29,10 +29,12 @@ struct settings {
     unsigned cluster_keep_hours;
     unsigned cluster_queue; /* sentences that may wait for workers elsewhere, for each kind of voices */
     const char *lang;
-    enum face_contacts contacts; /* of requests that say "engine" */
-    const char *secret_file;     /* NULL = none */
-    const char *revoked_file;    /* NULL = none */
-    unsigned log_format;         /* 0 text, 1 JSON */
+    enum face_contacts contacts;    /* of requests that say "engine" */
+    const char *secret_file;        /* NULL = none */
+    const char *revoked_file;       /* NULL = none */
+    const char *tls_cert, *tls_key; /* files; NULL = no TLS, or that of */
+    const char *tls_self_signed;    /* this folder; NULL = none */
+    unsigned log_format;            /* 0 text, 1 JSON */
     unsigned stop_seconds;
     unsigned heard_most;    /* people's own voices, at a time */
     unsigned heard_address; /* of one address or subject; 0 = no limit of its own */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/connection.h"
 #include "server/base/mem.h"
+#include "server/net/listen_address.h"
 #include "server/net/net_internal.h"
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -36,33 +37,25 @@ static char *key_of(const struct sockaddr_storage *peer) {
     return mem_strdup(key);
 }
 
-static void on_bytes(uv_stream_t *stream, ssize_t size, const uv_buf_t *buffer) {
-    struct connection *c = stream->data;
-    if (size == 0 || (size > 0 && c->finished))
-        return;
-    if (size < 0 && (size != UV_EOF || c->finished || !c->protocol->eof))
-        connection_close(c);
-    else if (size < 0)
-        c->protocol->eof(c);
-    else
-        c->protocol->read(c, buffer->base, (size_t)size);
+static void on_read(void *owner, const char *bytes, size_t size) {
+    struct connection *c = owner;
+    if (!c->finished && !c->closing)
+        c->protocol->read(c, bytes, size);
 }
 
-/* One buffer serves all: what comes is dealt with before anything else is read. */
-static void on_alloc(uv_handle_t *handle, size_t suggested, uv_buf_t *buffer) {
-    struct connection *c = handle->data;
-    (void)suggested;
-    *buffer = uv_buf_init(c->net->read_buffer, NET_READ_BYTES);
+static void on_eof(void *owner) {
+    struct connection *c = owner;
+    if (c->finished || !c->protocol->eof)
+        connection_close(c);
+    else if (!c->closing)
+        c->protocol->eof(c);
 }
 
 void connection_read(struct connection *c, bool on) {
-    if (c->closing || c->reading == on)
+    if (c->closing || c->paused == !on)
         return;
-    c->reading = on;
-    if (on)
-        uv_read_start(&c->io.stream, on_alloc, on_bytes);
-    else
-        uv_read_stop(&c->io.stream);
+    c->paused = !on;
+    peer_read(c->peer, on);
 }
 
 static void count(struct net *net, int change) {
@@ -74,38 +67,25 @@ static void count(struct net *net, int change) {
 
 /* What a client does not take shall wait here, where it can be left out, and not in the kernel, which would
  * hide minutes of it: so a connection can be written to only while less than this is unsent (tcp(7)). */
-static void keep_kernel_short(int fd) {
-    int bytes = UNSENT_BYTES;
+static void prepare(int fd) {
+    int bytes = UNSENT_BYTES, yes = 1;
     setsockopt(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &bytes, sizeof bytes);
-}
-
-static int open_stream(struct connection *c, int fd, bool unix_socket) {
-    uv_loop_t *loop = c->net->pipeline->loop;
-    if (unix_socket) {
-        uv_pipe_init(loop, &c->io.pipe, 0);
-        return uv_pipe_open(&c->io.pipe, fd);
-    }
-    uv_tcp_init(loop, &c->io.tcp);
-    if (uv_tcp_open(&c->io.tcp, fd))
-        return -1;
-    uv_tcp_nodelay(&c->io.tcp, 1);
-    keep_kernel_short(fd);
-    return 0;
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
 }
 
 struct connection *connection_open(struct net *net, int fd, const struct sockaddr_storage *peer) {
     struct connection *c = mem_alloc(sizeof *c);
     *c = (struct connection){.net = net, .next = net->open, .self = &net->open, .address_key = key_of(peer)};
     c->key = mem_strdup(c->address_key);
+    c->local = listen_address_is_local(peer);
     quota_enter(&net->quota, c->key, 0);
     if (c->next)
         c->next->self = &c->next;
     net->open = c;
     count(net, 1);
-    int failed = open_stream(c, fd, peer->ss_family == AF_UNIX);
-    c->io.handle.data = c;
-    if (failed)
-        connection_close(c);
+    if (peer->ss_family != AF_UNIX)
+        prepare(fd);
+    c->peer = peer_open(net->transport, fd, c);
     return c;
 }
 
@@ -125,60 +105,42 @@ bool connection_count(struct connection *c, const char *key) {
     return true;
 }
 
-static void tell_protocol(struct connection *c) {
-    if (!c->closing)
+static void on_sent(void *owner) {
+    struct connection *c = owner;
+    c->progress = connection_now(c);
+    if (!c->closing && !c->finished)
         c->protocol->sent(c);
 }
 
-static void on_sent(uv_write_t *request, int status) {
-    struct connection *c = request->data;
-    c->sending = false;
-    c->progress = connection_now(c);
-    if (status)
-        connection_close(c);
-    tell_protocol(c);
+size_t connection_send_parts(struct connection *c, const struct iovec *parts, size_t count) {
+    if (c->closing)
+        return SIZE_MAX;
+    if (!peer_unsent(c->peer))
+        c->progress = connection_now(c);
+    return peer_write(c->peer, parts, count);
 }
 
-size_t connection_try(struct connection *c, const uv_buf_t *buffers, unsigned count) {
-    int sent = c->closing ? UV_ECANCELED : uv_try_write(&c->io.stream, buffers, count);
-    if (sent == UV_EAGAIN)
-        sent = 0;
-    else if (sent < 0)
-        connection_close(c);
-    c->progress = connection_now(c);
-    return sent < 0 ? SIZE_MAX : (size_t)sent;
-}
-
-bool connection_send(struct connection *c, const void *bytes, size_t size) {
-    /* libuv takes the bytes as char * and changes none */
-    uv_buf_t buffer = uv_buf_init((char *)(uintptr_t)bytes, (unsigned)size);
-    size_t sent = connection_try(c, &buffer, 1);
-    if (sent >= size)
-        return true;
-    buffer.base += sent;
-    buffer.len -= sent;
-    c->write.data = c;
-    if (uv_write(&c->write, &c->io.stream, &buffer, 1, on_sent)) {
-        connection_close(c);
-        return true;
-    }
-    c->sending = true;
-    c->unsent = connection_unsent(c);
-    return false;
+size_t connection_send(struct connection *c, const void *bytes, size_t size) {
+    /* sendmsg takes the bytes as void * and changes none */
+    const struct iovec part = {(void *)(uintptr_t)bytes, size};
+    size_t taken = connection_send_parts(c, &part, 1);
+    return taken < size ? taken : size;
 }
 
 size_t connection_unsent(const struct connection *c) {
-    return c->sending ? uv_stream_get_write_queue_size(&c->io.stream) : 0;
+    return c->closing ? 0 : peer_unsent(c->peer);
+}
+
+bool connection_secure(const struct connection *c) {
+    return peer_secure(c->peer);
 }
 
 void connection_finish(struct connection *c) {
-    uv_os_fd_t fd;
     if (c->finished || c->closing)
         return;
     c->finished = true;
     c->end_by = connection_now(c) + FINISH_MS;
-    if (uv_fileno(&c->io.handle, &fd) || shutdown(fd, SHUT_WR))
-        connection_close(c);
+    peer_finish(c->peer);
     connection_read(c, true);
 }
 
@@ -197,9 +159,10 @@ static void forget_due(struct connection *c) {
         *at = c->next_due;
 }
 
-static void on_closed(uv_handle_t *handle) {
-    struct connection *c = handle->data;
+static void on_closed(void *owner) {
+    struct connection *c = owner;
     struct net *net = c->net;
+    c->closing = true;
     drop_protocol(c);
     if (c->due)
         forget_due(c);
@@ -218,8 +181,10 @@ void connection_close(struct connection *c) {
     if (c->closing)
         return;
     c->closing = true;
-    uv_close(&c->io.handle, on_closed);
+    peer_close(c->peer);
 }
+
+const struct peer_calls connection_calls = {on_read, on_eof, on_sent, on_closed};
 
 void connections_close(struct net *net) {
     for (struct connection *c = net->open; c; c = c->next) {

@@ -24,7 +24,6 @@ void exchange_close(struct exchange *x) {
     }
     buf_free(&x->request_body);
     buf_free(&x->queue);
-    buf_free(&x->leaving);
     free(x->warnings);
     free(x);
 }
@@ -120,21 +119,14 @@ size_t exchange_unsent(const struct exchange *x) {
 }
 
 void exchange_flush(struct exchange *x) {
-    bool free_to_send = !x->connection->sending;
-    while (free_to_send && (x->queue.size || x->body_size)) {
-        if (x->queue.size) {
-            buf_free(&x->leaving);
-            x->leaving = x->queue;
-            x->queue = (struct buf){0};
-            free_to_send = connection_send(x->connection, x->leaving.data, x->leaving.size);
-        } else {
-            const uint8_t *body = x->body;
-            size_t size = x->body_size;
-            x->body_size = 0;
-            free_to_send = connection_send(x->connection, body, size);
-        }
+    if (x->queue.size)
+        buf_consume(&x->queue, connection_send(x->connection, x->queue.data, x->queue.size));
+    if (!x->queue.size && x->body_size) {
+        size_t taken = connection_send(x->connection, x->body, x->body_size);
+        x->body += taken;
+        x->body_size -= taken;
     }
-    if (x->complete && free_to_send && !x->done) {
+    if (x->complete && !x->queue.size && !x->body_size && !x->done) {
         x->done = true;
         x->session->answered(x->connection);
     }

@@ -35,12 +35,53 @@ static void add_by_status(struct head *h, unsigned status) {
         head_add(h, "retry-after", status == 429 ? "60" : "5");
 }
 
+/* RFC 9110, 15. */
+static const char *reason_of(unsigned status) {
+    static const struct {
+        unsigned status;
+        const char *reason;
+    } reasons[] = {{200, "OK"},
+                   {202, "Accepted"},
+                   {204, "No Content"},
+                   {304, "Not Modified"},
+                   {308, "Permanent Redirect"},
+                   {400, "Bad Request"},
+                   {401, "Unauthorized"},
+                   {403, "Forbidden"},
+                   {404, "Not Found"},
+                   {405, "Method Not Allowed"},
+                   {408, "Request Timeout"},
+                   {409, "Conflict"},
+                   {411, "Length Required"},
+                   {412, "Precondition Failed"},
+                   {413, "Content Too Large"},
+                   {414, "URI Too Long"},
+                   {415, "Unsupported Media Type"},
+                   {417, "Expectation Failed"},
+                   {421, "Misdirected Request"},
+                   {422, "Unprocessable Content"},
+                   {426, "Upgrade Required"},
+                   {428, "Precondition Required"},
+                   {429, "Too Many Requests"},
+                   {431, "Request Header Fields Too Large"},
+                   {500, "Internal Server Error"},
+                   {501, "Not Implemented"},
+                   {503, "Service Unavailable"},
+                   {504, "Gateway Timeout"},
+                   {505, "HTTP Version Not Supported"},
+                   {507, "Insufficient Storage"}};
+    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
+        if (reasons[i].status == status)
+            return reasons[i].reason;
+    return "";
+}
+
 static void head_begin(struct head *h, struct exchange *x, unsigned status) {
     h->x = x;
     h->status = status;
     x->answered = true;
     x->persists = x->session->persists(x->connection);
-    buf_printf(&x->queue, "HTTP/1.1 %u %s\r\n", status, http_status_str((enum http_status)status));
+    buf_printf(&x->queue, "HTTP/1.1 %u %s\r\n", status, reason_of(status));
     head_add(h, "server", "faccia");
     add_date(h);
     add_by_status(h, status);
@@ -92,6 +133,11 @@ static void head_common(struct head *h, const struct exchange *x, const char *ty
         head_add(h, headers.list[i].name, headers.list[i].value);
     if (*x->etag)
         head_add(h, "etag", x->etag);
+    if (x->net->options.hsts && connection_secure(x->connection)) {
+        char age[48];
+        snprintf(age, sizeof age, "max-age=%u", x->net->options.hsts);
+        head_add(h, "strict-transport-security", age);
+    }
     head_warnings(h, x);
     head_origin(h, x);
 }
@@ -159,6 +205,25 @@ int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
     head_add(&h, "access-control-allow-methods", methods);
     head_add(&h, "access-control-allow-headers", "authorization, content-type, if-match, if-none-match");
     head_add(&h, "access-control-max-age", "600");
+    return send_known(x, &h, NULL, 0, true);
+}
+
+int exchange_move(struct exchange *x, const char *scheme) {
+    const char *host = http_header(x->request, "host"), *target = (const char *)x->request->head.data;
+    struct buf to = {0};
+    struct head h;
+    target += strcspn(target, " ") + 1; /* of the request's line */
+    int length = *target == '/' ? (int)strcspn(target, " ") : 0;
+    if (!host || !*host) { /* HTTP/1.0 may not say it */
+        struct error e;
+        error_set(&e, ERROR_BAD_HOST, "this server wants TLS: %s", scheme);
+        return exchange_error(x, &e);
+    }
+    buf_printf(&to, "%s://%s%.*s", scheme, host, length ? length : 1, length ? target : "/");
+    head_begin(&h, x, 308);
+    head_add(&h, "location", (const char *)to.data);
+    head_add(&h, "cache-control", "no-store");
+    buf_free(&to);
     return send_known(x, &h, NULL, 0, true);
 }
 

@@ -19,7 +19,6 @@ struct exchange {
     size_t body_most;        /* 0 = none is expected */
     enum error_code body_too_long;
     struct buf queue;    /* of the answer: what waits */
-    struct buf leaving;  /* and what is on its way */
     const uint8_t *body; /* what is to follow, and lives as long as the net */
     size_t body_size;
     uint64_t last_keepalive; /* loop time of the last keepalive, ms */

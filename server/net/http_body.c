@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bodies of known length, and chunked ones (RFC 9112, 6 and 7.1), to the letter: http-parser, as Debian
- * builds it, lets any bytes stand between two chunks. */
+/* Bodies of known length, and chunked ones (RFC 9112, 6 and 7.1), to the letter. */
 #include "server/net/http_reader.h"
 #include <ctype.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The head is gathered whole, so that it is bounded and what stands in it need not be copied; http-parser
- * takes it apart. What that lets pass is looked at here: Debian's is built without its strict checks. */
+/* The head is gathered whole, so that it is bounded and what stands in it need not be copied; then it is taken
+ * apart line by line. A line ends with CR LF, or with LF alone (RFC 9112, 2.2). */
 #include "server/net/http_reader.h"
 #include "server/base/mem.h"
 #include <ctype.h>
@@ -13,70 +13,11 @@ enum {
     REQUEST_LINE_BYTES = 32, /* beside the target */
 };
 
-/* What http-parser tells, for the time that it takes one head apart. */
-struct parts {
-    struct http_request *request;
-    const char *target;
-    size_t target_size;
-    char *colon; /* behind the name of a field whose value has not been told yet */
-    bool folded, too_many;
-    bool keep_alive, complete;
-};
-
 static enum http_event refuse_at(struct http_reader *r, size_t byte, enum error_code code, const char *why) {
     http_reader_refuse(r, code, why);
     r->error.place = PLACE_BYTE;
     r->error.byte = byte;
     return HTTP_READ_WRONG;
-}
-
-static int on_url(http_parser *parser, const char *at, size_t size) {
-    struct parts *p = parser->data;
-    p->target = at;
-    p->target_size = size;
-    return 0;
-}
-
-static int on_field(http_parser *parser, const char *at, size_t size) {
-    struct parts *p = parser->data;
-    struct http_request *r = p->request;
-    p->too_many = r->field_count == HTTP_FIELDS;
-    if (p->too_many)
-        return -1;
-    r->fields = mem_grow(r->fields, &r->field_cap, r->field_count + 1, sizeof *r->fields);
-    char *name = (char *)r->head.data + (at - (const char *)r->head.data); /* our memory: it may be changed */
-    p->colon = name + size;
-    r->fields[r->field_count++] = (struct http_field){.name = name, .value = p->colon};
-    return 0;
-}
-
-/* The head is in one piece, so a value is told once, right behind its name, unless it is folded (RFC 9112,
- * 5.2). An empty one is told where the next line begins. */
-static int on_value(http_parser *parser, const char *at, size_t size) {
-    struct parts *p = parser->data;
-    struct http_request *r = p->request;
-    char *value = (char *)r->head.data + (at - (const char *)r->head.data);
-    if (!p->colon) {
-        p->folded = true;
-        return 0;
-    }
-    *p->colon = '\0';
-    while (size && strchr(" \t", value[size - 1]))
-        size--;
-    if (size) {
-        p->folded |= memchr(p->colon, '\n', (size_t)(value - p->colon)) != NULL;
-        r->fields[r->field_count - 1].value = value;
-        value[size] = '\0';
-    }
-    p->colon = NULL;
-    return 0;
-}
-
-static int on_complete(http_parser *parser) {
-    struct parts *p = parser->data;
-    p->keep_alive = http_should_keep_alive(parser);
-    p->complete = true;
-    return 1; /* the body is not its business */
 }
 
 static bool is_token(const char *text) {
@@ -88,31 +29,99 @@ static bool is_token(const char *text) {
     return true;
 }
 
-/* What http-parser did not understand. */
-static enum http_event refuse_syntax(struct http_reader *r, const http_parser *parser,
-                                     const struct parts *parts, size_t byte) {
-    const char *head = (const char *)r->request.head.data;
-    size_t word = strcspn(head, " \r\n");
-    switch (HTTP_PARSER_ERRNO(parser)) {
-    case HPE_INVALID_METHOD:
-        for (size_t i = 0; i < word; i++)
-            if (!isupper((unsigned char)head[i]) && head[i] != '-')
-                word = 0;
-        if (word && head[word] == ' ')
-            return http_reader_refuse(r, ERROR_UNKNOWN_METHOD, "this method is not supported");
-        return refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
-    case HPE_INVALID_VERSION:
+/* The request's line (RFC 9112, 3). */
+struct request_line {
+    const char *target;
+    size_t target_size;
+};
+
+static enum http_event refuse_line(struct http_reader *r, const char *at) {
+    return refuse_at(r, (size_t)(at - (const char *)r->request.head.data), ERROR_BAD_REQUEST,
+                     "this is no HTTP request");
+}
+
+static enum http_event take_method(struct http_reader *r, const char *method, size_t size) {
+    static const char *const names[] = {
+        [HTTP_DELETE] = "DELETE",   [HTTP_GET] = "GET",     [HTTP_HEAD] = "HEAD",   [HTTP_POST] = "POST",
+        [HTTP_PUT] = "PUT",         [HTTP_PATCH] = "PATCH", [HTTP_TRACE] = "TRACE", [HTTP_CONNECT] = "CONNECT",
+        [HTTP_OPTIONS] = "OPTIONS",
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strlen(names[i]) == size && !memcmp(names[i], method, size)) {
+            r->request.method = (enum http_method)i;
+            return HTTP_READ_HEAD;
+        }
+    for (size_t i = 0; i < size; i++)
+        if (!isupper((unsigned char)method[i]) && method[i] != '-')
+            return refuse_line(r, method + i);
+    return http_reader_refuse(r, ERROR_UNKNOWN_METHOD, "this method is not supported");
+}
+
+static enum http_event take_line(struct http_reader *r, const char *line, const char *end,
+                                 struct request_line *parts) {
+    static const char version[] = "HTTP/";
+    const char *space = memchr(line, ' ', (size_t)(end - line));
+    if (!space)
+        return refuse_line(r, end);
+    enum http_event result = take_method(r, line, (size_t)(space - line));
+    if (result != HTTP_READ_HEAD)
+        return result;
+    parts->target = space + 1;
+    space = memchr(parts->target, ' ', (size_t)(end - parts->target));
+    parts->target_size = (size_t)((space ? space : end) - parts->target);
+    const char *said = space ? space + 1 : end;
+    if (!parts->target_size)
+        return refuse_line(r, parts->target);
+    if (!space) /* HTTP/0.9 */
         return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
-    case HPE_INVALID_CONTENT_LENGTH:
-    case HPE_UNEXPECTED_CONTENT_LENGTH:
-        return refuse_at(r, byte, ERROR_BAD_LENGTH, "the body's length must be given once, in digits");
-    case HPE_INVALID_TRANSFER_ENCODING:
-        return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
-                                  "the only transfer coding that is supported is chunked");
-    default:
-        return parts->too_many ? http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "there are too many headers")
-                               : refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
+    size_t name = strlen(version);
+    if ((size_t)(end - said) < name || memcmp(said, version, name))
+        return refuse_line(r, said);
+    if ((size_t)(end - said) != name + 3 || said[name] != '1' || said[name + 1] != '.' ||
+        !isdigit((unsigned char)said[name + 2]))
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
+    r->request.minor = (unsigned)(said[name + 2] - '0');
+    return HTTP_READ_HEAD;
+}
+
+/* A field's line (RFC 9112, 5). Its name and its value are terminated where they stand. */
+static enum http_event take_field(struct http_reader *r, char *line, char *end) {
+    struct http_request *q = &r->request;
+    char *colon = memchr(line, ':', (size_t)(end - line)), *value;
+    if (*line == ' ' || *line == '\t')
+        return http_reader_refuse(r, ERROR_BAD_HEADER, "a header must stand in one line");
+    if (!colon)
+        return refuse_line(r, end);
+    if (q->field_count == HTTP_FIELDS)
+        return http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "there are too many headers");
+    for (value = colon + 1; value < end && strchr(" \t", *value); value++)
+        ;
+    while (end > value && strchr(" \t", end[-1]))
+        end--;
+    *colon = *end = '\0';
+    q->fields = mem_grow(q->fields, &q->field_cap, q->field_count + 1, sizeof *q->fields);
+    q->fields[q->field_count++] = (struct http_field){.name = line, .value = value};
+    return HTTP_READ_HEAD;
+}
+
+/* All lines but the last, which is empty. */
+static enum http_event take_lines(struct http_reader *r, struct request_line *parts) {
+    char *head = (char *)r->request.head.data, *stop = head + r->request.head.size - 1;
+    enum http_event result = HTTP_READ_HEAD;
+    for (char *line = head; line < stop && result == HTTP_READ_HEAD;) {
+        char *next = (char *)memchr(line, '\n', (size_t)(stop - line)) + 1, *end = next - 1;
+        if (end > line && end[-1] == '\r')
+            end--;
+        char *bare = memchr(line, '\r', (size_t)(end - line));
+        if (bare)
+            return refuse_line(r, bare);
+        if (line == head)
+            result = take_line(r, line, end, parts);
+        else if (end > line)
+            result = take_field(r, line, end);
+        line = next;
     }
+    return result;
 }
 
 static enum http_event check_fields(struct http_reader *r) {
@@ -161,7 +170,7 @@ static enum http_event check_expectation(struct http_reader *r) {
 
 /* The target, in whichever form it is (RFC 9112, 3.2). Of the absolute form, the host counts instead of the
  * header. */
-static enum http_event take_target(struct http_reader *r, const struct parts *parts) {
+static enum http_event take_target(struct http_reader *r, const struct request_line *parts) {
     static const char scheme[] = "http://";
     const char *target = parts->target;
     size_t size = parts->target_size, offset = 0;
@@ -200,32 +209,16 @@ static enum http_event take_target(struct http_reader *r, const struct parts *pa
 
 static enum http_event parse_head(struct http_reader *r) {
     struct http_request *q = &r->request;
-    static const http_parser_settings settings = {.on_url = on_url,
-                                                  .on_header_field = on_field,
-                                                  .on_header_value = on_value,
-                                                  .on_headers_complete = on_complete};
-    struct parts parts = {.request = q};
-    http_parser parser;
-    size_t size = q->head.size;
+    struct request_line parts = {0};
     buf_add(&q->head, "", 1);
-    const char *head = (const char *)q->head.data;
-    if (!strncmp(head, "PRI * HTTP/2.0\r\n", 16))
+    if (!strncmp((const char *)q->head.data, "PRI * HTTP/2.0\r\n", 16))
         return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
-    http_parser_init(&parser, HTTP_REQUEST);
-    parser.data = &parts;
-    size_t byte = http_parser_execute(&parser, &settings, head, size);
-    if (HTTP_PARSER_ERRNO(&parser) != HPE_OK || !parts.complete)
-        return refuse_syntax(r, &parser, &parts, byte);
-    if (parts.target != head + strcspn(head, " ") + 1)
-        return refuse_at(r, strcspn(head, " ") + 1, ERROR_BAD_REQUEST, "this is no HTTP request");
-    if (parser.http_major != 1)
-        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
-    if (parts.folded)
-        return http_reader_refuse(r, ERROR_BAD_HEADER, "a header must stand in one line");
-    q->method = (enum http_method)parser.method;
-    q->minor = parser.http_minor;
-    q->keep_alive = parts.keep_alive;
-    enum http_event result = take_target(r, &parts);
+    enum http_event result = take_lines(r, &parts);
+    if (result != HTTP_READ_HEAD)
+        return result;
+    q->keep_alive = !http_header_lists(q, "connection", "close") &&
+                    (q->minor || http_header_lists(q, "connection", "keep-alive"));
+    result = take_target(r, &parts);
     if (result == HTTP_READ_HEAD)
         result = check_fields(r);
     if (result == HTTP_READ_HEAD)

@@ -5,10 +5,22 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include <http_parser.h>
 #include <stdbool.h>
 
 struct connection;
+
+/* Those of RFC 9110, 9.3, and of RFC 5789. */
+enum http_method {
+    HTTP_DELETE,
+    HTTP_GET,
+    HTTP_HEAD,
+    HTTP_POST,
+    HTTP_PUT,
+    HTTP_PATCH,
+    HTTP_TRACE,
+    HTTP_CONNECT,
+    HTTP_OPTIONS
+};
 
 struct http_field {
     char *name, *value;

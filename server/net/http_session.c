@@ -79,6 +79,15 @@ static bool utterance_away(struct connection *c) {
     return true;
 }
 
+/* Whoever comes from another machine without TLS, where there is TLS, is sent to the same address with it
+ * (RFC 9110, 15.4.9). What this machine's own programs say is heard by nobody else. */
+static bool sent_to_tls(struct connection *c) {
+    if (!c->net->options.tls || c->local || connection_secure(c))
+        return false;
+    exchange_move(c->http->exchange, "https");
+    return true;
+}
+
 static void begin(struct connection *c) {
     static const char proceed[] = "HTTP/1.1 100 Continue\r\n\r\n";
     struct http_session *h = c->http;
@@ -87,10 +96,10 @@ static void begin(struct connection *c) {
     h->body = 0;
     h->complete = false;
     h->exchange = exchange_open(c->net, r, &session);
-    if (utterance_away(c) || websocket_asked(h->exchange))
+    if (utterance_away(c) || sent_to_tls(c) || websocket_asked(h->exchange))
         return;
     routes_serve(h->exchange, r->path, strlen(r->path), r->method);
-    if (r->expects_continue && !exchange_answered(h->exchange) && !c->sending)
+    if (r->expects_continue && !exchange_answered(h->exchange))
         connection_send(c, proceed, strlen(proceed));
 }
 

@@ -73,8 +73,10 @@ void listen_addresses_find(struct listen_addresses *found, const char *host) {
 bool listen_address_is_local(const struct sockaddr_storage *address) {
     if (address->ss_family == AF_INET)
         return ntohl(((const struct sockaddr_in *)address)->sin_addr.s_addr) >> 24 == 127;
-    if (address->ss_family == AF_INET6)
-        return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)address)->sin6_addr);
+    if (address->ss_family == AF_INET6) {
+        const struct in6_addr *six = &((const struct sockaddr_in6 *)address)->sin6_addr;
+        return IN6_IS_ADDR_LOOPBACK(six) || (IN6_IS_ADDR_V4MAPPED(six) && six->s6_addr[12] == 127);
+    }
     return address->ss_family == AF_UNIX;
 }
 
@@ -91,7 +93,7 @@ int listen_address_port(const struct sockaddr_storage *address) {
     return address->ss_family == AF_INET6 ? ntohs(((const struct sockaddr_in6 *)address)->sin6_port) : 0;
 }
 
-void listen_address_write(const struct sockaddr_storage *address, struct buf *out) {
+void listen_address_write(const struct sockaddr_storage *address, bool tls, struct buf *out) {
     char text[INET6_ADDRSTRLEN + IF_NAMESIZE + 1] = "";
     bool six = address->ss_family == AF_INET6;
     if (address->ss_family == AF_UNIX) {
@@ -101,5 +103,6 @@ void listen_address_write(const struct sockaddr_storage *address, struct buf *ou
     getnameinfo((const struct sockaddr *)address,
                 six ? sizeof(struct sockaddr_in6) : sizeof(struct sockaddr_in), text, sizeof text, NULL, 0,
                 NI_NUMERICHOST);
-    buf_printf(out, six ? "http://[%s]:%d/" : "http://%s:%d/", text, listen_address_port(address));
+    buf_printf(out, six ? "http%s://[%s]:%d/" : "http%s://%s:%d/", tls ? "s" : "", text,
+               listen_address_port(address));
 }

@@ -28,6 +28,6 @@ void listen_address_set_port(struct sockaddr_storage *address, int port);
 int listen_address_port(const struct sockaddr_storage *address); /* 0: it has none */
 
 /* "http://127.0.0.1:8080/", "http://[::1]:8080/", "unix:/run/faccia" */
-void listen_address_write(const struct sockaddr_storage *address, struct buf *out);
+void listen_address_write(const struct sockaddr_storage *address, bool tls, struct buf *out);
 
 #endif

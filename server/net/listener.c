@@ -183,6 +183,6 @@ void listeners_close(struct net *net) {
 bool listeners_address(const struct net *net, size_t number, struct buf *out) {
     if (!net->listeners || number >= net->listeners->count)
         return false;
-    listen_address_write(&net->listeners->list[number]->at, out);
+    listen_address_write(&net->listeners->list[number]->at, net->options.tls != NULL, out);
     return true;
 }

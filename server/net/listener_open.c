@@ -114,7 +114,7 @@ static int check_passed(const struct listeners *all, struct error *e) {
     int failed = 0;
     for (size_t i = 0; i < all->count && !failed; i++) {
         struct buf text = {0};
-        listen_address_write(&all->list[i]->at, &text);
+        listen_address_write(&all->list[i]->at, false, &text);
         failed = check(all->net, listen_address_is_local(&all->list[i]->at), (const char *)text.data, e);
         buf_free(&text);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The server itself: its limits, and how it begins and ends. */
 #include "server/net/net.h"
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/channel_internal.h"
 #include "server/net/connection.h"
@@ -25,8 +26,9 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
     net->pipeline = pipeline;
     net->offer = *offer;
     net->hold.unheard = room_unheard;
-    net->read_buffer = mem_alloc(NET_READ_BYTES);
-    if (listeners_open(net, e) || assets_load(&net->assets, options->web, options->models, e)) {
+    net->transport = transport_open(pipeline->loop, &connection_calls, options->tls, e);
+    if (!net->transport || listeners_open(net, e) ||
+        assets_load(&net->assets, options->web, options->models, e)) {
         net_close(net);
         uv_run(pipeline->loop, UV_RUN_DEFAULT); /* until the handles are closed */
         net_free(net);
@@ -44,6 +46,8 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
 
 void net_change(struct net *net, const struct net_options *options) {
     struct net_options *o = &net->options;
+    struct error e;
+    char text[512];
     o->origins = options->origins;
     o->host_names = options->host_names;
     o->embed = options->embed;
@@ -66,6 +70,8 @@ void net_change(struct net *net, const struct net_options *options) {
     o->stall_seconds = options->stall_seconds;
     o->ping_seconds = options->ping_seconds;
     o->hold_seconds = options->hold_seconds;
+    if (transport_renew_tls(net->transport, &e))
+        log_error("%s; the certificate stays as it was", error_text(&e, text, sizeof text));
     rights_revoke_all(net, options->revocations);
     rights_replace(net, options->secrets);
     sharing_change(net->sharing);
@@ -107,6 +113,8 @@ void net_close(struct net *net) {
     listeners_close(net);
     keepalive_end(net);
     connections_close(net);
+    if (net->transport)
+        transport_close(net->transport);
     askers_close(&net->askers);
     askers_close(&net->savers);
     askers_close(&net->shelves);
@@ -124,6 +132,7 @@ void net_free(struct net *net) {
     revocations_free(&net->revocations);
     hold_free(&net->hold);
     json_decref(net->more_languages);
-    free(net->read_buffer);
+    if (net->transport)
+        transport_free(net->transport);
     free(net);
 }

@@ -13,14 +13,17 @@
 struct board;
 struct bus;
 struct library;
+struct transport_tls;
 
 /* What the network is told; server/app/settings_table.c has the bounds and defaults of what are settings. */
 struct net_options {
-    const char *host;              /* address, name or interface to listen on, "*" = all */
-    unsigned port;                 /* 0 = any free one */
-    bool remote;                   /* allow a host that is not loopback, which needs secrets too */
-    const int *listen_fds;         /* sockets that are listened on already, instead of host and port; */
-    unsigned listen_count;         /* none */
+    const char *host;                /* address, name or interface to listen on, "*" = all */
+    unsigned port;                   /* 0 = any free one */
+    bool remote;                     /* allow a host that is not loopback, which needs secrets too */
+    const int *listen_fds;           /* sockets that are listened on already, instead of host and port; */
+    unsigned listen_count;           /* none */
+    const struct transport_tls *tls; /* NULL: none */
+    unsigned hsts;                   /* seconds of Strict-Transport-Security; 0 = none */
     char *const *origins;          /* pages that are let in, NULL-terminated; NULL = those of this machine */
     char *const *host_names;       /* by which it is asked, see access/host.h; NULL: its own alone */
     char *const *embed;            /* origins whose pages may frame its own; NULL: none */

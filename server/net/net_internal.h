@@ -16,8 +16,6 @@
 #include "server/net/query.h"
 #include <jansson.h>
 
-enum { NET_READ_BYTES = 65536 };
-
 struct net {
     struct net_options options;
     const struct pipeline *pipeline;
@@ -42,7 +40,7 @@ struct net {
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
     uv_idle_t *idle;        /* NULL: none */
     struct channel_turn *turn;
-    char *read_buffer;
+    struct transport *transport; /* that carry the connections */
     struct channel *rooms;
     unsigned room_count;
     const struct home_calls *home_calls; /* rooms are shared with other daemons; NULL: they are not */
@@ -145,6 +143,9 @@ int exchange_tagged(struct exchange *x, const char *type, const void *body, size
 void exchange_tag(struct exchange *x, const char *tag);
 int exchange_allow(struct exchange *x, unsigned status,
                    const char *methods); /* an empty answer that names the methods */
+
+/* 308: the same address under that scheme. */
+int exchange_move(struct exchange *x, const char *scheme);
 
 /* An answer whose body lives as long as the net. */
 int exchange_asset(struct exchange *x, const struct asset *asset);

@@ -48,7 +48,8 @@ static void piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, boo
     if (!s->too_long && (!binary || s->voice))
         buf_add(&s->message, bytes, size);
     else if (s->too_long && !binary && s->message.size < HEAD_BYTES) /* its id, for who is told */
-        buf_add(&s->message, bytes, size < HEAD_BYTES - s->message.size ? size : HEAD_BYTES - s->message.size);
+        buf_add(&s->message, bytes,
+                size < HEAD_BYTES - s->message.size ? size : HEAD_BYTES - s->message.size);
     if (last)
         socket_hear(s, binary);
 }
@@ -191,8 +192,8 @@ void socket_open(struct connection *c, const struct http_request *request, const
 
 bool sockets_busy(const struct net *net) {
     for (const struct socket *s = net->sockets; s; s = s->next)
-        if (s->leaving || !message_queue_empty(&s->queue) || stream_busy(socket_stream(s)) ||
-            channel_pending(s->follower.channel))
+        if (s->leaving || connection_unsent(s->connection) || !message_queue_empty(&s->queue) ||
+            stream_busy(socket_stream(s)) || channel_pending(s->follower.channel))
             return true;
     return false;
 }

@@ -22,7 +22,7 @@ struct socket {
     void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
     struct follower follower;            /* of its own stream, or of a room's */
     struct speech_request defaults;      /* from the address */
-    const char *asked; /* id of the message that is acted on; NULL: none */
+    const char *asked;                   /* id of the message that is acted on; NULL: none */
     struct written *written;             /* texts that it is writing, and what it says itself */
     uint32_t voice;                      /* the utterance that it speaks itself; 0 = none */
     size_t written_count, written_cap;
@@ -30,7 +30,8 @@ struct socket {
     struct buf message; /* being received */
     bool too_long;      /* its rest is being dropped */
     struct message_queue queue;
-    struct queued_message *leaving;                   /* not all of it has left */
+    struct queued_message *leaving;                   /* not all of it has been taken: */
+    size_t left_at;                                   /* bytes of its frame that have */
     struct queued_message *pong;                      /* the answer to the last ping, while it waits */
     uint64_t last_rx;                                 /* loop time at which it said something last, ms */
     enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */

@@ -6,9 +6,6 @@
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_MS = 2000 };
 
-/* Messages that go to the kernel together. */
-enum { SEND_TOGETHER = 32 };
-
 void socket_dismiss(struct socket *s, enum websocket_status status, const char *reason) {
     if (s->close_reason)
         return;
@@ -31,32 +28,48 @@ void socket_listen(struct socket *s) {
     connection_read(s->connection, !s->rx_paused && !s->reading);
 }
 
-static void send_rest(struct socket *s, struct queued_message *message, size_t from) {
-    size_t size = message->head + message->size;
+/* Messages that leave together, at most. */
+enum { SEND_TOGETHER = 32 };
+
+/* So many bytes of its frame have been taken; the rest is kept until there is room for more. */
+static void note_taken(struct socket *s, struct queued_message *message, size_t taken) {
     metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)message->size);
-    if (from >= size || connection_send(s->connection, message->bytes + from, size - from))
+    if (taken >= message->head + message->size)
         return;
     s->leaving = message;
+    s->left_at = taken;
     message->refs++;
 }
 
 static void transmit(struct socket *s, struct queued_message *message) {
-    send_rest(s, message, 0);
+    note_taken(s, message, connection_send(s->connection, message->bytes, message->head + message->size));
+}
+
+/* The rest of a message that has been begun. */
+static void transmit_rest(struct socket *s) {
+    struct queued_message *message = s->leaving;
+    size_t left = message->head + message->size - s->left_at;
+    size_t taken = connection_send(s->connection, message->bytes + s->left_at, left);
+    s->left_at += taken;
+    if (taken < left)
+        return;
+    s->leaving = NULL;
+    queued_message_release(message);
 }
 
 /* At once, when nothing is before them: so many of them. The others have to wait. */
 static size_t transmit_now(struct socket *s, struct queued_message *const *messages, size_t count) {
-    uv_buf_t buffers[SEND_TOGETHER];
+    struct iovec parts[SEND_TOGETHER];
     size_t sent = 0;
     if (!message_queue_empty(&s->queue) || s->close_reason || s->leaving || s->pong)
         return 0;
     count = count < SEND_TOGETHER ? count : SEND_TOGETHER;
     for (size_t i = 0; i < count; i++)
-        buffers[i] = uv_buf_init((char *)messages[i]->bytes, messages[i]->head + (unsigned)messages[i]->size);
-    size_t left = connection_try(s->connection, buffers, (unsigned)count);
+        parts[i] = (struct iovec){messages[i]->bytes, messages[i]->head + messages[i]->size};
+    size_t left = connection_send_parts(s->connection, parts, count);
     for (; sent < count && left && !s->leaving; sent++) {
-        size_t size = buffers[sent].len, now = left < size ? left : size;
-        send_rest(s, messages[sent], now);
+        size_t now = left < parts[sent].iov_len ? left : parts[sent].iov_len;
+        note_taken(s, messages[sent], now);
         left -= now;
     }
     return sent;
@@ -212,11 +225,11 @@ static void go_easy(struct socket *s) {
 }
 
 void socket_go_on(struct socket *s) {
-    if (s->sending || s->connection->sending || s->connection->closing)
+    if (s->sending || s->connection->closing)
         return;
-    queued_message_release(s->leaving);
-    s->leaving = NULL;
     s->sending = true;
+    if (s->leaving)
+        transmit_rest(s);
     while (!s->leaving && send_next(s))
         go_easy(s);
     s->sending = false;

@@ -51,7 +51,7 @@ export class Daemon {
       return { code, signal };
     });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
-    const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
+    const line = await daemon.logged(/listening on https?:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
     if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 60000); // a voice is waited for up to 30 s

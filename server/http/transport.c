@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/http/transport.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/http/transport_internal.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    HANDSHAKE_SECONDS = 15, /* for TLS to begin */
+    OUT_LEAST = 512,        /* of the buffer for what waits */
+};
+
+struct peer {
+    struct transport *transport;
+    struct lws *wsi; /* NULL: gone, or not there yet */
+    void *owner;
+    uint8_t *out; /* what waits, behind LWS_PRE bytes of libwebsockets; NULL: nothing */
+    size_t out_size, out_cap;
+    struct peer *next_due;
+    int half; /* a copy of the descriptor of a socket whose peer sends nothing more; -1: none */
+    bool due; /* among those that on_due looks after */
+    bool adopting, closing, failed;
+    bool eof;       /* nothing more comes: it is not read */
+    bool telling;   /* `sent` is owed */
+    bool finishing; /* nothing more is written */
+};
+
+static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size);
+
+static const struct lws_protocols protocols[] = {
+    {.name = "faccia",
+     .callback = callback,
+     .rx_buffer_size = PEER_READ_BYTES,
+     .tx_packet_size = PEER_WRITE_BYTES},
+    {0},
+};
+
+static void on_due(uv_idle_t *idle);
+
+/* What must not be done from within a callback of libwebsockets is done in the loop's next round. */
+static void later(struct peer *w) {
+    struct transport *all = w->transport;
+    if (w->due)
+        return;
+    w->due = true;
+    w->next_due = all->due;
+    all->due = w;
+    uv_idle_start(all->idle, on_due);
+}
+
+static void gone(struct peer *w) {
+    w->transport->open--;
+    w->transport->calls.closed(w->owner);
+    free(w->out);
+    free(w);
+}
+
+static void adopt(struct peer *w, int fd, int type) {
+    const lws_adopt_desc_t from = {.vh = w->transport->vhost,
+                                   .type = (lws_adoption_type)type,
+                                   .fd = {.sockfd = fd},
+                                   .vh_prot_name = protocols->name,
+                                   .opaque = w};
+    w->adopting = true;
+    bool adopted = lws_adopt_descriptor_vhost_via_info(&from) != NULL;
+    w->adopting = false;
+    if (adopted)
+        return;
+    w->failed = true;
+    w->wsi = NULL;
+    later(w);
+}
+
+/* libwebsockets closes a socket whose peer sends nothing more. A plain one goes on under a copy of its
+ * descriptor, from which nothing is read. */
+static void go_on_half(struct peer *w) {
+    int fd = w->half;
+    w->half = -1;
+    w->eof = true;
+    adopt(w, fd, LWS_ADOPT_SOCKET);
+    if (w->wsi)
+        lws_rx_flow_control(w->wsi, 0);
+    if (w->wsi && (w->out_size || w->telling))
+        lws_callback_on_writable(w->wsi);
+    if (!w->failed)
+        w->transport->calls.eof(w->owner);
+}
+
+static void on_due(uv_idle_t *idle) {
+    struct transport *all = idle->data;
+    uv_idle_stop(idle);
+    for (struct peer *w; (w = all->due);) {
+        all->due = w->next_due;
+        w->due = false;
+        if (w->half >= 0 && !w->closing) {
+            go_on_half(w);
+        } else if (w->closing && w->wsi) {
+            lws_set_timeout(w->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_SYNC); /* to on_close */
+        } else if (!w->wsi && (w->closing || w->failed)) {
+            if (w->half >= 0)
+                close(w->half);
+            gone(w);
+        }
+    }
+}
+
+static bool is_half_closed(const struct peer *w, struct lws *wsi) {
+    char byte;
+    return !w->closing && !w->eof && !lws_get_ssl(wsi) &&
+           recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+static void on_close(struct peer *w, struct lws *wsi) {
+    w->wsi = NULL;
+    if (w->adopting)
+        return;
+    w->half = is_half_closed(w, wsi) && !lws_partial_buffered(wsi)
+                  ? fcntl(lws_get_socket_fd(wsi), F_DUPFD_CLOEXEC, 3)
+                  : -1;
+    w->failed = w->half < 0;
+    if (w->failed && !w->due) /* nothing else knows it */
+        gone(w);
+    else
+        later(w);
+}
+
+static void tell_end(struct peer *w) {
+    if (lws_get_ssl(w->wsi))
+        transport_end_tls(w->wsi);
+    else
+        shutdown(lws_get_socket_fd(w->wsi), SHUT_WR);
+}
+
+/* -1: the connection is broken. */
+static int on_writable(struct peer *w) {
+    if (w->closing)
+        return 0;
+    if (w->out_size) {
+        int taken = lws_write(w->wsi, w->out + LWS_PRE, w->out_size, LWS_WRITE_RAW);
+        free(w->out);
+        w->out = NULL;
+        w->out_size = w->out_cap = 0;
+        if (taken < 0)
+            return -1;
+    }
+    if (lws_partial_buffered(w->wsi)) /* it asks again when that has left */
+        return 0;
+    if (w->finishing) {
+        tell_end(w);
+        if (w->eof) /* both have said so */
+            peer_close(w);
+    }
+    if (w->telling) {
+        w->telling = false;
+        w->transport->calls.sent(w->owner);
+    }
+    return 0;
+}
+
+static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size) {
+    struct peer *w = wsi ? lws_get_opaque_user_data(wsi) : NULL;
+    (void)user;
+    if (!w)
+        return 0;
+    switch (reason) {
+    case LWS_CALLBACK_RAW_ADOPT:
+        w->wsi = wsi;
+        return 0;
+    case LWS_CALLBACK_RAW_RX:
+        if (!w->closing && size)
+            w->transport->calls.read(w->owner, in, size);
+        return 0;
+    case LWS_CALLBACK_RAW_WRITEABLE:
+        return on_writable(w);
+    case LWS_CALLBACK_RAW_CLOSE:
+        on_close(w, wsi);
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+struct peer *peer_open(struct transport *all, int fd, void *owner) {
+    struct peer *w = mem_alloc(sizeof *w);
+    *w = (struct peer){.transport = all, .owner = owner, .half = -1};
+    all->open++;
+    adopt(w, fd, LWS_ADOPT_SOCKET | LWS_ADOPT_ALLOW_SSL);
+    return w;
+}
+
+bool peer_secure(const struct peer *w) {
+    return w->wsi && lws_get_ssl(w->wsi);
+}
+
+/* Straight to the kernel, when nothing is before it and no TLS: a writeable callback for each message would
+ * cost more than the message. What the kernel does not take waits for that callback. */
+static size_t send_now(struct peer *w, const struct iovec *parts, size_t count) {
+    const struct msghdr message = {.msg_iov = (struct iovec *)(uintptr_t)parts, .msg_iovlen = count};
+    if (!w->wsi || w->telling || lws_get_ssl(w->wsi))
+        return 0;
+    ssize_t sent = sendmsg(lws_get_socket_fd(w->wsi), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && errno != EAGAIN && errno != EINTR)
+        peer_close(w);
+    return sent < 0 ? 0 : (size_t)sent;
+}
+
+/* Keeps as much as there is room for, until the writeable callback. */
+static size_t keep(struct peer *w, const void *bytes, size_t size) {
+    size_t room = PEER_WRITE_BYTES - w->out_size, n = size < room ? size : room;
+    if (w->out_size + n > w->out_cap) {
+        size_t cap = 2 * w->out_cap > w->out_size + n ? 2 * w->out_cap : w->out_size + n;
+        cap = cap < OUT_LEAST ? OUT_LEAST : cap > PEER_WRITE_BYTES ? PEER_WRITE_BYTES : cap;
+        w->out = mem_resize(w->out, LWS_PRE + cap);
+        w->out_cap = cap;
+    }
+    memcpy(w->out + LWS_PRE + w->out_size, bytes, n);
+    w->out_size += n;
+    return n;
+}
+
+size_t peer_write(struct peer *w, const struct iovec *parts, size_t count) {
+    size_t all = 0, taken;
+    for (size_t i = 0; i < count; i++)
+        all += parts[i].iov_len;
+    if (w->closing || w->failed || w->finishing || (taken = send_now(w, parts, count)) == all || w->closing)
+        return all;
+    size_t at = taken; /* of the part that is next */
+    for (size_t i = 0; i < count; i++) {
+        size_t left = parts[i].iov_len > at ? parts[i].iov_len - at : 0;
+        size_t kept = keep(w, (const uint8_t *)parts[i].iov_base + (parts[i].iov_len - left), left);
+        taken += kept;
+        at = at > parts[i].iov_len ? at - parts[i].iov_len : 0;
+        if (kept < left)
+            break;
+    }
+    if (!w->telling && w->wsi)
+        lws_callback_on_writable(w->wsi);
+    w->telling = true;
+    return taken;
+}
+
+size_t peer_unsent(const struct peer *w) {
+    return w->out_size ? w->out_size : w->telling;
+}
+
+void peer_read(struct peer *w, bool on) {
+    if (w->wsi && !w->eof && !w->closing)
+        lws_rx_flow_control(w->wsi, on);
+}
+
+void peer_finish(struct peer *w) {
+    if (w->finishing || w->closing || !w->wsi)
+        return;
+    w->finishing = true;
+    if (!w->telling)
+        lws_callback_on_writable(w->wsi);
+}
+
+void peer_close(struct peer *w) {
+    if (w->closing)
+        return;
+    w->closing = true;
+    later(w);
+}
+
+static void on_log(int level, const char *line) {
+    char text[512];
+    snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
+    if (level == LLL_ERR)
+        log_error("%s", text);
+    else
+        log_warn("%s", text);
+}
+
+struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls,
+                                 const struct transport_tls *tls, struct error *e) {
+    static const lws_retry_bo_t none = {0}; /* who owns a connection asks whether its peer is there */
+    void *loops[] = {loop};
+    if (tls && transport_check_tls(tls, e))
+        return NULL;
+    struct lws_context_creation_info info = {
+        .port = CONTEXT_PORT_NO_LISTEN_SERVER,
+        .protocols = protocols,
+        .foreign_loops = loops,
+        .options = LWS_SERVER_OPTION_LIBUV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS,
+        .retry_and_idle_policy = &none,
+        .timeout_secs = HANDSHAKE_SECONDS,
+        .pt_serv_buf_size = PEER_READ_BYTES,
+        .vhost_name = "faccia",
+        .alpn = "http/1.1", /* HTTP/2 is never spoken (CVE-2026-19773) */
+    };
+    if (tls) {
+        info.ssl_cert_filepath = tls->cert;
+        info.ssl_private_key_filepath = tls->key;
+        info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT | LWS_SERVER_OPTION_ALLOW_NON_SSL_ON_SSL_PORT |
+                        LWS_SERVER_OPTION_ALLOW_HTTP_ON_HTTPS_LISTENER;
+        info.ssl_options_set = transport_tls_options();
+    }
+    struct transport *all = mem_alloc(sizeof *all);
+    *all = (struct transport){.calls = *calls, .idle = mem_alloc(sizeof *all->idle)};
+    if (tls) {
+        all->cert = mem_strdup(tls->cert);
+        all->key = mem_strdup(tls->key);
+    }
+    uv_idle_init(loop, all->idle);
+    all->idle->data = all;
+    lws_set_log_level(LLL_ERR | LLL_WARN, on_log);
+    all->context = lws_create_context(&info);
+    all->vhost = all->context ? lws_create_vhost(all->context, &info) : NULL;
+    if (all->vhost)
+        return all;
+    error_set(e, ERROR_CANNOT_LISTEN, "libwebsockets cannot begin (is libwebsockets-evlib-uv installed?)");
+    transport_close(all);
+    uv_run(loop, UV_RUN_DEFAULT); /* until its handles are closed */
+    transport_free(all);
+    return NULL;
+}
+
+static void free_idle(uv_handle_t *idle) {
+    free(idle);
+}
+
+void transport_close(struct transport *all) {
+    if (!all->idle)
+        return;
+    on_due(all->idle);
+    uv_close((uv_handle_t *)all->idle, free_idle);
+    all->idle = NULL;
+    if (all->context)
+        lws_context_destroy(all->context); /* on a foreign loop this is the first of two steps */
+}
+
+void transport_free(struct transport *all) {
+    if (all->context)
+        lws_context_destroy(all->context);
+    free(all->cert);
+    free(all->key);
+    free(all);
+}
