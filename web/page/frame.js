@@ -72,6 +72,7 @@ export class Frame {
 
   /** The same for a page that has been translated. */
   async loadHead() {
+    if (!globalThis.isSecureContext) this.tell('insecure');
     try {
       return await import('./talking-head.js');
     } catch (error) {

@@ -11,6 +11,7 @@ import { sharedWords } from './shared-words.js';
 
 const AWAKE_MS = 60000; // so long it stays awake at night after the last that happened
 const ANSWERED_MS = 6000; // so long the answer can be read
+const INSECURE_MS = 20000; // so long it can be read what the page lacks
 const TROUBLE_MS = 20000; // so long what went wrong can be read; that there is no link, as long as there is none
 const SHIFT_MS = 60000; // the picture is moved a little, so that it does not burn in
 const SHIFTS = [[0, 0], [6, 2], [4, -5], [-3, -6], [-6, 3]];
@@ -98,6 +99,7 @@ setInterval(() => {
   $('place').style.transform = `translate(${x}px, ${y}px)`;
 }, SHIFT_MS);
 setInterval(look, 5000);
+if (!globalThis.isSecureContext) tell(say('insecure'), INSECURE_MS);
 
 head.addEventListener('connection', ({ detail }) => {
   now.connection = detail.state;

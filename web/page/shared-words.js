@@ -12,7 +12,9 @@ export const sharedWords = {
     normal: 'Normale', large: 'Grande', larger: 'Più grande', largest: 'Grandissima', captionColours: 'Colori', standard: 'Bianco su scuro',
     contrast: 'Contrasto massimo', light: 'Scuro su chiaro', yellow: 'Giallo su nero', sampleSaid: 'Si legge ', sampleWord: 'così',
     atLine: 'Riga {line}, carattere {column}.', atByte: 'Byte {byte}.', atField: 'Campo: {field}.', goThere: 'Vai al punto nel testo',
-    copied: 'Copiato.', selected: 'Selezionato: premere Ctrl + C.', noSound: 'Qui non c’è un dispositivo audio: la testa parla in silenzio, con i sottotitoli.',
+    copied: 'Copiato.', selected: 'Selezionato: premere Ctrl + C.',
+    insecure: 'Questa pagina non è arrivata per HTTPS: il browser le nega microfono, fotocamera, schermo sempre acceso e uso senza rete. Aprirla con https:.',
+    noSound: 'Qui non c’è un dispositivo audio: la testa parla in silenzio, con i sottotitoli.',
   },
   pt: {
     skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
@@ -25,7 +27,9 @@ export const sharedWords = {
     normal: 'Normal', large: 'Grande', larger: 'Maior', largest: 'Enorme', captionColours: 'Cores', standard: 'Branco sobre escuro',
     contrast: 'Contraste máximo', light: 'Escuro sobre claro', yellow: 'Amarelo sobre preto', sampleSaid: 'Lê-se ', sampleWord: 'assim',
     atLine: 'Linha {line}, caractere {column}.', atByte: 'Byte {byte}.', atField: 'Campo: {field}.', goThere: 'Ir ao ponto no texto',
-    copied: 'Copiado.', selected: 'Selecionado: pressione Ctrl + C.', noSound: 'Não há dispositivo de som aqui: a cabeça fala em silêncio, com legendas.',
+    copied: 'Copiado.', selected: 'Selecionado: pressione Ctrl + C.',
+    insecure: 'Esta página não chegou por HTTPS: o navegador lhe nega microfone, câmera, tela sempre acesa e uso sem rede. Abra-a com https:.',
+    noSound: 'Não há dispositivo de som aqui: a cabeça fala em silêncio, com legendas.',
   },
   tr: {
     skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
@@ -38,7 +42,9 @@ export const sharedWords = {
     normal: 'Normal', large: 'Büyük', larger: 'Daha büyük', largest: 'En büyük', captionColours: 'Renkler', standard: 'Koyu üzerine beyaz',
     contrast: 'En yüksek karşıtlık', light: 'Açık üzerine koyu', yellow: 'Siyah üzerine sarı', sampleSaid: 'Böyle ', sampleWord: 'okunur',
     atLine: 'Satır {line}, karakter {column}.', atByte: 'Bayt {byte}.', atField: 'Alan: {field}.', goThere: 'Metindeki yere git',
-    copied: 'Kopyalandı.', selected: 'Seçildi: Ctrl + C tuşlarına basın.', noSound: 'Burada ses aygıtı yok: baş sessizce, altyazılarla konuşuyor.',
+    copied: 'Kopyalandı.', selected: 'Seçildi: Ctrl + C tuşlarına basın.',
+    insecure: 'Bu sayfa HTTPS ile gelmedi: tarayıcı ona mikrofon, kamera, açık kalan ekran ve ağsız kullanım vermez. https: ile açın.',
+    noSound: 'Burada ses aygıtı yok: baş sessizce, altyazılarla konuşuyor.',
   },
   en: {
     skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices', avatarPage: 'Your face',
@@ -51,6 +57,8 @@ export const sharedWords = {
     normal: 'Normal', large: 'Large', larger: 'Larger', largest: 'Largest', captionColours: 'Colours', standard: 'White on dark',
     contrast: 'Highest contrast', light: 'Dark on light', yellow: 'Yellow on black', sampleSaid: 'It reads ', sampleWord: 'like this',
     atLine: 'Line {line}, character {column}.', atByte: 'Byte {byte}.', atField: 'Field: {field}.', goThere: 'Go to the place in the text',
-    copied: 'Copied.', selected: 'Selected: press Ctrl + C.', noSound: 'There is no sound device here: the head speaks silently, with captions.',
+    copied: 'Copied.', selected: 'Selected: press Ctrl + C.',
+    insecure: 'This page did not come by HTTPS: the browser denies it the microphone, the camera, a screen that stays on, and use without a network. Open it with https:.',
+    noSound: 'There is no sound device here: the head speaks silently, with captions.',
   },
 };
