@@ -301,7 +301,7 @@ test('killed while it indexes, it goes on where it was', async () => {
   }
   assert.equal(killed, 2);
   const last = await Daemon.start(options, {}, { voices: false });
-  const all = await eventually(async () => { const now = await (await last.get('/v1/library?limit=100')).json(); return now.state === 'ready' && now; });
+  const all = await eventually(async () => { const now = await (await last.get('/v1/library?limit=100')).json(); return now.state === 'ready' && now; }, 'the rest of the works', 180000);
   assert.equal(all.works.length, 30);
   assert.ok(all.works.every(({ passages }) => passages === 800));
   assert.equal((await last.stop()).code, 0);
