@@ -15,10 +15,15 @@ void ending_open(struct ending *e, uv_loop_t *loop) {
     }
 }
 
+void ending_run(struct ending *e) {
+    for (int i = 0; i < 2; i++)
+        if (!uv_is_closing((uv_handle_t *)&e->signals[i]))
+            uv_close((uv_handle_t *)&e->signals[i], NULL);
+    uv_run(e->signals[0].loop, UV_RUN_DEFAULT);
+}
+
 void ending_close(struct ending *e) {
     uv_loop_t *loop = e->signals[0].loop;
-    for (int i = 0; i < 2; i++)
-        uv_close((uv_handle_t *)&e->signals[i], NULL);
-    uv_run(loop, UV_RUN_DEFAULT);
+    ending_run(e);
     uv_loop_close(loop);
 }

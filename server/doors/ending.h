@@ -13,4 +13,7 @@ void ending_open(struct ending *ending, uv_loop_t *loop);
 /* Then runs the loop until nothing is left in it, and closes it. */
 void ending_close(struct ending *ending);
 
+/* Runs the loop until it has nothing to do, for what is freed before the loop is closed. */
+void ending_run(struct ending *ending);
+
 #endif

@@ -4,31 +4,23 @@
 #include "server/base/mem.h"
 #include <stdlib.h>
 #include <string.h>
-#include <wslay/wslay.h>
 
-/* What is kept while frames come in. wslay's own part is 4 kB, so it is there only when a piece of one lies
- * in it: nearly always a frame comes in one piece. */
-struct websocket_frame {
-    wslay_frame_context_ptr wslay;
-    const uint8_t *bytes; /* that have come and that wslay has not taken */
-    size_t left;
-    uint64_t taken; /* bytes of frames that are not complete */
-    uint64_t got;   /* of the payload of the present frame */
-    uint8_t control[WEBSOCKET_CONTROL_BYTES];
+enum {
+    HEAD_MOST = 14,    /* two bytes, eight of a length, four of a mask */
+    PIECE_BYTES = 4096 /* that are unmasked at a time */
 };
 
-static ssize_t on_wanted(uint8_t *buffer, size_t size, int flags, void *ctx) {
-    struct websocket_frame *f = ctx;
-    size_t n = size < f->left ? size : f->left;
-    (void)flags;
-    if (!n)
-        return 0;
-    memcpy(buffer, f->bytes, n);
-    f->bytes += n;
-    f->left -= n;
-    f->taken += n;
-    return (ssize_t)n;
-}
+/* A frame that has not come whole. It is kept only where its pieces come apart: nearly always there is one.
+ */
+struct websocket_frame {
+    uint8_t head[HEAD_MOST];
+    uint8_t head_size; /* bytes of it so far */
+    bool open;         /* its head is complete */
+    bool fin;
+    uint8_t opcode, mask[4];
+    uint64_t length, got; /* of the payload */
+    uint8_t control[WEBSOCKET_CONTROL_BYTES];
+};
 
 static void fault_at(struct websocket_reader *r, enum websocket_status status, const char *why,
                      uint64_t byte) {
@@ -81,9 +73,13 @@ static void data_piece(struct websocket_reader *r, const uint8_t *bytes, size_t 
     r->ear->piece(r->ctx, bytes, size, r->binary, last);
 }
 
+static bool is_control(unsigned opcode) {
+    return opcode >= WEBSOCKET_CLOSE;
+}
+
 /* What may not be in the head of a frame here, or NULL. */
-static const char *wrong(const struct websocket_reader *r, const struct wslay_frame_iocb *io) {
-    switch (io->opcode) {
+static const char *wrong(const struct websocket_reader *r, const struct websocket_frame *f) {
+    switch (f->opcode) {
     case WEBSOCKET_CONTINUATION:
         if (!r->begun)
             return "continues-nothing";
@@ -100,80 +96,105 @@ static const char *wrong(const struct websocket_reader *r, const struct wslay_fr
     default:
         return "reserved-opcode";
     }
-    return io->rsv ? "reserved-bits" : !io->mask ? "not-masked" : NULL;
+    return f->head[0] & 0x70 ? "reserved-bits" : !(f->head[1] & 0x80) ? "not-masked" : NULL;
 }
 
-/* The size of a frame's head, which has its shortest form, or wslay would not have taken it. */
-static size_t head_bytes(uint64_t payload) {
-    return payload < 126 ? 6 : payload < 65536 ? 8 : 14;
+/* How many bytes of the length follow the first two. */
+static unsigned length_bytes(const struct websocket_frame *f) {
+    unsigned first = f->head[1] & 0x7F;
+    return first == 126 ? 2 : first == 127 ? 8 : 0;
 }
 
-static void take(struct websocket_reader *r, const struct wslay_frame_iocb *io) {
-    struct websocket_frame *f = r->frame;
-    const char *why = f->got ? NULL : wrong(r, io);
+static unsigned head_bytes(const struct websocket_frame *f) {
+    return f->head_size < 2 ? 2 : 2 + length_bytes(f) + (f->head[1] & 0x80 ? 4 : 0);
+}
+
+/* The head is complete (RFC 6455, 5.2). */
+static void open_frame(struct websocket_reader *r, struct websocket_frame *f) {
+    unsigned more = length_bytes(f);
+    f->open = true;
+    f->fin = f->head[0] & 0x80;
+    f->opcode = f->head[0] & 0x0F;
+    f->got = 0;
+    f->length = more ? 0 : f->head[1] & 0x7F;
+    for (unsigned i = 0; i < more; i++)
+        f->length = f->length << 8 | f->head[2 + i];
+    memcpy(f->mask, f->head + 2 + more, sizeof f->mask);
+    bool shortest = more == 0 || f->length >= (more == 2 ? 126 : 65536);
+    if (!shortest || f->length >> 63 || (is_control(f->opcode) && (more || !f->fin))) {
+        fault(r, "bad-frame");
+        return;
+    }
+    const char *why = wrong(r, f);
     if (why) {
         fault(r, why);
         return;
     }
-    bool complete = f->got + io->data_length == io->payload_length;
-    bool control = wslay_is_ctrl_frame(io->opcode);
-    if (!control && !f->got) {
-        if (io->opcode != WEBSOCKET_CONTINUATION) {
-            r->binary = io->opcode == WEBSOCKET_BINARY;
-            r->text = (struct utf8_reader){0};
-            r->message = 0;
-        }
-        r->begun = true;
-        if (io->payload_length > r->most || r->message > r->most - io->payload_length) {
-            fault_at(r, WEBSOCKET_TOO_LARGE, error_name(ERROR_MESSAGE_TOO_LONG), 0);
-            return;
-        }
+    if (is_control(f->opcode))
+        return;
+    if (f->opcode != WEBSOCKET_CONTINUATION) {
+        r->binary = f->opcode == WEBSOCKET_BINARY;
+        r->text = (struct utf8_reader){0};
+        r->message = 0;
     }
+    r->begun = true;
+    if (f->length > r->most || r->message > r->most - f->length)
+        fault_at(r, WEBSOCKET_TOO_LARGE, error_name(ERROR_MESSAGE_TOO_LONG), 0);
+}
+
+/* A piece of the payload, which may be empty when all of it is. Returns how many bytes were taken. */
+static size_t take_payload(struct websocket_reader *r, struct websocket_frame *f, const uint8_t *bytes,
+                           size_t size) {
+    uint8_t piece[PIECE_BYTES];
+    uint64_t left = f->length - f->got;
+    size_t n = left < size ? (size_t)left : size;
+    n = n < sizeof piece ? n : sizeof piece;
+    for (size_t i = 0; i < n; i++)
+        piece[i] = bytes[i] ^ f->mask[(f->got + i) & 3];
+    bool control = is_control(f->opcode), fin = f->fin;
+    enum websocket_opcode opcode = (enum websocket_opcode)f->opcode;
     if (control)
-        memcpy(f->control + f->got, io->data, io->data_length);
-    f->got += io->data_length;
+        memcpy(f->control + f->got, piece, n);
+    f->got += n;
+    bool complete = f->got == f->length;
     if (complete) {
-        f->got = 0;
-        f->taken -= head_bytes(io->payload_length) + io->payload_length;
+        f->open = false;
+        f->head_size = 0;
     }
     if (!control)
-        data_piece(r, io->data, io->data_length, complete && io->fin);
+        data_piece(r, piece, n, complete && fin);
     else if (complete)
-        control_frame(r, (enum websocket_opcode)io->opcode, f->control, (size_t)io->payload_length);
+        control_frame(r, opcode, f->control, (size_t)f->length);
+    return n;
 }
 
 size_t websocket_reader_feed(struct websocket_reader *r, const uint8_t *bytes, size_t size) {
-    static const struct wslay_frame_callbacks callbacks = {.recv_callback = on_wanted};
-    if (r->ended || (!size && !r->frame))
-        return size;
-    if (r->held)
-        return 0;
-    if (!r->frame) {
-        r->frame = mem_alloc(sizeof *r->frame);
-        if (wslay_frame_context_init(&r->frame->wslay, &callbacks, r->frame))
-            abort(); /* as all that finds no memory: see mem.h */
+    struct websocket_frame whole = {0}, *f = r->frame ? r->frame : &whole;
+    size_t at = 0;
+    while (at < size && !r->ended && !r->held) {
+        if (!f->open) {
+            f->head[f->head_size++] = bytes[at++];
+            if (f->head_size < 2 || f->head_size < head_bytes(f))
+                continue;
+            open_frame(r, f);
+        }
+        if (!r->ended && (at < size || !f->length))
+            at += take_payload(r, f, bytes + at, size - at);
     }
-    r->frame->bytes = bytes;
-    r->frame->left = size;
-    while (!r->ended && !r->held) {
-        struct wslay_frame_iocb io = {0};
-        ssize_t n = wslay_frame_recv(r->frame->wslay, &io);
-        if (n == WSLAY_ERR_WANT_READ)
-            break;
-        if (n < 0)
-            fault(r, "bad-frame");
-        else
-            take(r, &io);
-    }
-    size_t left = r->ended ? 0 : r->frame->left;
-    if (r->ended || !r->frame->taken)
+    if (r->ended) {
         websocket_reader_free(r);
-    return size - left;
+        return size;
+    }
+    if (f == &whole && whole.head_size) {
+        r->frame = mem_alloc(sizeof *r->frame);
+        *r->frame = whole;
+    } else if (f != &whole && !f->head_size) {
+        websocket_reader_free(r);
+    }
+    return at;
 }
 
 void websocket_reader_free(struct websocket_reader *r) {
-    if (r->frame)
-        wslay_frame_context_free(r->frame->wslay);
     free(r->frame);
     r->frame = NULL;
 }

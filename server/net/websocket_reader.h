@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads the frames of a WebSocket's client (RFC 6455, 5), without any socket. wslay takes them apart; here it
- * is seen to that they are what a client may send. */
+/* Reads the frames of a WebSocket's client (RFC 6455, 5), without any socket, and sees to it that they are
+ * what a client may send. */
 #ifndef FACCIA_NET_WEBSOCKET_READER_H
 #define FACCIA_NET_WEBSOCKET_READER_H
 
@@ -52,8 +52,7 @@ struct websocket_reader {
     bool held; /* set by those who hear, from within too: nothing is taken until it is not set any more */
 };
 
-/* Returns how many of the bytes were taken: all, unless it is held. What was taken and not read then is read
- * with the next ones, of which there may be none. */
+/* Returns how many of the bytes were taken: all, unless it is held. */
 size_t websocket_reader_feed(struct websocket_reader *reader, const uint8_t *bytes, size_t size);
 void websocket_reader_free(struct websocket_reader *reader);
 

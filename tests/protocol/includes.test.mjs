@@ -29,7 +29,7 @@ const BELOW = {
   align: ['face', 'voice', 'markup', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],
   eval: ['fit', 'face', 'voice', 'expression', 'protocol', 'base'],
-  doors: ['base'],
+  doors: ['http', 'base'],
   plugins: ['align', 'face', 'voice', 'markup', 'base'],
 };
 BELOW.app = Object.keys(BELOW);

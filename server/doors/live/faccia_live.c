@@ -85,7 +85,7 @@ static void on_tick(uv_timer_t *timer) {
     struct live *l = timer->data;
     struct buf samples = {0};
     bool more = true;
-    if (!live_line_free(l->line))
+    if (!live_line_is_free(l->line))
         return;
     if (!live_sound_flows(l->sound) && (!l->begun || l->paused))
         add_silence(l, &samples);
@@ -185,6 +185,8 @@ static int run(struct live *l, const struct place *place) {
     live_line_close(l->line);
     uv_close((uv_handle_t *)&l->tick, NULL);
     uv_close((uv_handle_t *)&l->farewell, NULL);
+    ending_run(&ending);
+    live_line_free(l->line);
     ending_close(&ending);
     return l->status;
 }

@@ -4,8 +4,8 @@
 #include "server/base/log.h"
 #include "server/base/program.h"
 #include "server/doors/ending.h"
-#include "server/doors/lva/websocket_client.h"
 #include "server/doors/place.h"
+#include "server/http/websocket_client.h"
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -158,6 +158,12 @@ static void on_lost(void *ctx, const char *why) {
     a->there = false;
 }
 
+/* With a port: an assistant has none of its own among the well-known ones. */
+static bool is_address(const char *url) {
+    const char *host = strstr(url, "://");
+    return (!strncmp(url, "ws://", 5) || !strncmp(url, "wss://", 6)) && strchr(host + 3, ':');
+}
+
 static int run(struct assistant *a, const struct place *place, const char *url) {
     static const struct websocket_calls calls = {on_open, on_text, on_lost};
     uv_loop_t loop;
@@ -166,15 +172,20 @@ static int run(struct assistant *a, const struct place *place, const char *url) 
     uv_loop_init(&loop);
     ending_open(&ending, &loop);
     a->remote = remote_new(&loop, place->url, place->token);
-    if (a->remote && !(client = websocket_client_new(&loop, url, &calls, a)))
+    if (a->remote && is_address(url))
+        client = websocket_client_new(&loop, url, NULL, true, &calls, a);
+    if (a->remote && !client)
         log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
     if (client)
         uv_run(&loop, UV_RUN_DEFAULT);
-    websocket_client_free(client);
+    int status = client ? 0 : 2;
+    websocket_client_close(client);
     remote_free(a->remote);
     json_decref(a->next);
+    ending_run(&ending);
+    websocket_client_free(client);
     ending_close(&ending);
-    return client ? 0 : 2;
+    return status;
 }
 
 int main(int argc, char **argv) {
