@@ -47,6 +47,10 @@ static int spawn(pid_t *pid, int in, int out, char *const args[]) {
     return result;
 }
 
+void reader_process_go_on(struct reader_process *p) {
+    p->until = now() + (uint64_t)p->limits.seconds * CLOCK_FACTOR * 1000;
+}
+
 int reader_process_start(struct reader_process *p, const struct reader *reader,
                          const struct reader_limits *limits, const char *const args[], int input,
                          const atomic_bool *given_up, struct error *e) {
@@ -67,7 +71,7 @@ int reader_process_start(struct reader_process *p, const struct reader *reader,
         else
             p->fd = ends[0];
     }
-    p->until = now() + (uint64_t)limits->seconds * CLOCK_FACTOR * 1000;
+    reader_process_go_on(p);
     if (!result)
         return 0;
     p->pid = 0;

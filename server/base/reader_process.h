@@ -40,6 +40,10 @@ int reader_process_start(struct reader_process *p, const struct reader *reader,
 /* Reads exactly that many bytes. False: it has ended before, took too long, or nobody waits any more. */
 bool reader_process_read(struct reader_process *p, void *data, size_t size);
 
+/* Its time by the clock begins anew: for a result that is taken bit by bit, whenever there is room for more.
+ */
+void reader_process_go_on(struct reader_process *p);
+
 /* Ends it, also when it still runs. 0: it has ended by itself and well. -1: it has not; why says how, as in
  * "took more than 5 s of processor time". */
 int reader_process_end(struct reader_process *p, char *why, size_t cap);

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <sys/socket.h>
 #include <uv.h>
 
@@ -30,6 +31,7 @@ struct connection {
     struct http_session *http;                  /* its: one of these two */
     struct socket *socket;
     const char *name; /* in the log */
+    uint32_t number;  /* among all that there were; never 0 */
     union {
         uv_handle_t handle;
         uv_stream_t stream;

@@ -17,6 +17,7 @@ enum {
 };
 
 struct face_high_level;
+struct reader;
 struct synthesis_callbacks;
 
 /* Where it lies: in files, or in memory. All is released with recording_source_free. */
@@ -47,11 +48,12 @@ void recording_list(const char *folder, void (*each)(void *ctx, const char *name
 
 struct recording;
 
-/* high: shows what FAP 1 and 2 mean; NULL = nothing does. Takes what the source holds. Segments and problems
- * come as those of a speech: "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
+/* reader: decodes its sound (sound_reader.h); NULL = nobody else does. high: shows what FAP 1 and 2 mean;
+ * NULL = nothing does. Takes what the source holds. Segments and problems come as those of a speech:
+ * "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
-                                 struct recording_source *source, const struct synthesis_callbacks *callbacks,
-                                 void *ctx);
+                                 const struct reader *reader, struct recording_source *source,
+                                 const struct synthesis_callbacks *callbacks, void *ctx);
 void recording_start(struct recording *recording);
 void recording_release(struct recording *recording);
 void recording_free(struct recording *recording);

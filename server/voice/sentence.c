@@ -9,7 +9,9 @@
 /* A sound that is read on another thread. It outlives its sentence when that is cancelled meanwhile. */
 struct sound_task {
     uv_work_t work;
-    struct sentence_part *part; /* NULL = nobody waits */
+    struct sentence_part *part; /* NULL = nobody waits, */
+    atomic_bool given_up;       /* and so it ends soon */
+    const struct reader *reader;
     char *path;
     double volume;
     uint32_t sample_rate;
@@ -32,6 +34,12 @@ static void on_closed(uv_handle_t *timer) {
     free(timer);
 }
 
+static void give_up_sound(struct sound_task *r) {
+    r->part = NULL;
+    atomic_store(&r->given_up, true);
+    uv_cancel((uv_req_t *)&r->work); /* when it runs already it ends soon */
+}
+
 void sentence_cancel(struct sentence *s) {
     if (s->soon)
         uv_close((uv_handle_t *)s->soon, on_closed);
@@ -39,7 +47,7 @@ void sentence_cancel(struct sentence *s) {
         if (s->parts[i].job)
             voice_job_cancel(s->parts[i].job);
         if (s->parts[i].task)
-            s->parts[i].task->part = NULL;
+            give_up_sound(s->parts[i].task);
     }
     free_sentence(s);
 }
@@ -134,7 +142,7 @@ static void on_read(uv_work_t *work, int status);
 
 static void read_sound(uv_work_t *work) {
     struct sound_task *r = work->data;
-    r->u = sound_read(r->path, r->volume, r->sample_rate, &r->e);
+    r->u = sound_read(r->reader, r->path, r->volume, r->sample_rate, &r->given_up, &r->e);
 }
 
 /* Wants what is to be heard when that sound is not; SIZE_MAX: what is to be heard anyway. */
@@ -164,6 +172,7 @@ static void start(struct sentence *s, struct sentence_part *part) {
         struct sound_task *r = part->task = mem_alloc(sizeof *r);
         r->work.data = r;
         r->part = part;
+        r->reader = s->request.reader;
         s->running++;
         r->path = mem_strdup(s->selection->sounds[part->what.first]);
         r->volume = sound->style->volume * (s->request.volume > 0 ? s->request.volume : 1);

@@ -174,6 +174,7 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->plan = plan;
     job->turn = request->turn;
     job->payer = request->payer;
+    job->asker = request->asker;
     if (job_look_up(job)) {
         job_push(&pool->known, job);
         pool_soon(pool);
