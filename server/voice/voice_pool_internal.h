@@ -10,11 +10,11 @@
 #include "server/voice/voice_pool.h"
 #include "server/voice/wire.h"
 
-/* Jobs in the order in which they came. Those that wait for a worker leave it by fair queueing with virtual
- * finish times (Golestani 1994), in two steps: between payers, and within a payer between its askers. A time
- * is counted in bytes of text (job_cost): each job ends its cost after the one before it of the same payer or
- * asker, or after the job that left last, whichever is later; the earliest end leaves first. Payers are told
- * apart by a hash. */
+/* Jobs in the order in which they came. Those that wait for a worker, or to be given back from the cache,
+ * leave it by fair queueing with virtual finish times (Golestani 1994), in two steps: between payers, and
+ * within a payer between its askers. A time is counted in bytes of text (job_cost): each job ends its cost
+ * after the one before it of the same payer or asker, or after the job that left last, whichever is later;
+ * the earliest end leaves first. Payers are told apart by a hash. */
 enum { QUEUE_PAYERS = 256, JOB_COST = 64 /* of any job, besides its text */ };
 struct job_queue {
     struct voice_job *first, *last;
@@ -161,8 +161,9 @@ void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
 
 void job_push_in_turn(struct job_queue *queue, struct voice_job *job); /* to leave it in its turn */
 struct job_queue *job_queue_of(const struct voice_job *job);           /* that it waits in */
-void job_take_out(struct voice_job *job);                              /* of its queue */
-void job_wait(struct voice_job *job);                                  /* for a worker, which may be idle */
+struct voice_job *job_take_next(struct job_queue *queue); /* whose turn it is, out of it; or NULL */
+void job_take_out(struct voice_job *job);                 /* of its queue */
+void job_wait(struct voice_job *job);                     /* for a worker, which may be idle */
 void job_free(struct voice_job *job);
 bool plugin_runs(const struct plugin *plugin);                 /* a worker of it may yet come */
 struct sentence_audio *pool_job_finish(struct voice_job *job); /* what its assembly makes of it */

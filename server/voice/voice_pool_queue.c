@@ -69,16 +69,9 @@ void job_take_out(struct voice_job *job) {
     job->queue = NULL;
 }
 
-/* Those that somebody waits for and those that are made ahead by turns: however many begin to speak, who
- * speaks already goes on. */
-struct voice_job *pool_next_job(struct plugin *plugin) {
-    bool urgent = plugin->urgent.first && (!plugin->waiting.first || !plugin->urgent_last);
-    struct job_queue *queue = urgent                  ? &plugin->urgent
-                              : plugin->waiting.first ? &plugin->waiting
-                                                      : &plugin->ahead;
+struct voice_job *job_take_next(struct job_queue *queue) {
     uint64_t end;
     struct voice_job *job = job_in_turn(queue, &end);
-    plugin->urgent_last = job && urgent;
     if (!job)
         return NULL;
     size_t payer = job->payer % QUEUE_PAYERS;
@@ -86,6 +79,16 @@ struct voice_job *pool_next_job(struct plugin *plugin) {
     queue->within[payer] = job->ends;
     job_take_out(job);
     return job;
+}
+
+/* Those that somebody waits for and those that are made ahead by turns: however many begin to speak, who
+ * speaks already goes on. */
+struct voice_job *pool_next_job(struct plugin *plugin) {
+    bool urgent = plugin->urgent.first && (!plugin->waiting.first || !plugin->urgent_last);
+    plugin->urgent_last = urgent;
+    return job_take_next(urgent                  ? &plugin->urgent
+                         : plugin->waiting.first ? &plugin->waiting
+                                                 : &plugin->ahead);
 }
 
 void job_free(struct voice_job *job) {
