@@ -118,14 +118,21 @@ static struct reader_limits limits_of(int fd) {
     return (struct reader_limits){seconds < SECONDS_MOST ? (unsigned)seconds : SECONDS_MOST, MEGABYTES};
 }
 
+enum outcome {
+    WELL,
+    BROKEN_OFF, /* it says no more */
+    GARBAGE     /* what it says means nothing */
+};
+
 /* The process is through, or has to be: says why where that is no end of the sound. */
-static void end_process(struct sound_reader *s, bool well) {
+static void end_process(struct sound_reader *s, enum outcome outcome) {
     char why[160] = "";
     bool ended = !reader_process_end(&s->process, why, sizeof why);
     s->ended = true;
-    if (!well)
+    if (outcome != WELL)
         snprintf(s->wrong, sizeof s->wrong, "its reading %s",
-                 ended || !*why ? "made its process say what cannot be understood" : why);
+                 outcome == GARBAGE || ended || !*why ? "made its process say what cannot be understood"
+                                                      : why);
 }
 
 static bool open_apart(struct sound_reader *s, const struct reader *reader, int fd, unsigned most,
@@ -148,7 +155,7 @@ static bool open_apart(struct sound_reader *s, const struct reader *reader, int 
         return true;
     }
     bool told = said && !hello.rate && memchr(hello.message, '\0', sizeof hello.message);
-    end_process(s, told);
+    end_process(s, told ? WELL : said ? GARBAGE : BROKEN_OFF);
     snprintf(message, SOUND_MESSAGE_BYTES, "%.190s", told ? hello.message : s->wrong);
     return false;
 }
@@ -186,11 +193,10 @@ static bool take_block(struct sound_reader *s) {
     uint32_t count;
     reader_process_go_on(&s->process);
     s->at = s->count = 0;
-    bool said = reader_process_read(&s->process, &count, sizeof count);
-    bool well =
-        said && count <= BLOCK && reader_process_read(&s->process, s->block, count * sizeof *s->block);
+    bool said = reader_process_read(&s->process, &count, sizeof count), sense = said && count <= BLOCK;
+    bool well = sense && reader_process_read(&s->process, s->block, count * sizeof *s->block);
     if (!well || !count)
-        end_process(s, well);
+        end_process(s, well ? WELL : said && !sense ? GARBAGE : BROKEN_OFF);
     else
         s->count = count;
     for (size_t i = 0; i < s->count; i++)

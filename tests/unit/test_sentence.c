@@ -61,7 +61,7 @@ static struct sentence *start(struct stage *t, const char *voice) {
     t->selection = (struct voice_selection){
         .voices = t->voices, .sounds = t->sounds, .count = t->test->score->item_count};
     const struct voice_request request = {
-        pool_test_voice(t->test, voice), t->test->score, 0, 0, 1, 1, VOICE_TURN_USUAL, 0};
+        .voice = pool_test_voice(t->test, voice), .score = t->test->score, .pitch = 1, .volume = 1};
     return sentence_speak(t->test->pool, &t->test->loop, &request, &t->selection, &callbacks, t);
 }
 
