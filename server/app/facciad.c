@@ -13,6 +13,7 @@
 #include "server/app/stages.h"
 #include "server/base/log.h"
 #include "server/base/program.h"
+#include "server/base/work_gate.h"
 #include "server/codec/codec_load.h"
 #include "server/net/net.h"
 #include <stdio.h>
@@ -37,6 +38,7 @@ struct daemon {
     unsigned socket_count;
     struct stages stages;
     struct reader reader; /* of what cannot be trusted */
+    struct work_gate gate;
     struct metrics metrics;
     struct coder_pool *coders;
     struct codec_load codec_load;
@@ -235,6 +237,7 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->long_text = LONG_TEXT_BYTES;
     d->reader = (struct reader){d->paths.reader, s->voices.unconfined};
     pipeline->reader = &d->reader;
+    pipeline->gate = &d->gate;
     pipeline->open_seconds = s->net.open_seconds;
     struct net_options options = net_options_of(d);
     d->offer = daemon_offer_new(pipeline);

@@ -14,7 +14,14 @@
 /* A process gets so many seconds of processor time, and so many more for each megabyte of the file: an hour
  * of speech in a megabyte of Opus takes half a minute. It waits, and takes none, while nobody takes its
  * samples. */
-enum { BLOCK = 4096, MEGABYTES = 512, SECONDS_LEAST = 5, SECONDS_EACH = 30, SECONDS_MOST = 1800 };
+enum {
+    BLOCK = 4096,
+    MEGABYTES = 512,
+    SECONDS_LEAST = 5,
+    SECONDS_EACH = 30,
+    SECONDS_MOST = 1800,
+    BLOCK_SECONDS = 10 /* by the clock, for the next block of samples */
+};
 
 /* What the process says first; then blocks of samples, each with its count before it; 0 = the end. */
 struct greeting {
@@ -191,7 +198,7 @@ unsigned sound_reader_rate(const struct sound_reader *s) {
 /* The next block of the process. */
 static bool take_block(struct sound_reader *s) {
     uint32_t count;
-    reader_process_go_on(&s->process);
+    reader_process_go_on(&s->process, BLOCK_SECONDS);
     s->at = s->count = 0;
     bool said = reader_process_read(&s->process, &count, sizeof count), sense = said && count <= BLOCK;
     bool well = sense && reader_process_read(&s->process, s->block, count * sizeof *s->block);

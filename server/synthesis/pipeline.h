@@ -11,6 +11,7 @@
 
 struct coder_pool;
 struct reader;
+struct work_gate;
 struct codec_load;
 struct voice_pool;
 struct speech_packs;
@@ -31,6 +32,7 @@ struct pipeline {
     enum face_contacts default_contacts; /* of requests that say "engine" */
     const struct reader *reader;         /* decodes sound that may be damaged (sound_reader.h); NULL = nobody
                                             else does */
+    struct work_gate *gate;              /* so many sounds are decoded at a time; NULL = any number */
     const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics;             /* NULL = nobody counts */
     struct codec_load *codec_load;       /* of the sound; NULL = the best */

@@ -3,6 +3,7 @@
 #include "protocol/fapfile.h"
 #include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/work_gate.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
@@ -21,7 +22,8 @@ enum {
 /* While `working`, all but `freed` belongs to the other thread. */
 struct recording {
     uv_loop_t *loop;
-    uv_work_t work;
+    struct gated_work work;
+    struct work_gate *gate;
     const struct face_high_level *high;
     const struct reader *reader;
     struct synthesis_callbacks callbacks;
@@ -152,7 +154,7 @@ static void read_piece(struct recording *r) {
 
 static void work(uv_work_t *work) {
     struct recording *r = work->data;
-    if (r->opened || !open_all(r))
+    if (!atomic_load(&r->freed) && (r->opened || !open_all(r)))
         read_piece(r);
 }
 
@@ -207,17 +209,19 @@ static void read_on(struct recording *r) {
     if (r->working || r->delivering || r->ended || r->pieces - r->released >= RECORDING_PIECES)
         return;
     r->working = true;
-    r->work.data = r;
-    uv_queue_work(r->loop, &r->work, work, after);
+    r->work.work.data = r;
+    work_gate_submit(r->gate, r->loop, &r->work, work, after);
 }
 
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
-                                 const struct reader *reader, struct recording_source *source,
-                                 const struct synthesis_callbacks *callbacks, void *ctx) {
+                                 const struct reader *reader, struct work_gate *gate,
+                                 struct recording_source *source, const struct synthesis_callbacks *callbacks,
+                                 void *ctx) {
     struct recording *r = mem_alloc(sizeof *r);
     r->loop = loop;
     r->high = high;
     r->reader = reader;
+    r->gate = gate;
     r->source = *source;
     *source = (struct recording_source){0};
     r->callbacks = *callbacks;
@@ -239,7 +243,7 @@ void recording_free(struct recording *r) {
         return;
     r->freed = true;
     if (r->working)
-        uv_cancel((uv_req_t *)&r->work);
+        work_gate_cancel(&r->work);
     else if (!r->delivering)
         free_all(r);
 }

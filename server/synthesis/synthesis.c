@@ -37,7 +37,8 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .turn = turn_of(s, slot),
                                     .payer = s->request.payer,
                                     .asker = s->request.asker,
-                                    .reader = s->pipeline->reader};
+                                    .reader = s->pipeline->reader,
+                                    .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }

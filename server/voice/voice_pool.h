@@ -17,6 +17,7 @@
 #include <uv.h>
 
 struct reader;
+struct work_gate;
 struct voice_pool;
 struct voice_job;
 
@@ -125,6 +126,7 @@ struct voice_request {
         payer; /* whose it is: payers come by turns, here and where workers elsewhere speak; 0 = nobody's */
     uint32_t asker; /* which of the payer's connections asks: those come by turns, too; 0 = none */
     const struct reader *reader; /* decodes the sounds in it (sentence.h); NULL = nobody else does */
+    struct work_gate *gate;      /* so many sounds are read at a time; NULL = any number */
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted

@@ -31,7 +31,7 @@ static int write_sounds(void **state) {
         frames[2 * i] = (short)(8000 * sin(i / 10.0));
         frames[2 * i + 1] = (short)(i % 100);
     }
-    mkdtemp(folder);
+    assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/sound.flac", folder);
     snprintf(program, sizeof program, "%s/reader", folder);
     snprintf(noise, sizeof noise, "%s/noise", folder);
