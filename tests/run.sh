@@ -79,7 +79,7 @@ files() {
         ;;
     fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x | sort ;;
     limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
-        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs"
+        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs" "$root/tests/daemon/memory.test.mjs"
         ;;
     long)
         grep -l "lib/long.mjs'" "$root"/tests/*/*.test.mjs

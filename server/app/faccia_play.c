@@ -126,7 +126,7 @@ static int run(struct play *p, const struct settings *settings, const char *fap,
         uv_loop_close(&loop);
         return status;
     }
-    p->recording = recording_open(&loop, stages.pipeline.high_level, &source, &callbacks, p);
+    p->recording = recording_open(&loop, stages.pipeline.high_level, NULL, NULL, &source, &callbacks, p);
     recording_start(p->recording);
     while (!p->finished && uv_run(&loop, UV_RUN_ONCE))
         ;

@@ -14,6 +14,7 @@
 #include "server/app/tls_place.h"
 #include "server/base/log.h"
 #include "server/base/program.h"
+#include "server/base/work_gate.h"
 #include "server/codec/codec_load.h"
 #include "server/net/net.h"
 #include <stdio.h>
@@ -38,6 +39,8 @@ struct daemon {
     int *sockets; /* from systemd */
     unsigned socket_count;
     struct stages stages;
+    struct reader reader; /* of what cannot be trusted */
+    struct work_gate gate;
     struct metrics metrics;
     struct coder_pool *coders;
     struct codec_load codec_load;
@@ -70,7 +73,7 @@ static struct net_options net_options_of(struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
     options.library = d->library;
-    options.reader = (struct reader){d->paths.reader, d->settings.voices.unconfined};
+    options.reader = d->reader;
     options.gestures = d->settings.gestures;
     options.on_gestures = (struct shelf_listener){on_gestures, d};
     options.works = d->settings.library;
@@ -236,6 +239,9 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->metrics = voices.metrics = &d->metrics;
     pipeline->codec_load = &d->codec_load;
     pipeline->long_text = LONG_TEXT_BYTES;
+    d->reader = (struct reader){d->paths.reader, s->voices.unconfined};
+    pipeline->reader = &d->reader;
+    pipeline->gate = &d->gate;
     pipeline->open_seconds = s->net.open_seconds;
     struct net_options options = net_options_of(d);
     d->offer = daemon_offer_new(pipeline);

@@ -3,6 +3,7 @@
  * (base/reader_process.h). It may read that input, which is its standard input, and the system's libraries,
  * write to its standard output, and take the processor time and memory that it is told. */
 #include "server/base/program.h"
+#include "server/base/sound_reader.h"
 #include "server/library/work_apart.h"
 #include "server/voice/memory_limit.h"
 #include "server/voice/sandbox.h"
@@ -39,8 +40,10 @@ int main(int argc, char **argv) {
     program_begin();
     bool work = argc == LANG + 1 && !strcmp(argv[KIND], "work");
     bool check = argc == INPUT + 1 && !strcmp(argv[KIND], "check");
-    if (!work && !check) {
-        fputs("usage: faccia-reader SECONDS MEGABYTES on|off work NAME LANG | check NAME\nParses a file, its "
+    bool sound = argc == INPUT + 1 && !strcmp(argv[KIND], "sound");
+    if (!work && !check && !sound) {
+        fputs("usage: faccia-reader SECONDS MEGABYTES on|off work NAME LANG | check NAME | sound "
+              "CHANNELS\nParses a file, its "
               "standard input, for "
               "facciad, which starts this program by itself.\n",
               stderr);
@@ -49,8 +52,9 @@ int main(int argc, char **argv) {
     limit(argv[SECONDS], argv[MEGABYTES]);
     if (strcmp(argv[SANDBOX], "off") != 0)
         confine(argv[0]);
-    return (work ? work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO)
-                 : work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO))
-               ? 1
-               : 0;
+    int failed =
+        work    ? work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO)
+        : check ? work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO)
+                : sound_reader_serve((unsigned)strtoul(argv[INPUT], NULL, 10), STDIN_FILENO, STDOUT_FILENO);
+    return failed ? 1 : 0;
 }

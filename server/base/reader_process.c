@@ -47,6 +47,11 @@ static int spawn(pid_t *pid, int in, int out, char *const args[]) {
     return result;
 }
 
+void reader_process_go_on(struct reader_process *p, unsigned seconds) {
+    p->patience = seconds;
+    p->until = now() + (uint64_t)seconds * 1000;
+}
+
 int reader_process_start(struct reader_process *p, const struct reader *reader,
                          const struct reader_limits *limits, const char *const args[], int input,
                          const atomic_bool *given_up, struct error *e) {
@@ -67,7 +72,7 @@ int reader_process_start(struct reader_process *p, const struct reader *reader,
         else
             p->fd = ends[0];
     }
-    p->until = now() + (uint64_t)limits->seconds * CLOCK_FACTOR * 1000;
+    reader_process_go_on(p, limits->seconds * CLOCK_FACTOR);
     if (!result)
         return 0;
     p->pid = 0;
@@ -104,6 +109,7 @@ static bool has_closed(struct reader_process *p) {
 }
 
 int reader_process_end(struct reader_process *p, char *why, size_t cap) {
+    const unsigned patience = p->patience;
     int status = 0;
     if (!p->pid)
         return -1;
@@ -118,7 +124,7 @@ int reader_process_end(struct reader_process *p, char *why, size_t cap) {
     if (!wanted)
         snprintf(why, cap, "nobody waits for it any more");
     else if (late)
-        snprintf(why, cap, "took more than %u s", p->limits.seconds * CLOCK_FACTOR);
+        snprintf(why, cap, "took more than %u s", patience);
     else if (signal == SIGXCPU || signal == SIGKILL)
         snprintf(why, cap, "took more than %u s of processor time", p->limits.seconds);
     else if (signal)

@@ -27,7 +27,8 @@ struct reader_process {
     pid_t pid; /* 0 = none runs */
     int fd;    /* what it says */
     struct reader_limits limits;
-    uint64_t until;              /* ms of the monotonic clock */
+    unsigned patience;           /* s that it has by the clock, */
+    uint64_t until;              /* to there, ms of the monotonic clock */
     const atomic_bool *given_up; /* nobody waits for it any more; NULL = never */
 };
 
@@ -39,6 +40,10 @@ int reader_process_start(struct reader_process *p, const struct reader *reader,
 
 /* Reads exactly that many bytes. False: it has ended before, took too long, or nobody waits any more. */
 bool reader_process_read(struct reader_process *p, void *data, size_t size);
+
+/* By the clock it has so many seconds from now on: for a result that is taken bit by bit, whenever there is
+ * room for more. */
+void reader_process_go_on(struct reader_process *p, unsigned seconds);
 
 /* Ends it, also when it still runs. 0: it has ended by itself and well. -1: it has not; why says how, as in
  * "took more than 5 s of processor time". */

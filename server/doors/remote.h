@@ -52,6 +52,10 @@ struct fetch *remote_begin(struct remote *remote, const char *path, const struct
 void remote_write(struct fetch *fetch, const char *text, size_t size);
 void remote_close(struct fetch *fetch);
 
+/* No more bytes are wanted for now, but for 1 MB that may have come already; and then again. */
+void remote_hold(struct fetch *fetch);
+void remote_go_on(struct fetch *fetch);
+
 /* A voice, language or gender that the daemon does not know is left out, which the log tells, and the same is
  * asked again: silence helps nobody who only listens. lang: instead of an unknown voice; NULL: the daemon's
  * own. Call it before anything is written. */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of an answer that is kept; of one that is handed on as it comes, so much may wait for that. */
 enum { ANSWER_SECONDS = 60, ANSWER_MOST = 1 << 20 };
 
 struct fetch {
@@ -22,6 +23,9 @@ struct fetch {
     struct buf kept; /* of the request, from its beginning, as long as it may have to be asked again */
     bool writes;     /* the text comes piece by piece */
     bool closed;     /* nothing is added to it any more */
+    bool unwanted;   /* more of the answer, for now */
+    bool held;       /* curl keeps the rest of it meanwhile */
+    bool *gone;      /* set when it is freed; NULL: nobody asks */
     bool anyway;     /* what the daemon does not know is left out */
     char *lang;      /* instead of a voice that it does not know; NULL: none */
 };
@@ -59,6 +63,11 @@ void remote_speak_anyway(struct fetch *q, const char *lang) {
 
 static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
     struct fetch *q = ctx;
+    bool much = q->body.size && q->body.size + size * count > ANSWER_MOST;
+    if (q->bytes && (q->unwanted || much)) { /* curl reads on while there is anything */
+        q->held = true;
+        return CURL_WRITEFUNC_PAUSE;
+    }
     if (q->body.size + size * count > ANSWER_MOST)
         return 0;
     buf_add(&q->body, data, size * count);
@@ -66,6 +75,8 @@ static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
 }
 
 static void free_fetch(struct fetch *q) {
+    if (q->gone)
+        *q->gone = true;
     for (struct remote_member *m = q->members; m->name; m++) {
         free((char *)m->name);
         free((char *)m->value);
@@ -86,18 +97,50 @@ static void drop(struct transfer *t) {
     free_fetch(q);
 }
 
-static void tell(struct transfer *t) {
-    struct fetch *q = (struct fetch *)t;
-    struct buf come = q->body;
-    long status = 0;
-    curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &status);
-    if (status != 200 || !come.size)
+/* What curl has kept. */
+static void take_held(struct fetch *q) {
+    if (!q->held || q->unwanted)
         return;
+    q->held = false;
+    curl_easy_pause(q->transfer.easy, CURLPAUSE_CONT);
+}
+
+void remote_hold(struct fetch *q) {
+    q->unwanted = true;
+}
+
+void remote_go_on(struct fetch *q) {
+    q->unwanted = false;
+    take_held(q);
+}
+
+/* Gives what has come to who takes it as it comes. False: that has given up the request. */
+static bool hand_on(struct fetch *q) {
+    struct buf come = q->body;
+    bool gone = false;
     q->body = (struct buf){0};
     q->anyway = false; /* it is spoken */
     buf_free(&q->kept);
-    q->bytes(q->ctx, come.data, come.size); /* it may give up */
+    take_held(q); /* comes for the next time */
+    q->gone = &gone;
+    q->bytes(q->ctx, come.data, come.size);
     buf_free(&come);
+    if (!gone)
+        q->gone = NULL;
+    return !gone;
+}
+
+/* Some of a body that is handed on has come. */
+static bool has_bytes(const struct fetch *q) {
+    long status = 0;
+    curl_easy_getinfo(q->transfer.easy, CURLINFO_RESPONSE_CODE, &status);
+    return q->bytes && status == 200 && q->body.size;
+}
+
+static void tell(struct transfer *t) {
+    struct fetch *q = (struct fetch *)t;
+    if (has_bytes(q))
+        hand_on(q);
 }
 
 void remote_give_up(struct fetch *fetch) {
@@ -149,6 +192,8 @@ static void on_done(struct transfer *t, CURLcode code) {
     struct fetch *q = (struct fetch *)t;
     struct remote_answer answer = {.why = curl_easy_strerror(code)};
     long sent = 0;
+    if (has_bytes(q) && !hand_on(q))
+        return;
     curl_easy_getinfo(t->easy, CURLINFO_REQUEST_SIZE, &sent);
     answer.sent = sent > 0;
     json_t *body = json_loadb(q->body.size ? (char *)q->body.data : "", q->body.size, JSON_ALLOW_NUL, NULL);

@@ -76,6 +76,7 @@ static void prepare(int fd) {
 struct connection *connection_open(struct net *net, int fd, const struct sockaddr_storage *peer) {
     struct connection *c = mem_alloc(sizeof *c);
     *c = (struct connection){.net = net, .next = net->open, .self = &net->open, .address_key = key_of(peer)};
+    c->number = ++net->numbered ? net->numbered : ++net->numbered;
     c->key = mem_strdup(c->address_key);
     c->local = listen_address_is_local(peer);
     quota_enter(&net->quota, c->key, 0);

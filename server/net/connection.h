@@ -31,6 +31,7 @@ struct connection {
     struct http_session *http;                  /* its: one of these two */
     struct socket *socket;
     const char *name; /* in the log */
+    uint32_t number;  /* among all that there were; never 0 */
     struct peer *peer;
     char *key;         /* what it is counted by in the quota: "a ADDRESS" or "s SUBJECT" */
     char *address_key; /* the former */

@@ -2,6 +2,7 @@
 /* The folder of recordings: what is in it. */
 #include "server/base/mem.h"
 #include "server/net/net_internal.h"
+#include <stdatomic.h>
 #include <stdlib.h>
 
 int media_source(const struct net *net, struct recording_source *source, const char *name, struct error *e) {
@@ -19,15 +20,18 @@ struct listing {
     char *folder;
     json_t *list;
     bool done;
+    atomic_bool left; /* the client, and so the thread stops */
 };
 
-static void add(void *list, const char *name, bool sound) {
-    json_array_append_new(list, json_pack("{ss sb}", "name", name, "sound", sound));
+static bool add(void *ctx, const char *name, bool sound) {
+    struct listing *l = ctx;
+    json_array_append_new(l->list, json_pack("{ss sb}", "name", name, "sound", sound));
+    return !atomic_load(&l->left);
 }
 
 static void work(uv_work_t *work) {
     struct listing *l = work->data;
-    recording_list(l->folder, add, l->list);
+    recording_list(l->folder, add, l);
 }
 
 static void free_listing(struct listing *l) {
@@ -49,6 +53,7 @@ static void after(uv_work_t *work, int status) {
 static void leave(void *self) {
     struct listing *l = self;
     l->x = NULL;
+    atomic_store(&l->left, true);
     if (l->done)
         free_listing(l);
     else

@@ -27,6 +27,7 @@ struct net {
     struct connection *due;  /* see connection_later */
     unsigned connections;
     uint64_t streams, channels; /* numbers given so far */
+    uint32_t numbered;          /* connections, the same */
     bool local;                 /* listens on loopback addresses only */
     bool ready, draining;
     const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */

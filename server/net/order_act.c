@@ -74,6 +74,7 @@ static void add_number(json_t *answer, uint32_t utterance) {
 static int read_speech(const struct acting *a, struct speech_request *request, struct error *e) {
     request_init(request);
     request->payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
+    request->asker = (uint32_t)json_integer_value(json_object_get(a->order, "asker"));
     if (a->net->draining)
         return error_plain(e, ERROR_STOPPING), -1;
     int failed = request_from_json(request, json_object_get(a->order, "request"), e);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is asked of a room, done by the daemon that speaks in it. An order is an object: `type`; `request` of
  * what is to be spoken (request_to_json); `message` of a client, of the other types; `by`, who asks; `payer`,
- * whose the request is. */
+ * whose the request is; `asker`, by which of its connections (speech_request.h). */
 #ifndef FACCIA_NET_ORDER_ACT_H
 #define FACCIA_NET_ORDER_ACT_H
 

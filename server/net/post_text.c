@@ -69,6 +69,7 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     const struct buf *body = exchange_body(p->x);
     struct request_value text = {REQUEST_STRING, body->size ? (const char *)body->data : "", body->size, 0};
     request->payer = principal_payer(exchange_principal(p->x));
+    request->asker = principal_asker(exchange_principal(p->x));
     if (p->markup)
         request->markup = mem_strdup(p->markup);
     if (request_from_query(request, from, NULL, e))

@@ -155,3 +155,7 @@ uint32_t principal_payer(const struct principal *principal) {
         hash = (hash ^ (uint8_t)*c) * 16777619u;
     return hash ? hash : 1;
 }
+
+uint32_t principal_asker(const struct principal *principal) {
+    return principal->connection->number;
+}

@@ -39,6 +39,9 @@ bool principal_revoke(const struct net *net, struct principal *principal);
 /* Him as a number, for those who are to come by turns (speech_request.h); never 0. */
 uint32_t principal_payer(const struct principal *principal);
 
+/* His connection as a number, for those of one payer to come by turns; never 0. */
+uint32_t principal_asker(const struct principal *principal);
+
 /* May he do that now? room NULL = no room. -1 with *e: "token-needed", "expired-token", "forbidden". */
 int principal_may(const struct net *net, const struct principal *principal, enum right right,
                   const char *room, struct error *e);

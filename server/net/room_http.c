@@ -44,12 +44,13 @@ static int say_end(void *self) {
     request_init(&request);
     int failed = post_text_request(&say->text, &request, &e);
     if (!failed && room_order_needed(x)) {
-        json_int_t payer = request.payer;
+        json_int_t payer = request.payer, asker = request.asker;
         wanted = request_to_json(&request);
         request_free(&request);
         if (wanted)
-            return room_order_give(&say->waits, x,
-                                   json_pack("{ss so sI}", "type", "say", "request", wanted, "payer", payer));
+            return room_order_give(
+                &say->waits, x,
+                json_pack("{ss so sI sI}", "type", "say", "request", wanted, "payer", payer, "asker", asker));
         return error_plain(&e, ERROR_BAD_UTF8), exchange_error(x, &e);
     }
     if (!failed)

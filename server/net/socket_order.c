@@ -59,7 +59,8 @@ bool socket_order_speech(struct socket *s, const struct speech_request *request)
                   "another daemon speaks in this room: a text that is being written goes to that one");
     else
         give(s,
-             json_pack("{ss sO sI}", "type", "speak", "request", wanted, "payer", (json_int_t)request->payer),
+             json_pack("{ss sO sI sI}", "type", "speak", "request", wanted, "payer",
+                       (json_int_t)request->payer, "asker", (json_int_t)request->asker),
              true, request->id);
     if (!wanted || request->open)
         socket_refuse(s, request->id, &e);

@@ -15,6 +15,7 @@ void socket_speak_request(struct socket *s, struct speech_request *request) {
         return;
     }
     request->payer = principal_payer(&s->principal);
+    request->asker = principal_asker(&s->principal);
     if (socket_order_speech(s, request))
         return;
     uint32_t utterance = stream_speak(socket_stream(s), request);

@@ -188,8 +188,8 @@ uint32_t stream_play(struct stream *s, struct recording_source *source,
         return 0;
     }
     struct utterance *t = utterance_new(s);
-    t->recording =
-        recording_open(s->pipeline->loop, s->pipeline->high_level, source, &utterance_callbacks, t);
+    t->recording = recording_open(s->pipeline->loop, s->pipeline->high_level, s->pipeline->reader,
+                                  s->pipeline->gate, source, &utterance_callbacks, t);
     t->order = request->order;
     enqueue(s, t, &turn);
     return t->number;

@@ -10,6 +10,8 @@
 #include <uv.h>
 
 struct coder_pool;
+struct reader;
+struct work_gate;
 struct codec_load;
 struct voice_pool;
 struct speech_packs;
@@ -28,6 +30,9 @@ struct pipeline {
     const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
     const char *default_lang;
     enum face_contacts default_contacts; /* of requests that say "engine" */
+    const struct reader *reader;         /* decodes sound that may be damaged (sound_reader.h); NULL = nobody
+                                            else does */
+    struct work_gate *gate;              /* so many sounds are decoded at a time; NULL = any number */
     const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics;             /* NULL = nobody counts */
     struct codec_load *codec_load;       /* of the sound; NULL = the best */

@@ -3,6 +3,7 @@
 #include "protocol/fapfile.h"
 #include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/work_gate.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
@@ -21,22 +22,26 @@ enum {
 /* While `working`, all but `freed` belongs to the other thread. */
 struct recording {
     uv_loop_t *loop;
-    uv_work_t work;
+    struct gated_work work;
+    struct work_gate *gate;
     const struct face_high_level *high;
+    const struct reader *reader;
     struct synthesis_callbacks callbacks;
     void *ctx;
     struct recording_source source;
-    bool working, freed, opened, ended;
-    bool delivering; /* inside callbacks: reads on, and is freed, after them */
+    bool working, opened, ended;
+    atomic_bool freed; /* what the other thread does ends soon */
+    bool delivering;   /* inside callbacks: reads on, and is freed, after them */
     struct fapfile fap;
     double fps;
-    struct recording_sound *sound; /* NULL: there is none, or no more */
-    uint32_t rate, at;             /* Hz; samples so far */
-    uint32_t end;                  /* of the frames, in samples */
+    struct sound_reader *sound; /* NULL: there is none, or no more */
+    uint32_t rate, at;          /* Hz; samples so far */
+    uint32_t end;               /* of the frames, in samples */
     size_t pieces, released;
     struct sentence_audio *piece; /* read last */
     struct error error;           /* code NULL: none */
     struct error note;            /* what of the file was passed over; the same */
+    bool sound_told;              /* that its sound is not whole */
 };
 
 void recording_source_free(struct recording_source *source) {
@@ -110,9 +115,9 @@ static int open_fap(struct recording *r) {
 }
 
 static int open_all(struct recording *r) {
-    if (open_fap(r) || recording_sound_open(&r->sound, &r->source, &r->error))
+    if (open_fap(r) || recording_sound_open(&r->sound, &r->source, r->reader, &r->freed, &r->error))
         return -1;
-    r->rate = r->sound ? recording_sound_rate(r->sound) : SILENT_RATE;
+    r->rate = r->sound ? sound_reader_rate(r->sound) : SILENT_RATE;
     double end = ceil((double)r->fap.count / r->fps * r->rate);
     r->end = end < UINT32_MAX ? (uint32_t)end : UINT32_MAX;
     r->opened = true;
@@ -132,6 +137,11 @@ static void read_piece(struct recording *r) {
     uint32_t left = r->end > r->at ? r->end - r->at : 0, size = left < want ? left : want;
     size = size > got ? size : got;
     r->ended = size < want || r->at + size == UINT32_MAX;
+    const char *wrong = r->sound ? sound_reader_wrong(r->sound) : NULL;
+    if (wrong && got < want && !r->sound_told) { /* what came before is played, and so are the frames */
+        r->sound_told = true;
+        error_set(&r->note, ERROR_BAD_SOUND, "the sound is not whole: %s", wrong);
+    }
     if (!size) {
         free(pcm);
         if (!r->at)
@@ -144,12 +154,12 @@ static void read_piece(struct recording *r) {
 
 static void work(uv_work_t *work) {
     struct recording *r = work->data;
-    if (r->opened || !open_all(r))
+    if (!atomic_load(&r->freed) && (r->opened || !open_all(r)))
         read_piece(r);
 }
 
 static void free_all(struct recording *r) {
-    recording_sound_close(r->sound);
+    sound_reader_close(r->sound);
     fapfile_free(&r->fap);
     sentence_audio_free(r->piece);
     recording_source_free(&r->source);
@@ -159,7 +169,7 @@ static void free_all(struct recording *r) {
 static void read_on(struct recording *r);
 
 static void deliver(struct recording *r) {
-    if (r->note.code && !r->pieces) {
+    if (r->note.code) {
         r->callbacks.problem(r->ctx, &r->note, true);
         r->note = (struct error){0};
     }
@@ -199,16 +209,19 @@ static void read_on(struct recording *r) {
     if (r->working || r->delivering || r->ended || r->pieces - r->released >= RECORDING_PIECES)
         return;
     r->working = true;
-    r->work.data = r;
-    uv_queue_work(r->loop, &r->work, work, after);
+    r->work.work.data = r;
+    work_gate_submit(r->gate, r->loop, &r->work, work, after);
 }
 
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
+                                 const struct reader *reader, struct work_gate *gate,
                                  struct recording_source *source, const struct synthesis_callbacks *callbacks,
                                  void *ctx) {
     struct recording *r = mem_alloc(sizeof *r);
     r->loop = loop;
     r->high = high;
+    r->reader = reader;
+    r->gate = gate;
     r->source = *source;
     *source = (struct recording_source){0};
     r->callbacks = *callbacks;
@@ -230,7 +243,7 @@ void recording_free(struct recording *r) {
         return;
     r->freed = true;
     if (r->working)
-        uv_cancel((uv_req_t *)&r->work);
+        work_gate_cancel(&r->work);
     else if (!r->delivering)
         free_all(r);
 }

@@ -17,6 +17,8 @@ enum {
 };
 
 struct face_high_level;
+struct reader;
+struct work_gate;
 struct synthesis_callbacks;
 
 /* Where it lies: in files, or in memory. All is released with recording_source_free. */
@@ -42,14 +44,18 @@ int recording_source_in(struct recording_source *source, const char *folder, con
 /* Can a recording in a folder have that name? */
 bool recording_is_name(const char *name);
 
-/* All recordings of a folder that can be named, sorted by name, and whether sound lies beside. */
-void recording_list(const char *folder, void (*each)(void *ctx, const char *name, bool sound), void *ctx);
+/* All recordings of a folder that can be named, sorted by name, and whether sound lies beside, until `each`
+ * returns false. */
+void recording_list(const char *folder, bool (*each)(void *ctx, const char *name, bool sound), void *ctx);
 
 struct recording;
 
-/* high: shows what FAP 1 and 2 mean; NULL = nothing does. Takes what the source holds. Segments and problems
- * come as those of a speech: "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
+/* reader: decodes its sound (sound_reader.h); NULL = nobody else does. gate: of the works that read;
+ * NULL = none. high: shows what FAP 1 and 2 mean;
+ * NULL = nothing does. Takes what the source holds. Segments and problems come as those of a speech:
+ * "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
+                                 const struct reader *reader, struct work_gate *gate,
                                  struct recording_source *source, const struct synthesis_callbacks *callbacks,
                                  void *ctx);
 void recording_start(struct recording *recording);

@@ -3,22 +3,18 @@
 #ifndef FACCIA_SYNTHESIS_RECORDING_INTERNAL_H
 #define FACCIA_SYNTHESIS_RECORDING_INTERNAL_H
 
+#include "server/base/sound_reader.h"
 #include "server/synthesis/recording.h"
-
-struct recording_sound;
 
 /* The sound file beside a .fap, open, or -1. folder: as in a source. */
 int recording_sound_beside(const char *folder, const char *fap_path);
 
-/* From the source's sound file, its memory (which must outlive it), or a file beside its .fap; *sound = NULL
- * when there is none. -1 with *e: "bad-sound". */
-int recording_sound_open(struct recording_sound **sound, const struct recording_source *source,
-                         struct error *e);
-void recording_sound_close(struct recording_sound *sound);
-
-uint32_t recording_sound_rate(const struct recording_sound *sound);
+/* From the source's sound file, its memory (which is freed), or a file beside its .fap; *sound = NULL when
+ * there is none. -1 with *e: "bad-sound". */
+int recording_sound_open(struct sound_reader **sound, struct recording_source *source,
+                         const struct reader *reader, const atomic_bool *given_up, struct error *e);
 
 /* Returns how many there were; fewer than `count` at the end. */
-uint32_t recording_sound_read(struct recording_sound *sound, int16_t *pcm, uint32_t count);
+uint32_t recording_sound_read(struct sound_reader *sound, int16_t *pcm, uint32_t count);
 
 #endif

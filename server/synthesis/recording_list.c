@@ -24,16 +24,17 @@ static int is_fap(const struct dirent *entry) {
     return size > 4 && !strcmp(entry->d_name + size - 4, ".fap");
 }
 
-void recording_list(const char *folder, void (*each)(void *ctx, const char *name, bool sound), void *ctx) {
+void recording_list(const char *folder, bool (*each)(void *ctx, const char *name, bool sound), void *ctx) {
     struct dirent **entries;
     int count = scandir(folder, &entries, is_fap, alphasort);
+    bool wanted = true;
     for (int i = 0; i < count; i++) {
         char *name = entries[i]->d_name;
-        FILE *file = beneath_file(folder, name);
+        FILE *file = wanted ? beneath_file(folder, name) : NULL;
         int sound = file ? recording_sound_beside(folder, name) : -1;
         name[strlen(name) - 4] = '\0';
         if (file && recording_is_name(name))
-            each(ctx, name, sound >= 0);
+            wanted = each(ctx, name, sound >= 0);
         if (file)
             fclose(file);
         if (sound >= 0)

@@ -35,7 +35,10 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
                                     .turn = turn_of(s, slot),
-                                    .payer = s->request.payer};
+                                    .payer = s->request.payer,
+                                    .asker = s->request.asker,
+                                    .reader = s->pipeline->reader,
+                                    .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }

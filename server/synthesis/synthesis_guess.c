@@ -91,7 +91,10 @@ static void ask_voice(struct synthesis *s, struct guess *g) {
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
                                     .turn = VOICE_TURN_URGENT,
-                                    .payer = s->request.payer};
+                                    .payer = s->request.payer,
+                                    .asker = s->request.asker,
+                                    .reader = s->pipeline->reader,
+                                    .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     g->rate = s->request.rate;
     g->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, g->chosen, &callbacks, s);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/inserted_sound.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound_reader.h"
 #include "server/voice/assembly.h"
 #include "server/voice/sentence_audio_edit.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <math.h>
-#include <sndfile.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,45 +50,46 @@ char *sound_find(const char *folder, const char *src, struct error *e) {
 }
 
 /* Block by block, so that memory is bounded whatever the header says. */
-static void read_mono(SNDFILE *file, const SF_INFO *info, double volume, struct sentence_audio *u,
-                      size_t limit) {
+static void read_mono(struct sound_reader *sound, double volume, struct sentence_audio *u, size_t limit) {
     enum { BLOCK = 4096 };
-    float *block = mem_alloc((size_t)BLOCK * (size_t)info->channels * sizeof *block);
-    struct mixdown mixdown = {0};
-    const unsigned channels = (unsigned)info->channels;
-    size_t cap = 0;
-    sf_count_t got;
-    while (u->samples < limit && (got = sf_readf_float(file, block, BLOCK)) > 0) {
-        u->pcm = mem_grow(u->pcm, &cap, u->samples + (size_t)got, sizeof *u->pcm);
-        for (sf_count_t i = 0; i < got; i++) {
-            double value = mixdown_frame(&mixdown, block + (size_t)i * channels, channels) * volume * 32767;
+    float block[BLOCK];
+    size_t cap = 0, got;
+    while (u->samples < limit && (got = sound_reader_read(sound, block, BLOCK)) > 0) {
+        u->pcm = mem_grow(u->pcm, &cap, u->samples + got, sizeof *u->pcm);
+        for (size_t i = 0; i < got; i++) {
+            double value = (double)block[i] * volume * 32767;
             u->pcm[u->samples++] = (int16_t)(value > 32767 ? 32767 : value > -32768 ? lrint(value) : -32768);
         }
     }
-    free(block);
 }
 
-struct sentence_audio *sound_read(const char *path, double volume, uint32_t sample_rate, struct error *e) {
-    SF_INFO info = {0};
-    SNDFILE *file = wav_file_open(path, &info);
+struct sentence_audio *sound_read(const struct reader *reader, const char *path, double volume,
+                                  uint32_t sample_rate, const atomic_bool *given_up, struct error *e) {
+    char message[SOUND_MESSAGE_BYTES];
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    if (!file || info.samplerate < ASSEMBLY_RATE_MIN || info.samplerate > ASSEMBLY_RATE_MAX ||
-        info.channels < 1 || info.channels > SOUND_CHANNELS_MAX) {
-        error_set(e, ERROR_NO_SOUND, "the sound \"%.80s\" cannot be read: %s", name,
-                  file ? "its sample rate or number of channels is out of bounds" : sf_strerror(NULL));
-        sf_close(file);
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        snprintf(message, sizeof message, "%s", strerror(errno));
+    struct sound_reader *sound =
+        fd < 0 ? NULL : sound_reader_open(reader, fd, path, SOUND_CHANNELS_MAX, given_up, message);
+    if (!sound) {
+        error_set(e, ERROR_NO_SOUND, "the sound \"%.80s\" cannot be read: %s", name, message);
         return NULL;
     }
     struct sentence_audio *u = mem_alloc(sizeof *u);
-    size_t limit = (size_t)SOUND_SECONDS * (size_t)info.samplerate;
-    u->sample_rate = (uint32_t)info.samplerate;
-    read_mono(file, &info, volume, u, limit);
-    sf_close(file);
+    u->sample_rate = sound_reader_rate(sound);
+    size_t limit = (size_t)SOUND_SECONDS * u->sample_rate;
+    read_mono(sound, volume, u, limit);
+    if (sound_reader_wrong(sound)) {
+        snprintf(message, sizeof message, "the sound \"%.50s\" is not whole: %.100s", name,
+                 sound_reader_wrong(sound));
+        sentence_audio_warn(u, message);
+    }
+    sound_reader_close(sound);
     u->phones = mem_alloc(sizeof *u->phones);
     if (u->samples)
         u->phones[u->phone_count++] = (struct phone){.sampa = "_", .end = u->samples};
     if (u->samples >= limit) {
-        char message[160];
         snprintf(message, sizeof message, "the sound \"%.80s\" is cut after %d s", name, SOUND_SECONDS);
         sentence_audio_cut(u, 0, (uint32_t)limit);
         sentence_audio_warn(u, message);

@@ -4,6 +4,7 @@
 #define FACCIA_VOICE_INSERTED_SOUND_H
 
 #include "server/base/error.h"
+#include "server/base/reader_process.h"
 #include "server/voice/sentence_audio.h"
 
 /* Longer sounds are cut, larger files refused. */
@@ -14,8 +15,9 @@ enum { SOUND_SECONDS = 60, SOUND_BYTES_MAX = 64 << 20, SOUND_CHANNELS_MAX = 16 }
  * there are no sounds. */
 char *sound_find(const char *folder, const char *src, struct error *e);
 
-/* Reads it (libsndfile), mixed to mono, `volume` times as loud, as a sentence's audio that is one pause. NULL
- * with *e when it cannot be read. For any thread. */
-struct sentence_audio *sound_read(const char *path, double volume, uint32_t sample_rate, struct error *e);
+/* Reads it (base/sound_reader.h), mixed to mono, `volume` times as loud, as a sentence's audio that is one
+ * pause. NULL with *e when it cannot be read. *given_up, which may be NULL, ends it. For any thread. */
+struct sentence_audio *sound_read(const struct reader *reader, const char *path, double volume,
+                                  uint32_t sample_rate, const atomic_bool *given_up, struct error *e);
 
 #endif

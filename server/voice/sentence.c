@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
+#include "server/base/work_gate.h"
 #include "server/voice/assembly.h"
 #include "server/voice/inserted_sound.h"
 #include "server/voice/sentence_part.h"
@@ -8,8 +9,10 @@
 
 /* A sound that is read on another thread. It outlives its sentence when that is cancelled meanwhile. */
 struct sound_task {
-    uv_work_t work;
-    struct sentence_part *part; /* NULL = nobody waits */
+    struct gated_work work;
+    struct sentence_part *part; /* NULL = nobody waits, */
+    atomic_bool given_up;       /* and so it ends soon */
+    const struct reader *reader;
     char *path;
     double volume;
     uint32_t sample_rate;
@@ -32,6 +35,12 @@ static void on_closed(uv_handle_t *timer) {
     free(timer);
 }
 
+static void give_up_sound(struct sound_task *r) {
+    r->part = NULL;
+    atomic_store(&r->given_up, true);
+    work_gate_cancel(&r->work);
+}
+
 void sentence_cancel(struct sentence *s) {
     if (s->soon)
         uv_close((uv_handle_t *)s->soon, on_closed);
@@ -39,7 +48,7 @@ void sentence_cancel(struct sentence *s) {
         if (s->parts[i].job)
             voice_job_cancel(s->parts[i].job);
         if (s->parts[i].task)
-            s->parts[i].task->part = NULL;
+            give_up_sound(s->parts[i].task);
     }
     free_sentence(s);
 }
@@ -134,7 +143,8 @@ static void on_read(uv_work_t *work, int status);
 
 static void read_sound(uv_work_t *work) {
     struct sound_task *r = work->data;
-    r->u = sound_read(r->path, r->volume, r->sample_rate, &r->e);
+    if (!atomic_load(&r->given_up))
+        r->u = sound_read(r->reader, r->path, r->volume, r->sample_rate, &r->given_up, &r->e);
 }
 
 /* Wants what is to be heard when that sound is not; SIZE_MAX: what is to be heard anyway. */
@@ -162,13 +172,14 @@ static void start(struct sentence *s, struct sentence_part *part) {
     } else {
         const struct score_item *sound = sentence_item(s, part->what.first);
         struct sound_task *r = part->task = mem_alloc(sizeof *r);
-        r->work.data = r;
+        r->work.work.data = r;
         r->part = part;
+        r->reader = s->request.reader;
         s->running++;
         r->path = mem_strdup(s->selection->sounds[part->what.first]);
         r->volume = sound->style->volume * (s->request.volume > 0 ? s->request.volume : 1);
         r->sample_rate = s->request.voice->sample_rate;
-        uv_queue_work(s->loop, &r->work, read_sound, on_read);
+        work_gate_submit(s->request.gate, s->loop, &r->work, read_sound, on_read);
     }
 }
 

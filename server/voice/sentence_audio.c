@@ -9,6 +9,13 @@ struct sentence_audio *sentence_audio_share(struct sentence_audio *u) {
     return u;
 }
 
+void sentence_audio_drop_pcm(struct sentence_audio *u) {
+    if (u->pcm)
+        free(u->pcm - u->room);
+    u->pcm = NULL;
+    u->room = 0;
+}
+
 void sentence_audio_free(struct sentence_audio *u) {
     if (!u || atomic_fetch_sub(&u->shared, 1) > 0)
         return;
@@ -18,7 +25,7 @@ void sentence_audio_free(struct sentence_audio *u) {
         free(u->warnings[i]);
     for (size_t i = 0; i < u->word_count; i++)
         free(u->words[i].text);
-    free(u->pcm);
+    sentence_audio_drop_pcm(u);
     free(u->phones);
     for (size_t i = 0; i < u->cue_count; i++) {
         free(u->cues[i].kind);

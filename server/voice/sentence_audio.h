@@ -45,7 +45,8 @@ struct cue {
 struct sentence_audio {
     atomic_uint shared;   /* further owners */
     uint32_t sample_rate; /* Hz */
-    int16_t *pcm;         /* mono */
+    int16_t *pcm;         /* mono; NULL: silence */
+    uint32_t room;        /* samples of silence in the same memory before pcm (sentence_audio_lead_in) */
     uint32_t samples;
     struct phone *phones;
     size_t phone_count;
@@ -65,6 +66,9 @@ struct sentence_audio {
 /* One more owner, in any thread. Each calls sentence_audio_free, and none changes it any more. */
 struct sentence_audio *sentence_audio_share(struct sentence_audio *u);
 void sentence_audio_free(struct sentence_audio *u);
+
+/* Frees the samples alone. */
+void sentence_audio_drop_pcm(struct sentence_audio *u);
 
 /* Where the mark of that name lies, sample; 0 when there is none, or name is NULL. */
 uint32_t sentence_audio_mark(const struct sentence_audio *u, const char *name);

@@ -39,8 +39,8 @@ void sentence_audio_resample(struct sentence_audio *u, uint32_t rate) {
         return;
     uint64_t scaled = ((uint64_t)u->samples * rate + was / 2) / was;
     uint32_t count = scaled < UINT32_MAX ? (uint32_t)scaled : UINT32_MAX - 1;
-    int16_t *pcm = convert(u, rate, count);
-    free(u->pcm);
+    int16_t *pcm = u->pcm ? convert(u, rate, count) : NULL;
+    sentence_audio_drop_pcm(u);
     u->pcm = pcm;
     u->samples = count;
     u->sample_rate = rate;
@@ -71,7 +71,9 @@ void sentence_audio_cut(struct sentence_audio *u, uint32_t from, uint32_t to) {
     if (soft > length / 2)
         soft = length / 2;
     bool head = from > 0, tail = to < u->samples;
-    if (head && length)
+    if (!u->pcm)
+        soft = 0;
+    if (head && length && u->pcm)
         memmove(u->pcm, u->pcm + from, length * sizeof *u->pcm);
     if (head && soft)
         fade(u->pcm, 1, soft);
@@ -127,13 +129,14 @@ static void append_words(struct sentence_audio *a, struct sentence_audio *b) {
     b->word_count = b->mark_count = 0; /* their strings have moved */
 }
 
-void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b) {
+/* Puts b, which has the same rate, behind a, whose memory has room for it and is silent there, and frees b.
+ */
+static void append(struct sentence_audio *a, struct sentence_audio *b) {
     append_phones(a, b);
     append_words(a, b);
     for (size_t i = 0; i < b->warning_count; i++)
         sentence_audio_warn(a, b->warnings[i]);
-    a->pcm = extend(a->pcm, a->samples, b->samples, sizeof *a->pcm);
-    if (b->samples)
+    if (b->samples && b->pcm)
         memcpy(a->pcm + a->samples, b->pcm, b->samples * sizeof *a->pcm);
     a->samples += b->samples;
     sentence_audio_free(b);
@@ -160,9 +163,15 @@ static void delay(uint32_t *at, uint32_t samples) {
 void sentence_audio_lead_in(struct sentence_audio *u, uint32_t samples) {
     if (!samples)
         return;
-    u->pcm = extend(u->pcm, u->samples, samples, sizeof *u->pcm);
-    memmove(u->pcm + samples, u->pcm, u->samples * sizeof *u->pcm);
-    memset(u->pcm, 0, samples * sizeof *u->pcm);
+    if (u->pcm && samples <= u->room) {
+        u->pcm -= samples;
+        u->room -= samples;
+    } else if (u->pcm) {
+        int16_t *pcm = mem_alloc(((size_t)samples + u->samples) * sizeof *pcm);
+        memcpy(pcm + samples, u->pcm, u->samples * sizeof *pcm);
+        sentence_audio_drop_pcm(u);
+        u->pcm = pcm;
+    }
     u->samples += samples;
     lead_in_phones(u, samples);
     for (size_t i = 0; i < u->word_count; i++) {
@@ -187,6 +196,10 @@ static bool has_sound(const struct sentence_audio *u) {
 
 void sentence_audio_bounds(const struct sentence_audio *u, uint32_t *from, uint32_t *to) {
     int32_t peak = 0;
+    if (!u->pcm) {
+        *from = *to = u->samples;
+        return;
+    }
     for (uint32_t i = 0; i < u->samples; i++)
         peak = abs(u->pcm[i]) > peak ? abs(u->pcm[i]) : peak;
     /* phones say where speech is; what is loud is speech all the same, but not an echo of it */
@@ -226,9 +239,10 @@ static void trim(struct join_piece *piece, bool meets_before, bool meets_after) 
 struct sentence_audio *join(struct join_piece *pieces, size_t count, uint32_t sample_rate) {
     struct sentence_audio *all = mem_alloc(sizeof *all);
     uint32_t longest = 0;
+    size_t samples = 0;
     all->sample_rate = sample_rate;
     for (size_t i = 0; i < count; i++) {
-        struct sentence_audio *u = pieces[i].u;
+        const struct sentence_audio *u = pieces[i].u;
         if (pieces[i].speech && u->samples >= longest) {
             longest = u->samples;
             memcpy(all->lang, u->lang, sizeof all->lang);
@@ -239,7 +253,13 @@ struct sentence_audio *join(struct join_piece *pieces, size_t count, uint32_t sa
             trim(&pieces[i], i > 0, i + 1 < count);
         sentence_audio_resample(pieces[i].u, sample_rate);
         all->mixed |= pieces[i].speech && strcmp(pieces[i].u->lang, all->lang) != 0;
-        sentence_audio_append(all, pieces[i].u);
+        samples += pieces[i].u->samples;
     }
+    /* Zeroed by the system, page by page when they are read: silence is never written, nor moved. */
+    all->room = samples_of(sample_rate, JOIN_ROOM_MS);
+    all->pcm = mem_alloc((all->room + samples + 1) * sizeof *all->pcm);
+    all->pcm += all->room;
+    for (size_t i = 0; i < count; i++)
+        append(all, pieces[i].u);
     return all;
 }

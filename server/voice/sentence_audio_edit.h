@@ -14,9 +14,6 @@ void sentence_audio_resample(struct sentence_audio *u, uint32_t sample_rate);
 enum { EDIT_FADE_MS = 10 };
 void sentence_audio_cut(struct sentence_audio *u, uint32_t from, uint32_t to);
 
-/* Puts b, which has the same rate, behind a, and frees b. */
-void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b);
-
 /* Puts that much silence, a pause, before the sentence. What lies at its very beginning, a mark or a cue that
  * goes on from before, stays there. */
 void sentence_audio_lead_in(struct sentence_audio *u, uint32_t samples);
@@ -33,6 +30,9 @@ struct join_piece {
 
 /* What stays of the silence at each side of a joint, ms: in the flow of words, and where a pause is due. */
 enum { JOIN_GAP_MS = 15, JOIN_PAUSE_MS = 180 };
+
+/* So much more silence may come before it (sentence_audio_lead_in) without its sound being moved, ms. */
+enum { JOIN_ROOM_MS = 100 };
 
 /* Joins what several voices said into one sentence's audio, as if one breath had said it: at least one piece.
  * Its language is that of the longest speech; cues, and its place in the input, are the caller's. */

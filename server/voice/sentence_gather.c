@@ -49,8 +49,8 @@ static void add_marks(const struct sentence *s, const struct voice_part *part, s
         if (item->kind == SCORE_BREAK && item->seconds > 0)
             seconds += item->seconds;
         else if (item->kind == SCORE_MARK)
-            u->marks[u->mark_count++] = (struct mark){
-                .name = mem_strdup(item->text), .at = at < u->samples ? (uint32_t)at : u->samples};
+            u->marks[u->mark_count++] = (struct mark){.name = mem_strdup(item->text),
+                                                      .at = at < u->samples ? (uint32_t)at : u->samples};
     }
 }
 
@@ -64,7 +64,6 @@ struct sentence_audio *sentence_silence(struct sentence *s, const struct voice_p
     seconds = fmin(seconds, fmax(ASSEMBLY_SECONDS_MAX - s->seconds, 0));
     s->seconds += seconds;
     u->samples = (uint32_t)(seconds * u->sample_rate);
-    u->pcm = mem_alloc(((size_t)u->samples + 1) * sizeof *u->pcm);
     u->phones = mem_alloc(sizeof *u->phones);
     if (u->samples)
         u->phones[u->phone_count++] = (struct phone){.sampa = "_", .end = u->samples};

@@ -10,13 +10,19 @@
 /* A sentence above this would not fit a frame. */
 enum { TEXT_BYTES_MAX = WIRE_PAYLOAD_MAX / 4 };
 
+/* Sentences of the cache are given back for so long in one turn of the loop. */
+enum { RECALL_US = 2000 };
+
 static void on_soon(uv_timer_t *timer) {
     struct voice_pool *pool = timer->data;
-    while (pool->known.first) {
-        struct voice_job *job = pool->known.first;
-        job_take_out(job);
+    /* Each may be followed by another of the same text, at once: others have their turn on the loop, too. */
+    uint64_t begin = uv_hrtime();
+    for (struct voice_job *job;
+         uv_hrtime() - begin < RECALL_US * 1000 && (job = job_take_next(&pool->known));)
         job_recall(job);
-    }
+    /* Not at once: all timers that are due run before anything else does. */
+    if (pool->known.first && !pool->closing)
+        uv_timer_start(timer, on_soon, 1, 0);
     queue_fail(&pool->refused, ERROR_VOICE_FAILED, "does not run, or not for a sentence as long as this");
     pool_call_waits(pool);
 }
@@ -174,8 +180,9 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->plan = plan;
     job->turn = request->turn;
     job->payer = request->payer;
+    job->asker = request->asker;
     if (job_look_up(job)) {
-        job_push(&pool->known, job);
+        job_push_in_turn(&pool->known, job);
         pool_soon(pool);
     } else {
         job_ask(job);

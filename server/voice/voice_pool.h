@@ -16,6 +16,8 @@
 #include <stdbool.h>
 #include <uv.h>
 
+struct reader;
+struct work_gate;
 struct voice_pool;
 struct voice_job;
 
@@ -120,7 +122,11 @@ struct voice_request {
     double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
     double pitch, volume; /* factors, 1 = the voice's own */
     enum voice_turn turn;
-    uint32_t payer; /* whose it is: they come by turns where workers elsewhere speak; 0 = nobody's */
+    uint32_t
+        payer; /* whose it is: payers come by turns, here and where workers elsewhere speak; 0 = nobody's */
+    uint32_t asker; /* which of the payer's connections asks: those come by turns, too; 0 = none */
+    const struct reader *reader; /* decodes the sounds in it (sentence.h); NULL = nobody else does */
+    struct work_gate *gate;      /* so many sounds are read at a time; NULL = any number */
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
@@ -139,7 +145,8 @@ struct voice_callbacks {
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
                                    const struct voice_callbacks *callbacks, void *ctx);
 
-/* The same for a plan, which the job takes over, and a voice; of the request, only turn and payer count. */
+/* The same for a plan, which the job takes over, and a voice; of the request, only turn, payer and asker
+ * count. */
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
                                         const struct voice_request *request,
                                         const struct voice_callbacks *callbacks, void *ctx);

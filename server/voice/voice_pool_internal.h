@@ -10,12 +10,17 @@
 #include "server/voice/voice_pool.h"
 #include "server/voice/wire.h"
 
-/* First in, first out; where a worker is waited for, by turns of those who asked (job_push_in_turn). */
-enum { QUEUE_PAYERS = 256 };
+/* Jobs in the order in which they came. Those that wait for a worker, or to be given back from the cache,
+ * leave it by fair queueing with virtual finish times (Golestani 1994), in two steps: between payers, and
+ * within a payer between its askers. A time is counted in bytes of text (job_cost): each job ends its cost
+ * after the one before it of the same payer or asker, or after the job that left last, whichever is later;
+ * the earliest end leaves first. Payers are told apart by a hash. */
+enum { QUEUE_PAYERS = 256, JOB_COST = 64 /* of any job, besides its text */ };
 struct job_queue {
     struct voice_job *first, *last;
-    uint64_t round;                /* of the job that left last */
-    uint64_t served[QUEUE_PAYERS]; /* the round of the payer's job that left last, by the payer's hash */
+    uint64_t now;                  /* end of the job that left last, between payers */
+    uint64_t served[QUEUE_PAYERS]; /* the same of each payer's last job */
+    uint64_t within[QUEUE_PAYERS]; /* end of the payer's last job, between its askers */
 };
 
 /* One sentence, from voice_pool_speak to its callback. */
@@ -26,8 +31,9 @@ struct voice_job {
     struct worker *worker; /* that speaks it */
     uint32_t number;       /* on the wire */
     enum voice_turn turn;
-    uint32_t payer;
-    uint64_t round; /* its turn in the queue of those that wait for a worker */
+    uint32_t payer, asker;
+    uint64_t came;  /* what the queue's `now` was then */
+    uint64_t ends;  /* between the payer's askers */
     bool gave_way;  /* it was ahead, and somebody came */
     bool cancelled; /* nobody waits for it any more */
     bool too_long;  /* the worker was told to stop: its text makes more sound than a sentence may have */
@@ -153,11 +159,11 @@ void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* wha
 /* voice_pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
 
-/* One sentence of each payer a round: however many wait for one payer, the sentence of another comes soon. */
-void job_push_in_turn(struct job_queue *queue, struct voice_job *job);
-struct job_queue *job_queue_of(const struct voice_job *job);   /* that it waits in */
-void job_take_out(struct voice_job *job);                      /* of its queue */
-void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
+void job_push_in_turn(struct job_queue *queue, struct voice_job *job); /* to leave it in its turn */
+struct job_queue *job_queue_of(const struct voice_job *job);           /* that it waits in */
+struct voice_job *job_take_next(struct job_queue *queue); /* whose turn it is, out of it; or NULL */
+void job_take_out(struct voice_job *job);                 /* of its queue */
+void job_wait(struct voice_job *job);                     /* for a worker, which may be idle */
 void job_free(struct voice_job *job);
 bool plugin_runs(const struct plugin *plugin);                 /* a worker of it may yet come */
 struct sentence_audio *pool_job_finish(struct voice_job *job); /* what its assembly makes of it */

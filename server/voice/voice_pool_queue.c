@@ -12,20 +12,40 @@ void job_push(struct job_queue *queue, struct voice_job *job) {
     queue->last = job;
 }
 
+static uint64_t job_cost(const struct voice_job *job) {
+    return JOB_COST + job->plan.text_bytes;
+}
+
 void job_push_in_turn(struct job_queue *queue, struct voice_job *job) {
-    uint64_t own = queue->served[job->payer % QUEUE_PAYERS];
+    uint64_t start = queue->within[job->payer % QUEUE_PAYERS];
     for (const struct voice_job *other = queue->first; other; other = other->next)
-        if (other->payer == job->payer)
-            own = other->round; /* the last one counts: they lie in the order of their rounds */
-    job->round = own + 1 > queue->round ? own + 1 : queue->round;
-    struct voice_job **at = &queue->first;
-    while (*at && (*at)->round <= job->round)
-        at = &(*at)->next;
-    job->next = *at;
-    *at = job;
-    if (!job->next)
-        queue->last = job;
-    job->queue = queue;
+        if (other->payer == job->payer && other->asker == job->asker && other->ends > start)
+            start = other->ends;
+    job->ends = start + job_cost(job);
+    job->came = queue->now;
+    job_push(queue, job);
+}
+
+/* The job whose turn it is, or NULL; *end: its end between payers. */
+static struct voice_job *job_in_turn(const struct job_queue *queue, uint64_t *end) {
+    struct voice_job *next[QUEUE_PAYERS] = {0}, *best = NULL;
+    uint64_t came[QUEUE_PAYERS];
+    for (struct voice_job *job = queue->first; job; job = job->next) {
+        size_t payer = job->payer % QUEUE_PAYERS;
+        if (!next[payer])
+            came[payer] = job->came; /* of the oldest: since then the payer waits */
+        if (!next[payer] || job->ends < next[payer]->ends)
+            next[payer] = job;
+    }
+    for (struct voice_job *job = queue->first; job; job = job->next) {
+        size_t payer = job->payer % QUEUE_PAYERS;
+        uint64_t from = queue->served[payer] > came[payer] ? queue->served[payer] : came[payer];
+        if (job != next[payer] || (best && from + job_cost(job) >= *end))
+            continue;
+        best = job;
+        *end = from + job_cost(job);
+    }
+    return best;
 }
 
 struct job_queue *job_queue_of(const struct voice_job *job) {
@@ -49,20 +69,26 @@ void job_take_out(struct voice_job *job) {
     job->queue = NULL;
 }
 
-/* Those that somebody waits for and those that are made ahead by turns: however many begin to speak, who speaks
- * already goes on. */
-struct voice_job *pool_next_job(struct plugin *plugin) {
-    struct voice_job *urgent = plugin->urgent.first, *waiting = plugin->waiting.first;
-    struct voice_job *job = urgent && (!waiting || !plugin->urgent_last) ? urgent : waiting;
-    plugin->urgent_last = job && job == urgent;
-    if (!job)
-        job = plugin->ahead.first;
+struct voice_job *job_take_next(struct job_queue *queue) {
+    uint64_t end;
+    struct voice_job *job = job_in_turn(queue, &end);
     if (!job)
         return NULL;
-    job->queue->round = job->round;
-    job->queue->served[job->payer % QUEUE_PAYERS] = job->round;
+    size_t payer = job->payer % QUEUE_PAYERS;
+    queue->now = queue->served[payer] = end;
+    queue->within[payer] = job->ends;
     job_take_out(job);
     return job;
+}
+
+/* Those that somebody waits for and those that are made ahead by turns: however many begin to speak, who
+ * speaks already goes on. */
+struct voice_job *pool_next_job(struct plugin *plugin) {
+    bool urgent = plugin->urgent.first && (!plugin->waiting.first || !plugin->urgent_last);
+    plugin->urgent_last = urgent;
+    return job_take_next(urgent                  ? &plugin->urgent
+                         : plugin->waiting.first ? &plugin->waiting
+                                                 : &plugin->ahead);
 }
 
 void job_free(struct voice_job *job) {

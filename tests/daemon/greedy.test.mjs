@@ -62,6 +62,25 @@ test('live voices, and one that hardly says anything', async () => {
   await Promise.all([...greedy, modest].map((each) => each.close()));
 });
 
+// Everybody behind one proxy has one address: there, it is connections that come by turns.
+test('texts with hundreds of pauses, on many connections of one address', async () => {
+  const text = `<speak>${'a<break time="10s"/>'.repeat(150)}</speak>`;
+  const greedy = await Promise.all(Array.from({ length: 30 }, () => stream(GREEDY, '?audio=none&fap=none')));
+  const modest = await stream(GREEDY);
+  const begun = () => greedy.filter((each) => each.messages.some(({ type }) => type === 'begin')).length;
+  for (const each of greedy) each.send({ type: 'speak', id: 'g', lang: 'en', text });
+  // The first part is spoken, and then comes from the cache for all: nobody else has a turn meanwhile, unless that is seen to.
+  const others = [];
+  for (let i = 0; i < 3; i++) {
+    modest.send({ type: 'speak', id: `m${i}`, lang: 'it', text: `Sì, ${i}.`, mode: 'replace' });
+    await modest.wait({ type: 'begin', id: `m${i}` });
+    others.push(begun());
+  }
+  assert.ok(others[0] < 10 && others[1] < 20, `of 30 texts of 150 parts, ${others} had been made before a word of somebody else`);
+  for (const each of [...greedy, modest]) each.socket.terminate();
+  await daemon.left(3);
+});
+
 test('utterances', async () => {
   const own = await Daemon.start(['--max-requests', '20'], defaults);
   const ask = (from) => new Promise((resolve, reject) => {

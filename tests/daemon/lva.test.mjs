@@ -177,6 +177,21 @@ test('a flood of events ends with the last of them', async () => {
   await shows('idle');
 });
 
+test('a voice or a language that the daemon does not know does not silence the face', async () => {
+  for (const options of [['--voice', 'nobody:x'], ['--lang', 'xx'], ['--voice', 'nobody:x', '--lang', 'xx']]) {
+    const from = kiosk.messages.length;
+    const other = start('--assistant', `ws://localhost:${assistant.port}`, '--room', 'kitchen', '--speak', 'always', '--url', daemon.url, ...options);
+    await kiosk.wait({ type: 'state' }, { from }); // the snapshot
+    await new Promise((resolve) => setTimeout(resolve, 300)); // it looks on in the room, too
+    assistant.tell('tts_text', { text: `Parla ${options.join(' ')}.` });
+    await kiosk.wait((m) => m.type === 'sentence' && m.text.startsWith(`Parla ${options[0]}`), { from });
+    await kiosk.wait({ type: 'end', reason: 'done' }, { from });
+    other.kill('SIGTERM');
+    assert.equal(await other.exited, 0, other.text);
+    assert.match(other.text, /it is said without/);
+  }
+});
+
 test('options that are wrong are told', async () => {
   for (const options of [['--assistant', 'http://x'], ['--assistant', 'ws://x'], ['--speak', 'loud'], ['--nothing'], ['x'], ['--url', 'kitchen']]) assert.equal(await start(...options).exited, 2, String(options));
   assert.equal(await start('--help').exited, 0);

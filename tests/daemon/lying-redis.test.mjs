@@ -62,7 +62,7 @@ class Liar {
           if (greets && channel) socket.write(`*3\r\n${bulk('subscribe')}${bulk(channel)}:1\r\n`);
           lies[name](socket, commands++, channel);
           // the next lie has its turn, though this one be believed
-          if (!closing) closing = setTimeout(() => socket.destroy(), 500);
+          if (!closing) closing = setTimeout(() => socket.destroy(), 150);
           this.served.set(`${name}, ${greets ? 'greeted' : 'at once'}`, true);
         }
         if (socket.destroyed) return;

@@ -7,7 +7,7 @@ import net from 'node:net';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, eventually } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { violations } from '../lib/schema.mjs';
 import { wavOf } from '../lib/wav.mjs';
@@ -235,6 +235,38 @@ test('uploaded, from memory; what is no recording is told in the room', async ()
   await refused(await upload('room=cinema', { fap: fap(20), sound: wav(100000) }), 413, 'media-too-large');
   await refused(await daemon.get('/v1/play?room=cinema', { method: 'POST', body: 'x' }), 415, 'unsupported-media-type');
   await refused(await daemon.get('/v1/play?room=cinema&name=..%2Fsecret', { method: 'POST' }), 400, 'bad-field');
+  await room.close();
+});
+
+/** The processes that the daemon has started to decode sound. */
+const decoding = () => fs.readdirSync('/proc').filter((pid) => {
+  try {
+    const [, parent] = fs.readFileSync(`/proc/${pid}/stat`, 'utf8').match(/\) \S (\d+) /);
+    return Number(parent) === daemon.process.pid && fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0').includes('sound');
+  } catch {
+    return false;
+  }
+}).map(Number);
+
+test('sound is decoded in a process of its own: what kills that costs the rest of the sound', async () => {
+  const room = await daemon.stream('?room=killed');
+  await room.wait({ type: 'joined' });
+  assert.equal((await upload('room=killed&id=k', { fap: fap(150), sound: wav(80000, 8000, 1) })).status, 202);
+  await room.wait({ type: 'begin', id: 'k' });
+  const [process_, ...others] = await eventually(() => decoding().length && decoding(), 'a process that decodes');
+  assert.deepEqual(others, []);
+  process.kill(process_, 'SIGABRT');
+  const warning = await room.wait({ type: 'warning', id: 'k' });
+  assert.equal(warning.code, 'bad-sound');
+  assert.match(warning.message, /^the sound is not whole: its reading ended its process, by signal 6/);
+  assert.equal((await room.wait({ type: 'end', id: 'k' })).reason, 'done');
+  assert.deepEqual(room.chunks.flatMap((c) => c.frames).map((f) => f[3]).slice(0, 150), Array.from({ length: 150 }, (_, k) => k));
+  // stopped, none is left
+  assert.equal((await upload('room=killed&id=l', { fap: fap(150), sound: wav(80000, 8000, 1) })).status, 202);
+  await room.wait({ type: 'begin', id: 'l' });
+  room.send({ type: 'stop' });
+  await room.wait({ type: 'end', id: 'l', reason: 'stopped' });
+  await eventually(() => decoding().length === 0, 'the process to end');
   await room.close();
 });
 

@@ -241,7 +241,15 @@ test('under the real speech-dispatcher spd-say is spoken', async () => {
   assert.equal((await say('-w', '-l', 'it', '-r', '20', 'La cena è pronta.')).status, 0);
   assert.ok(screen.messages.some((m) => m.type === 'word' && m.text === 'cena'));
   assert.ok(screen.messages.some((m) => m.type === 'end' && m.reason === 'done'), 'it has waited until it was said');
+  // what a desktop may have set up: nobody who cannot see is left in silence
+  for (const [i, options] of [['-l', 'xx'], ['-l', 'c'], ['-l', 'POSIX'], ['-l', 'de-XX'], ['-y', 'nonsense'], ['-y', 'nonsense', '-l', 'xx'], ['-t', 'child_female', '-l', 'c']].entries()) {
+    // by the face, or without it: a sentence is spoken, and waited for
+    const before = await daemon.metric('faccia_sentences_total{result="spoken"}');
+    assert.equal((await say('-w', ...options, `Parola ${i}.`)).status, 0, String(options));
+    assert.ok((await daemon.metric('faccia_sentences_total{result="spoken"}')) > before, `${options}: silence`);
+  }
   await screen.close();
+  assert.equal((await say('-w', '-y', 'nonsense', '-l', 'xx', 'Da sola, ancora.')).status, 0);
   server.kill('SIGTERM');
   await server.exited;
 });

@@ -172,6 +172,53 @@ test('the face of a room says it at the same time; what goes back may be silence
   await kiosk.close();
 });
 
+// The room accepts a text, and refuses its voice afterwards: the face is not silent for that.
+test('the face of a room says it by its own voice where it does not know the one that is asked for', async () => {
+  const kiosk = await daemon.stream('?lang=it&room=bath');
+  await kiosk.wait({ type: 'joined' });
+  const own = await start('--room', 'bath');
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  const client = await connect(own.port);
+  for (const [i, voice] of [{ name: 'nobody:x' }, { name: 'nobody:x', language: 'en' }, { language: 'xx' }, { language: 'c' }].entries()) {
+    client.events.length = 0;
+    client.send('synthesize', { text: `Numero ${i}.`, voice });
+    await client.heard('audio-stop');
+    await kiosk.wait({ type: 'sentence', text: `Numero ${i}.` });
+  }
+  client.events.length = 0;
+  const from = kiosk.messages.length;
+  client.send('synthesize-start', { voice: { name: 'nobody:x' } });
+  client.send('synthesize-chunk', { text: 'Uno, ' });
+  await kiosk.wait({ type: 'error', code: 'unknown-voice' }, { from });
+  client.send('synthesize-chunk', { text: 'due.' });
+  client.send('synthesize-stop');
+  await client.heard('synthesize-stopped');
+  await kiosk.wait({ type: 'sentence', text: 'Uno, due.' });
+  client.socket.end();
+  assert.equal(await own.stop(), 0, own.child.text);
+  await kiosk.close();
+});
+
+const spoken = async (body) => (await daemon.get('/v1/speech?format=wav&voice=espeak:it&markup=plain', { method: 'POST', body })).arrayBuffer();
+
+test('a long text comes whole, also to a client that takes its time', async () => {
+  const client = await connect(door.port);
+  const text = 'Una frase lunga, che si ripete sempre. '.repeat(400);
+  // from the cache it sounds the same each time
+  const [, whole] = [await spoken(text), await spoken(text)];
+  client.send('synthesize', { text, voice: { name: 'espeak:it' } });
+  await client.heard('audio-chunk');
+  for (let i = 0; i < 3; i++) {
+    client.socket.pause();
+    await new Promise((resolve) => setTimeout(resolve, 200));
+    client.socket.resume();
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  await client.heard('audio-stop');
+  assert.equal(pcmOf(client.events).length, whole.byteLength - 44);
+  client.socket.end();
+});
+
 test('requests that come at once are answered in their order', async () => {
   const client = await connect(door.port);
   client.send('ping', { text: 'x' });

@@ -42,7 +42,7 @@ static void command(const uint8_t *data, size_t size, uint32_t raw) {
 
 static void audio_element(const char *path, uint8_t choice) {
     struct error e = {0};
-    struct sentence_audio *u = sound_read(path, choice / 32.0, choice & 1 ? 22050 : 48000, &e);
+    struct sentence_audio *u = sound_read(NULL, path, choice / 32.0, choice & 1 ? 22050 : 48000, NULL, &e);
     FUZZ_CHECK(u ? u->sample_rate > 0 : e.code != ERROR_NONE);
     if (u)
         FUZZ_CHECK(u->samples <= (SOUND_SECONDS + 1u) * u->sample_rate &&
@@ -52,15 +52,15 @@ static void audio_element(const char *path, uint8_t choice) {
 
 static void recording(const uint8_t *data, size_t size) {
     struct recording_source source = {0};
-    struct recording_sound *sound;
+    struct sound_reader *sound;
     struct error e = {0};
     buf_add(&source.sound, data, size);
     int16_t *pcm = mem_alloc(PIECE * sizeof *pcm);
-    if (!recording_sound_open(&sound, &source, &e) && sound) {
-        FUZZ_CHECK(recording_sound_rate(sound) >= 8000);
+    if (!recording_sound_open(&sound, &source, NULL, NULL, &e) && sound) {
+        FUZZ_CHECK(sound_reader_rate(sound) >= 8000);
         for (int i = 0; i < PIECES && recording_sound_read(sound, pcm, PIECE) == PIECE; i++)
             ;
-        recording_sound_close(sound);
+        sound_reader_close(sound);
     }
     free(pcm);
     recording_source_free(&source);

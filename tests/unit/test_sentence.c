@@ -61,7 +61,7 @@ static struct sentence *start(struct stage *t, const char *voice) {
     t->selection = (struct voice_selection){
         .voices = t->voices, .sounds = t->sounds, .count = t->test->score->item_count};
     const struct voice_request request = {
-        pool_test_voice(t->test, voice), t->test->score, 0, 0, 1, 1, VOICE_TURN_USUAL, 0};
+        .voice = pool_test_voice(t->test, voice), .score = t->test->score, .pitch = 1, .volume = 1};
     return sentence_speak(t->test->pool, &t->test->loop, &request, &t->selection, &callbacks, t);
 }
 
@@ -302,15 +302,15 @@ static void long_sounds_are_cut(void **state) {
     struct error e;
     close(mkstemp(path));
     write_sound(path, 8000, 1, SOUND_SECONDS + 2);
-    struct sentence_audio *u = sound_read(path, 1, 16000, &e);
+    struct sentence_audio *u = sound_read(NULL, path, 1, 16000, NULL, &e);
     assert_non_null(u);
     assert_int_equal(u->samples, SOUND_SECONDS * 16000);
     assert_int_equal(u->warning_count, 1);
     assert_int_equal(u->phone_count, 1);
     sentence_audio_free(u);
     write_sound(path, 4000, 1, 0.1);
-    assert_null(sound_read(path, 1, 16000, &e));
-    assert_null(sound_read("/nowhere.wav", 1, 16000, &e));
+    assert_null(sound_read(NULL, path, 1, 16000, NULL, &e));
+    assert_null(sound_read(NULL, "/nowhere.wav", 1, 16000, NULL, &e));
     unlink(path);
 }
 

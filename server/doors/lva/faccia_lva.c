@@ -5,6 +5,7 @@
 #include "server/base/program.h"
 #include "server/doors/ending.h"
 #include "server/doors/place.h"
+#include "server/doors/sayer.h"
 #include "server/http/websocket_client.h"
 #include <getopt.h>
 #include <stdio.h>
@@ -32,6 +33,7 @@ enum { STATES_MOST = 16, ASKING_MOST = 32 };
 
 struct assistant {
     struct remote *remote;
+    struct sayer *sayer;
     const char *room, *speak, *lang, *voice;
     double volume;
     bool muted_sound, muted, there;
@@ -70,14 +72,18 @@ static void show(struct assistant *a, const char *state, const char *text) {
 }
 
 static void say(struct assistant *a, const char *text, const char *priority) {
-    const struct remote_member members[] = {
-        {"room", a->room}, {"lang", a->lang}, {"voice", a->voice}, {"priority", priority}, {NULL, NULL}};
+    const struct sayer_text said = {.type = "text/plain",
+                                    .voice = a->voice,
+                                    .lang = a->lang,
+                                    .priority = priority,
+                                    .other = a->lang,
+                                    .text = text};
     if (a->asking >= ASKING_MOST) {
         log_warn("an answer is not said: too many wait for the daemon");
         return;
     }
     a->asking++;
-    remote_speak_anyway(remote_ask(a->remote, "/v1/say", members, "text/plain", text, on_told, a), a->lang);
+    remote_speak_anyway(sayer_say(a->sayer, &said, on_told, a), a->lang);
 }
 
 static bool speaks(const struct assistant *a) {
@@ -177,9 +183,12 @@ static int run(struct assistant *a, const struct place *place, const char *url) 
     if (a->remote && !client)
         log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
     if (client)
+        a->sayer = sayer_new(a->remote, a->room);
+    if (client)
         uv_run(&loop, UV_RUN_DEFAULT);
     int status = client ? 0 : 2;
     websocket_client_close(client);
+    sayer_free(a->sayer);
     remote_free(a->remote);
     json_decref(a->next);
     ending_run(&ending);

@@ -74,12 +74,14 @@ static int run(struct wyoming *w, const struct place *place, const char *where) 
     listener.data = w;
     w->loop = &loop;
     w->remote = remote_new(&loop, place->url, place->token);
+    w->sayer = w->remote && w->room ? sayer_new(w->remote, w->room) : NULL;
     int status = w->remote ? listen_on(&listener, where) : 2;
     if (status < 0) {
         uv_run(&loop, UV_RUN_DEFAULT);
         status = 0;
     }
     wyoming_end(w);
+    sayer_free(w->sayer);
     remote_free(w->remote);
     uv_close((uv_handle_t *)&listener, NULL);
     ending_close(&ending);

@@ -12,6 +12,8 @@ enum {
     WAV_HEAD = 44,
     CHUNK_BYTES = 4096,
     UNSENT_MOST = 64 << 20,
+    UNSENT_MUCH = 1 << 20, /* then no more sound is taken from the daemon */
+    TAKE_MS = 60000,       /* for a client to take some of it */
     COME_MOST = 8 << 20,
     USUAL_RATE = 22050, /* of a sound in which there is nothing */
     FAREWELL_MS = 2000  /* for the client to read why, and to hang up */
@@ -32,6 +34,7 @@ struct wyoming_client {
     json_t *voice;       /* asked for; or NULL */
     bool ssml, streams, closed_text, started;
     bool failed;  /* told why, or not to be told; the connection ends */
+    bool holds;   /* the daemon's sound waits until the client has taken what it was given */
     bool closing; /* its handles are being closed */
     unsigned handles;
     unsigned rate; /* Hz; 0: the sound's head has not come */
@@ -74,6 +77,19 @@ struct sending {
     struct buf bytes;
 };
 
+/* The client has taken something. */
+static void go_on(struct wyoming_client *c) {
+    if (!c->holds || c->closing || c->failed)
+        return;
+    uv_timer_again(&c->farewell);
+    if (c->tcp.write_queue_size > UNSENT_MUCH / 2)
+        return;
+    c->holds = false;
+    uv_timer_stop(&c->farewell);
+    if (c->fetch)
+        remote_go_on(c->fetch);
+}
+
 static void on_sent(uv_write_t *write, int status) {
     struct sending *s = (struct sending *)write;
     struct wyoming_client *c = write->handle->data;
@@ -81,6 +97,8 @@ static void on_sent(uv_write_t *write, int status) {
     free(s);
     if (status < 0)
         let_go(c);
+    else
+        go_on(c);
 }
 
 static void on_patience(uv_timer_t *timer) {
@@ -135,6 +153,11 @@ static void on_bytes(void *ctx, const void *bytes, size_t size) {
     struct wyoming_client *c = ctx;
     buf_add(&c->sound, bytes, size);
     give_back(c, CHUNK_BYTES);
+    if (c->fetch && !c->failed && !c->closing && !c->holds && c->tcp.write_queue_size > UNSENT_MUCH) {
+        c->holds = true;
+        remote_hold(c->fetch);
+        uv_timer_start(&c->farewell, on_patience, TAKE_MS, TAKE_MS);
+    }
 }
 
 static void on_shut(uv_shutdown_t *shutdown, int status) {
@@ -208,13 +231,13 @@ static void speak(struct wyoming_client *c, const char *text) {
                *lang = voice ? NULL : other, *open = text ? NULL : "1";
     const struct remote_member here[] = {{"format", "wav"},  {"voice", voice}, {"lang", lang},
                                          {"markup", markup}, {"open", open},   {NULL, NULL}};
-    const struct remote_member there[] = {{"room", w->room},  {"voice", voice}, {"lang", lang},
-                                          {"markup", markup}, {"open", open},   {NULL, NULL}};
+    const struct sayer_text there = {
+        .type = type, .voice = voice, .lang = lang, .markup = markup, .other = other, .text = text};
     c->rate = 0;
-    if (w->room && text)
-        remote_speak_anyway(remote_ask(w->remote, "/v1/say", there, type, text, on_said, NULL), other);
-    else if (w->room)
-        c->said = remote_begin(w->remote, "/v1/say", there, type, NULL, on_said, c);
+    if (w->sayer && text)
+        remote_speak_anyway(sayer_say(w->sayer, &there, on_said, NULL), other);
+    else if (w->sayer)
+        c->said = sayer_say(w->sayer, &there, on_said, c);
     c->fetch = text ? remote_fetch(w->remote, "/v1/speech", here, type, text, on_bytes, on_fetched, c)
                     : remote_begin(w->remote, "/v1/speech", here, type, on_bytes, on_fetched, c);
     remote_speak_anyway(c->fetch, other);
@@ -248,13 +271,13 @@ static void write_text(struct wyoming_client *c, const json_t *data) {
     if (text && c->fetch)
         remote_write(c->fetch, text, strlen(text));
     if (text && c->said)
-        remote_write(c->said, text, strlen(text));
+        sayer_write(c->wyoming->sayer, c->said, text, strlen(text));
 }
 
 static void close_text(struct wyoming_client *c) {
     c->closed_text = true;
     if (c->said)
-        remote_close(c->said);
+        sayer_close(c->wyoming->sayer, c->said);
     if (c->fetch)
         remote_close(c->fetch);
     else

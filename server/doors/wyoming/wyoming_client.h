@@ -7,12 +7,14 @@
 
 #include "server/base/buf.h"
 #include "server/doors/remote.h"
+#include "server/doors/sayer.h"
 
 struct wyoming {
     uv_loop_t *loop;
     struct remote *remote;
-    const char *room; /* whose face says it, too; NULL: none */
-    bool silent;      /* silence goes back, as long as the speech */
+    struct sayer *sayer; /* in the room; NULL: there is none */
+    const char *room;    /* whose face says it, too; NULL: none */
+    bool silent;         /* silence goes back, as long as the speech */
     struct wyoming_client *clients;
     unsigned count;
 };

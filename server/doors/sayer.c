@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/doors/sayer.h"
+#include "server/base/buf.h"
+#include "server/base/error.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Texts that are kept, as they may have to be said again. */
+enum { KEPT = 16 };
+
+struct said_text {
+    char id[48]; /* "": none */
+    struct fetch *fetch;
+    char *type, *voice, *lang, *markup, *priority, *other;
+    struct buf text;
+    bool writes;  /* its end has not come */
+    bool refused; /* and it is to be said again then */
+};
+
+struct sayer {
+    struct remote *remote;
+    char *room;
+    struct follow *follow;
+    unsigned long count;
+    struct said_text kept[KEPT];
+};
+
+static char *copy(const char *text) {
+    return text ? mem_strdup(text) : NULL;
+}
+
+static void forget(struct said_text *t) {
+    free(t->type);
+    free(t->voice);
+    free(t->lang);
+    free(t->markup);
+    free(t->priority);
+    free(t->other);
+    buf_free(&t->text);
+    *t = (struct said_text){0};
+}
+
+static struct fetch *ask(struct sayer *s, struct said_text *t, bool writes, remote_answered *answered,
+                         void *ctx) {
+    const struct remote_member members[] = {{"room", s->room},
+                                            {"id", t->id},
+                                            {"voice", t->voice},
+                                            {"lang", t->lang},
+                                            {"markup", t->markup},
+                                            {"priority", t->priority},
+                                            {"open", writes ? "1" : NULL},
+                                            {NULL, NULL}};
+    if (writes)
+        return remote_begin(s->remote, "/v1/say", members, t->type, NULL, answered, ctx);
+    buf_add(&t->text, "", 1);
+    t->text.size--;
+    return remote_ask(s->remote, "/v1/say", members, t->type, (char *)t->text.data, answered, ctx);
+}
+
+static void on_answered(void *ctx, const struct remote_answer *answer) {
+    (void)ctx;
+    if (answer->status != 202)
+        log_warn("the room does not say it: %s", answer->why);
+}
+
+static void say_again(struct sayer *s, struct said_text *t) {
+    t->refused = false;
+    t->fetch = NULL;
+    ask(s, t, false, on_answered, NULL);
+}
+
+/* Leaves out what the daemon does not know. Each time something goes, so that it ends. */
+static bool give_in(struct said_text *t, const char *code, const char *field) {
+    bool voice = !strcmp(code, error_name(ERROR_UNKNOWN_VOICE)) || !strcmp(field, "voice");
+    bool lang = !strcmp(code, error_name(ERROR_UNKNOWN_LANGUAGE)) || !strcmp(field, "lang");
+    char **at = voice && t->voice ? &t->voice : (voice || lang) && t->lang ? &t->lang : NULL;
+    if (!at)
+        return false;
+    free(*at);
+    *at = NULL;
+    if (at == &t->voice && !t->lang) {
+        t->lang = t->other;
+        t->other = NULL;
+    }
+    return true;
+}
+
+static const char *member(const json_t *message, const char *name) {
+    const char *text = json_string_value(json_object_get(message, name));
+    return text ? text : "";
+}
+
+static void on_event(void *ctx, const char *type, const json_t *message) {
+    struct sayer *s = ctx;
+    const char *id = member(message, "id");
+    struct said_text *t = s->kept;
+    if (strcmp(type, "error") != 0 || !*id)
+        return;
+    while (t < s->kept + KEPT && strcmp(t->id, id) != 0)
+        t++;
+    if (t == s->kept + KEPT)
+        return;
+    bool again = give_in(t, member(message, "code"), member(message, "field"));
+    log_warn("%s: %s", member(message, "message"), again ? "it is said without" : "the room does not say it");
+    if (again && t->writes)
+        t->refused = true;
+    else if (again)
+        say_again(s, t);
+}
+
+static void on_following(void *ctx, const char *why) {
+    (void)ctx, (void)why; /* it is tried again */
+}
+
+struct sayer *sayer_new(struct remote *remote, const char *room) {
+    static const struct remote_events events = {on_event, on_following};
+    struct sayer *s = mem_alloc(sizeof *s);
+    s->remote = remote;
+    s->room = mem_strdup(room);
+    s->follow = remote_follow(remote, room, &events, s);
+    return s;
+}
+
+void sayer_free(struct sayer *s) {
+    if (!s)
+        return;
+    remote_unfollow(s->follow);
+    for (unsigned i = 0; i < KEPT; i++)
+        forget(&s->kept[i]);
+    free(s->room);
+    free(s);
+}
+
+struct fetch *sayer_say(struct sayer *s, const struct sayer_text *text, remote_answered *answered,
+                        void *ctx) {
+    struct said_text *t = &s->kept[s->count % KEPT];
+    forget(t);
+    *t = (struct said_text){.type = copy(text->type),
+                            .voice = copy(text->voice),
+                            .lang = copy(text->lang),
+                            .markup = copy(text->markup),
+                            .priority = copy(text->priority),
+                            .other = copy(text->other),
+                            .writes = !text->text};
+    snprintf(t->id, sizeof t->id, "door-%ld-%lu", (long)getpid(), s->count++);
+    if (text->text)
+        buf_add(&t->text, text->text, strlen(text->text));
+    struct fetch *fetch = ask(s, t, t->writes, answered, ctx);
+    for (unsigned i = 0; i < KEPT; i++) /* of one that was given up, in the same place */
+        if (s->kept[i].fetch == fetch)
+            s->kept[i].fetch = NULL;
+    return t->fetch = fetch;
+}
+
+static struct said_text *written(struct sayer *s, const struct fetch *fetch) {
+    for (struct said_text *t = s->kept; t < s->kept + KEPT; t++)
+        if (t->writes && t->fetch == fetch)
+            return t;
+    return NULL;
+}
+
+void sayer_write(struct sayer *s, struct fetch *fetch, const char *text, size_t size) {
+    struct said_text *t = written(s, fetch);
+    if (t)
+        buf_add(&t->text, text, size);
+    remote_write(fetch, text, size);
+}
+
+void sayer_close(struct sayer *s, struct fetch *fetch) {
+    struct said_text *t = written(s, fetch);
+    remote_close(fetch);
+    if (!t)
+        return;
+    t->writes = false;
+    t->fetch = NULL;
+    if (t->refused)
+        say_again(s, t);
+}
