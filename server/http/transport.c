@@ -43,142 +43,142 @@ static const struct lws_protocols protocols[] = {
 static void on_due(uv_idle_t *idle);
 
 /* What must not be done from within a callback of libwebsockets is done in the loop's next round. */
-static void later(struct peer *w) {
-    struct transport *all = w->transport;
-    if (w->due)
+static void later(struct peer *p) {
+    struct transport *all = p->transport;
+    if (p->due)
         return;
-    w->due = true;
-    w->next_due = all->due;
-    all->due = w;
+    p->due = true;
+    p->next_due = all->due;
+    all->due = p;
     uv_idle_start(all->idle, on_due);
 }
 
-static void gone(struct peer *w) {
-    w->transport->open--;
-    w->transport->calls.closed(w->owner);
-    free(w->out);
-    free(w);
+static void gone(struct peer *p) {
+    p->transport->open--;
+    p->transport->calls.closed(p->owner);
+    free(p->out);
+    free(p);
 }
 
-static void adopt(struct peer *w, int fd, int type) {
-    const lws_adopt_desc_t from = {.vh = w->transport->vhost,
+static void adopt(struct peer *p, int fd, int type) {
+    const lws_adopt_desc_t from = {.vh = p->transport->vhost,
                                    .type = (lws_adoption_type)type,
                                    .fd = {.sockfd = fd},
                                    .vh_prot_name = protocols->name,
-                                   .opaque = w};
-    w->adopting = true;
+                                   .opaque = p};
+    p->adopting = true;
     bool adopted = lws_adopt_descriptor_vhost_via_info(&from) != NULL;
-    w->adopting = false;
+    p->adopting = false;
     if (adopted)
         return;
-    w->failed = true;
-    w->wsi = NULL;
-    later(w);
+    p->failed = true;
+    p->wsi = NULL;
+    later(p);
 }
 
 /* libwebsockets closes a socket whose peer sends nothing more. A plain one goes on under a copy of its
  * descriptor, from which nothing is read. */
-static void go_on_half(struct peer *w) {
-    int fd = w->half;
-    w->half = -1;
-    w->eof = true;
-    adopt(w, fd, LWS_ADOPT_SOCKET);
-    if (w->wsi)
-        lws_rx_flow_control(w->wsi, 0);
-    if (w->wsi && (w->out_size || w->telling))
-        lws_callback_on_writable(w->wsi);
-    if (!w->failed)
-        w->transport->calls.eof(w->owner);
+static void go_on_half(struct peer *p) {
+    int fd = p->half;
+    p->half = -1;
+    p->eof = true;
+    adopt(p, fd, LWS_ADOPT_SOCKET);
+    if (p->wsi)
+        lws_rx_flow_control(p->wsi, 0);
+    if (p->wsi && (p->out_size || p->telling))
+        lws_callback_on_writable(p->wsi);
+    if (!p->failed)
+        p->transport->calls.eof(p->owner);
 }
 
 static void on_due(uv_idle_t *idle) {
     struct transport *all = idle->data;
     uv_idle_stop(idle);
-    for (struct peer *w; (w = all->due);) {
-        all->due = w->next_due;
-        w->due = false;
-        if (w->half >= 0 && !w->closing) {
-            go_on_half(w);
-        } else if (w->closing && w->wsi) {
-            lws_set_timeout(w->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_SYNC); /* to on_close */
-        } else if (!w->wsi && (w->closing || w->failed)) {
-            if (w->half >= 0)
-                close(w->half);
-            gone(w);
+    for (struct peer *p; (p = all->due);) {
+        all->due = p->next_due;
+        p->due = false;
+        if (p->half >= 0 && !p->closing) {
+            go_on_half(p);
+        } else if (p->closing && p->wsi) {
+            lws_set_timeout(p->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_SYNC); /* to on_close */
+        } else if (!p->wsi && (p->closing || p->failed)) {
+            if (p->half >= 0)
+                close(p->half);
+            gone(p);
         }
     }
 }
 
-static bool is_half_closed(const struct peer *w, struct lws *wsi) {
+static bool is_half_closed(const struct peer *p, struct lws *wsi) {
     char byte;
-    return !w->closing && !w->eof && !lws_get_ssl(wsi) &&
+    return !p->closing && !p->eof && !lws_get_ssl(wsi) &&
            recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
-static void on_close(struct peer *w, struct lws *wsi) {
-    w->wsi = NULL;
-    if (w->adopting)
+static void on_close(struct peer *p, struct lws *wsi) {
+    p->wsi = NULL;
+    if (p->adopting)
         return;
-    w->half = is_half_closed(w, wsi) && !lws_partial_buffered(wsi)
+    p->half = is_half_closed(p, wsi) && !lws_partial_buffered(wsi)
                   ? fcntl(lws_get_socket_fd(wsi), F_DUPFD_CLOEXEC, 3)
                   : -1;
-    w->failed = w->half < 0;
-    if (w->failed && !w->due) /* nothing else knows it */
-        gone(w);
+    p->failed = p->half < 0;
+    if (p->failed && !p->due) /* nothing else knows it */
+        gone(p);
     else
-        later(w);
+        later(p);
 }
 
-static void tell_end(struct peer *w) {
-    if (lws_get_ssl(w->wsi))
-        transport_end_tls(w->wsi);
+static void tell_end(struct peer *p) {
+    if (lws_get_ssl(p->wsi))
+        transport_end_tls(p->wsi);
     else
-        shutdown(lws_get_socket_fd(w->wsi), SHUT_WR);
+        shutdown(lws_get_socket_fd(p->wsi), SHUT_WR);
 }
 
 /* -1: the connection is broken. */
-static int on_writable(struct peer *w) {
-    if (w->closing)
+static int on_writable(struct peer *p) {
+    if (p->closing)
         return 0;
-    if (w->out_size) {
-        int taken = lws_write(w->wsi, w->out + LWS_PRE, w->out_size, LWS_WRITE_RAW);
-        free(w->out);
-        w->out = NULL;
-        w->out_size = w->out_cap = 0;
+    if (p->out_size) {
+        int taken = lws_write(p->wsi, p->out + LWS_PRE, p->out_size, LWS_WRITE_RAW);
+        free(p->out);
+        p->out = NULL;
+        p->out_size = p->out_cap = 0;
         if (taken < 0)
             return -1;
     }
-    if (lws_partial_buffered(w->wsi)) /* it asks again when that has left */
+    if (lws_partial_buffered(p->wsi)) /* it asks again when that has left */
         return 0;
-    if (w->finishing) {
-        tell_end(w);
-        if (w->eof) /* both have said so */
-            peer_close(w);
+    if (p->finishing) {
+        tell_end(p);
+        if (p->eof) /* both have said so */
+            peer_close(p);
     }
-    if (w->telling) {
-        w->telling = false;
-        w->transport->calls.sent(w->owner);
+    if (p->telling) {
+        p->telling = false;
+        p->transport->calls.sent(p->owner);
     }
     return 0;
 }
 
 static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size) {
-    struct peer *w = wsi ? lws_get_opaque_user_data(wsi) : NULL;
+    struct peer *p = wsi ? lws_get_opaque_user_data(wsi) : NULL;
     (void)user;
-    if (!w)
+    if (!p)
         return 0;
     switch (reason) {
     case LWS_CALLBACK_RAW_ADOPT:
-        w->wsi = wsi;
+        p->wsi = wsi;
         return 0;
     case LWS_CALLBACK_RAW_RX:
-        if (!w->closing && size)
-            w->transport->calls.read(w->owner, in, size);
+        if (!p->closing && size)
+            p->transport->calls.read(p->owner, in, size);
         return 0;
     case LWS_CALLBACK_RAW_WRITEABLE:
-        return on_writable(w);
+        return on_writable(p);
     case LWS_CALLBACK_RAW_CLOSE:
-        on_close(w, wsi);
+        on_close(p, wsi);
         return 0;
     default:
         return 0;
@@ -186,86 +186,86 @@ static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *use
 }
 
 struct peer *peer_open(struct transport *all, int fd, void *owner) {
-    struct peer *w = mem_alloc(sizeof *w);
-    *w = (struct peer){.transport = all, .owner = owner, .half = -1};
+    struct peer *p = mem_alloc(sizeof *p);
+    *p = (struct peer){.transport = all, .owner = owner, .half = -1};
     all->open++;
-    adopt(w, fd, LWS_ADOPT_SOCKET | LWS_ADOPT_ALLOW_SSL);
-    return w;
+    adopt(p, fd, LWS_ADOPT_SOCKET | LWS_ADOPT_ALLOW_SSL);
+    return p;
 }
 
-bool peer_secure(const struct peer *w) {
-    return w->wsi && lws_get_ssl(w->wsi);
+bool peer_secure(const struct peer *p) {
+    return p->wsi && lws_get_ssl(p->wsi);
 }
 
 /* Straight to the kernel, when nothing is before it and no TLS: a writeable callback for each message would
  * cost more than the message. What the kernel does not take waits for that callback. */
-static size_t send_now(struct peer *w, const struct iovec *parts, size_t count) {
+static size_t send_now(struct peer *p, const struct iovec *parts, size_t count) {
     const struct msghdr message = {.msg_iov = (struct iovec *)(uintptr_t)parts, .msg_iovlen = count};
-    if (!w->wsi || w->telling || lws_get_ssl(w->wsi))
+    if (!p->wsi || p->telling || lws_get_ssl(p->wsi))
         return 0;
-    ssize_t sent = sendmsg(lws_get_socket_fd(w->wsi), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+    ssize_t sent = sendmsg(lws_get_socket_fd(p->wsi), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR)
-        peer_close(w);
+        peer_close(p);
     return sent < 0 ? 0 : (size_t)sent;
 }
 
 /* Keeps as much as there is room for, until the writeable callback. */
-static size_t keep(struct peer *w, const void *bytes, size_t size) {
-    size_t room = PEER_WRITE_BYTES - w->out_size, n = size < room ? size : room;
-    if (w->out_size + n > w->out_cap) {
-        size_t cap = 2 * w->out_cap > w->out_size + n ? 2 * w->out_cap : w->out_size + n;
+static size_t keep(struct peer *p, const void *bytes, size_t size) {
+    size_t room = PEER_WRITE_BYTES - p->out_size, n = size < room ? size : room;
+    if (p->out_size + n > p->out_cap) {
+        size_t cap = 2 * p->out_cap > p->out_size + n ? 2 * p->out_cap : p->out_size + n;
         cap = cap < OUT_LEAST ? OUT_LEAST : cap > PEER_WRITE_BYTES ? PEER_WRITE_BYTES : cap;
-        w->out = mem_resize(w->out, LWS_PRE + cap);
-        w->out_cap = cap;
+        p->out = mem_resize(p->out, LWS_PRE + cap);
+        p->out_cap = cap;
     }
-    memcpy(w->out + LWS_PRE + w->out_size, bytes, n);
-    w->out_size += n;
+    memcpy(p->out + LWS_PRE + p->out_size, bytes, n);
+    p->out_size += n;
     return n;
 }
 
-size_t peer_write(struct peer *w, const struct iovec *parts, size_t count) {
+size_t peer_write(struct peer *p, const struct iovec *parts, size_t count) {
     size_t all = 0, taken;
     for (size_t i = 0; i < count; i++)
         all += parts[i].iov_len;
-    if (w->closing || w->failed || w->finishing || (taken = send_now(w, parts, count)) == all || w->closing)
+    if (p->closing || p->failed || p->finishing || (taken = send_now(p, parts, count)) == all || p->closing)
         return all;
     size_t at = taken; /* of the part that is next */
     for (size_t i = 0; i < count; i++) {
         size_t left = parts[i].iov_len > at ? parts[i].iov_len - at : 0;
-        size_t kept = keep(w, (const uint8_t *)parts[i].iov_base + (parts[i].iov_len - left), left);
+        size_t kept = keep(p, (const uint8_t *)parts[i].iov_base + (parts[i].iov_len - left), left);
         taken += kept;
         at = at > parts[i].iov_len ? at - parts[i].iov_len : 0;
         if (kept < left)
             break;
     }
-    if (!w->telling && w->wsi)
-        lws_callback_on_writable(w->wsi);
-    w->telling = true;
+    if (!p->telling && p->wsi)
+        lws_callback_on_writable(p->wsi);
+    p->telling = true;
     return taken;
 }
 
-size_t peer_unsent(const struct peer *w) {
-    return w->out_size ? w->out_size : w->telling;
+size_t peer_unsent(const struct peer *p) {
+    return p->out_size ? p->out_size : p->telling;
 }
 
-void peer_read(struct peer *w, bool on) {
-    if (w->wsi && !w->eof && !w->closing)
-        lws_rx_flow_control(w->wsi, on);
+void peer_read(struct peer *p, bool on) {
+    if (p->wsi && !p->eof && !p->closing)
+        lws_rx_flow_control(p->wsi, on);
 }
 
-void peer_finish(struct peer *w) {
-    if (w->finishing || w->closing || !w->wsi)
+void peer_finish(struct peer *p) {
+    if (p->finishing || p->closing || !p->wsi)
         return;
-    w->finishing = true;
-    if (!w->telling)
-        lws_callback_on_writable(w->wsi);
+    p->finishing = true;
+    if (!p->telling)
+        lws_callback_on_writable(p->wsi);
 }
 
-void peer_close(struct peer *w) {
-    if (w->closing)
+void peer_close(struct peer *p) {
+    if (p->closing)
         return;
-    w->closing = true;
-    later(w);
+    p->closing = true;
+    later(p);
 }
 
 static void on_log(int level, const char *line) {
