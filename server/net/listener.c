@@ -52,7 +52,19 @@ static bool make_room(struct net *net) {
     return oldest != NULL;
 }
 
+/* Far above the limits: nothing is made for it, so that its descriptor is free at once. */
+static bool turned_away(struct net *net, int fd, bool borrowed) {
+    if (net->connections < net->options.connections + net->options.connections_above)
+        return false;
+    metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
+    close(fd);
+    net->descriptor_freed(net, borrowed);
+    return true;
+}
+
 static void take(struct net *net, int fd, const struct sockaddr_storage *peer, bool borrowed) {
+    if (turned_away(net, fd, borrowed))
+        return;
     struct connection *c = connection_open(net, fd, peer);
     http_session_open(c);
     const struct net_options *o = &net->options;
@@ -62,8 +74,7 @@ static void take(struct net *net, int fd, const struct sockaddr_storage *peer, b
     c->borrows_reserve = borrowed;
     if (borrowed)
         c->end_by = connection_now(c) + BORROWED_MS;
-    if ((c->crowded && here > o->address_connections + CROWD) ||
-        net->connections > o->connections + o->connections_above) {
+    if (c->crowded && here > o->address_connections + CROWD) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
         connection_close(c);
     }
