@@ -181,7 +181,10 @@ static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *use
     case LWS_CALLBACK_CLIENT_WRITEABLE:
         return send_next(c);
     case LWS_CALLBACK_CLIENT_CLOSED:
-        lose(c, c->too_long ? "it sends a message that is too long" : "it was closed");
+    case LWS_CALLBACK_CLOSED_CLIENT_HTTP:
+    case LWS_CALLBACK_WSI_DESTROY: /* that it goes in the middle of the handshake is not always told before */
+        if (wsi == c->wsi)
+            lose(c, c->too_long ? "it sends a message that is too long" : "it was closed");
         return 0;
     default:
         return 0;
