@@ -170,6 +170,23 @@ test('a server that goes while it is answered', async () => {
   }
 });
 
+test('a server that goes in the middle of the handshake is tried again, wherever that was', async () => {
+  const ways = [(socket) => socket.resetAndDestroy(), (socket) => socket.destroy(),
+    (socket) => socket.once('data', () => (socket.write('HTTP/1.1 101 Switching'), socket.resetAndDestroy())), (socket) => socket.once('data', () => socket.end('HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\n'))];
+  const doors = await Promise.all(ways.map(async (way) => {
+    const server = net.createServer((socket) => (server.came++, way(socket.on('error', () => {}))));
+    server.came = 0;
+    await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+    return { server, lva: start('--assistant', `ws://127.0.0.1:${server.address().port}`, '--url', daemon.url) };
+  }));
+  for (const [i, { server, lva }] of doors.entries()) {
+    await eventually(() => server.came >= 3, `the third try, ${i}; ${lva.text}`);
+    lva.kill('SIGTERM');
+    assert.equal(await lva.exited, 0, lva.text);
+    await new Promise((resolve) => server.close(resolve));
+  }
+});
+
 test('a flood of events ends with the last of them', async () => {
   for (let i = 0; i < 2000; i++) assistant.tell(i % 2 ? 'listening' : 'idle');
   assistant.tell('stt_text', { text: 'the last' });
