@@ -89,17 +89,13 @@ static int on_time(CURLM *multi, long ms, void *ctx) {
 }
 
 struct remote *remote_new(uv_loop_t *loop, const char *url, const char *token) {
-    size_t length = strlen(url);
     if (strncmp(url, "http://", 7) && strncmp(url, "https://", 8)) {
         log_error("'%s' is no address of a daemon, such as http://127.0.0.1:8080", url);
         return NULL;
     }
     struct remote *r = mem_alloc(sizeof *r);
-    while (length && url[length - 1] == '/')
-        length--;
     curl_global_init(CURL_GLOBAL_DEFAULT);
-    *r = (struct remote){
-        .loop = loop, .url = mem_strndup(url, length), .token = token ? mem_strdup(token) : NULL};
+    *r = (struct remote){.loop = loop, .url = mem_strdup(url), .token = token ? mem_strdup(token) : NULL};
     r->timer = mem_alloc(sizeof *r->timer);
     uv_timer_init(loop, r->timer);
     r->timer->data = r;
@@ -130,12 +126,17 @@ void remote_free(struct remote *r) {
     free(r);
 }
 
-static void add_query(struct buf *url, CURL *easy, const struct remote_member *members) {
+void remote_address(struct buf *url, const char *daemon, const char *path,
+                    const struct remote_member *members) {
+    size_t length = strlen(daemon);
     char sign = '?';
+    while (length && daemon[length - 1] == '/')
+        length--;
+    buf_printf(url, "%.*s%s", (int)length, daemon, path);
     for (; members && members->name; members++) {
         if (!members->value)
             continue;
-        char *value = curl_easy_escape(easy, members->value, 0);
+        char *value = curl_easy_escape(NULL, members->value, 0);
         buf_printf(url, "%c%s=%s", sign, members->name, value);
         curl_free(value);
         sign = '&';
@@ -146,8 +147,7 @@ CURL *remote_handle(struct remote *r, struct transfer *t, const char *path,
                     const struct remote_member *members) {
     struct buf url = {0}, header = {0};
     CURL *easy = t->easy = curl_easy_init();
-    buf_printf(&url, "%s%s", r->url, path);
-    add_query(&url, easy, members);
+    remote_address(&url, r->url, path, members);
     buf_add(&url, "", 1);
     curl_easy_setopt(easy, CURLOPT_URL, (char *)url.data);
     curl_easy_setopt(easy, CURLOPT_PRIVATE, t);

@@ -77,11 +77,7 @@ static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
 static void free_fetch(struct fetch *q) {
     if (q->gone)
         *q->gone = true;
-    for (struct remote_member *m = q->members; m->name; m++) {
-        free((char *)m->name);
-        free((char *)m->value);
-    }
-    free(q->members);
+    remote_free_members(q->members);
     free(q->path);
     free(q->type);
     free(q->lang);
@@ -147,43 +143,42 @@ void remote_give_up(struct fetch *fetch) {
     drop(&fetch->transfer);
 }
 
-static struct remote_member *member(struct fetch *q, const char *name) {
-    struct remote_member *m = q->members;
+static struct remote_member *member(struct remote_member *m, const char *name) {
     while (m->name && strcmp(m->name, name))
         m++;
-    return m->name && m->value ? m : NULL;
+    return m->name ? m : NULL;
 }
 
-static bool leave_out(struct fetch *q, const char *name) {
-    struct remote_member *m = member(q, name);
-    if (!m)
+bool remote_drop_member(struct remote_member *members, const char *name) {
+    struct remote_member *m = member(members, name);
+    if (!m || !m->value)
         return false;
     free((char *)m->value);
     m->value = NULL;
     return true;
 }
 
-/* Leaves out what the daemon does not know, if the answer says so: a voice, a language, a gender. Each time
- * one member goes, so that it ends. */
-static bool give_in(struct fetch *q, const struct remote_answer *answer) {
-    const char *code = json_string_value(json_object_get(answer->body, "code"));
-    const char *field = json_string_value(json_object_get(answer->body, "field"));
-    if (!q->anyway || answer->status != 400 || !code)
-        return false;
+bool remote_leave_out(struct remote_member *members, const char *code, const char *field,
+                      const char *instead) {
     bool lang = !strcmp(code, error_name(ERROR_UNKNOWN_LANGUAGE)) || (field && !strcmp(field, "lang"));
     bool voice = !strcmp(code, error_name(ERROR_UNKNOWN_VOICE)) || (field && !strcmp(field, "voice"));
     if (!lang && !voice)
         return false;
-    if (voice && leave_out(q, "voice")) {
-        struct remote_member *other = q->members;
-        while (other->name && strcmp(other->name, "lang"))
-            other++;
-        if (other->name && !other->value && q->lang)
-            other->value = mem_strdup(q->lang);
-    } else if (!(lang && leave_out(q, "lang")) && !leave_out(q, "gender") && !leave_out(q, "voice") &&
-               !leave_out(q, "lang")) {
-        return false;
+    if (voice && remote_drop_member(members, "voice")) {
+        struct remote_member *other = member(members, "lang");
+        if (other && !other->value && instead)
+            other->value = mem_strdup(instead);
+        return true;
     }
+    return (lang && remote_drop_member(members, "lang")) || remote_drop_member(members, "gender") ||
+           remote_drop_member(members, "voice") || remote_drop_member(members, "lang");
+}
+
+static bool give_in(struct fetch *q, const struct remote_answer *answer) {
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    const char *field = json_string_value(json_object_get(answer->body, "field"));
+    if (!q->anyway || answer->status != 400 || !code || !remote_leave_out(q->members, code, field, q->lang))
+        return false;
     log_warn("%s: it is spoken without", answer->why);
     return true;
 }
@@ -247,7 +242,7 @@ static void start(struct fetch *q) {
     remote_start(q->remote, &q->transfer);
 }
 
-static struct remote_member *copy_members(const struct remote_member *members) {
+struct remote_member *remote_copy_members(const struct remote_member *members) {
     size_t count = 0;
     while (members && members[count].name)
         count++;
@@ -260,6 +255,14 @@ static struct remote_member *copy_members(const struct remote_member *members) {
     return copy;
 }
 
+void remote_free_members(struct remote_member *members) {
+    for (struct remote_member *m = members; m && m->name; m++) {
+        free((char *)m->name);
+        free((char *)m->value);
+    }
+    free(members);
+}
+
 /* type NULL: a GET; body NULL: it is written. */
 static struct fetch *begin(struct remote *r, const char *path, const struct remote_member *members,
                            const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
@@ -268,7 +271,7 @@ static struct fetch *begin(struct remote *r, const char *path, const struct remo
     *q = (struct fetch){.remote = r,
                         .path = mem_strdup(path),
                         .type = type ? mem_strdup(type) : NULL,
-                        .members = copy_members(members),
+                        .members = remote_copy_members(members),
                         .bytes = bytes,
                         .answered = answered,
                         .ctx = ctx,

@@ -30,6 +30,24 @@ struct remote {
     void (*drop_follows)(struct remote *remote);
 };
 
+/* Appends the daemon's address, without slashes at its end, the path, and those members that have a value; no
+ * NUL. */
+void remote_address(struct buf *url, const char *daemon, const char *path,
+                    const struct remote_member *members);
+
+/* Copies up to one with the name NULL; members NULL: none. Free with remote_free_members. */
+struct remote_member *remote_copy_members(const struct remote_member *members);
+void remote_free_members(struct remote_member *members);
+
+/* Takes a member's value away. False: it has none. */
+bool remote_drop_member(struct remote_member *members, const char *name);
+
+/* Leaves out what the daemon does not know, as the code and the field (NULL: none) of its error say: a voice,
+ * a language, a gender. Each time one value goes, so that it ends. instead: the language in place of an
+ * unknown voice; NULL: none. False: the error is about none of them. */
+bool remote_leave_out(struct remote_member *members, const char *code, const char *field,
+                      const char *instead);
+
 /* A handle for an address below the daemon's, with the token. */
 CURL *remote_handle(struct remote *remote, struct transfer *transfer, const char *path,
                     const struct remote_member *members);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/doors/sayer.h"
 #include "server/base/buf.h"
-#include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/doors/remote_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,8 @@ enum { KEPT = 16 };
 struct said_text {
     char id[48]; /* "": none */
     struct fetch *fetch;
-    char *type, *voice, *lang, *markup, *priority, *other;
+    struct remote_member *members;
+    char *type, *other;
     struct buf text;
     bool writes;  /* its end has not come */
     bool refused; /* and it is to be said again then */
@@ -34,31 +35,19 @@ static char *copy(const char *text) {
 }
 
 static void forget(struct said_text *t) {
+    remote_free_members(t->members);
     free(t->type);
-    free(t->voice);
-    free(t->lang);
-    free(t->markup);
-    free(t->priority);
     free(t->other);
     buf_free(&t->text);
     *t = (struct said_text){0};
 }
 
-static struct fetch *ask(struct sayer *s, struct said_text *t, bool writes, remote_answered *answered,
-                         void *ctx) {
-    const struct remote_member members[] = {{"room", s->room},
-                                            {"id", t->id},
-                                            {"voice", t->voice},
-                                            {"lang", t->lang},
-                                            {"markup", t->markup},
-                                            {"priority", t->priority},
-                                            {"open", writes ? "1" : NULL},
-                                            {NULL, NULL}};
-    if (writes)
-        return remote_begin(s->remote, "/v1/say", members, t->type, NULL, answered, ctx);
+static struct fetch *ask(struct sayer *s, struct said_text *t, remote_answered *answered, void *ctx) {
+    if (t->writes)
+        return remote_begin(s->remote, "/v1/say", t->members, t->type, NULL, answered, ctx);
     buf_add(&t->text, "", 1);
     t->text.size--;
-    return remote_ask(s->remote, "/v1/say", members, t->type, (char *)t->text.data, answered, ctx);
+    return remote_ask(s->remote, "/v1/say", t->members, t->type, (char *)t->text.data, answered, ctx);
 }
 
 static void on_answered(void *ctx, const struct remote_answer *answer) {
@@ -70,23 +59,8 @@ static void on_answered(void *ctx, const struct remote_answer *answer) {
 static void say_again(struct sayer *s, struct said_text *t) {
     t->refused = false;
     t->fetch = NULL;
-    ask(s, t, false, on_answered, NULL);
-}
-
-/* Leaves out what the daemon does not know. Each time something goes, so that it ends. */
-static bool give_in(struct said_text *t, const char *code, const char *field) {
-    bool voice = !strcmp(code, error_name(ERROR_UNKNOWN_VOICE)) || !strcmp(field, "voice");
-    bool lang = !strcmp(code, error_name(ERROR_UNKNOWN_LANGUAGE)) || !strcmp(field, "lang");
-    char **at = voice && t->voice ? &t->voice : (voice || lang) && t->lang ? &t->lang : NULL;
-    if (!at)
-        return false;
-    free(*at);
-    *at = NULL;
-    if (at == &t->voice && !t->lang) {
-        t->lang = t->other;
-        t->other = NULL;
-    }
-    return true;
+    remote_drop_member(t->members, "open"); /* it is whole now */
+    ask(s, t, on_answered, NULL);
 }
 
 static const char *member(const json_t *message, const char *name) {
@@ -104,7 +78,7 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         t++;
     if (t == s->kept + KEPT)
         return;
-    bool again = give_in(t, member(message, "code"), member(message, "field"));
+    bool again = remote_leave_out(t->members, member(message, "code"), member(message, "field"), t->other);
     log_warn("%s: %s", member(message, "message"), again ? "it is said without" : "the room does not say it");
     if (again && t->writes)
         t->refused = true;
@@ -139,17 +113,20 @@ struct fetch *sayer_say(struct sayer *s, const struct sayer_text *text, remote_a
                         void *ctx) {
     struct said_text *t = &s->kept[s->count % KEPT];
     forget(t);
-    *t = (struct said_text){.type = copy(text->type),
-                            .voice = copy(text->voice),
-                            .lang = copy(text->lang),
-                            .markup = copy(text->markup),
-                            .priority = copy(text->priority),
-                            .other = copy(text->other),
-                            .writes = !text->text};
+    *t = (struct said_text){.type = copy(text->type), .other = copy(text->other), .writes = !text->text};
     snprintf(t->id, sizeof t->id, "door-%ld-%lu", (long)getpid(), s->count++);
+    const struct remote_member members[] = {{"room", s->room},
+                                            {"id", t->id},
+                                            {"voice", text->voice},
+                                            {"lang", text->lang},
+                                            {"markup", text->markup},
+                                            {"priority", text->priority},
+                                            {"open", t->writes ? "1" : NULL},
+                                            {NULL, NULL}};
+    t->members = remote_copy_members(members);
     if (text->text)
         buf_add(&t->text, text->text, strlen(text->text));
-    struct fetch *fetch = ask(s, t, t->writes, answered, ctx);
+    struct fetch *fetch = ask(s, t, answered, ctx);
     for (unsigned i = 0; i < KEPT; i++) /* of one that was given up, in the same place */
         if (s->kept[i].fetch == fetch)
             s->kept[i].fetch = NULL;

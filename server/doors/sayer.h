@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Says texts in one room for programs whose users only listen. The daemon accepts a text (202) and may refuse
- * it afterwards, which the room is told: where it does not know the voice or the language, the text is said
- * again without; anything else goes to the log. */
+/* Speaks texts in one room, for bridges whose users only listen. The daemon may refuse a text after it has
+ * accepted it (202); the room's events tell. If the voice or the language is unknown, the text is sent again
+ * without it; any other refusal is logged. */
 #ifndef FACCIA_DOORS_SAYER_H
 #define FACCIA_DOORS_SAYER_H
 

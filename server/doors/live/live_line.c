@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/doors/live/live_line.h"
 #include "server/base/mem.h"
+#include "server/doors/remote_internal.h"
 #include "server/http/websocket_client.h"
-#include <curl/curl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { ASK_MS = 5000 };
+
+static const char stream_path[] = "/v1/stream";
 
 struct live_line {
     struct websocket_client *client;
     struct live_line_calls calls;
     void *ctx;
-    bool open, lost;
+    bool open, lost, asked;
     char why[400];
 };
 
@@ -37,58 +41,24 @@ static void on_lost(void *ctx, const char *why) {
         l->calls.lost(l->ctx, "the daemon is gone");
 }
 
-/* The daemon's address, without a slash at its end, and the stream's. */
-static void write_address(struct buf *url, const char *place, const struct remote_member *members) {
-    size_t length = strlen(place);
-    while (length && place[length - 1] == '/')
-        length--;
-    buf_printf(url, "%.*s/v1/stream", (int)length, place);
-    for (char sign = '?'; members->name; members++, sign = '&') {
-        char *value = curl_easy_escape(NULL, members->value, 0);
-        buf_printf(url, "%c%s=%s", sign, members->name, value);
-        curl_free(value);
-    }
-    buf_add(url, "", 1);
+static void on_refused(void *ctx, const struct remote_answer *answer) {
+    struct live_line *l = ctx;
+    bool own = answer->status && answer->status != 426 && json_object_get(answer->body, "message");
+    l->asked = true;
+    snprintf(l->why, sizeof l->why, "%s", own ? answer->why : "there is no stream of a daemon");
 }
 
-enum { ASK_SECONDS = 5, ANSWER_MOST = 65536 };
-
-static size_t on_answer(char *bytes, size_t size, size_t count, void *ctx) {
-    struct buf *answer = ctx;
-    if (answer->size + size * count > ANSWER_MOST)
-        return 0;
-    buf_add(answer, bytes, size * count);
-    return size * count;
-}
-
-/* Why there is no stream, in the daemon's own words: libwebsockets does not give the answer to a handshake,
- * so it is asked for once more. */
-static void ask_why(struct live_line *l, const char *url, const char *token) {
-    struct buf answer = {0}, bearer = {0};
-    CURL *easy = curl_easy_init();
-    struct curl_slist *headers = NULL;
-    if (token) {
-        buf_printf(&bearer, "authorization: Bearer %s", token);
-        headers = curl_slist_append(headers, (const char *)bearer.data);
-    }
-    curl_easy_setopt(easy, CURLOPT_URL, url);
-    curl_easy_setopt(easy, CURLOPT_HTTPHEADER, headers);
-    curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl_easy_setopt(easy, CURLOPT_TIMEOUT, (long)ASK_SECONDS);
-    curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_answer);
-    curl_easy_setopt(easy, CURLOPT_WRITEDATA, &answer);
-    long status = 0;
-    curl_easy_perform(easy);
-    curl_easy_getinfo(easy, CURLINFO_RESPONSE_CODE, &status);
-    json_t *said = json_loadb((const char *)answer.data, answer.size, 0, NULL);
-    const char *message = json_string_value(json_object_get(said, "message"));
-    snprintf(l->why, sizeof l->why, "%s",
-             message && status != 426 ? message : "there is no stream of a daemon");
-    json_decref(said);
-    curl_slist_free_all(headers);
-    curl_easy_cleanup(easy);
-    buf_free(&bearer);
-    buf_free(&answer);
+/* libwebsockets discards the answer to a handshake that fails, so the daemon is asked once more why there is
+ * no stream. */
+static void ask_why(struct live_line *l, uv_loop_t *loop, const struct place *place,
+                    const struct remote_member *members) {
+    struct remote *remote = remote_new(loop, place->url, place->token);
+    uint64_t until = uv_now(loop) + ASK_MS;
+    snprintf(l->why, sizeof l->why, "there is no stream of a daemon");
+    remote_fetch(remote, stream_path, members, NULL, NULL, NULL, on_refused, l);
+    while (!l->asked && uv_now(loop) < until)
+        uv_run(loop, UV_RUN_ONCE);
+    remote_free(remote);
 }
 
 struct live_line *live_line_open(uv_loop_t *loop, const struct place *place,
@@ -99,13 +69,14 @@ struct live_line *live_line_open(uv_loop_t *loop, const struct place *place,
     struct buf url = {0};
     *l = (struct live_line){.calls = *calls, .ctx = ctx};
     snprintf(l->why, sizeof l->why, "it is no address of a daemon, such as http://127.0.0.1:8080");
-    write_address(&url, place->url, members);
+    remote_address(&url, place->url, stream_path, members);
+    buf_add(&url, "", 1);
     if (!strncmp(place->url, "http://", 7) || !strncmp(place->url, "https://", 8))
         l->client = websocket_client_new(loop, (const char *)url.data, place->token, false, &own, l);
     while (l->client && !l->open && !l->lost)
         uv_run(loop, UV_RUN_ONCE);
     if (l->client && !l->open && strcmp(l->why, websocket_unreachable) != 0)
-        ask_why(l, (const char *)url.data, place->token);
+        ask_why(l, loop, place, members);
     buf_free(&url);
     if (l->open)
         return l;
