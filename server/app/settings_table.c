@@ -12,9 +12,8 @@ const struct setting settings_table[] = {
     {"listen.remote", "remote", SETTING_FLAG, MEMBER(net.remote), FOR_DAEMON, 0, 0, "false", NULL,
      "allow an ADDRESS that other machines can reach"},
     {"listen.tls_cert", "tls-cert", SETTING_STRING, MEMBER(tls_cert), FOR_DAEMON, 0, 0, NULL, "FILE",
-     "speak TLS (https:, wss:) with this certificate and those that vouch for it, in PEM; other machines "
-     "that "
-     "come without TLS are sent to https:"},
+     "speak TLS (https:, wss:) with this certificate and its chain, in PEM; other machines that come without "
+     "TLS are sent to https:"},
     {"listen.tls_key", "tls-key", SETTING_STRING, MEMBER(tls_key), FOR_DAEMON, 0, 0, NULL, "FILE",
      "the key of --tls-cert, in PEM"},
     {"listen.tls_self_signed", "tls-self-signed", SETTING_STRING, MEMBER(tls_self_signed), FOR_DAEMON, 0, 0,
@@ -22,8 +21,7 @@ const struct setting settings_table[] = {
      "speak TLS with a certificate of its own, made in FOLDER when there is none that is still good: for a "
      "home, whose devices trust it once they have taken FOLDER/ca.pem"},
     {"listen.hsts", "hsts", SETTING_NUMBER, MEMBER(net.hsts), FOR_DAEMON, 0, 63072000, "0", "SECONDS",
-     "tell browsers that came by TLS to use nothing else for so long (Strict-Transport-Security); 0 = do "
-     "not"},
+     "tell browsers that came by TLS to use nothing else for so long (Strict-Transport-Security); 0 = off"},
     {"access.origins", "origin", SETTING_LIST, MEMBER(net.origins), FOR_DAEMON, 0, 0, NULL, "ORIGIN",
      "let pages from there in, e.g. https://example.org; null = files; * = all; may be repeated"},
     {"access.host_names", "host-name", SETTING_LIST, MEMBER(net.host_names), FOR_DAEMON, 0, 0, NULL, "NAME",

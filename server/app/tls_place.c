@@ -19,17 +19,20 @@ static int make_own(struct tls_place *place, const char *folder, struct error *e
     if (mkdir(folder, 0700) && errno != EEXIST)
         return error_in_field(e, ERROR_BAD_FIELD, "--tls-self-signed", "'%s' cannot be made: %s", folder,
                               strerror(errno));
-    if (certificate_good(place->tls.cert))
-        return 0;
-    char *ca = join(folder, "ca.pem");
+    char *ca = join(folder, "ca.pem"), fingerprint[CERTIFICATE_FINGERPRINT];
     const struct certificate_files files = {place->tls.cert, place->tls.key, ca};
-    int failed = certificate_make(&files, e);
+    int failed = !certificate_good(files.cert) && certificate_make(&files, e) ? -1 : 0;
+    if (!failed)
+        failed = certificate_fingerprint(files.cert, fingerprint, e);
+    if (!failed)
+        log_info("TLS by a certificate of its own: a device trusts it that has taken %s; others ask, and its "
+                 "SHA-256 fingerprint is %s",
+                 ca, fingerprint);
     free(ca);
     return failed;
 }
 
 int tls_place_open(struct tls_place *place, const struct settings *s, struct error *e) {
-    char fingerprint[CERTIFICATE_FINGERPRINT];
     *place = (struct tls_place){0};
     if (!s->tls_cert != !s->tls_key)
         return error_in_field(e, ERROR_BAD_FIELD, s->tls_cert ? "--tls-cert" : "--tls-key",
@@ -40,19 +43,9 @@ int tls_place_open(struct tls_place *place, const struct settings *s, struct err
     if (!s->tls_cert && !s->tls_self_signed)
         return 0;
     place->on = true;
-    if (s->tls_self_signed) {
-        if (make_own(place, s->tls_self_signed, e))
-            return -1;
-    } else {
-        place->tls = (struct transport_tls){mem_strdup(s->tls_cert), mem_strdup(s->tls_key)};
-    }
-    if (transport_check_tls(&place->tls, e) || certificate_fingerprint(place->tls.cert, fingerprint, e))
-        return -1;
     if (s->tls_self_signed)
-        log_info(
-            "TLS by a certificate of its own, which each device asks about once; its SHA-256 fingerprint "
-            "is %s",
-            fingerprint);
+        return make_own(place, s->tls_self_signed, e);
+    place->tls = (struct transport_tls){mem_strdup(s->tls_cert), mem_strdup(s->tls_key)};
     return 0;
 }
 

@@ -11,8 +11,8 @@ struct tls_place {
     bool on;
 };
 
-/* Finds the files, and makes those of --tls-self-signed when there are none that are still good: the log
- * tells their fingerprint. -1 with *e. Free it all the same. */
+/* Names the files. Makes those of --tls-self-signed unless valid ones exist, and logs their fingerprint; what
+ * the operator names is checked when the transport opens. -1 with *e. The caller frees it in either case. */
 int tls_place_open(struct tls_place *place, const struct settings *settings, struct error *e);
 void tls_place_free(struct tls_place *place);
 

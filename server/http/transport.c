@@ -42,7 +42,7 @@ static const struct lws_protocols protocols[] = {
 
 static void on_due(uv_idle_t *idle);
 
-/* What must not be done from within a callback of libwebsockets is done in the loop's next round. */
+/* Defers to the next loop iteration what must not run inside a callback of libwebsockets. */
 static void later(struct peer *p) {
     struct transport *all = p->transport;
     if (p->due)
@@ -54,7 +54,6 @@ static void later(struct peer *p) {
 }
 
 static void gone(struct peer *p) {
-    p->transport->open--;
     p->transport->calls.closed(p->owner);
     free(p->out);
     free(p);
@@ -188,7 +187,6 @@ static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *use
 struct peer *peer_open(struct transport *all, int fd, void *owner) {
     struct peer *p = mem_alloc(sizeof *p);
     *p = (struct peer){.transport = all, .owner = owner, .half = -1};
-    all->open++;
     adopt(p, fd, LWS_ADOPT_SOCKET | LWS_ADOPT_ALLOW_SSL);
     return p;
 }
@@ -209,7 +207,7 @@ static size_t send_now(struct peer *p, const struct iovec *parts, size_t count) 
     return sent < 0 ? 0 : (size_t)sent;
 }
 
-/* Keeps as much as there is room for, until the writeable callback. */
+/* Buffers as much as fits, for the writeable callback. */
 static size_t keep(struct peer *p, const void *bytes, size_t size) {
     size_t room = PEER_WRITE_BYTES - p->out_size, n = size < room ? size : room;
     if (p->out_size + n > p->out_cap) {
@@ -303,10 +301,6 @@ struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls
     }
     struct transport *all = mem_alloc(sizeof *all);
     *all = (struct transport){.calls = *calls, .idle = mem_alloc(sizeof *all->idle)};
-    if (tls) {
-        all->cert = mem_strdup(tls->cert);
-        all->key = mem_strdup(tls->key);
-    }
     uv_idle_init(loop, all->idle);
     all->idle->data = all;
     lws_set_log_level(LLL_ERR | LLL_WARN, on_log);
@@ -338,7 +332,5 @@ void transport_close(struct transport *all) {
 void transport_free(struct transport *all) {
     if (all->context)
         lws_context_destroy(all->context);
-    free(all->cert);
-    free(all->key);
     free(all);
 }

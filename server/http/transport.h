@@ -40,9 +40,9 @@ struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls
  * ("bad-field"). */
 int transport_check_tls(const struct transport_tls *tls, struct error *e);
 
-/* Reads them anew, under the same names; connections that are open go on with what they have. -1 with *e, and
- * nothing is changed. */
-int transport_renew_tls(struct transport *transport, struct error *e);
+/* Reads the files with which it was opened anew; connections that are open go on with what they have. -1 with
+ * *e, and nothing is changed. */
+int transport_renew_tls(struct transport *transport, const struct transport_tls *tls, struct error *e);
 
 /* Closes what is open. Then the loop must run before it is freed. */
 void transport_close(struct transport *transport);

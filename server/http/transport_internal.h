@@ -12,8 +12,6 @@ struct transport {
     struct lws_vhost *vhost;
     uv_idle_t *idle;  /* NULL: closing */
     struct peer *due; /* see later() */
-    size_t open;
-    char *cert, *key; /* files; NULL: no TLS */
 };
 
 /* transport_tls.c */

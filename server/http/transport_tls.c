@@ -44,12 +44,9 @@ int transport_check_tls(const struct transport_tls *tls, struct error *e) {
     return failed;
 }
 
-int transport_renew_tls(struct transport *all, struct error *e) {
-    const struct transport_tls tls = {all->cert, all->key};
-    if (!all->cert)
-        return 0;
-    if (transport_check_tls(&tls, e))
+int transport_renew_tls(struct transport *all, const struct transport_tls *tls, struct error *e) {
+    if (transport_check_tls(tls, e))
         return -1;
-    lws_tls_cert_updated(all->context, all->cert, all->key, NULL, 0, NULL, 0);
+    lws_tls_cert_updated(all->context, tls->cert, tls->key, NULL, 0, NULL, 0);
     return 0;
 }

@@ -8,6 +8,7 @@
 
 enum {
     OPEN_SECONDS = 10,     /* within which it must be open */
+    AGAIN_MS = 500,        /* to the first of the tries to come back, which come later each time */
     AGAIN_MOST_MS = 10000, /* between two tries */
     STEADY_MS = 5000,      /* open for so long, and the next try after it comes soon again */
     KEEPALIVE_SECONDS = 30,
@@ -68,7 +69,7 @@ static void lose(struct websocket_client *c, const char *why) {
         return;
     }
     if (c->open && uv_now(c->loop) - c->since >= STEADY_MS)
-        c->wait = WEBSOCKET_AGAIN_MS;
+        c->wait = AGAIN_MS;
     c->open = false;
     c->come.size = 0;
     drop_outgoing(c);
@@ -219,12 +220,8 @@ struct websocket_client *websocket_client_new(uv_loop_t *loop, const char *url, 
     struct websocket_client *c = mem_alloc(sizeof *c);
     struct buf bearer = {0};
     void *loops[] = {loop};
-    *c = (struct websocket_client){.loop = loop,
-                                   .again = again,
-                                   .calls = *calls,
-                                   .ctx = ctx,
-                                   .last = &c->first,
-                                   .wait = WEBSOCKET_AGAIN_MS};
+    *c = (struct websocket_client){
+        .loop = loop, .again = again, .calls = *calls, .ctx = ctx, .last = &c->first, .wait = AGAIN_MS};
     if (!read_url(c, url)) {
         free(c);
         return NULL;

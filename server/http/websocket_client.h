@@ -16,10 +16,7 @@ struct websocket_calls {
     void (*lost)(void *ctx, const char *why);               /* after open, or when it could not be opened */
 };
 
-enum {
-    WEBSOCKET_TEXT_MOST = 1 << 20, /* a longer one ends the connection */
-    WEBSOCKET_AGAIN_MS = 500,      /* to the first of the tries to come back, which come later each time */
-};
+enum { WEBSOCKET_TEXT_MOST = 1 << 20 /* bytes; a longer message ends the connection */ };
 
 /* What `lost` says when there is nobody at that address. */
 extern const char websocket_unreachable[];

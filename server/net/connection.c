@@ -114,8 +114,6 @@ static void on_sent(void *owner) {
 }
 
 size_t connection_send_parts(struct connection *c, const struct iovec *parts, size_t count) {
-    if (c->closing)
-        return SIZE_MAX;
     if (!peer_unsent(c->peer))
         c->progress = connection_now(c);
     return peer_write(c->peer, parts, count);
@@ -124,8 +122,7 @@ size_t connection_send_parts(struct connection *c, const struct iovec *parts, si
 size_t connection_send(struct connection *c, const void *bytes, size_t size) {
     /* sendmsg takes the bytes as void * and changes none */
     const struct iovec part = {(void *)(uintptr_t)bytes, size};
-    size_t taken = connection_send_parts(c, &part, 1);
-    return taken < size ? taken : size;
+    return connection_send_parts(c, &part, 1);
 }
 
 size_t connection_unsent(const struct connection *c) {

@@ -57,8 +57,7 @@ struct connection *connection_open(struct net *net, int fd, const struct sockadd
 void connection_use(struct connection *connection, const struct connection_protocol *protocol);
 
 /* Takes bytes to be sent, as many as there is room for, and returns how many. When that is not all, the
- * protocol is told (`sent`) once there is room again. Of one that closes all is taken, and lost (SIZE_MAX of
- * parts). */
+ * protocol is told (`sent`) once there is room again. Of one that closes all is taken, and lost. */
 size_t connection_send(struct connection *connection, const void *bytes, size_t size);
 size_t connection_send_parts(struct connection *connection, const struct iovec *parts, size_t count);
 

@@ -52,14 +52,12 @@ static const char *reason_of(unsigned status) {
                    {405, "Method Not Allowed"},
                    {408, "Request Timeout"},
                    {409, "Conflict"},
-                   {411, "Length Required"},
                    {412, "Precondition Failed"},
                    {413, "Content Too Large"},
                    {414, "URI Too Long"},
                    {415, "Unsupported Media Type"},
                    {417, "Expectation Failed"},
                    {421, "Misdirected Request"},
-                   {422, "Unprocessable Content"},
                    {426, "Upgrade Required"},
                    {428, "Precondition Required"},
                    {429, "Too Many Requests"},
@@ -67,7 +65,6 @@ static const char *reason_of(unsigned status) {
                    {500, "Internal Server Error"},
                    {501, "Not Implemented"},
                    {503, "Service Unavailable"},
-                   {504, "Gateway Timeout"},
                    {505, "HTTP Version Not Supported"},
                    {507, "Insufficient Storage"}};
     for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)

@@ -70,7 +70,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->stall_seconds = options->stall_seconds;
     o->ping_seconds = options->ping_seconds;
     o->hold_seconds = options->hold_seconds;
-    if (transport_renew_tls(net->transport, &e))
+    if (o->tls && transport_renew_tls(net->transport, o->tls, &e))
         log_error("%s; the certificate stays as it was", error_text(&e, text, sizeof text));
     rights_revoke_all(net, options->revocations);
     rights_replace(net, options->secrets);

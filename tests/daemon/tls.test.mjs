@@ -86,8 +86,8 @@ test('one that has ended is made anew', async () => {
 test('requests, long answers, long bodies and speech come over it as they are', async () => {
   const health = await ask('/healthz');
   assert.deepEqual([health.status, health.headers['strict-transport-security']], [200, 'max-age=3600']);
-  const [name] = JSON.parse((await ask('/v1/models')).body).models ?? JSON.parse((await ask('/v1/models')).body);
-  const address = `/v1/models/${name.name}`;
+  const [{ name }] = JSON.parse((await ask('/v1/models')).body).models;
+  const address = `/v1/models/${name}`;
   const [plain, secure] = [Buffer.from(await (await daemon.get(address)).arrayBuffer()), (await ask(address)).body];
   assert.ok(plain.equals(secure) && plain.length > 500000, `${plain.length} ${secure.length}`);
   const sound = await ask('/v1/speech?lang=it', { method: 'POST', headers: { 'content-type': 'text/plain' } }, 'Ciao a tutti. '.repeat(40));
@@ -181,7 +181,8 @@ test('from another machine without it: sent to https:, whatever is asked', async
 });
 
 test('SIGHUP takes a new certificate; one that is none leaves the old one; connections go on', async (t) => {
-  const first = certify('first'), second = certify('second');
+  const first = certify('first');
+  certify('second');
   const other = await Daemon.start(first, {}, { voices: false });
   t.after(async () => assert.equal((await other.stop()).code, 0));
   const seen = async () => {
@@ -212,7 +213,6 @@ test('SIGHUP takes a new certificate; one that is none leaves the old one; conne
   kept.send({ type: 'ping', id: 'p' });
   await kept.wait({ type: 'pong', id: 'p' });
   await kept.close();
-  assert.ok(second.length);
 });
 
 test('what is no certificate, no key, not its key, or a key for everybody is refused at the start with its name', () => {
