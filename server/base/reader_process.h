@@ -49,7 +49,7 @@ void reader_process_go_on(struct reader_process *p, unsigned seconds);
  * "took more than 5 s of processor time". */
 int reader_process_end(struct reader_process *p, char *why, size_t cap);
 
-/* A descriptor from which those bytes can be read, in memory alone; -1 = there is none. */
+/* Returns a descriptor that reads these bytes from memory, or -1 if none can be made. */
 int reader_input(const void *data, size_t size);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/shelf.h"
 #include "server/base/mem.h"
+#include "server/base/write_all.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -159,18 +160,6 @@ int shelf_read(const struct shelf *shelf, const char *name, struct buf *out, cha
         return error_plain_in_field(e, shelf->unknown, "name");
     etag_of(out->data ? out->data + before : NULL, out->size - before, tag);
     return found < 0 ? -1 : 0;
-}
-
-static bool write_all(int fd, const void *data, size_t size) {
-    const char *at = data;
-    while (size) {
-        ssize_t put = write(fd, at, size);
-        if (put < 0 && errno != EINTR)
-            return false;
-        at += put > 0 ? put : 0;
-        size -= put > 0 ? (size_t)put : 0;
-    }
-    return true;
 }
 
 /* The new file is whole on the disk before it takes the old one's name. */

@@ -3,7 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/mixdown.h"
 #include "server/base/wav_file.h"
-#include <errno.h>
+#include "server/base/write_all.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A process gets so many seconds of processor time, and so many more for each megabyte of the file: an hour
- * of speech in a megabyte of Opus takes half a minute. It waits, and takes none, while nobody takes its
- * samples. */
+/* Processor time of a process: SECONDS_LEAST, plus SECONDS_EACH for every megabyte of the file, since one
+ * megabyte of Opus can hold an hour of speech, which takes half a minute to decode. While its output is not
+ * read, the process blocks and uses none. */
 enum {
     BLOCK = 4096,
     MEGABYTES = 512,
@@ -89,27 +89,16 @@ static size_t decode(struct decoder *d, float *samples, size_t count) {
 
 /* ---- the process ---- */
 
-static bool put(int out, const void *data, size_t size) {
-    for (const char *at = data; size;) {
-        ssize_t done = write(out, at, size);
-        if (done < 0 && errno != EINTR)
-            return false;
-        at += done > 0 ? done : 0;
-        size -= done > 0 ? (size_t)done : 0;
-    }
-    return true;
-}
-
 int sound_reader_serve(unsigned most, int in, int out) {
     struct decoder d;
     struct greeting hello = {0};
     float samples[BLOCK];
     bool well = open_decoder(&d, in, NULL, most, hello.message), heard;
     hello.rate = well ? d.rate : 0;
-    heard = put(out, &hello, sizeof hello);
+    heard = write_all(out, &hello, sizeof hello);
     for (uint32_t count = 1; heard && well && count;) {
         count = (uint32_t)decode(&d, samples, BLOCK);
-        heard = put(out, &count, sizeof count) && put(out, samples, count * sizeof *samples);
+        heard = write_all(out, &count, sizeof count) && write_all(out, samples, count * sizeof *samples);
     }
     close_decoder(&d);
     return heard ? 0 : -1;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sound of any format that libsndfile reads, as mono samples. Where a reader is given (reader_process.h), it
- * is decoded by a process of its own: neither what is wrong with the sound nor what its codec makes of it
- * costs the caller more than an error. What the process says is checked; it takes the processor time of
- * sound_limits. */
+/* Decodes sound of any format that libsndfile reads to mono samples. With a reader (reader_process.h), a
+ * confined process decodes it, whose processor time and memory are bounded and whose output is checked: a
+ * damaged file, or a fault of its codec, costs the caller an error and no more. */
 #ifndef FACCIA_BASE_SOUND_READER_H
 #define FACCIA_BASE_SOUND_READER_H
 
@@ -31,7 +30,8 @@ size_t sound_reader_read(struct sound_reader *s, float *samples, size_t count);
 /* Why the sound ended before its end, as in "took more than 10 s of processor time"; NULL: it did not. */
 const char *sound_reader_wrong(const struct sound_reader *s);
 
-/* The process's part: decodes `in` to `out` until nobody reads it. 0, or -1: nobody reads it. */
+/* Runs in the process: decodes `in` and writes the samples to `out`. 0: all of them; -1: the reader closed
+ * `out`. */
 int sound_reader_serve(unsigned channels_most, int in, int out);
 
 #endif

@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/base/wire_bytes.h"
+#include "server/base/write_all.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,11 +53,7 @@ static void begin_frame(struct saying *s, enum frame_kind kind) {
 static void end_frame(struct saying *s) {
     uint32_t size = (uint32_t)(s->frame.size - 8);
     memcpy(s->frame.data + 4, &size, sizeof size);
-    for (size_t at = 0; at < s->frame.size && !s->broken;) {
-        ssize_t put = write(s->out, s->frame.data + at, s->frame.size - at);
-        s->broken = put < 0 && errno != EINTR;
-        at += put > 0 ? (size_t)put : 0;
-    }
+    s->broken = s->broken || !write_all(s->out, s->frame.data, s->frame.size);
 }
 
 static void put_error(struct buf *b, const struct error *e) {

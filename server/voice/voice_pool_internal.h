@@ -10,11 +10,11 @@
 #include "server/voice/voice_pool.h"
 #include "server/voice/wire.h"
 
-/* Jobs in the order in which they came. Those that wait for a worker, or to be given back from the cache,
- * leave it by fair queueing with virtual finish times (Golestani 1994), in two steps: between payers, and
- * within a payer between its askers. A time is counted in bytes of text (job_cost): each job ends its cost
- * after the one before it of the same payer or asker, or after the job that left last, whichever is later;
- * the earliest end leaves first. Payers are told apart by a hash. */
+/* Holds jobs in order of arrival. Jobs that wait for a worker, or for their turn from the cache, leave by fair
+ * queueing with virtual finish times (Golestani 1994), first between payers and then between one payer's
+ * askers. Virtual time counts bytes of text (job_cost): a job finishes its cost after the previous job of the
+ * same payer or asker, or after the job that left last, whichever is later; the earliest finish leaves first.
+ * Payers are identified by a hash. */
 enum { QUEUE_PAYERS = 256, JOB_COST = 64 /* of any job, besides its text */ };
 struct job_queue {
     struct voice_job *first, *last;
