@@ -10,8 +10,8 @@
 #include "server/voice/voice_pool.h"
 #include "server/voice/wire.h"
 
-/* Holds jobs in order of arrival. Jobs that wait for a worker, or for their turn from the cache, leave by fair
- * queueing with virtual finish times (Golestani 1994), first between payers and then between one payer's
+/* Holds jobs in order of arrival. Jobs that wait for a worker, or for their turn from the cache, leave by
+ * fair queueing with virtual finish times (Golestani 1994), first between payers and then between one payer's
  * askers. Virtual time counts bytes of text (job_cost): a job finishes its cost after the previous job of the
  * same payer or asker, or after the job that left last, whichever is later; the earliest finish leaves first.
  * Payers are identified by a hash. */

@@ -165,8 +165,8 @@ static void on_shut(uv_shutdown_t *shutdown, int status) {
         let_go(shutdown->data);
 }
 
-/* Sends `error` and shuts the connection down, because clients wait for audio-stop or for its end, and some do
- * not know `error`. Reads on until the client hangs up, so that a reset does not discard the event. */
+/* Sends `error` and shuts the connection down, because clients wait for audio-stop or for its end, and some
+ * do not know `error`. Reads on until the client hangs up, so that a reset does not discard the event. */
 static void fail(struct wyoming_client *c, const char *why, const char *code) {
     if (c->failed || c->closing)
         return;
