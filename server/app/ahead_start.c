@@ -16,5 +16,5 @@ void ahead_start(struct speak_ahead **ahead, const struct settings *s, const str
              !voice_pool_find(pipeline->voices, s->ahead, NULL, NULL, &e))
         log_warn("nothing is spoken ahead: --library-ahead: %s", e.message);
     else
-        *ahead = speak_ahead_open(pipeline, library, s->ahead, most < kept ? most : kept, s->net.text_bytes);
+        *ahead = speak_ahead_open(pipeline, library, s->ahead, most < kept ? most : kept, s->api.text_bytes);
 }

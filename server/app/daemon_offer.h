@@ -3,7 +3,7 @@
 #ifndef FACCIA_APP_DAEMON_OFFER_H
 #define FACCIA_APP_DAEMON_OFFER_H
 
-#include "server/net/offer.h"
+#include "server/api/offer.h"
 #include "server/synthesis/synthesis.h"
 
 struct daemon_offer;

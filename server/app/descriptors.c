@@ -10,7 +10,7 @@ enum {
     LEAST = 4 /* connections */
 };
 
-void descriptors_provide(struct net_options *o, unsigned workers) {
+void descriptors_provide(struct http_options *o, unsigned workers) {
     struct rlimit limit;
     rlim_t own = OWN + (rlim_t)EACH_WORKER * PLUGINS * workers;
     rlim_t need = own + o->connections + o->connections_above;

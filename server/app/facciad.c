@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/api/api.h"
 #include "server/app/access_place.h"
 #include "server/app/ahead_start.h"
 #include "server/app/cluster_place.h"
@@ -16,7 +17,6 @@
 #include "server/base/program.h"
 #include "server/base/work_gate.h"
 #include "server/codec/codec_load.h"
-#include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +48,7 @@ struct daemon {
     char *voice_config;      /* with the library's recordings; NULL: there are none */
     struct cluster_place place;
     struct speak_ahead *ahead;
-    struct net *net;
+    struct api *api;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
@@ -69,24 +69,24 @@ static void on_gestures(void *ctx) {
 }
 
 /* The network's section, with what is no setting. */
-static struct net_options net_options_of(struct daemon *d) {
-    struct net_options options = d->settings.net;
+static struct api_options net_options_of(struct daemon *d) {
+    struct api_options options = d->settings.api;
     options.models = d->settings.models;
     options.library = d->library;
     options.reader = d->reader;
     options.gestures = d->settings.gestures;
     options.on_gestures = (struct shelf_listener){on_gestures, d};
     options.works = d->settings.library;
-    options.listen_fds = d->sockets;
-    options.listen_count = d->socket_count;
-    options.tls = d->tls.on ? &d->tls.tls : NULL;
+    options.http.listen_fds = d->sockets;
+    options.http.listen_count = d->socket_count;
+    options.http.tls = d->tls.on ? &d->tls.tls : NULL;
     options.secrets = d->access.secrets.count ? &d->access.secrets : NULL;
     options.revocations = &d->access.revocations;
     options.shares = d->place.cluster != NULL;
     options.bus = d->place.bus;
     options.board = d->place.board;
-    options.connections_above = NET_CONNECTIONS_ABOVE;
-    descriptors_provide(&options, d->settings.voices.workers);
+    options.http.connections_above = API_CONNECTIONS_ABOVE;
+    descriptors_provide(&options.http, d->settings.voices.workers);
     return options;
 }
 
@@ -100,7 +100,7 @@ static void on_ready(void *ctx) {
     if (!count) {
         static const char none[] = "no voice plugin could be started";
         log_error(none);
-        net_set_unavailable(d->net, none);
+        api_set_unavailable(d->api, none);
         return;
     }
     if (!synthesis_can_speak(&d->stages.pipeline, d->settings.lang)) {
@@ -111,7 +111,7 @@ static void on_ready(void *ctx) {
         stop(d);
         return;
     }
-    net_set_ready(d->net);
+    api_set_ready(d->api);
     ahead_start(&d->ahead, &d->settings, &d->stages.pipeline, d->library);
     snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->stages.packs.count);
     log_info("ready: %s", status);
@@ -139,8 +139,8 @@ static void reload(struct daemon *d) {
         struct access_place old_access = d->access;
         d->settings = settings;
         d->access = access;
-        struct net_options options = net_options_of(d);
-        net_change(d->net, &options);
+        struct api_options options = net_options_of(d);
+        api_change(d->api, &options);
         d->stages.heard.most = settings.heard_most;
         d->stages.heard.payer_most = settings.heard_address;
         d->stages.heard.seconds = settings.heard_seconds;
@@ -159,8 +159,8 @@ static void stop(struct daemon *d) {
     if (d->stopped)
         return;
     d->stopped = true;
-    if (d->net)
-        net_close(d->net);
+    if (d->api)
+        api_close(d->api);
     speak_ahead_close(d->ahead);
     stages_stop_voices(&d->stages);
     cluster_place_close(&d->place);
@@ -178,9 +178,9 @@ static void on_ending(uv_timer_t *timer) {
     struct daemon *d = timer->data;
     if (d->dismissed) {
         stop(d);
-    } else if (!net_busy(d->net) || uv_now(&d->loop) >= d->end_by) {
+    } else if (!api_busy(d->api) || uv_now(&d->loop) >= d->end_by) {
         d->dismissed = true;
-        net_dismiss(d->net, error_name(ERROR_STOPPING));
+        api_dismiss(d->api, error_name(ERROR_STOPPING));
         uv_timer_start(timer, on_ending, GOODBYE_MS, 0);
     }
 }
@@ -189,7 +189,7 @@ static void drain(struct daemon *d) {
     d->draining = true;
     d->end_by = uv_now(&d->loop) + (uint64_t)d->settings.stop_seconds * 1000;
     service_stopping();
-    net_drain(d->net);
+    api_drain(d->api);
     uv_timer_start(&d->ending, on_ending, 0, LOOK_MS);
 }
 
@@ -242,12 +242,12 @@ static int start(struct daemon *d, struct error *e) {
     d->reader = (struct reader){d->paths.reader, s->voices.unconfined};
     pipeline->reader = &d->reader;
     pipeline->gate = &d->gate;
-    pipeline->open_seconds = s->net.open_seconds;
-    struct net_options options = net_options_of(d);
+    pipeline->open_seconds = s->api.open_seconds;
+    struct api_options options = net_options_of(d);
     d->offer = daemon_offer_new(pipeline);
     const struct offer_source offer = daemon_offer_source(d->offer);
-    d->net = net_open(pipeline, &offer, &options, e);
-    if (!d->net)
+    d->api = api_open(pipeline, &offer, &options, e);
+    if (!d->api)
         return -1;
     pipeline->coders = d->coders = coder_pool_open(&d->loop, 0);
     codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
@@ -259,7 +259,7 @@ static int start(struct daemon *d, struct error *e) {
 
 static void log_addresses(const struct daemon *d) {
     struct buf text = {0};
-    for (size_t i = 0; net_address(d->net, i, &text); i++) {
+    for (size_t i = 0; api_address(d->api, i, &text); i++) {
         log_info("listening on %.*s", (int)text.size, (const char *)text.data);
         buf_free(&text);
     }
@@ -278,8 +278,8 @@ static int run(struct daemon *d) {
     uv_run(&d->loop, UV_RUN_DEFAULT);
     if (d->failed)
         status = 1;
-    if (d->net)
-        net_free(d->net);
+    if (d->api)
+        api_free(d->api);
     library_close(d->library);
     free(d->voice_config);
     daemon_offer_free(d->offer);

@@ -26,7 +26,7 @@ static void set_defaults(struct settings *s, const struct paths *paths) {
         if (settings_table[i].value)
             setting_from_text(s, &settings_table[i], settings_table[i].value, "", &e);
     s->models = mem_strdup(paths->models);
-    s->net.web = mem_strdup(paths->web);
+    s->api.web = mem_strdup(paths->web);
     s->voices.plugin_dir = mem_strdup(paths->plugins);
     s->voices.worker = mem_strdup(paths->worker);
 }

@@ -8,7 +8,7 @@
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/paths.h"
-#include "server/net/net.h"
+#include "server/api/api.h"
 #include "server/voice/voice_pool.h"
 #include <stdbool.h>
 
@@ -16,7 +16,7 @@
  * settings. */
 struct settings {
     struct settings *before; /* that these came in place of; NULL: none */
-    struct net_options net;
+    struct api_options api;
     struct voice_pool_options voices;
     const char *models, *sounds; /* folders; sounds NULL = none */
     const char *gestures;        /* folder; NULL = none besides those of models */

@@ -269,7 +269,7 @@ int kit_page(struct kit *kit) {
     json_dump_callback(manifest, append, &data, JSON_COMPACT | JSON_REAL_PRECISION(7));
     json_decref(manifest);
     /* Without the client's bundle (built without Node.js) the page loads it from the daemon. */
-    snprintf(path, sizeof path, "%s/talking-head.js", kit->settings->net.web);
+    snprintf(path, sizeof path, "%s/talking-head.js", kit->settings->api.web);
     if (!access(path, R_OK))
         failed = failed || cli_read(path, &bundle);
     snprintf(path, sizeof path, "%s/stimuli/page.html", kit->settings->models);

@@ -40,8 +40,12 @@ struct remote_member {
 struct fetch *remote_ask(struct remote *remote, const char *path, const struct remote_member *members,
                          const char *type, const char *body, remote_answered *answered, void *ctx);
 
-/* The same, with the bytes of a body of status 200 as they come, if bytes is not NULL: the answer has none of
- * them then. What they do may give up this request, and no other. */
+/* Gives a room the command that is a message's JSON. */
+struct fetch *remote_command(struct remote *remote, const char *room, const char *message,
+                             remote_answered *answered, void *ctx);
+
+/* remote_ask, with the bytes of a body of status 200 as they come, if bytes is not NULL: the answer has none
+ * of them then. What they do may give up this request, and no other. */
 typedef void remote_bytes(void *ctx, const void *bytes, size_t size);
 struct fetch *remote_fetch(struct remote *remote, const char *path, const struct remote_member *members,
                            const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,

@@ -297,3 +297,14 @@ struct fetch *remote_ask(struct remote *r, const char *path, const struct remote
                          const char *type, const char *body, remote_answered *answered, void *ctx) {
     return remote_fetch(r, path, members, type, body, NULL, answered, ctx);
 }
+
+struct fetch *remote_command(struct remote *r, const char *room, const char *message,
+                             remote_answered *answered, void *ctx) {
+    static const struct remote_member none = {NULL, NULL};
+    struct buf path = {0};
+    buf_printf(&path, "/v1/rooms/%s/commands", room);
+    struct fetch *fetch =
+        remote_ask(r, (const char *)path.data, &none, "application/json", message, answered, ctx);
+    buf_free(&path);
+    return fetch;
+}

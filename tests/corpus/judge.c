@@ -8,7 +8,7 @@
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/face/packs/spelling.h"
-#include "server/net/models.h"
+#include "server/api/heads.h"
 #include "server/normalize/normalizers.h"
 #include "server/plugins/command/command_config.h"
 #include "server/voice/boundary_table.h"

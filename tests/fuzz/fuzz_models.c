@@ -2,7 +2,7 @@
 /* A head model as the daemon takes it apart for the socket. Byte 0: whether the rest is a file, or edits
  * (json_edit.c) of the small head in corpus/models/head.json. */
 #include "server/base/mem.h"
-#include "server/net/models.h"
+#include "server/api/heads.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

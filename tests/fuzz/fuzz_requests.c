@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
  * each), or a message of ours for people who type. */
+#include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/net/net_internal.h"
-#include "server/net/socket_internal.h"
+#include "server/rooms/notices.h"
 #include "server/synthesis/speech_request.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -23,7 +23,7 @@ static void check_request(const struct speech_request *r) {
 static void check_error(const struct error *e) {
     FUZZ_CHECK(e->code && memchr(e->message, 0, sizeof e->message) && memchr(e->field, 0, sizeof e->field));
     struct buf out = {0};
-    message_write(&out, message_error(e));
+    json_write(&out, error_json(e));
     json_t *again = json_loadb((char *)out.data, out.size, JSON_ALLOW_NUL, NULL);
     FUZZ_CHECK(again);
     json_decref(again);
@@ -59,11 +59,11 @@ static void take_message(const json_t *message) {
     check_told(&request);
     request_copy(&copy, &request);
     check_request(&copy);
-    if (live_idle(message, &request, 1, &idle, &on, &e))
+    if (idle_from_json(message, &request, 1, &idle, &on, &e))
         check_error(&e);
     else
         FUZZ_CHECK(idle.life >= 0 && idle.life <= 2);
-    if (live_express(message, &mix, &e)) {
+    if (express_read(message, &mix, &e)) {
         check_error(&e);
     } else {
         FUZZ_CHECK(mix.count <= MOOD_MIX && mix.ease >= 0 && isfinite(mix.ease));

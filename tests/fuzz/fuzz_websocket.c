@@ -2,7 +2,7 @@
 /* The frames of a WebSocket's client, in pieces whose sizes byte 0 determines. However they are cut, the same
  * is heard. */
 #include "server/base/buf.h"
-#include "server/net/websocket_reader.h"
+#include "server/http/websocket_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

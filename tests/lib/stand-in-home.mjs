@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A room's home that a test plays: it has the lease, hears what a daemon asks of it, and says what it likes (server/net/homes.h).
+// A room's home that a test plays: it has the lease, hears what a daemon asks of it, and says what it likes (server/rooms/shared/shared_internal.h).
 import { spawn } from 'node:child_process';
 import { eventually } from './daemon.mjs';
 

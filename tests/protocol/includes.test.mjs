@@ -24,8 +24,9 @@ const BELOW = {
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   library: ['base'],
   publish: ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
-  http: ['base'],
-  net: ['http', 'library', 'access', 'cluster', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
+  http: ['access', 'base'],
+  rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],
+  api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   align: ['face', 'voice', 'markup', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],
   eval: ['fit', 'face', 'voice', 'expression', 'protocol', 'base'],
@@ -35,7 +36,7 @@ const BELOW = {
 BELOW.app = Object.keys(BELOW);
 
 /** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
-const HIDDEN = { net: ['face', 'voice', 'normalize'] };
+const HIDDEN = { rooms: ['face', 'voice', 'normalize'], api: ['face', 'voice', 'normalize'] };
 
 /** One state machine in several files: a worker asks the queue for a sentence, the queue wakes a worker. */
 const MACHINE = /^server\/voice\/(voice_pool\w*|worker|worker_sentence)\.c$/;
@@ -177,11 +178,11 @@ for (const [what, files, expected] of [
   ['a circle of includes', [file('server/base/a.h', '#include "server/base/b.h"'), file('server/base/b.h', '#include "server/base/a.h"')], /^circle of includes: server\/base\/a\.h, server\/base\/b\.h$/],
   ['a circle of calls', [file('server/base/a.c', 'int a(void) {\n    return b();\n}'), file('server/base/b.c', 'int b(void) {\n    return a();\n}')], /^circle of calls: server\/base\/a\.c, server\/base\/b\.c$/],
   ['no circle: one unit', [file('server/base/a.h', ''), file('server/base/a.c', '#include "server/base/a.h"\n#include "a_internal.h"'), file('server/base/a_internal.h', '#include "server/base/a.h"')], null],
-  ['the order', [file('server/net/a.c', '#include "server/face/b.h"'), file('server/face/b.h', '')], /^stage: server\/net\/a\.c \(net\) includes server\/face\/b\.h$/],
-  ['what is hidden', [file('server/net/a.c', '#include "server/stream/b.h"'), file('server/stream/b.h', '#include "server/face/c.h"'), file('server/face/c.h', '')], /^hidden: server\/net\/a\.c reaches server\/face\/c\.h through server\/stream\/b\.h$/],
-  ['a name', [file('server/net/a.c', ''), file('server/face/a.h', '')], /^name: a in server\/net, server\/face$/],
-  ['a length', [file('server/net/a.c', 'int x;\n'.repeat(801))], /^length: server\/net\/a\.c has 801 lines$/],
-  ['a table', [file('server/net/a_table.c', '    {"x", 1},\n'.repeat(801))], null],
+  ['the order', [file('server/api/a.c', '#include "server/face/b.h"'), file('server/face/b.h', '')], /^stage: server\/api\/a\.c \(api\) includes server\/face\/b\.h$/],
+  ['what is hidden', [file('server/api/a.c', '#include "server/stream/b.h"'), file('server/stream/b.h', '#include "server/face/c.h"'), file('server/face/c.h', '')], /^hidden: server\/api\/a\.c reaches server\/face\/c\.h through server\/stream\/b\.h$/],
+  ['a name', [file('server/api/a.c', ''), file('server/face/a.h', '')], /^name: a in server\/api, server\/face$/],
+  ['a length', [file('server/api/a.c', 'int x;\n'.repeat(801))], /^length: server\/api\/a\.c has 801 lines$/],
+  ['a table', [file('server/api/a_table.c', '    {"x", 1},\n'.repeat(801))], null],
 ])
   test(`the rules see ${what}`, () => {
     const lines = broken(files);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Frames as they are read out of bytes, however those are cut; UTF-8 in pieces. */
 #include "server/base/buf.h"
-#include "server/net/websocket_reader.h"
+#include "server/http/websocket_reader.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -53,21 +53,20 @@ static void on_told(void *ctx, const struct remote_answer *answer) {
 }
 
 static void show_next(struct assistant *a) {
-    const struct remote_member members[] = {{"room", a->room}, {NULL, NULL}};
     if (!a->next || a->asking >= STATES_MOST)
         return;
     char *body = json_dumps(a->next, JSON_COMPACT);
     json_decref(a->next);
     a->next = NULL;
     a->asking++;
-    remote_ask(a->remote, "/v1/state", members, "application/json", body, on_told, a);
+    remote_command(a->remote, a->room, body, on_told, a);
     free(body);
 }
 
 /* Of states that come faster than the daemon takes them the last one counts. */
 static void show(struct assistant *a, const char *state, const char *text) {
     json_decref(a->next);
-    a->next = json_pack("{ss ss*}", "state", state, "text", text);
+    a->next = json_pack("{ss ss ss*}", "type", "state", "state", state, "text", text);
     show_next(a);
 }
 

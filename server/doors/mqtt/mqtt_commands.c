@@ -17,7 +17,6 @@ struct asking {
     struct asking *next, **self; /* of the bridge */
     struct bridge_room *room;
     uv_timer_t *timer;
-    const char *path;
     const char *command; /* the topic that it came by; NULL: it came of another */
     char *body;
     json_t *mix;      /* the mood that is asked for; NULL: none */
@@ -117,24 +116,24 @@ static void on_answer(void *ctx, const struct remote_answer *answer) {
 }
 
 static void ask(struct asking *a) {
-    const struct remote_member members[] = {{"room", a->room->name}, {NULL, NULL}};
-    remote_ask(a->room->bridge->remote, a->path, members, "application/json", a->body, on_answer, a);
+    remote_command(a->room->bridge->remote, a->room->name, a->body, on_answer, a);
 }
 
 /* NULL: too many wait already, which is told; body is released. */
-static struct asking *ask_for(struct bridge_room *r, const char *command, const char *path, json_t *body,
+static struct asking *ask_for(struct bridge_room *r, const char *command, const char *type, json_t *body,
                               const char *id) {
     static const char full[] = "too many wait for the daemon";
     if (r->bridge->asking >= ASKING_MOST) {
         if (*id)
             room_tell(r, id, "failed", full);
         else
-            room_refuse(r, command ? command : path, full);
+            room_refuse(r, command ? command : type, full);
         json_decref(body);
         return NULL;
     }
+    json_object_set_new(body, "type", json_string(type));
     struct asking *a = mem_alloc(sizeof *a);
-    *a = (struct asking){.room = r, .command = command, .path = path, .body = json_dumps(body, JSON_COMPACT)};
+    *a = (struct asking){.room = r, .command = command, .body = json_dumps(body, JSON_COMPACT)};
     snprintf(a->id, sizeof a->id, "%s", id);
     a->timer = mem_alloc(sizeof *a->timer);
     uv_timer_init(r->bridge->loop, a->timer);
@@ -192,7 +191,7 @@ static void say(struct bridge_room *r, json_t *request, const char *site, const 
         json_decref(request);
         return;
     }
-    struct asking *a = ask_for(r, "say", "/v1/say", request, id);
+    struct asking *a = ask_for(r, "say", "speak", request, id);
     if (a)
         a->of_room = of_room;
 }
@@ -220,8 +219,8 @@ void hermes_say(struct bridge *b, const char *payload, size_t size) {
 static void mute(struct bridge_room *r, const char *payload) {
     r->muted = !strcasecmp(payload, "ON");
     if (r->muted)
-        ask_for(r, NULL, "/v1/stop", json_object(), "");
-    ask_for(r, NULL, "/v1/state", json_pack("{ss}", "state", r->muted ? "muted" : "idle"), "");
+        ask_for(r, NULL, "stop", json_object(), "");
+    ask_for(r, NULL, "state", json_pack("{ss}", "state", r->muted ? "muted" : "idle"), "");
     room_publish_all(r);
 }
 
@@ -231,7 +230,7 @@ static void presence(struct bridge_room *r, const char *payload) {
     if (!on && strcasecmp(payload, "OFF") && strcasecmp(payload, "not_home"))
         room_refuse(r, "presence", "it is neither ON nor OFF");
     else if (on == r->absent)
-        ask_for(r, "presence", "/v1/state",
+        ask_for(r, "presence", "state",
                 json_pack("{ss}", "state",
                           !on        ? "asleep"
                           : r->muted ? "muted"
@@ -261,7 +260,7 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
     json_t *mix = mix_of(text, size);
     const char *state = *r->state ? r->state : "idle";
     if (mix) {
-        struct asking *a = ask_for(r, "express", "/v1/state",
+        struct asking *a = ask_for(r, "express", "state",
                                    json_pack("{ss sO}", "state", r->muted ? "muted" : state, "mix", mix), "");
         if (a)
             a->mix = json_incref(mix);
@@ -287,12 +286,9 @@ static void choose_voice(struct bridge_room *r, const char *voice) {
 
 void room_command(struct bridge_room *r, const char *command, const char *payload, size_t size) {
     static const struct {
-        const char *command, *path, *member; /* of a text that is no object */
-    } plain[] = {{"stop", "/v1/stop", "text"},
-                 {"pause", "/v1/pause", "text"},
-                 {"resume", "/v1/resume", "text"},
-                 {"state", "/v1/state", "state"},
-                 {"choices", "/v1/choices", "question"}};
+        const char *command, *member; /* of a text that is no object */
+    } plain[] = {
+        {"stop", "text"}, {"pause", "text"}, {"resume", "text"}, {"state", "state"}, {"choices", "question"}};
     json_t *object;
     if (!strcmp(command, "say")) {
         if ((object = object_of(r, "say", "text", payload, size)))
@@ -309,5 +305,5 @@ void room_command(struct bridge_room *r, const char *command, const char *payloa
     for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
         if (!strcmp(command, plain[i].command) &&
             (object = object_of(r, plain[i].command, plain[i].member, payload, size)))
-            ask_for(r, plain[i].command, plain[i].path, object, "");
+            ask_for(r, plain[i].command, plain[i].command, object, "");
 }

@@ -6,7 +6,7 @@ import { ModelError } from './model-error.mjs';
 /** How many feature points each group of ISO/IEC 14496-2 has. */
 const GROUPS = { 2: 14, 3: 14, 4: 6, 5: 4, 6: 4, 7: 1, 8: 10, 9: 15, 10: 10, 11: 6 };
 const FARTHEST = 1000; // mm
-const MOST_PIXELS = 1 << 22; // of a texture, as server/net/calibration.h has it
+const MOST_PIXELS = 1 << 22; // of a texture, as server/rooms/notices.h has it
 
 /** @param {string} name such as "8.4" */
 export function isFeaturePoint(name) {

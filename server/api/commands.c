@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/api/commands.h"
+#include "server/api/api_internal.h"
+#include "server/api/client_internal.h"
+#include "server/base/mem.h"
+#include "server/base/near.h"
+#include "server/rooms/notices.h"
+#include <stdlib.h>
+#include <string.h>
+
+static struct stream *stream_of(const struct command_call *call) {
+    return channel_stream(call->channel);
+}
+
+/* {"type":TYPE,"room":ROOM}; on a stream of one's own nobody asks for an answer. */
+static int answer(struct command_call *call, unsigned status, const char *type) {
+    call->status = status;
+    if (call->room)
+        call->answer = json_pack("{ss ss}", "type", type, "room", call->room);
+    return 0;
+}
+
+static int accepted(struct command_call *call) {
+    answer(call, 202, "accepted");
+    if (call->answer)
+        json_object_set_new(call->answer, "listeners",
+                            json_integer((json_int_t)channel_listeners(call->channel)));
+    return 0;
+}
+
+/* A string without NUL, or NULL with *e. */
+static const char *string_of(const struct command_call *call, const char *name, struct error *e) {
+    const json_t *value = json_object_get(call->message, name);
+    const char *string = json_string_value(value);
+    if (string && strlen(string) == json_string_length(value))
+        return string;
+    error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, name, "must be a string");
+    return NULL;
+}
+
+static int speak(struct command_call *call, struct error *e) {
+    if (!call->room || !call->keeps) {
+        call->utterance = stream_speak(stream_of(call), call->request);
+        return accepted(call);
+    }
+    call->answer = room_speak(call->api->rooms, call->room, call->request, &call->utterance, e);
+    call->status = 202;
+    return call->answer ? 0 : -1;
+}
+
+static int play(struct command_call *call, struct error *e) {
+    struct recording_source source = {0};
+    const char *name = string_of(call, "name", e);
+    if (!name || media_source(call->api, &source, name, e)) {
+        recording_source_free(&source);
+        return -1;
+    }
+    source.id = call->request->id ? mem_strdup(call->request->id) : NULL;
+    call->utterance = stream_play(stream_of(call), &source, call->request);
+    recording_source_free(&source);
+    return accepted(call);
+}
+
+static int stop(struct command_call *call, struct error *e) {
+    (void)e;
+    stream_stop(stream_of(call));
+    return answer(call, 200, "stopped");
+}
+
+static int pause_speech(struct command_call *call, struct error *e) {
+    (void)e;
+    stream_pause(stream_of(call));
+    return answer(call, 200, "paused");
+}
+
+static int resume(struct command_call *call, struct error *e) {
+    (void)e;
+    stream_resume(stream_of(call));
+    return answer(call, 200, "resumed");
+}
+
+static int rate(struct command_call *call, struct error *e) {
+    const json_t *value = json_object_get(call->message, "rate");
+    if (!json_is_number(value))
+        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "rate", "must be a number");
+    return stream_rate(stream_of(call), json_number_value(value), e) ? -1 : accepted(call);
+}
+
+static int jump(struct command_call *call, struct error *e) {
+    const char *mark = string_of(call, "mark", e);
+    return !mark || stream_jump(stream_of(call), mark, e) ? -1 : accepted(call);
+}
+
+static int cancel(struct command_call *call, struct error *e) {
+    const char *id = string_of(call, "id", e);
+    if (!id)
+        return -1;
+    if (!stream_cancel(stream_of(call), id))
+        return error_in_field(e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is spoken or waits",
+                              id);
+    return accepted(call);
+}
+
+static int express(struct command_call *call, struct error *e) {
+    return notice_express(call->channel, call->message, *call->by ? call->by : NULL, e) ? -1 : accepted(call);
+}
+
+static int offer_choices(struct command_call *call, struct error *e) {
+    return notice_choices(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
+static int choose(struct command_call *call, struct error *e) {
+    return notice_choose(call->channel, call->message, call->by, e) ? -1 : accepted(call);
+}
+
+static int set_state(struct command_call *call, struct error *e) {
+    return notice_state(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
+static int calibrate(struct command_call *call, struct error *e) {
+    return notice_calibrate(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
+static int consent(struct command_call *call, struct error *e) {
+    return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
+}
+
+/* Who listens may answer without any right. Nobody consents for another: an observer cannot answer. */
+static int check_consent(const struct command_call *call, bool *exempt, struct error *e) {
+    if (consent_is_answer(call->message, exempt, e))
+        return -1;
+    return *exempt && call->observes ? error_set(e, ERROR_FORBIDDEN, "only who listens can consent") : 0;
+}
+
+static const struct command commands[] = {
+    {"speak", RIGHT_SPEAK, .speaks = true, .run = speak},
+    {"play", RIGHT_SPEAK, .speaks = true, .run = play},
+    {"stop", RIGHT_SPEAK, .run = stop, .bare = true},
+    {"pause", RIGHT_SPEAK, .run = pause_speech, .bare = true},
+    {"resume", RIGHT_SPEAK, .run = resume, .bare = true},
+    {"rate", RIGHT_SPEAK, .run = rate},
+    {"jump", RIGHT_SPEAK, .run = jump},
+    {"cancel", RIGHT_SPEAK, .run = cancel},
+    {"express", RIGHT_SPEAK, .run = express},
+    {"choices", RIGHT_SPEAK, .run = offer_choices},
+    {"choose", 0, .run = choose}, /* who hears the question may answer it */
+    {"state", RIGHT_SPEAK, .run = set_state},
+    {"calibrate", RIGHT_SPEAK, .run = calibrate},
+    {"consent", RIGHT_SPEAK, .check = check_consent, .run = consent},
+    {"text", RIGHT_SPEAK, .act = open_text_add},
+    {"flush", RIGHT_SPEAK, .act = open_text_flush},
+    {"close", RIGHT_SPEAK, .act = open_text_close},
+    {"voice", RIGHT_SPEAK, .act = client_voice_begin},
+    {"idle", 0, .act = client_idle},
+    {"model", 0, .act = client_send_model},
+    {"media", 0, .act = client_choose_media},
+    {"join", 0, .act = client_join},
+    {"leave", 0, .act = client_leave_room},
+    {"authorize", 0, .act = client_authorize},
+    {"ping", 0, .act = client_pong},
+};
+
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+const struct command *command_find(const char *name) {
+    for (size_t i = 0; i < COMMANDS; i++)
+        if (!strcmp(commands[i].name, name))
+            return &commands[i];
+    return NULL;
+}
+
+const struct command *command_of(const json_t *message, struct error *e) {
+    const char *type = json_string_value(json_object_get(message, "type"));
+    if (!json_is_object(message) || !type) {
+        error_in_field(e, ERROR_BAD_MESSAGE, "type", "a message is an object with a string 'type'");
+        return NULL;
+    }
+    const struct command *command = command_find(type);
+    if (!command) {
+        struct near near = near_to(type);
+        char text[NEAR_TEXT];
+        for (size_t i = 0; i < COMMANDS; i++)
+            near_try(&near, commands[i].name, commands[i].name);
+        error_in_field(e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type,
+                       near_text(&near, text));
+    }
+    return command;
+}
+
+int command_permit(const struct command *command, const struct command_call *call,
+                   const struct principal *principal, struct error *e) {
+    bool exempt = !command->right;
+    if (command->check && command->check(call, &exempt, e))
+        return -1;
+    return exempt ? 0 : principal_may(call->api, principal, command->right, call->room, e);
+}
+
+int command_admit(const struct command_call *call, const struct principal *principal, struct error *e) {
+    struct speech_request *request = call->request;
+    unsigned limit = call->api->options.text_bytes;
+    if (call->api->draining)
+        return error_set(e, ERROR_STOPPING, "the server is about to stop");
+    if (passage_resolve(call->api, request, e))
+        return -1;
+    if (request->text_size > limit)
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
+    request->payer = principal_payer(principal);
+    request->asker = principal_asker(principal);
+    return 0;
+}
+
+int command_run(const struct command *command, struct command_call *call, struct error *e) {
+    bool anywhere = command->run == speak && call->keeps;
+    if (!call->channel && !anywhere)
+        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", call->room);
+    return command->run(call, e);
+}
+
+json_t *command_pack(const struct command *command, const struct command_call *call, struct error *e) {
+    json_t *packed = json_pack("{ss ss}", "type", command->name, "by", call->by);
+    if (call->message)
+        json_object_set(packed, "message", (json_t *)call->message);
+    if (call->keeps)
+        json_object_set_new(packed, "keeps", json_true());
+    if (!call->request)
+        return packed;
+    json_t *request = request_to_json(call->request);
+    if (!request) {
+        error_plain(e, ERROR_BAD_UTF8);
+        json_decref(packed);
+        return NULL;
+    }
+    json_object_set_new(packed, "request", request);
+    json_object_set_new(packed, "payer", json_integer(call->request->payer));
+    json_object_set_new(packed, "asker", json_integer(call->request->asker));
+    if (command->run == speak)
+        json_object_del(packed, "message"); /* the request says it all */
+    return packed;
+}
+
+static int unpack_request(const struct api *api, const json_t *packed, struct speech_request *request,
+                          struct error *e) {
+    if (api->draining)
+        return error_plain(e, ERROR_STOPPING);
+    request->payer = (uint32_t)json_integer_value(json_object_get(packed, "payer"));
+    request->asker = (uint32_t)json_integer_value(json_object_get(packed, "asker"));
+    return request_from_json(request, json_object_get(packed, "request"), e);
+}
+
+json_t *commands_run_packed(void *ctx, const char *room, const json_t *packed, uint64_t remote,
+                            uint64_t number, unsigned *status) {
+    struct api *api = ctx;
+    const char *by = json_string_value(json_object_get(packed, "by"));
+    const char *type = json_string_value(json_object_get(packed, "type"));
+    const struct command *command = type ? command_find(type) : NULL;
+    struct channel *channel = channel_find(api->rooms, room);
+    struct speech_request request;
+    struct error e;
+    struct command_call call = {.api = api,
+                                .room = room,
+                                .channel = channel && channel_followers(channel) ? channel : NULL,
+                                .message = json_object_get(packed, "message"),
+                                .by = by ? by : "",
+                                .keeps = json_is_true(json_object_get(packed, "keeps"))};
+    request_init(&request);
+    int failed = command && command->run ? 0 : error_plain(&e, ERROR_UNKNOWN_TYPE);
+    if (!failed && command->speaks) {
+        call.request = &request;
+        failed = unpack_request(api, packed, &request, &e);
+        request.abroad = remote;
+        request.order = number;
+    }
+    failed = failed || command_run(command, &call, &e);
+    if (!failed && call.request && !call.utterance && call.channel && !call.keeps)
+        call.utterance = stream_number(channel_stream(call.channel)); /* of what is refused: its end has it */
+    request_free(&request);
+    *status = failed ? error_status(e.code) : call.status;
+    if (failed)
+        return error_json(&e);
+    if (call.utterance)
+        json_object_set_new(call.answer, "utterance", json_integer(call.utterance));
+    return call.answer;
+}

@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Documents that operators and editors keep: scenes (/v1/scenes), gestures (/v1/gestures) and works of the
+ * library
+ * (/v1/library/files). GET of an address lists them; GET, PUT and DELETE of ADDRESS/NAME. The disk is waited
+ * for in threads of their own, each client's requests one after the other. */
+#include "server/api/api_internal.h"
+#include "server/base/mem.h"
+#include "server/base/shelf.h"
+#include "server/expression/gestures.h"
+#include "server/library/work_apart.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct shelf_service {
+    const char *path;    /* "/v1/scenes" */
+    const char *members; /* of the list: "scenes" */
+    const char *type;    /* of a document */
+    /* Is it one, of that name? In any thread. -1 with *e. */
+    int (*check)(const char *name, const void *data, size_t size, struct error *e);
+    /* The same where it takes a process apart: NULL, or instead of check. */
+    int (*check_apart)(const struct reader *reader, const char *name, const void *data, size_t size,
+                       const atomic_bool *given_up, struct error *e);
+};
+
+enum doing { LISTING, READING, SAVING, REMOVING };
+
+/* Belongs to its exchange, and to the thread until it is done. */
+struct keeping {
+    struct coder_job job;
+    struct asker *asker;         /* NULL: no thread has it */
+    struct search_queue *askers; /* what it waits among; see begin */
+    struct api *api;
+    struct exchange *x;   /* NULL: its client is gone */
+    atomic_bool given_up; /* for the thread: likewise */
+    const struct shelf_service *service;
+    struct shelf shelf;
+    struct shelf_listener listener;
+    enum doing doing;
+    char name[SHELF_NAME_BYTES];
+    char *match;
+    struct shelf_condition condition;
+    struct buf document; /* as it was read, or is to be saved */
+    struct shelf_entry *entries;
+    size_t count;
+    char tag[ETAG_BYTES];
+    bool created;
+    int result;
+    struct error error;
+};
+
+static void free_keeping(struct keeping *k) {
+    buf_free(&k->document);
+    free(k->entries);
+    free(k->match);
+    free(k);
+}
+
+static int check(struct keeping *k) {
+    const struct shelf_service *s = k->service;
+    return s->check_apart ? s->check_apart(&k->api->options.reader, k->name, k->document.data,
+                                           k->document.size, &k->given_up, &k->error)
+                          : s->check(k->name, k->document.data, k->document.size, &k->error);
+}
+
+static void in_thread(struct coder_job *job) {
+    struct keeping *k = (struct keeping *)job;
+    struct error *e = &k->error;
+    search_queue_lower_priority();
+    if (k->doing == LISTING)
+        k->result = shelf_list(&k->shelf, &k->entries, &k->count, e);
+    else if (k->doing == READING)
+        k->result = shelf_read(&k->shelf, k->name, &k->document, k->tag, e);
+    else if (k->doing == SAVING)
+        k->result = check(k) || shelf_save(&k->shelf, k->name, k->document.data, k->document.size,
+                                           k->condition, k->tag, &k->created, e)
+                        ? -1
+                        : 0;
+    else
+        k->result = shelf_remove(&k->shelf, k->name, k->condition, e);
+}
+
+static int answer_list(struct keeping *k) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < k->count; i++)
+        json_array_append_new(list, json_pack("{ss sI sI}", "name", k->entries[i].name, "bytes",
+                                              (json_int_t)k->entries[i].bytes, "saved",
+                                              (json_int_t)k->entries[i].saved));
+    return exchange_json(k->x, 200, json_pack("{so}", k->service->members, list));
+}
+
+static int answer(struct keeping *k) {
+    if (k->result)
+        return exchange_error(k->x, &k->error);
+    if (k->doing == LISTING)
+        return answer_list(k);
+    if (k->doing == READING)
+        return exchange_tagged(k->x, k->service->type, k->document.data, k->document.size);
+    if (k->doing == REMOVING)
+        return exchange_json(k->x, 200, json_pack("{ss ss}", "type", "removed", "name", k->name));
+    exchange_tag(k->x, k->tag);
+    return exchange_json(k->x, k->created ? 201 : 200,
+                         json_pack("{ss ss ss}", "type", "kept", "name", k->name, "etag", k->tag));
+}
+
+static void done(struct coder_job *job) {
+    struct keeping *k = (struct keeping *)job;
+    search_queue_done(k->askers, k->asker);
+    k->asker = NULL;
+    if (job->cancelled)
+        k->result = error_plain(&k->error, ERROR_CANCELLED);
+    if (!k->result && k->listener.changed && (k->doing == SAVING || k->doing == REMOVING))
+        k->listener.changed(k->listener.ctx);
+    if (!k->x)
+        free_keeping(k);
+    else
+        answer(k);
+}
+
+static bool is_left(struct coder_job *job) {
+    return !((struct keeping *)job)->x;
+}
+
+static void leave(void *self) {
+    struct keeping *k = self;
+    k->x = NULL;
+    atomic_store(&k->given_up, true);
+    if (k->asker) /* it comes back by itself */
+        coder_pool_cancel(k->askers->pool, &k->asker->line, is_left);
+    else
+        free_keeping(k);
+}
+
+/* Checking a document takes seconds, the rest a moment: listing, reading and removing do not wait for what
+ * the same client saves, nor for a thread that checks. */
+static int begin(struct keeping *k) {
+    struct error e;
+    k->askers = k->doing == SAVING ? &k->api->saves : &k->api->reads;
+    k->askers->full = ERROR_TOO_MANY_REQUESTS;
+    k->job.work = in_thread;
+    k->job.done = done;
+    if (search_queue_add(k->askers, k->api->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->asker,
+                         &e))
+        return exchange_error(k->x, &e);
+    return 0;
+}
+
+static int on_body_end(void *self) {
+    struct keeping *k = self;
+    const struct buf *body = exchange_body(k->x);
+    if (k->doing != SAVING)
+        return 0; /* it has begun */
+    buf_add(&k->document, body->data, body->size);
+    exchange_drop_body(k->x);
+    return begin(k);
+}
+
+static void read_condition(struct keeping *k, const struct http_request *request) {
+    const char *match = http_header(request, "if-match"), *none = http_header(request, "if-none-match");
+    k->match = match ? mem_strdup(match) : NULL;
+    k->condition = (struct shelf_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
+}
+
+/* What is asked for, by method and address. -1 with *e. */
+static int read_request(struct keeping *k, const struct http_request *request, struct error *e) {
+    const char *rest = request->path + strlen(k->service->path);
+    bool get = request->method == HTTP_GET || request->method == HTTP_HEAD;
+    if (!k->shelf.folder)
+        return error_plain(e, ERROR_NOTHING_KEPT);
+    if (!*rest)
+        return get ? 0 : error_set(e, ERROR_METHOD_NOT_ALLOWED, "name what is to be saved or removed");
+    if (shelf_check_name(rest + 1, e))
+        return -1;
+    snprintf(k->name, sizeof k->name, "%s", rest + 1);
+    k->doing = get ? READING : request->method == HTTP_PUT ? SAVING : REMOVING;
+    read_condition(k, request);
+    return 0;
+}
+
+/* The shelf is copied; what it and the listener point to lives as long as the daemon. */
+static int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
+                       struct shelf_listener listener) {
+    struct keeping *k = mem_alloc(sizeof *k);
+    struct error e;
+    *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};
+    k->api = exchange_api(x);
+    if (read_request(k, exchange_request(x), &e)) {
+        free_keeping(k);
+        return exchange_error(x, &e);
+    }
+    exchange_set_work(x,
+                      (struct exchange_work){
+                          .body_end = on_body_end, .free = leave, .self = k, .costly = k->doing == SAVING});
+    if (k->doing != SAVING)
+        return begin(k);
+    exchange_expect_body(x, shelf->most_bytes, ERROR_DOCUMENT_TOO_LONG);
+    return 0;
+}
+
+enum { LINES_MOST = 500, VARIANTS_MOST = 20, CHOICES_MOST = 8 };
+
+/* A member of an object, and where that is: "lines.3.choices.0.". */
+struct member {
+    const json_t *of;
+    const char *place, *name;
+    struct error *e;
+};
+
+static int fail(const struct member *m, const char *what) {
+    char field[64];
+    snprintf(field, sizeof field, "%s%s", m->place, m->name);
+    return error_in_field(m->e, ERROR_BAD_FIELD, field, "%s", what);
+}
+
+static bool is_text(const json_t *value) {
+    const char *text = json_string_value(value);
+    return text && text[strspn(text, " \t\r\n")];
+}
+
+/* A text that is not empty; it may be left out, or not. */
+static int check_text(const struct member *m, bool needed) {
+    const json_t *value = json_object_get(m->of, m->name);
+    if (!value && !needed)
+        return 0;
+    return is_text(value) ? 0 : fail(m, "must be a text that is not empty");
+}
+
+static int check_list(const struct member *m, size_t most) {
+    const json_t *list = json_object_get(m->of, m->name);
+    char what[64];
+    snprintf(what, sizeof what, "must be a list of at most %zu", most);
+    return !list || (json_is_array(list) && json_array_size(list) <= most) ? 0 : fail(m, what);
+}
+
+/* Where a line or an answer leads to. */
+static int check_next(const struct member *m, const json_t *ids) {
+    const json_t *next = json_object_get(m->of, "next");
+    if (check_text(m, false))
+        return -1;
+    return !next || json_object_get(ids, json_string_value(next)) ? 0
+                                                                  : fail(m, "there is no line of that id");
+}
+
+static int check_choices(const json_t *choices, const char *line, const json_t *ids, struct error *e) {
+    char place[64];
+    for (size_t i = 0; i < json_array_size(choices); i++) {
+        const json_t *choice = json_array_get(choices, i);
+        snprintf(place, sizeof place, "%schoices.%zu.", line, i);
+        if (check_text(&(struct member){choice, place, "text", e}, true) ||
+            check_next(&(struct member){choice, place, "next", e}, ids))
+            return -1;
+    }
+    return 0;
+}
+
+static int check_line(const json_t *line, const char *place, const json_t *ids, struct error *e) {
+    struct member variants = {line, place, "variants", e}, mood = {line, place, "mood", e};
+    if (check_text(&(struct member){line, place, "text", e}, true) || check_list(&variants, VARIANTS_MOST) ||
+        check_list(&(struct member){line, place, "choices", e}, CHOICES_MOST))
+        return -1;
+    const json_t *list = json_object_get(line, "variants"), *affects = json_object_get(line, "mood");
+    for (size_t i = 0; i < json_array_size(list); i++)
+        if (!is_text(json_array_get(list, i)))
+            return fail(&variants, "must be texts that are not empty");
+    if (affects && !json_is_string(affects))
+        return fail(&mood, "must be a text");
+    return check_next(&(struct member){line, place, "next", e}, ids) ||
+                   check_choices(json_object_get(line, "choices"), place, ids, e)
+               ? -1
+               : 0;
+}
+
+/* The ids of all lines, each once, as members of an object. */
+static int collect(const json_t *lines, json_t *ids, struct error *e) {
+    char place[32];
+    for (size_t i = 0; i < json_array_size(lines); i++) {
+        struct member id = {json_array_get(lines, i), place, "id", e};
+        snprintf(place, sizeof place, "lines.%zu.", i);
+        if (check_text(&id, true))
+            return -1;
+        const char *text = json_string_value(json_object_get(id.of, "id"));
+        if (json_object_get(ids, text))
+            return fail(&id, "another line has the same");
+        json_object_set_new(ids, text, json_true());
+    }
+    return 0;
+}
+
+static int check_lines(const json_t *lines, struct error *e) {
+    char place[32];
+    json_t *ids = json_object();
+    int failed = collect(lines, ids, e);
+    for (size_t i = 0; !failed && i < json_array_size(lines); i++) {
+        snprintf(place, sizeof place, "lines.%zu.", i);
+        failed = check_line(json_array_get(lines, i), place, ids, e);
+    }
+    json_decref(ids);
+    return failed;
+}
+
+static int check_scene(const json_t *scene, struct error *e) {
+    const json_t *title = json_object_get(scene, "title");
+    if (!json_is_object(scene))
+        return error_set(e, ERROR_BAD_FIELD, "a scene is an object with 'lines'");
+    if (title && !json_is_string(title))
+        return fail(&(struct member){scene, "", "title", e}, "must be a text");
+    if (!json_object_get(scene, "lines"))
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "lines");
+    if (check_list(&(struct member){scene, "", "lines", e}, LINES_MOST))
+        return -1;
+    return check_lines(json_object_get(scene, "lines"), e);
+}
+
+int scene_check(const char *name, const void *data, size_t size, struct error *e) {
+    json_error_t why;
+    (void)name; /* a scene has none of its own */
+    json_t *scene = json_loadb(size ? data : "", size, JSON_REJECT_DUPLICATES, &why);
+    int failed = scene ? check_scene(scene, e) : error_bad_json(&why, e);
+    json_decref(scene);
+    return failed;
+}
+
+int scenes_serve(struct exchange *x) {
+    static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check,
+                                                NULL};
+    const struct api_options *options = &exchange_api(x)->options;
+    struct shelf shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
+                          options->scene_count};
+    return shelf_serve(x, &scenes, &shelf, (struct shelf_listener){0});
+}
+
+enum {
+    GESTURE_BYTES = 1 << 20,
+    GESTURES_KEPT = 200, /* with those of the models no more than are read */
+    WORK_BYTES = 8 << 20,
+    WORKS_KEPT = 10000,
+};
+
+/* Where nobody may edit there is nothing of the kind. */
+static const char *folder_of(const struct api *api, const char *folder) {
+    return api->options.editing ? folder : NULL;
+}
+
+int gestures_serve(struct exchange *x) {
+    static const struct shelf_service service = {"/v1/gestures", "gestures", "application/json",
+                                                 gesture_check, NULL};
+    const struct api *api = exchange_api(x);
+    return shelf_serve(x, &service,
+                       &(struct shelf){folder_of(api, api->options.gestures), ".json", ERROR_NOT_FOUND,
+                                       GESTURE_BYTES, GESTURES_KEPT},
+                       api->options.on_gestures);
+}
+
+int works_serve(struct exchange *x) {
+    static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
+                                                 NULL, work_check_apart};
+    const struct api *api = exchange_api(x);
+    return shelf_serve(
+        x, &service,
+        &(struct shelf){folder_of(api, api->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
+        (struct shelf_listener){0});
+}

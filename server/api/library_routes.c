@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads. */
+#include "server/api/api_internal.h"
+#include "server/api/library_page.h"
+#include "server/base/lang.h"
+#include "server/base/mem.h"
+#include "server/library/library.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    FEED_MOST = 100,      /* works */
+    SITEMAP_MOST = 50000, /* as many as a sitemap may have */
+};
+
+/* Belongs to its exchange, and to the threads until it is done. */
+struct asking {
+    struct coder_job job;
+    struct asker *asker;  /* NULL: it has been answered, or was refused */
+    struct exchange *x;   /* NULL: its client is gone */
+    atomic_bool given_up; /* for the thread: likewise */
+    struct api *api;
+    struct library_question question;
+    enum library_form form;
+    const char *base, *section; /* see library_page.h */
+    char *texts[10];            /* that the question points to */
+    size_t text_count;
+    struct buf answer;
+    struct error error;
+    int result;
+};
+
+static void free_asking(struct asking *a) {
+    for (size_t i = 0; i < a->text_count; i++)
+        free(a->texts[i]);
+    buf_free(&a->answer);
+    free(a);
+}
+
+static void in_thread(struct coder_job *job) {
+    struct asking *a = (struct asking *)job;
+    search_queue_lower_priority();
+    a->result = library_answer(a->api->options.library, &a->question, &a->answer, &a->error);
+    if (!a->result && a->form != LIBRARY_AS_JSON && !atomic_load(&a->given_up))
+        library_page(a->form, a->base, a->section, &a->answer);
+}
+
+static void done(struct coder_job *job) {
+    struct asking *a = (struct asking *)job;
+    search_queue_done(&a->api->searches, a->asker);
+    a->asker = NULL;
+    if (!a->x)
+        free_asking(a);
+    else if (job->cancelled || a->result)
+        exchange_error(a->x, &a->error);
+    else
+        exchange_tagged(a->x, library_types[a->form], a->answer.data, a->answer.size);
+}
+
+static bool is_left(struct coder_job *job) {
+    return !((struct asking *)job)->x;
+}
+
+static void leave(void *self) {
+    struct asking *a = self;
+    a->x = NULL;
+    atomic_store(&a->given_up, true);
+    if (a->asker) /* it comes back by itself */
+        coder_pool_cancel(a->api->searches.pool, &a->asker->line, is_left);
+    else
+        free_asking(a);
+}
+
+static const char *keep(struct asking *a, const char *text, size_t size) {
+    a->texts[a->text_count] = mem_strndup(text, size);
+    return a->texts[a->text_count++];
+}
+
+static const char *member(struct asking *a, const struct http_request *request, const char *name) {
+    const char *value = http_query(request, name);
+    return value && *value ? keep(a, value, strlen(value)) : NULL;
+}
+
+/* The part of a path up to the next slash. */
+static const char *part(struct asking *a, const char **path) {
+    size_t size = strcspn(*path, "/");
+    const char *text = keep(a, *path, size);
+    *path += size + ((*path)[size] == '/');
+    return text;
+}
+
+/* False: nothing is at that address. */
+static bool read_path(struct asking *a, const char *path) {
+    struct library_question *q = &a->question;
+    if (!*path) {
+        q->kind = LIBRARY_LIST;
+    } else if (!strcmp(path, "/search")) {
+        q->kind = LIBRARY_SEARCH;
+    } else if (!strncmp(path, "/passages/", 10) && path[10] && !strchr(path + 10, '/')) {
+        q->kind = LIBRARY_PASSAGE;
+        q->passage = keep(a, path + 10, strlen(path + 10));
+    } else if (!strncmp(path, "/works/", 7) && path[7]) {
+        path += 7;
+        q->work = part(a, &path);
+        q->kind = LIBRARY_WORK;
+        if (!strncmp(path, "sections/", 9)) {
+            path += 9;
+            q->kind = LIBRARY_SECTION;
+            q->section = part(a, &path);
+        }
+        return !*path;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/* WORK and, after a slash or a colon, SECTION. False: no work is named. */
+static bool read_place(struct asking *a, const char *place) {
+    struct library_question *q = &a->question;
+    size_t size = strcspn(place, "/:?#&");
+    q->kind = LIBRARY_WORK;
+    q->work = keep(a, place, size);
+    place += size;
+    if (*place == '/' || *place == ':') {
+        size = strcspn(++place, "/:?#&");
+        if (size)
+            a->section = keep(a, place, size);
+    }
+    return *q->work;
+}
+
+/* The address of a page of the library: /library/WORK/SECTION, library.html?at=WORK:SECTION, or
+ * #WORK:SECTION. */
+static bool read_address(struct asking *a, const char *url) {
+    static const char *const before[] = {"/library/", "at=", "library.html#"};
+    for (size_t i = 0; url && i < sizeof before / sizeof *before; i++) {
+        const char *found = strstr(url, before[i]);
+        if (found)
+            return read_place(a, found + strlen(before[i]));
+    }
+    return false;
+}
+
+/* Of all works, or of one: WORK.bib, WORK.xml. False: it is none of these. */
+static bool read_file(struct asking *a, const char *path) {
+    const char *dot = strrchr(path, '.');
+    if (!strcmp(path, "/feed.xml") || !strcmp(path, "/sitemap.xml")) {
+        a->form = path[1] == 'f' ? LIBRARY_AS_ATOM : LIBRARY_AS_SITEMAP;
+        a->question.kind = LIBRARY_NEWEST;
+        a->question.most = path[1] == 'f' ? FEED_MOST : SITEMAP_MOST;
+        return true;
+    }
+    if (*path != '/' || !dot || strchr(path + 1, '/') || (strcmp(dot, ".bib") && strcmp(dot, ".xml")))
+        return false;
+    a->form = dot[1] == 'b' ? LIBRARY_AS_BIBTEX : LIBRARY_AS_DUBLIN_CORE;
+    a->question.kind = LIBRARY_WORK;
+    a->question.work = keep(a, path + 1, (size_t)(dot - path - 1));
+    return true;
+}
+
+static bool read_page(struct asking *a, const char *path) {
+    if (read_file(a, path))
+        return true;
+    if (*path == '/' && path[1] && !read_place(a, path + 1))
+        return false;
+    if (a->section) {
+        a->question.kind = LIBRARY_SECTION;
+        a->question.section = a->section;
+    }
+    return true;
+}
+
+/* Where its client reaches the daemon, perhaps through a proxy that speaks TLS. */
+static const char *base_of(struct asking *a, const struct http_request *request) {
+    const char *host = http_header(request, "host"), *scheme = http_header(request, "x-forwarded-proto");
+    struct buf base = {0};
+    buf_printf(&base, "http%s://%s", scheme && !strcmp(scheme, "https") ? "s" : "",
+               host ? host : "localhost");
+    const char *kept = keep(a, (const char *)base.data, base.size);
+    buf_free(&base);
+    return kept;
+}
+
+/* False: nothing is at that address. */
+static bool read_request(struct asking *a, const struct http_request *request) {
+    static const char api[] = "/v1/library", page[] = "/library";
+    if (!strncmp(request->path, api, sizeof api - 1))
+        return read_path(a, request->path + sizeof api - 1);
+    a->base = base_of(a, request);
+    a->form = LIBRARY_AS_PAGE;
+    if (!strncmp(request->path, page, sizeof page - 1))
+        return read_page(a, request->path + sizeof page - 1);
+    a->form = LIBRARY_AS_OEMBED;
+    return read_address(a, http_query(request, "url"));
+}
+
+/* Languages, parted by commas. */
+static int check_langs(const char *list, struct error *e) {
+    char tag[LANG_BYTES + 1];
+    size_t bad;
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        if (!lang_read(at, strcspn(at, ","), tag, &bad))
+            return error_in_field(
+                e, ERROR_BAD_FIELD, "lang",
+                "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there",
+                (size_t)(at - list) + bad);
+    return 0;
+}
+
+int library_get(struct exchange *x) {
+    const struct http_request *request = exchange_request(x);
+    struct api *api = exchange_api(x);
+    struct error e;
+    struct asking *a = mem_alloc(sizeof *a);
+    a->api = api;
+    a->question.given_up = &a->given_up;
+    a->job.work = in_thread;
+    a->job.done = done;
+    if (!api->options.library || !read_request(a, request)) {
+        free_asking(a);
+        error_plain(&e, ERROR_NOT_FOUND);
+        return exchange_error(x, &e);
+    }
+    struct library_question *q = &a->question;
+    if (q->kind == LIBRARY_SEARCH) {
+        q->query = member(a, request, "q");
+        q->lang = member(a, request, "lang");
+        if (check_langs(q->lang, &e)) {
+            free_asking(a);
+            return exchange_error(x, &e);
+        }
+        q->author = member(a, request, "author");
+        q->work = member(a, request, "work");
+    }
+    q->limit = member(a, request, "limit");
+    q->after = member(a, request, "after");
+    a->x = x;
+    error_plain(&a->error, ERROR_CANCELLED);
+    if (search_queue_add(&api->searches, api->pipeline->loop, exchange_principal(x)->key, &a->job, &a->asker,
+                         &e)) {
+        free_asking(a);
+        return exchange_error(x, &e);
+    }
+    exchange_set_work(x, (struct exchange_work){.free = leave, .self = a, .costly = true});
+    return 0;
+}
+
+int passage_resolve(const struct api *api, struct speech_request *request, struct error *e) {
+    struct library_passage passage;
+    if (!request->passage)
+        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "goes with a passage only") : 0;
+    if (request->text)
+        return error_in_field(e, ERROR_BAD_FIELD, "passage", "there is a text already");
+    if (!api->options.library)
+        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no library here");
+    if (library_passage(api->options.library, request->passage, request->from, api->options.text_bytes,
+                        &passage, e))
+        return -1;
+    if (request->voice && !strcmp(request->voice, "recording")) {
+        if (!passage.voice) {
+            library_passage_free(&passage);
+            return error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no recording of it");
+        }
+        free(request->voice);
+        request->voice = mem_strdup(passage.voice);
+    }
+    free(request->languages);
+    request->languages = passage.voice && request->voice && !strcmp(request->voice, passage.voice)
+                             ? NULL /* a recording speaks all of it */
+                             : passage.languages;
+    if (request->languages)
+        passage.languages = NULL;
+    request->text = passage.text;
+    request->text_size = strlen(passage.text);
+    passage.text = NULL;
+    free(request->markup);
+    request->markup = mem_strdup(passage.markup);
+    if (!request->lang) {
+        request->lang = passage.lang;
+        passage.lang = NULL;
+    }
+    library_passage_free(&passage);
+    return 0;
+}

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Utterances whose text a WebSocket client is still writing, and its own voice: its sound comes in binary
+ * messages, and is an utterance like any other. */
+#include "server/api/client_internal.h"
+#include "server/api/surrogates.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* The one that it is on; NULL: none any more. */
+static struct stream *stream_of(const struct client *c) {
+    return c->follower.channel ? channel_stream(c->follower.channel) : NULL;
+}
+
+static struct open_text *find(struct client *c, const char *id) {
+    for (size_t i = 0; i < c->open_count; i++)
+        if (!strcmp(c->open[i].id, id))
+            return &c->open[i];
+    return NULL;
+}
+
+static bool is_open(const struct client *c, const struct open_text *w) {
+    return stream_is_open(stream_of(c), w->utterance);
+}
+
+static void drop(struct client *c, struct open_text *w) {
+    free(w->id);
+    c->open_count--;
+    memmove(w, w + 1, (size_t)(c->open + c->open_count - w) * sizeof *w);
+}
+
+int open_text_check(struct client *c, const struct speech_request *request, struct error *e) {
+    size_t open = 0;
+    if (!request->id)
+        return error_in_field(e, ERROR_MISSING_FIELD, "id", "an utterance that is open needs one");
+    const struct open_text *same = find(c, request->id);
+    if (same && is_open(c, same))
+        return error_in_field(e, ERROR_BAD_FIELD, "id", "one of that id is open already");
+    for (size_t i = 0; i < c->open_count; i++)
+        open += is_open(c, &c->open[i]);
+    if (open >= c->api->options.open)
+        return error_set(e, ERROR_TOO_MANY_OPEN, "%zu texts are being written already", open);
+    return 0;
+}
+
+void open_text_begin(struct client *c, const char *id, uint32_t utterance, uint16_t half) {
+    for (size_t i = c->open_count; i-- > 0;)
+        if (!strcmp(c->open[i].id, id) || (c->open_count >= c->api->options.open && !is_open(c, &c->open[i])))
+            drop(c, &c->open[i]);
+    c->open = mem_grow(c->open, &c->open_cap, c->open_count + 1, sizeof *c->open);
+    c->open[c->open_count++] = (struct open_text){mem_strdup(id), utterance, half};
+}
+
+void open_texts_leave(struct client *c) {
+    struct error e;
+    error_set(&e, ERROR_UNFINISHED, "who wrote it has gone: the text is taken as it is");
+    while (c->open_count) {
+        struct open_text *w = &c->open[c->open_count - 1];
+        if (stream_of(c))
+            stream_close(stream_of(c), w->utterance, &e);
+        drop(c, w);
+    }
+    c->voice = 0;
+    free(c->open);
+    c->open = NULL;
+    c->open_cap = 0;
+}
+
+/* May it say something where it is? -1 with *e. */
+static int may_speak(struct client *c, struct error *e) {
+    return principal_may(c->api, &c->principal, RIGHT_SPEAK, client_room(c), e);
+}
+
+static void complain(struct client *c, const char *id, const struct error *e) {
+    json_t *error = error_json(e);
+    if (id)
+        json_object_set_new(error, "id", json_string(id));
+    client_say(c, error);
+}
+
+/* The id of the message; NULL after a complaint. */
+static const char *id_of(struct client *c, const json_t *message) {
+    const json_t *value = json_object_get(message, "id");
+    const char *id = json_string_value(value);
+    struct error e;
+    if (may_speak(c, &e)) {
+        complain(c, id, &e);
+        return NULL;
+    }
+    if (id && strlen(id) == json_string_length(value))
+        return id;
+    error_in_field(&e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "id", "must be a string");
+    client_complain(c, &e);
+    return NULL;
+}
+
+static struct open_text *asked(struct client *c, const json_t *message) {
+    const char *id = id_of(c, message);
+    struct open_text *w = id ? find(c, id) : NULL;
+    struct error e;
+    if (id && !w) {
+        error_in_field(&e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is being written here", id);
+        complain(c, id, &e);
+    }
+    return w;
+}
+
+void open_text_add(struct client *c, const json_t *message) {
+    const json_t *text = json_object_get(message, "text");
+    struct open_text *w = asked(c, message);
+    struct error e;
+    if (!w)
+        return;
+    int wrong = 0;
+    struct buf joined = {0};
+    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text),
+                    &w->half, &joined);
+    if (!json_is_string(text))
+        wrong = error_in_field(&e, text ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "text", "must be a string");
+    if (wrong || stream_write(client_stream(c), w->utterance, joined.size ? (const char *)joined.data : "",
+                              joined.size, c->api->options.text_bytes, &e))
+        complain(c, w->id, &e);
+    buf_free(&joined);
+}
+
+void open_text_flush(struct client *c, const json_t *message) {
+    const struct open_text *w = asked(c, message);
+    if (w)
+        stream_flush(client_stream(c), w->utterance);
+}
+
+void open_text_close(struct client *c, const json_t *message) {
+    struct open_text *w = asked(c, message);
+    if (!w)
+        return;
+    uint32_t utterance = w->utterance;
+    struct error e;
+    if (w->half) {
+        error_set(&e, ERROR_BAD_UTF8, "the text ends in half a character, which is left out");
+        json_t *warning = warning_json(&e);
+        json_object_set_new(warning, "id", json_string(w->id));
+        client_say(c, warning);
+    }
+    drop(c, w);
+    stream_close(client_stream(c), utterance, NULL);
+}
+
+/* What of a request is no matter of its text; `rate` is that of the sound. */
+static const char *const fields[] = {"id",   "lang",     "engine", "fps",   "life",
+                                     "mode", "priority", "topic",  "still", NULL};
+
+static int read_speech(struct speech_request *speech, const json_t *message, struct error *e) {
+    json_t *own = json_object();
+    for (size_t i = 0; fields[i]; i++)
+        json_object_set(own, fields[i], json_object_get(message, fields[i]));
+    int failed = request_from_json(speech, own, e);
+    json_decref(own);
+    return failed;
+}
+
+/* Leaves the number as it is where there is none. */
+static int read_number(const json_t *message, const char *name, unsigned *number, struct error *e) {
+    const json_t *value = json_object_get(message, name);
+    json_int_t whole = json_integer_value(value);
+    if (value && (!json_is_integer(value) || whole < 0 || whole > INT32_MAX))
+        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a whole number");
+    if (value)
+        *number = (unsigned)whole;
+    return 0;
+}
+
+static int read_codec(const json_t *message, enum heard_codec *codec, struct error *e) {
+    const json_t *value = json_object_get(message, "codec");
+    const char *name = json_string_value(value);
+    if (!value)
+        return 0;
+    if (!name || strlen(name) != json_string_length(value))
+        return error_in_field(e, ERROR_BAD_FIELD, "codec", "must be a string");
+    return heard_codec_find(name, codec, e);
+}
+
+static int read_voice(struct heard_request *request, const json_t *message, struct error *e) {
+    if (read_codec(message, &request->codec, e))
+        return -1;
+    if (!json_object_get(message, "rate") && request->codec == HEARD_PCM)
+        return error_in_field(e, ERROR_MISSING_FIELD, "rate",
+                              "how many samples a second does the sound have?");
+    return read_number(message, "rate", &request->rate, e) ||
+                   read_number(message, "channels", &request->channels, e) ||
+                   read_number(message, "lookahead", &request->lookahead, e) ||
+                   heard_request_check(request, e)
+               ? -1
+               : 0;
+}
+
+/* There is one at a time: sound does not say whose it is. */
+static void close_last(struct client *c) {
+    if (c->voice)
+        stream_close(client_stream(c), c->voice, NULL);
+    c->voice = 0;
+}
+
+static int may_begin(struct client *c, struct error *e) {
+    if (may_speak(c, e) || principal_ask(c->api, &c->principal, e))
+        return -1;
+    return c->api->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
+}
+
+static int begin(struct client *c, struct heard_request *request, struct speech_request *speech,
+                 const json_t *message, struct error *e) {
+    if (read_speech(speech, message, e) || read_voice(request, message, e) || may_begin(c, e))
+        return -1;
+    close_last(c);
+    if (open_text_check(c, speech, e))
+        return -1;
+    return channel_is_remote(c->follower.channel)
+               ? error_set(e, ERROR_ROOM_AWAY, "another daemon speaks in this room: a voice goes to that one")
+               : 0;
+}
+
+void client_voice_begin(struct client *c, const json_t *message) {
+    struct speech_request speech;
+    struct heard_request request = {
+        .speech = &speech, .rate = 48000, .channels = 1, .lookahead = HEARD_LOOKAHEAD};
+    struct error e = {0};
+    request_copy(&speech, &c->defaults);
+    if (begin(c, &request, &speech, message, &e)) {
+        client_refuse(c, speech.id, &e);
+    } else {
+        speech.payer = principal_payer(&c->principal);
+        c->voice = stream_hear(client_stream(c), &request);
+        if (c->voice)
+            open_text_begin(c, speech.id, c->voice, 0);
+    }
+    request_free(&speech);
+}
+
+void client_voice_sound(struct client *c, const uint8_t *bytes, size_t size) {
+    struct error e;
+    if (c->voice) {
+        stream_sound(client_stream(c), c->voice, bytes, size);
+        return;
+    }
+    error_set(&e, ERROR_BINARY_MESSAGE, "binary messages are the sound of a voice: none has begun");
+    client_complain(c, &e);
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/api/search_queue.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* A ninth of a busy processor's time beside threads that have not stepped back. */
+#define NICE 10
+
+static struct asker *find(struct search_queue *queue, const char *key) {
+    struct asker *a = queue->first;
+    while (a && strcmp(a->key, key) != 0)
+        a = a->next;
+    if (a)
+        return a;
+    a = mem_alloc(sizeof *a);
+    snprintf(a->key, sizeof a->key, "%s", key);
+    a->next = queue->first;
+    queue->first = a;
+    return a;
+}
+
+static void leave(struct search_queue *queue, struct asker *asker) {
+    struct asker **at = &queue->first;
+    if (asker->questions)
+        return;
+    while (*at != asker)
+        at = &(*at)->next;
+    *at = asker->next;
+    free(asker);
+}
+
+int search_queue_add(struct search_queue *queue, uv_loop_t *loop, const char *key, struct coder_job *job,
+                     struct asker **asker, struct error *e) {
+    if (!queue->pool)
+        queue->pool = coder_pool_open(loop, SEARCHES_THREADS);
+    const enum error_code full = queue->full ? queue->full : ERROR_TOO_MANY_SEARCHES;
+    if (!queue->pool || queue->questions >= SEARCHES_MOST)
+        return error_set(e, full, "too many wait already");
+    struct asker *a = find(queue, key);
+    if (a->questions >= (queue->questions < SEARCHES_ALL ? SEARCHES_EACH : SEARCHES_FEW))
+        return error_set(e, full, "%u of yours wait already", a->questions);
+    a->questions++;
+    queue->questions++;
+    *asker = a;
+    coder_pool_submit(queue->pool, &a->line, job);
+    return 0;
+}
+
+void search_queue_done(struct search_queue *queue, struct asker *asker) {
+    asker->questions--;
+    queue->questions--;
+    leave(queue, asker);
+}
+
+void search_queue_lower_priority(void) {
+    setpriority(PRIO_PROCESS, 0, NICE); /* of the calling thread alone, on Linux */
+}
+
+void search_queue_close(struct search_queue *queue) {
+    coder_pool_close(queue->pool);
+    queue->pool = NULL;
+}

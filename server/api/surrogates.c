@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/api/surrogates.h"
+#include "server/base/utf8.h"
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A half stands in a string as MARK and three hexadecimal digits, which count from DIGIT; a MARK that was
+ * sent as MARK and SENT. They are noncharacters, which no text of anybody is to have. */
+enum { MARK = 0xFDEF, SENT = 0xFDEE, DIGIT = 0xFDD0, DIGITS = 3, REPLACEMENT = 0xFFFD, ESCAPE = 6 };
+static const char mark[] = "\xEF\xB7\xAF";
+
+static bool is_high(uint32_t c) {
+    return c >= 0xD800 && c < 0xDC00;
+}
+
+static bool is_low(uint32_t c) {
+    return c >= 0xDC00 && c < 0xE000;
+}
+
+/* The unit of a \uXXXX at s; 0: there is none. */
+static uint32_t escape_at(const char *s, size_t n) {
+    char digits[5] = "", *end;
+    if (n < ESCAPE || s[0] != '\\' || s[1] != 'u')
+        return 0;
+    memcpy(digits, s + 2, 4);
+    if (strspn(digits, "0123456789abcdefABCDEF") != 4)
+        return 0;
+    return (uint32_t)strtoul(digits, &end, 16);
+}
+
+static void put(struct buf *out, uint32_t cp) {
+    char character[4];
+    buf_add(out, character, utf8_put(cp, character));
+}
+
+static void put_half(struct buf *out, uint32_t unit) {
+    put(out, MARK);
+    for (int shift = 4 * (DIGITS - 1); shift >= 0; shift -= 4)
+        put(out, DIGIT + ((unit - 0xD800) >> shift & 15));
+}
+
+/* Writes the halves, and the MARKs that were sent, as above. False when there are none. */
+static bool replace_halves(const char *data, size_t size, struct buf *out) {
+    bool found = false;
+    for (size_t at = 0, length; at < size; at += length) {
+        uint32_t unit = escape_at(data + at, size - at);
+        bool raw = size - at >= sizeof mark - 1 && !memcmp(data + at, mark, sizeof mark - 1);
+        bool half = is_high(unit) || is_low(unit);
+        length = data[at] == '\\' && at + 1 < size ? 2 : 1;
+        if (is_high(unit) && is_low(escape_at(data + at + ESCAPE, size - at - ESCAPE))) {
+            length = 2 * ESCAPE;
+        } else if (half || raw || unit == MARK) {
+            length = raw ? sizeof mark - 1 : ESCAPE;
+            found = true;
+            if (half) {
+                put_half(out, unit);
+            } else {
+                put(out, MARK);
+                put(out, SENT);
+            }
+            continue;
+        }
+        buf_add(out, data + at, length);
+    }
+    return found;
+}
+
+json_t *surrogates_load(const char *data, size_t size, json_error_t *why) {
+    json_t *value = json_loadb(data, size, JSON_ALLOW_NUL, why);
+    if (!data || !size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
+        return value;
+    struct buf mended = {0};
+    json_error_t other; /* places count in what was sent */
+    if (replace_halves(data, size, &mended)) {
+        json_decref(value);
+        value = json_loadb((const char *)mended.data, mended.size, JSON_ALLOW_NUL, &other);
+    }
+    buf_free(&mended);
+    return value;
+}
+
+/* The half whose digits stand there; 0: none. *length: the digits' bytes. */
+static uint32_t half_at(const char *s, size_t n, size_t *length) {
+    uint32_t unit = 0, cp;
+    *length = 0;
+    for (int i = 0; i < DIGITS; i++) {
+        size_t bytes = utf8_next(s + *length, n - *length, &cp);
+        if (!bytes || cp < DIGIT || cp > DIGIT + 15)
+            return 0;
+        unit = unit << 4 | (cp - DIGIT);
+        *length += bytes;
+    }
+    return 0xD800 + (unit & 0x7FF);
+}
+
+void surrogates_join(const char *text, size_t n, uint16_t *half, struct buf *out) {
+    for (size_t at = 0, length; at < n; at += length) {
+        uint32_t cp = 0;
+        length = utf8_next(text + at, n - at, &cp);
+        size_t more = 0;
+        uint32_t unit = length && cp == MARK ? half_at(text + at + length, n - at - length, &more) : 0;
+        if (unit)
+            length += more;
+        if (*half && is_low(unit)) {
+            put(out, 0x10000 + ((uint32_t)(*half - 0xD800) << 10) + (unit - 0xDC00));
+            *half = 0;
+            continue;
+        }
+        if (*half)
+            put(out, REPLACEMENT);
+        *half = is_high(unit) ? (uint16_t)unit : 0;
+        length = length ? length : 1;
+        if (is_low(unit))
+            put(out, REPLACEMENT);
+        else if (!unit)
+            buf_add(out, text + at, length);
+        if (!unit && cp == MARK && n - at - length >= length &&
+            utf8_next(text + at + length, n - at - length, &cp) && cp == SENT)
+            length *= 2;
+    }
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The addresses that a host name or an interface stands for. */
+#ifndef FACCIA_HTTP_LISTEN_ADDRESS_H
+#define FACCIA_HTTP_LISTEN_ADDRESS_H
+
+#include "server/base/buf.h"
+#include <stdbool.h>
+#include <sys/socket.h>
+
+struct listen_address {
+    struct sockaddr_storage at; /* with port 0 */
+    socklen_t size;
+};
+
+struct listen_addresses {
+    struct listen_address *list;
+    size_t count, cap;
+};
+
+/* host: an address, with or without brackets; a name; an interface; "*" = all of IPv4 and IPv6. IPv4 comes
+ * first. Nothing is found: count is 0. The list is the caller's to free. */
+void listen_addresses_find(struct listen_addresses *found, const char *host);
+
+/* Can it be reached from this machine only? */
+bool listen_address_is_local(const struct sockaddr_storage *address);
+
+void listen_address_set_port(struct sockaddr_storage *address, int port);
+int listen_address_port(const struct sockaddr_storage *address); /* 0: it has none */
+
+/* "http://127.0.0.1:8080/", "http://[::1]:8080/", "unix:/run/faccia" */
+void listen_address_write(const struct sockaddr_storage *address, bool tls, struct buf *out);
+
+#endif

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/http/static_files.h"
+#include "server/base/mem.h"
+#include <glob.h>
+#include <openssl/evp.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { FILE_BYTES_MAX = 64 << 20 };
+
+static const char *type_of(const char *path) {
+    static const char *const types[][2] = {
+        {".html", "text/html; charset=utf-8"},
+        {".js", "text/javascript; charset=utf-8"},
+        {".mjs", "text/javascript; charset=utf-8"},
+        {".css", "text/css; charset=utf-8"},
+        {".json", "application/json"},
+        {".svg", "image/svg+xml"},
+        {".webmanifest", "application/manifest+json"},
+        {".png", "image/png"},
+        {".ico", "image/x-icon"},
+        {".webp", "image/webp"},
+        {".woff2", "font/woff2"},
+        {".wasm", "application/wasm"},
+        {".map", "application/json"},
+        {".txt", "text/plain; charset=utf-8"},
+        {".bin", "application/octet-stream"},
+    };
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
+        if (!strcmp(dot, types[i][0]))
+            return types[i][1];
+    return NULL;
+}
+
+static uint8_t *read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    uint8_t *data = NULL;
+    size_t cap = 0, got = 1;
+    *size = 0;
+    while (got && *size < FILE_BYTES_MAX) {
+        data = mem_grow(data, &cap, *size + 65536, 1);
+        got = fread(data + *size, 1, 65536, file);
+        *size += got;
+    }
+    bool whole = feof(file) && !ferror(file);
+    fclose(file);
+    if (!whole) {
+        free(data);
+        return NULL;
+    }
+    return data;
+}
+
+/* Takes FILE.gz when it lies beside FILE, else compresses, but for the nets: their numbers do not get
+ * smaller. file NULL: it is none. */
+static void pack(struct static_file *a, const char *file) {
+    char sibling[4096];
+    snprintf(sibling, sizeof sibling, "%s.gz", file ? file : "");
+    a->packed = file ? read_file(sibling, &a->packed_size) : NULL;
+    if (a->packed || !strcmp(a->type, "application/octet-stream"))
+        return;
+    z_stream z = {0};
+    if (deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+        return;
+    size_t cap = deflateBound(&z, a->size);
+    a->packed = mem_alloc(cap);
+    z.next_in = a->data;
+    z.avail_in = (uInt)a->size;
+    z.next_out = a->packed;
+    z.avail_out = (uInt)cap;
+    int result = deflate(&z, Z_FINISH);
+    a->packed_size = cap - z.avail_out;
+    deflateEnd(&z);
+    if (result != Z_STREAM_END || a->packed_size > a->size - a->size / 10) {
+        free(a->packed);
+        a->packed = NULL;
+    }
+}
+
+static struct static_file *add(struct static_files *files, const char *path, const char *type,
+                               const char *file, uint8_t *data, size_t size) {
+    struct static_file *a = mem_alloc(sizeof *a);
+    a->path = mem_strdup(path);
+    a->type = type;
+    a->data = data;
+    a->size = size;
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned bytes = 0;
+    EVP_Digest(data, size, digest, &bytes, EVP_sha1(), NULL);
+    for (unsigned i = 0; i < bytes && i < 20; i++)
+        snprintf(a->hash + 2 * i, 3, "%02x", digest[i]);
+    pack(a, file);
+    files->list = mem_grow(files->list, &files->cap, files->count + 1, sizeof(struct static_file *));
+    files->list[files->count++] = a;
+    return a;
+}
+
+void static_files_add_folder(struct static_files *files, const char *folder) {
+    char pattern[4096];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%s/*.*", folder);
+    if (glob(pattern, 0, NULL, &found))
+        return;
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        const char *file = found.gl_pathv[i], *name = strrchr(file, '/'), *type = type_of(name);
+        size_t size;
+        uint8_t *data = type ? read_file(file, &size) : NULL;
+        if (data)
+            add(files, strcmp(name, "/index.html") ? name : "/", type, file, data, size);
+    }
+    globfree(&found);
+}
+
+const struct static_file *static_files_add(struct static_files *files, const char *path, const char *type,
+                                           const char *file) {
+    size_t size;
+    uint8_t *data = read_file(file, &size);
+    return data ? add(files, path, type, file, data, size) : NULL;
+}
+
+const struct static_file *static_files_add_bytes(struct static_files *files, const char *path,
+                                                 const char *type, uint8_t *data, size_t size) {
+    return add(files, path, type, NULL, data, size);
+}
+
+const struct static_file *static_files_find(const struct static_files *files, const char *path) {
+    for (size_t i = 0; i < files->count; i++)
+        if (!strcmp(files->list[i]->path, path))
+            return files->list[i];
+    return NULL;
+}
+
+void static_files_free(struct static_files *files) {
+    for (size_t i = 0; i < files->count; i++) {
+        free(files->list[i]->path);
+        free(files->list[i]->data);
+        free(files->list[i]->packed);
+        free(files->list[i]);
+    }
+    free(files->list);
+    *files = (struct static_files){0};
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/rooms/notices.h"
+#include "server/base/error_json.h"
+#include "server/rooms/events.h"
+#include "server/rooms/rooms_internal.h"
+#include <stdio.h>
+#include <string.h>
+
+int notice_take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e) {
+    json_t *value = json_object_get(message, name);
+    size_t length = json_string_length(value);
+    if (!value || json_is_null(value))
+        return 0;
+    if (!json_is_string(value) || length > most || strlen(json_string_value(value)) != length)
+        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string of at most %zu bytes", most);
+    json_object_set(into, name, value);
+    return 0;
+}
+
+json_t *notice_begin(const struct channel *c, const char *type) {
+    return json_pack("{ss ss}", "type", type, "stream", c->name);
+}
+
+struct queued_message *notice_message(const json_t *object, const char *event) {
+    struct buf text = {0}, line = {0};
+    json_write(&text, json_incref((json_t *)object));
+    text_line(object, &line);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
+    message->event = event;
+    message->line = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
+    buf_free(&text);
+    buf_free(&line);
+    return message;
+}
+
+struct queued_message *notice_tell(struct channel *c, const json_t *told, const char *event) {
+    struct queued_message *message = notice_message(told, event);
+    channel_notice(c, message);
+    return message;
+}
+
+#define EASE_DEFAULT 0.3 /* s */
+#define EASE_MOST 10
+static int take_part(const json_t *part, size_t i, struct mood_request *mix, struct error *e) {
+    const json_t *intensity = json_object_get(part, "intensity");
+    char field[32];
+    mix->names[i] = json_string_value(json_object_get(part, "name"));
+    mix->intensities[i] = intensity ? json_number_value(intensity) : 1;
+    if (!mix->names[i]) {
+        snprintf(field, sizeof field, "mix.%zu.name", i);
+        return error_in_field(e, json_object_get(part, "name") ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, field,
+                              "must be the name of an affect");
+    }
+    if ((intensity && !json_is_number(intensity)) || mix->intensities[i] < 0 || mix->intensities[i] > 1) {
+        snprintf(field, sizeof field, "mix.%zu.intensity", i);
+        return error_in_field(e, ERROR_BAD_FIELD, field, "must be a number from 0 to 1");
+    }
+    return 0;
+}
+
+int express_read(const json_t *message, struct mood_request *mix, struct error *e) {
+    const json_t *parts = json_object_get(message, "mix"), *ease = json_object_get(message, "ease");
+    *mix = (struct mood_request){.count = json_array_size(parts), .ease = EASE_DEFAULT};
+    if (!json_is_array(parts) || mix->count > MOOD_MIX)
+        return error_in_field(e, parts ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "mix",
+                              "must be a list of up to %d affects with their intensities", MOOD_MIX);
+    if (ease)
+        mix->ease = json_number_value(ease);
+    if ((ease && !json_is_number(ease)) || mix->ease < 0 || mix->ease > EASE_MOST)
+        return error_in_field(e, ERROR_BAD_FIELD, "ease", "must be a number from 0 to %d", EASE_MOST);
+    for (size_t i = 0; i < mix->count; i++)
+        if (take_part(json_array_get(parts, i), i, mix, e))
+            return -1;
+    return 0;
+}
+
+enum {
+    ID_BYTES = 64,
+    CALIBRATION_MS =
+        250, /* so often a channel may be calibrated for long: each listener builds its head anew, */
+    CALIBRATION_BURST = 12, /* and so many at once */
+};
+
+static int check_choices(const json_t *choices, struct error *e) {
+    size_t count = json_array_size(choices);
+    if (!json_is_array(choices) || count > NOTICE_CHOICES)
+        return error_in_field(e, choices ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choices",
+                              "must be a list of up to %d texts; an empty one withdraws them",
+                              NOTICE_CHOICES);
+    for (size_t i = 0; i < count; i++) {
+        const json_t *text = json_array_get(choices, i);
+        size_t length = json_string_length(text);
+        char field[32];
+        snprintf(field, sizeof field, "choices.%zu", i);
+        if (!length || length > NOTICE_CHOICE_BYTES || strlen(json_string_value(text)) != length)
+            return error_in_field(e, ERROR_BAD_FIELD, field, "must be a text of 1 to %d bytes",
+                                  NOTICE_CHOICE_BYTES);
+    }
+    return 0;
+}
+
+int notice_choices(struct channel *c, const json_t *message, struct error *e) {
+    json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
+    int failed = notice_take_text(message, "id", ID_BYTES, told, e) ||
+                 notice_take_text(message, "question", NOTICE_TEXT_BYTES, told, e) ||
+                 check_choices(choices, e);
+    if (!failed) {
+        json_object_set_new(told, "choices", json_deep_copy(choices));
+        struct queued_message *all = notice_tell(c, told, "choices");
+        bool any = json_array_size(choices);
+        notice_board_choices(&c->notices, any ? all : NULL, any ? told : NULL);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+/* The id must be that of the choices that stand there: others may have come while somebody chose. */
+static bool is_offered(const json_t *offered, const json_t *message) {
+    const char *asked = json_string_value(json_object_get(message, "id"));
+    const char *id = json_string_value(json_object_get(offered, "id"));
+    return offered && (!asked || !strcmp(asked, id ? id : ""));
+}
+
+/* The choice's place in the list, or -1 with *e. */
+static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
+    const json_t *choice = json_object_get(message, "choice");
+    size_t count = json_array_size(json_object_get(offered, "choices"));
+    json_int_t at = json_integer_value(choice);
+    if (!is_offered(offered, message))
+        return error_plain(e, ERROR_NO_CHOICES);
+    if (!json_is_integer(choice) || at < 0 || (size_t)at >= count)
+        return error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
+                              "must be a number from 0 to %zu", count - 1);
+    return at;
+}
+
+int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
+    const json_t *offered = c->notices.offered;
+    json_t *told = notice_begin(c, "chosen");
+    json_int_t at = notice_take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    if (at >= 0) {
+        if (json_object_get(offered, "id"))
+            json_object_set(told, "id", json_object_get(offered, "id"));
+        json_object_set_new(told, "choice", json_integer(at));
+        json_object_set(told, "text", json_array_get(json_object_get(offered, "choices"), (size_t)at));
+        json_object_set_new(told, "by", json_string(by));
+        queued_message_release(notice_tell(c, told, "chosen"));
+        notice_board_choices(&c->notices, NULL, NULL);
+    }
+    json_decref(told);
+    return at < 0 ? -1 : 0;
+}
+
+/* Others in the room see whose mood it is, and that it is another. */
+static void tell_mood(struct channel *c, const struct mood_request *mix, const char *by) {
+    json_t *told = notice_begin(c, "expressed"), *parts = json_array();
+    for (size_t i = 0; i < mix->count; i++)
+        json_array_append_new(
+            parts, json_pack("{ss sf}", "name", mix->names[i], "intensity", (double)mix->intensities[i]));
+    json_object_set_new(told, "mix", parts);
+    if (by)
+        json_object_set_new(told, "by", json_string(by));
+    struct queued_message *all = notice_tell(c, told, "expressed");
+    notice_board_mood(&c->notices, mix->count ? all : NULL);
+    queued_message_release(all);
+    json_decref(told);
+}
+
+int notice_express(struct channel *c, const json_t *message, const char *by, struct error *e) {
+    struct mood_request mix;
+    if (express_read(message, &mix, e) || stream_express(c->stream, &mix, e))
+        return -1;
+    if (c->room)
+        tell_mood(c, &mix, by);
+    return 0;
+}
+
+int notice_state(struct channel *c, const json_t *message, struct error *e) {
+    static const char *const states[] = {"idle", "listening", "thinking", "muted", "asleep"};
+    const json_t *value = json_object_get(message, "state");
+    const char *state = json_string_value(value);
+    size_t i = 0;
+    while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
+        i++;
+    if (i == sizeof states / sizeof *states)
+        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
+                              "must be idle, listening, thinking, or muted");
+    json_t *told = notice_begin(c, "state");
+    json_object_set_new(told, "state", json_string(states[i]));
+    int failed = notice_take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
+                 (json_object_get(message, "mix") && notice_express(c, message, NULL, e));
+    if (!failed) {
+        struct queued_message *all = notice_tell(c, told, "state");
+        notice_board_state(&c->notices, all);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+/* Counts one more. -1: each of them goes to every listener, and there were too many. */
+static int count_calibration(struct channel *c, struct error *e) {
+    uint64_t now = uv_now(c->rooms->pipeline->loop);
+    uint64_t from = c->calibrated > now ? c->calibrated : now;
+    if (from + CALIBRATION_MS - now > CALIBRATION_MS * CALIBRATION_BURST)
+        return error_set(e, ERROR_TOO_MANY_REQUESTS, "a face takes %d calibrations a second, and %d at once",
+                         1000 / CALIBRATION_MS, CALIBRATION_BURST);
+    c->calibrated = from + CALIBRATION_MS;
+    return 0;
+}
+
+/* On a stream of one's own nobody comes later. */
+int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
+    const json_t *reset = json_object_get(message, "reset");
+    if (reset && !json_is_boolean(reset))
+        return error_in_field(e, ERROR_BAD_FIELD, "reset", "must be true or false");
+    json_t *told = notice_begin(c, "calibrated");
+    int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
+                                     : calibration_read(message, told, e);
+    failed = failed || count_calibration(c, e);
+    if (!failed) {
+        struct queued_message *all = notice_tell(c, told, "calibrated");
+        notice_board_calibration(&c->notices, c->room && !json_is_true(reset) ? all : NULL);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+static const char *word_of(const json_t *message) {
+    const char *word = json_string_value(json_object_get(message, "consent"));
+    return word ? word : "";
+}
+
+int consent_is_answer(const json_t *message, bool *answer, struct error *e) {
+    const char *word = word_of(message);
+    *answer = !strcmp(word, "given") || !strcmp(word, "declined");
+    if (*answer || !strcmp(word, "asked") || !strcmp(word, "none"))
+        return 0;
+    return error_in_field(e, json_object_get(message, "consent") ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD,
+                          "consent", "must be asked, given, declined or none");
+}
+
+static void tell(struct channel *c, json_t *told) {
+    struct queued_message *all = notice_tell(c, told, "consent");
+    bool any = strcmp(word_of(told), "none") != 0;
+    notice_board_consent(&c->notices, any ? all : NULL, any ? told : NULL);
+    queued_message_release(all);
+}
+
+/* Words that have been asked already. */
+static bool is_same(const json_t *asked, const json_t *told) {
+    const json_t *before = json_object_get(asked, "text"), *text = json_object_get(told, "text");
+    return asked && (before == text || json_equal(before, text));
+}
+
+int notice_consent(struct channel *c, const json_t *message, const char *by, struct error *e) {
+    json_t *asked = c->notices.asked, *told = notice_begin(c, "consent");
+    bool answer;
+    int failed = consent_is_answer(message, &answer, e);
+    if (!failed && answer && !asked)
+        failed = error_plain(e, ERROR_NO_CHOICES);
+    if (!failed)
+        failed = notice_take_text(answer ? asked : message, "text", NOTICE_TEXT_BYTES, told, e);
+    if (!failed && !strcmp(word_of(message), "asked") && is_same(asked, told)) {
+        queued_message_release(notice_tell(c, asked, "consent"));
+    } else if (!failed) {
+        json_object_set(told, "consent", json_object_get(message, "consent"));
+        json_object_set_new(told, "by", json_string(by));
+        tell(c, told);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+/* Followers stand in the order in which they came, the last first. */
+enum { OBSERVERS_TOLD = 32 }; /* most that are told of, the first to come */
+
+static json_t *list(const struct channel *c, size_t *count) {
+    json_t *desks = json_array();
+    *count = 0;
+    for (const struct follower *f = c->followers; f; f = f->next) {
+        if (!f->watches || !f->observer)
+            continue;
+        json_array_insert_new(desks, 0, json_pack("{ss sb}", "name", f->observer, "speaks", f->directs));
+        if (++*count > OBSERVERS_TOLD)
+            json_array_remove(desks, OBSERVERS_TOLD);
+    }
+    return desks;
+}
+
+void observers_tell(struct channel *c) {
+    size_t count;
+    if (!c->room)
+        return;
+    json_t *told = notice_begin(c, "desks");
+    json_object_set_new(told, "desks", list(c, &count));
+    json_object_set_new(told, "count", json_integer((json_int_t)count));
+    struct queued_message *message = notice_message(told, "desks");
+    for (struct follower *f = c->followers; f; f = f->next)
+        if (f->watches)
+            f->deliver(f, &message, 1);
+    queued_message_release(message);
+    json_decref(told);
+}
+
+void observers_leave(struct follower *f) {
+    struct channel *c = f->channel;
+    bool known = c && f->watches && c->follower_count > 1;
+    channel_leave(f);
+    if (known)
+        observers_tell(c);
+}

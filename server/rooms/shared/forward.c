@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Commands for a room that another daemon leads, or may lead: on their way, and afterwards, while what they
+ * asked for waits or is spoken there. When the leader is lost, so is what waited: the daemon that was asked
+ * tells its end, or asks the next leader where that was wished. All keep the order in which they were asked
+ * for here. */
+#include "server/base/error_json.h"
+#include "server/base/mem.h"
+#include "server/rooms/shared/shared_internal.h"
+#include <stdlib.h>
+#include <string.h>
+#include <utlist.h>
+
+enum { TRIES_AT_ONCE = 3 }; /* the next follow from the claims that are made anyway */
+
+bool forward_needed(const struct rooms *rooms, const char *room) {
+    const struct channel *c = rooms->shared ? channel_find(rooms, room) : NULL;
+    if (!rooms->shared)
+        return false;
+    return !c || c->shared->role == ROLE_SEEKING || c->shared->role == ROLE_REPLICA;
+}
+
+/* It has left the list when its giver is called. Who gave one that is asked anew waits for no answer: that it
+ * failed is told as its end. */
+static void end(struct forward *o, unsigned status, const json_t *answer) {
+    struct channel *c = o->channel;
+    struct error e;
+    shared_error(&e);
+    if (o->again && !o->done && status >= 400)
+        forward_tell_failed(o, &e);
+    if (c->shared && status >= 400) /* whatever a leader makes of it yet */
+        shared_note_ended(c->shared, forward_number(o));
+    forward_done done = o->done;
+    void *ctx = o->ctx;
+    channel_keep(c);
+    forward_free(o);
+    if (done)
+        done(ctx, status, answer);
+    channel_let_go(c);
+}
+
+/* What is to be spoken stays among the orders until its end. */
+static void take(struct forward *o, uint32_t utterance, unsigned status, const json_t *answer) {
+    forward_done done = o->done;
+    void *ctx = o->ctx;
+    struct channel *c = o->channel;
+    o->done = NULL;
+    o->utterance = utterance;
+    stream_number_above(c->stream, utterance);
+    if (done)
+        done(ctx, status, answer);
+    channel_let_go(c);
+}
+
+/* Though its answer was lost, or says that it was asked before, it may be heard here already. */
+static void refuse(struct forward *o, unsigned status, const json_t *answer) {
+    enum { ACCEPTED = 202 };
+    struct channel *c = o->channel;
+    bool speaks = forward_is_spoken(o);
+    if (!speaks && !forward_has_ended(o)) {
+        end(o, status, answer);
+        return;
+    }
+    json_t *accepted = json_pack("{ss ss}", "type", "accepted", "room", c->name);
+    if (speaks)
+        take(o, channel_utterance(c), ACCEPTED, accepted);
+    else
+        end(o, ACCEPTED, accepted);
+    json_decref(accepted);
+}
+
+static void fail(struct forward *o) {
+    struct error e;
+    shared_error(&e);
+    json_t *answer = error_json(&e);
+    refuse(o, (unsigned)error_status(e.code), answer);
+    json_decref(answer);
+}
+
+static uint32_t utterance_of(const json_t *answer) {
+    return (uint32_t)json_integer_value(json_object_get(answer, "utterance"));
+}
+
+static void act(struct forward *o) {
+    unsigned status;
+    json_t *answer =
+        o->all->rooms->run(o->all->rooms->ctx, o->channel->name, o->asked, 0, forward_number(o), &status);
+    json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
+    end(o, status, answer);
+    json_decref(answer);
+}
+
+/* The one before it that the leader has not answered yet, 0: none. */
+static uint64_t before(const struct forward *o) {
+    uint64_t number = 0;
+    for (const struct forward *other = o->all->forwards; other != o; other = other->next)
+        if (other->channel == o->channel && other->sent && !other->utterance)
+            number = other->number;
+    return number;
+}
+
+/* The leader does not do it before that which it comes after. */
+static void send_order(struct forward *o) {
+    const struct shared_room *h = o->channel->shared;
+    json_t *head = packet_begin("order", o->channel->name);
+    json_object_set_new(head, "number", json_integer((json_int_t)o->number));
+    json_object_set_new(head, "after", json_integer((json_int_t)before(o)));
+    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
+    json_object_set_new(head, "visit", json_integer(h->visit));
+    json_object_set(head, "order", o->asked);
+    shared_tell(o->all, h->holder, head);
+    o->sent = true;
+}
+
+/* As the role of its room is now. */
+static void go_on(struct forward *o) {
+    switch (o->channel->shared->role) {
+    case ROLE_REPLICA:
+        if (!o->sent)
+            send_order(o);
+        break;
+    case ROLE_LEADER:
+    case ROLE_ALONE:
+        if (o->sent) /* to a leader that is gone: nobody knows whether it was done */
+            fail(o);
+        else
+            act(o);
+        break;
+    default:
+        break;
+    }
+}
+
+struct forward *forward_command(struct rooms *rooms, const char *room, json_t *asked, forward_done done,
+                                void *ctx) {
+    struct error e;
+    struct channel *c =
+        channel_room(rooms, room, (uint32_t)json_integer_value(json_object_get(asked, "payer")), &e);
+    if (!c) {
+        json_t *answer = error_json(&e);
+        done(ctx, (unsigned)error_status(e.code), answer);
+        json_decref(answer);
+        json_decref(asked);
+        return NULL;
+    }
+    struct shared_rooms *all = rooms->shared;
+    struct forward *o = mem_alloc(sizeof *o);
+    *o = (struct forward){.all = all,
+                          .channel = c,
+                          .number = ++all->forward_number,
+                          .until = shared_now(all) + FORWARD_MS,
+                          .asked = asked,
+                          .done = done,
+                          .ctx = ctx};
+    channel_keep(c);
+    DL_APPEND(all->forwards, o);
+    uint64_t number = o->number;
+    channel_keep(c);
+    forwards_role(c->shared); /* those before it that wait, too, and first */
+    channel_let_go(c);
+    return all->forwards && all->forwards->prev->number == number ? all->forwards->prev : NULL;
+}
+
+void forward_forget(struct forward *o) {
+    if (o)
+        o->done = NULL;
+}
+
+/* Those that fit, each once, whatever the ends of others do to the list. */
+static struct forward *next_after(const struct shared_rooms *all, uint64_t number, const struct channel *c) {
+    struct forward *o = all->forwards;
+    while (o && (o->utterance || o->number <= number || (c && o->channel != c)))
+        o = o->next;
+    return o;
+}
+
+void forwards_role(struct shared_room *h) {
+    struct shared_rooms *all = h->all;
+    const struct channel *c = h->channel;
+    uint64_t number = 0;
+    for (struct forward *o; (o = next_after(all, number, c));) {
+        number = o->number;
+        go_on(o);
+    }
+}
+
+void forwards_expire(struct shared_rooms *all) {
+    uint64_t number = 0;
+    for (struct forward *o; (o = next_after(all, number, NULL));) {
+        number = o->number;
+        if (o->until <= shared_now(all))
+            fail(o);
+    }
+}
+
+void forwards_close(struct shared_rooms *all) {
+    for (struct forward *o; (o = next_after(all, 0, NULL));)
+        fail(o);
+}
+
+void forwards_heard(struct shared_rooms *all, const struct packet *p) {
+    struct shared_room *h = shared_find(all, p->room);
+    json_t *asked = json_object_get(p->head, "order"), *head = packet_begin("answer", p->room);
+    unsigned status = 0;
+    json_object_set(head, "number", json_object_get(p->head, "number"));
+    json_object_set(head, "token", json_object_get(p->head, "token"));
+    json_object_set(head, "visit", json_object_get(p->head, "visit"));
+    /* asked under another token, it has been given up by who asked */
+    bool here = h && h->role == ROLE_LEADER && json_is_object(asked) && packet_number(p, "token") == h->token;
+    uint64_t order = shared_command(p->from, packet_number(p, "number")), after = packet_number(p, "after");
+    here &= !after || shared_has_done(h, shared_command(p->from, after));
+    if (here)
+        shared_note_done(h, order);
+    bool heard = here && (shared_has_heard(h, order) || channel_order(h->channel) == order);
+    if (heard) {
+        struct error e;
+        shared_error(&e);
+        status = (unsigned)error_status(e.code);
+        json_object_set_new(head, "answer", error_json(&e));
+    } else if (here) {
+        json_object_set_new(
+            head, "answer",
+            all->rooms->run(all->rooms->ctx, p->room, asked, shared_origin(p), order, &status));
+    }
+    json_object_set_new(head, "status", json_integer(status));
+    shared_tell(all, p->from, head);
+}
+
+void forwards_answered(struct shared_rooms *all, const struct packet *p) {
+    uint64_t number = packet_number(p, "number"), status = packet_number(p, "status");
+    struct forward *o = all->forwards;
+    while (o && o->number != number)
+        o = o->next;
+    json_t *answer = json_object_get(p->head, "answer");
+    uint32_t utterance = utterance_of(answer);
+    json_object_del(answer, "utterance");
+    struct shared_room *h = shared_find(all, p->room);
+    bool known = h && o && o->channel == h->channel && packet_number(p, "visit") == h->visit;
+    bool current = h && h->role == ROLE_REPLICA && packet_number(p, "token") == h->token;
+    if (current && utterance && !known) {
+        shared_is_past(h, utterance); /* that order has been told to be lost, or given anew */
+    } else if (!current || !known || o->utterance || !o->sent) {
+        return; /* a late one, of a leader that was lost */
+    } else if (o && status && utterance && !forward_has_ended(o)) {
+        take(o, utterance, (unsigned)status, answer);
+    } else if (o && status >= 400) {
+        refuse(o, (unsigned)status, answer);
+    } else if (o && status) {
+        end(o, (unsigned)status, answer);
+    } else if (o) { /* it is not the leader, and did nothing: who is? */
+        o->sent = false;
+        if (o->tries++ < TRIES_AT_ONCE)
+            shared_claim(o->channel->shared);
+    }
+}
+
+void forward_free(struct forward *o) {
+    DL_DELETE(o->all->forwards, o);
+    json_decref(o->asked);
+    if (!o->utterance)
+        channel_let_go(o->channel);
+    free(o);
+}
+
+static const json_t *request_of(const struct forward *o) {
+    return json_object_get(o->asked, "request");
+}
+
+uint64_t forward_number(const struct forward *o) {
+    return shared_command(bus_name(o->all->bus), o->number);
+}
+
+bool forward_is_spoken(const struct forward *o) {
+    return o->channel->shared && channel_order(o->channel) == forward_number(o);
+}
+
+bool forward_has_ended(const struct forward *o) {
+    return o->channel->shared && shared_has_heard(o->channel->shared, forward_number(o));
+}
+
+bool forward_is_again(const struct forward *o) {
+    return json_is_true(json_object_get(request_of(o), "again"));
+}
+
+void forward_tell_failed(const struct forward *o, const struct error *e) {
+    struct stream_event event = {.kind = STREAM_ERROR,
+                                 .utterance = o->utterance,
+                                 .id = json_string_value(json_object_get(request_of(o), "id")),
+                                 .order = forward_number(o),
+                                 .error = e,
+                                 .reason = "failed",
+                                 .idle = -1};
+    channel_sink.event(o->channel, &event);
+    event.kind = STREAM_END;
+    channel_sink.event(o->channel, &event);
+}
+
+static struct forward *find(const struct shared_room *h, uint32_t utterance) {
+    struct forward *o = h->all->forwards;
+    while (o && (o->channel != h->channel || !o->utterance || o->utterance != utterance))
+        o = o->next;
+    return o;
+}
+
+void forwards_ended(struct shared_room *h, uint32_t utterance) {
+    struct forward *o = find(h, utterance);
+    if (o)
+        forward_free(o);
+}
+
+bool forwards_again(const struct shared_room *h, uint32_t utterance) {
+    const struct forward *o = find(h, utterance);
+    return o && forward_is_again(o);
+}
+
+/* It waits for the next leader, from now on. */
+static void ask_again(struct forward *o) {
+    if (o->utterance)
+        channel_keep(o->channel);
+    o->utterance = 0;
+    o->sent = false;
+    o->again = true;
+    o->tries = 0;
+    o->until = shared_now(o->all) + FORWARD_MS;
+}
+
+void forwards_lost(struct shared_room *h, uint32_t told, bool again, const struct error *e) {
+    for (struct forward *o = h->all->forwards, *next; o; o = next) {
+        next = o->next;
+        if (o->channel != h->channel || (!o->utterance && !o->sent))
+            continue;
+        if (o->utterance)
+            shared_is_past(h, o->utterance);
+        if (again && forward_is_again(o) && !forward_has_ended(o)) {
+            ask_again(o);
+        } else if (!o->utterance) {
+            o->until = 0; /* nobody knows whether it was done */
+        } else {
+            if (o->utterance != told)
+                forward_tell_failed(o, e);
+            forward_free(o);
+        }
+    }
+}
+
+void forwards_forget_room(struct shared_room *h) {
+    for (struct forward *o = h->all->forwards, *next; o; o = next) {
+        next = o->next;
+        if (o->channel == h->channel && o->utterance)
+            forward_free(o);
+    }
+}
