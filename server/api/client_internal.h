@@ -71,7 +71,7 @@ void client_act(struct client *client, const json_t *message);
 /* Speaks a text with the client's defaults. */
 void client_speak(struct client *client, const char *text, size_t size);
 
-/* open_text.c: utterances that it is writing, or speaks itself */
+/* client_speech.c: utterances that it is writing, or speaks itself */
 
 void open_text_add(struct client *client, const json_t *message);
 void open_text_flush(struct client *client, const json_t *message);

@@ -67,7 +67,7 @@ test('the points that a room is given are on all its faces, on those that come l
   const [{ code, place, message }] = await told(first, 1);
   assert.deepEqual([code, place], ['bad-calibration', 'featurePointsCoord'], message);
   assert.deepEqual(await units(first), own);
-  const sent = await daemon.get('/v1/calibrate?room=salotto', { method: 'POST', body: JSON.stringify({ featurePointsCoord: bruno }) });
+  const sent = await daemon.get('/v1/rooms/salotto/commands', { method: 'POST', body: JSON.stringify({ type: 'calibrate', featurePointsCoord: bruno }) });
   assert.deepEqual([sent.status, (await sent.json()).listeners], [202, 1]);
   const second = await enter();
   for (const page of [first, second]) {

@@ -106,7 +106,7 @@ test('free questions, by key; states are shown; a touch stops her', async () => 
 });
 
 test('when nobody is there the screen goes dark, until somebody comes, or something is said', async () => {
-  const tell = (name) => daemon.get('/v1/state?room=cucina', { method: 'POST', body: JSON.stringify({ state: name }) });
+  const tell = (name) => daemon.get('/v1/rooms/cucina/commands', { method: 'POST', body: JSON.stringify({ type: 'state', state: name }) });
   const dark = (wanted) => kiosk.waitForFunction((is) => document.querySelector('#asleep').hidden !== is && document.querySelector('talking-head').hidden === is, wanted);
   await tell('asleep');
   await dark(true);

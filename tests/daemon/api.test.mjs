@@ -34,7 +34,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const PLACES = { '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md' };
+const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md' };
 
 /** What the reference inside the document stands for. */
 const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
@@ -89,7 +89,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/choices': { choices: ['Sì'] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/state': { state: 'idle' }, '/v1/calibrate': { featurePointsCoord: { '8.3': [26, -62, 18] } } };
+const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/choices': { choices: ['Sì'] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');
@@ -97,7 +97,7 @@ for (const { address, method, operation } of operations) {
     const { models } = await room.wait({ type: 'hello' });
     const name = address.includes('schema') ? 'server.json' : models[0].name;
     const url = address.replace('{name}', name).replace(/\{\w+\}/g, (place) => PLACES[place]);
-    const wants = (name) => parameters(operation).some((p) => p.name === name);
+    const wants = (name) => parameters(operation).some((p) => p.name === name && p.in === 'query');
     const wantsRoom = wants('room');
     const query = wantsRoom ? '?room=api' : wants('text') ? '?text=Ciao&lang=it' : wants('q') ? '?q=mare' : wants('url') ? '?url=/library/mare/1' : '';
     const options = { method, headers: method === 'PUT' || method === 'DELETE' ? { 'if-match': '*' } : {} };
@@ -115,7 +115,7 @@ for (const { address, method, operation } of operations) {
     // without what it needs, and with what it does not have
     if (wantsRoom) await check(await daemon.get(url, options), operation);
     if (wantsRoom && method === 'POST') await check(await daemon.get(`${url}?room=nobody`, options), operation);
-    if (address.includes('{')) await check(await daemon.get(address.replace(/\{\w+\}/g, 'nobody')), operation);
+    if (address.includes('{')) await check(await daemon.get(address.replace(/\{\w+\}/g, 'nobody'), method === 'POST' ? options : {}), operation);
     await room.close();
   });
   for (const { name, schema } of parameters(operation).filter((p) => p.in === 'query' && method === 'POST' && p.name !== 'room'))

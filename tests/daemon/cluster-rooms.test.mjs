@@ -159,13 +159,13 @@ test('what is asked of a room at any daemon is done, and what is wrong is answer
   await followed(room, 3);
   await post(daemons[2], `/v1/say?room=${room}&lang=it`, LONG);
   await one.heard({ type: 'begin' });
-  assert.deepEqual(await post(daemons[1], `/v1/pause?room=${room}`), { status: 200, type: 'paused', room });
+  assert.deepEqual(await post(daemons[1], `/v1/rooms/${room}/commands`, '{"type":"pause"}', 'application/json'), { status: 200, type: 'paused', room });
   await three.heard({ type: 'paused' });
   three.send({ type: 'resume' });
   for (const listener of [one, two, three]) await listener.heard({ type: 'resumed' });
   assert.equal((await post(daemons[2], `/v1/say?room=${room}&mode=quiet`, 'Zitta.')).code, 'busy');
-  assert.equal((await post(daemons[1], `/v1/state?room=${room}`, '{"state":"nonsense"}', 'application/json')).field, 'state');
-  assert.equal((await post(daemons[1], `/v1/state?room=${room}`, '{"state":"muted"}', 'application/json')).listeners, 3);
+  assert.equal((await post(daemons[1], `/v1/rooms/${room}/commands`, '{"type":"state","state":"nonsense"}', 'application/json')).field, 'state');
+  assert.equal((await post(daemons[1], `/v1/rooms/${room}/commands`, '{"type":"state","state":"muted"}', 'application/json')).listeners, 3);
   await three.heard({ type: 'state', state: 'muted' });
   two.send({ type: 'jump', mark: 'nowhere' });
   await two.heard({ type: 'error', code: 'unknown-mark' });

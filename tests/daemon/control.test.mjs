@@ -319,7 +319,7 @@ test('in a room: all hear it, who may not speak directs nothing', async () => {
   await late.wait({ type: 'paused', id: 'a' });
   a.send({ type: 'jump', mark: 'tre' });
   await b.wait({ type: 'jumped', mark: 'tre' });
-  assert.equal((await puppet.get('/v1/resume?room=control', { method: 'POST' })).status, 200);
+  assert.equal((await puppet.get('/v1/rooms/control/commands', { method: 'POST', body: '{"type":"resume"}' })).status, 200);
   for (const stream of [a, b, late]) {
     await stream.wait({ type: 'resumed' });
     await stream.wait({ type: 'end', id: 'a', reason: 'done' });

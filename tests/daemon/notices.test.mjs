@@ -196,7 +196,7 @@ test('a mood is told in its room, by whom, and to who comes later; not on a stre
   await listener.wait({ type: 'expressed', stream: 'm', mix, by: 'Anna' });
   const late = await enter('m');
   await late.wait({ type: 'expressed', mix, by: 'Anna' });
-  assert.equal((await post('/v1/state?room=m', JSON.stringify({ state: 'thinking', mix: [{ name: 'hope', intensity: 0.25 }] }))).status, 202);
+  assert.equal((await post('/v1/rooms/m/commands', JSON.stringify({ type: 'state', state: 'thinking', mix: [{ name: 'hope', intensity: 0.25 }] }))).status, 202);
   await late.wait({ type: 'expressed', mix: [{ name: 'hope', intensity: 0.25 }] });
   desk.send({ type: 'express', mix: [{ name: 'joyy' }] });
   await desk.wait({ type: 'error', field: 'mix.0.name' });
@@ -219,15 +219,15 @@ test('over HTTP, and as lines', async () => {
   assert.equal(answer.status, 202);
   assert.deepEqual(await answer.json(), { type: 'accepted', room: 'd', listeners: 1 });
   await line(/^choices q Ha fame\?/);
-  assert.equal((await post('/v1/state?room=d', '{"state":"muted"}')).status, 202);
+  assert.equal((await post('/v1/rooms/d/commands', '{"type":"state","state":"muted"}')).status, 202);
   await line(/^state muted/);
   for (const [address, body, status, code] of [
     ['/v1/choices?room=nobody', JSON.stringify(offer), 404, 'unknown-room'],
     ['/v1/choices', JSON.stringify(offer), 400, 'missing-field'],
     ['/v1/choices?room=d', '', 400, 'bad-json'],
     ['/v1/choices?room=d', '[1]', 400, 'missing-field'],
-    ['/v1/state?room=d', '{"state":', 400, 'bad-json'],
-    ['/v1/state?room=d', `{"state":"idle","text":"${'x'.repeat(300000)}"}`, 413, 'message-too-long'],
+    ['/v1/rooms/d/commands', '{"type":"state","state":', 400, 'bad-json'],
+    ['/v1/rooms/d/commands', `{"type":"state","state":"idle","text":"${'x'.repeat(300000)}"}`, 413, 'message-too-long'],
   ]) {
     const refused = await post(address, body);
     assert.deepEqual([refused.status, (await refused.json()).code], [status, code], `${address} ${body.slice(0, 20)}`);
@@ -242,7 +242,7 @@ test('who may listen may choose; who may speak may offer', async () => {
   await listener.wait({ type: 'error', code: 'forbidden' });
   listener.send({ type: 'state', state: 'muted' });
   await listener.wait({ type: 'error', code: 'forbidden' }, { from: listener.messages.length });
-  assert.equal((await post('/v1/state?room=e', '{"state":"muted"}', guarded, right('listen', 'x').options)).status, 403);
+  assert.equal((await post('/v1/rooms/e/commands', '{"type":"state","state":"muted"}', guarded, right('listen', 'x').options)).status, 403);
   operator.send(offer);
   await listener.wait({ type: 'choices' });
   listener.send({ type: 'choose', choice: 0 });
@@ -288,7 +288,7 @@ test('feature points are told to all in the room, and to who comes later, until 
     const { arrived, ...is } = await stream.wait({ type: 'calibrated' });
     assert.deepEqual(is, told);
   }
-  const answer = await post('/v1/calibrate?room=f', JSON.stringify({ featurePointsCoord: { 2.1: [0, -90, 70] } }));
+  const answer = await post('/v1/rooms/f/commands', JSON.stringify({ type: 'calibrate', featurePointsCoord: { 2.1: [0, -90, 70] } }));
   assert.deepEqual([answer.status, await answer.json()], [202, { type: 'accepted', room: 'f', listeners: 2 }]);
   await late.wait(({ type, featurePointsCoord }) => type === 'calibrated' && featurePointsCoord['2.1']);
   const later = await enter('f');
@@ -332,7 +332,7 @@ test('points that are none have their field, and nothing is told', async () => {
     stream.send({ type: 'calibrate', ...message });
     await stream.wait({ type: 'error', code, field }, { from });
   }
-  const refused = await post('/v1/calibrate?room=h', JSON.stringify({ featurePointsCoord: { 8.4: [1] } }));
+  const refused = await post('/v1/rooms/h/commands', JSON.stringify({ type: 'calibrate', featurePointsCoord: { 8.4: [1] } }));
   assert.deepEqual([refused.status, (await refused.json()).field], [400, 'featurePointsCoord.8.4']);
   assert.ok(!stream.messages.some(({ type }) => type === 'calibrated'));
   for (const [type, data] of [['image/jpeg', headOfJpeg(2048, 2048)], ['image/webp', headOfWebp(2048, 2048)]]) {
@@ -356,7 +356,7 @@ test('a flood of calibrations reaches nobody: most are refused, and one that com
   assert.ok(told >= 12 && told < 250, `${told} of 500 were handed on`);
   const late = { 2.1: [0, -91, 70] };
   for (let taken = false; !taken; ) {
-    const answer = await post('/v1/calibrate?room=flood', JSON.stringify({ featurePointsCoord: late }));
+    const answer = await post('/v1/rooms/flood/commands', JSON.stringify({ type: 'calibrate', featurePointsCoord: late }));
     assert.ok([202, 429].includes(answer.status), `${answer.status}`);
     taken = answer.status === 202;
     if (!taken) await new Promise((resolve) => setTimeout(resolve, 100));
@@ -370,8 +370,8 @@ test('who may only listen gives nobody another face', async () => {
   const listener = await enter('i', right('listen'));
   listener.send({ type: 'calibrate', featurePointsCoord: points });
   await listener.wait({ type: 'error', code: 'forbidden' });
-  assert.equal((await post('/v1/calibrate?room=i', JSON.stringify({ featurePointsCoord: points }), guarded, right('listen').options)).status, 403);
-  assert.equal((await post('/v1/calibrate?room=i', JSON.stringify({ featurePointsCoord: points }), guarded, right('speak').options)).status, 202);
+  assert.equal((await post('/v1/rooms/i/commands', JSON.stringify({ type: 'calibrate', featurePointsCoord: points }), guarded, right('listen').options)).status, 403);
+  assert.equal((await post('/v1/rooms/i/commands', JSON.stringify({ type: 'calibrate', featurePointsCoord: points }), guarded, right('speak').options)).status, 202);
   await listener.wait({ type: 'calibrated' });
   await listener.close();
 });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the sources hang together: what includes what, in which order of stages; names; lengths. All that is against a rule is printed
-// at once. There is one exception, MACHINE.
+// at once.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { test } from 'node:test';
@@ -38,9 +38,6 @@ BELOW.app = Object.keys(BELOW);
 /** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
 const HIDDEN = { rooms: ['face', 'voice', 'normalize'], api: ['face', 'voice', 'normalize'] };
 
-/** One state machine in several files: a worker asks the queue for a sentence, the queue wakes a worker. */
-const MACHINE = /^server\/voice\/(voice_pool\w*|worker|worker_sentence)\.c$/;
-
 /** Long because it is a table. */
 const isTable = ({ name, code }) => {
   const rows = code.split('\n').filter((line) => /^\s*(\[.*\] = )?\{.*\},?\s*$|^\s*"(?:\\.|[^"])*",?\s*$|^\s*[-\d.,x\sa-fA-F{}]+,?\s*$/.test(line) && line.trim() !== '').length;
@@ -73,8 +70,9 @@ export function broken(files) {
   const headers = new Map();
   for (const { name } of files) headers.set(name, includes.get(name).filter((file) => known.has(file)));
   for (const circle of circles(headers)) lines.push(`circle of includes: ${circle.join(', ')}`);
+  // the files of one folder may call each other: they are one engine
   for (const circle of circles(calls(files)))
-    if (!circle.every((name) => MACHINE.test(name))) lines.push(`circle of calls: ${circle.join(', ')}`);
+    if (new Set(circle.map((name) => path.dirname(name))).size > 1) lines.push(`circle of calls: ${circle.join(', ')}`);
 
   const bases = new Map();
   for (const { name } of files)
@@ -176,7 +174,8 @@ test('no setting is read but by the settings', () => {
 const file = (name, text) => ({ name, text, code: text });
 for (const [what, files, expected] of [
   ['a circle of includes', [file('server/base/a.h', '#include "server/base/b.h"'), file('server/base/b.h', '#include "server/base/a.h"')], /^circle of includes: server\/base\/a\.h, server\/base\/b\.h$/],
-  ['a circle of calls', [file('server/base/a.c', 'int a(void) {\n    return b();\n}'), file('server/base/b.c', 'int b(void) {\n    return a();\n}')], /^circle of calls: server\/base\/a\.c, server\/base\/b\.c$/],
+  ['a circle of calls', [file('server/base/a.c', 'int a(void) {\n    return b();\n}'), file('server/http/b.c', 'int b(void) {\n    return a();\n}')], /^circle of calls: server\/base\/a\.c, server\/http\/b\.c$/],
+  ['no circle: one folder', [file('server/base/a.c', 'int a(void) {\n    return b();\n}'), file('server/base/b.c', 'int b(void) {\n    return a();\n}')], null],
   ['no circle: one unit', [file('server/base/a.h', ''), file('server/base/a.c', '#include "server/base/a.h"\n#include "a_internal.h"'), file('server/base/a_internal.h', '#include "server/base/a.h"')], null],
   ['the order', [file('server/api/a.c', '#include "server/face/b.h"'), file('server/face/b.h', '')], /^stage: server\/api\/a\.c \(api\) includes server\/face\/b\.h$/],
   ['what is hidden', [file('server/api/a.c', '#include "server/stream/b.h"'), file('server/stream/b.h', '#include "server/face/c.h"'), file('server/face/c.h', '')], /^hidden: server\/api\/a\.c reaches server\/face\/c\.h through server\/stream\/b\.h$/],
