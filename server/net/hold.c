@@ -83,7 +83,7 @@ void hold_speak(struct net *net, const char *room, struct stream *stream) {
                 at = &(*at)->next;
                 continue;
             }
-            stream_speak(stream, &(*at)->request);
+            stream_speak(stream, &(*at)->request, NULL);
             drop(&net->hold, at);
         }
 }

@@ -61,8 +61,13 @@ json_t *order_say(struct net *net, const char *room, const struct speech_request
     if (!c || !channel_followers(c) || (!channel_listeners(c) && net->options.hold_seconds))
         return say_to_nobody(net, room, request, e);
     int listeners = (int)channel_listeners(c);
-    *utterance = numbered(channel_stream(c), stream_speak(channel_stream(c), request));
-    return json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
+    struct error why;
+    uint32_t taken = stream_speak(channel_stream(c), request, &why);
+    *utterance = numbered(channel_stream(c), taken);
+    json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
+    if (!taken) /* as the room was told, for who asked and does not listen there */
+        json_object_set_new(answer, "refused", message_error(&why));
+    return answer;
 }
 
 static void add_number(json_t *answer, uint32_t utterance) {
@@ -100,7 +105,7 @@ static json_t *speak(struct acting *a, struct error *e) {
     json_t *answer = NULL;
     if (!read_speech(a, &request, e)) {
         answer = accepted(a);
-        add_number(answer, numbered(stream_of(a), stream_speak(stream_of(a), &request)));
+        add_number(answer, numbered(stream_of(a), stream_speak(stream_of(a), &request, NULL)));
     }
     request_free(&request);
     return answer;

@@ -18,7 +18,7 @@ void socket_speak_request(struct socket *s, struct speech_request *request) {
     request->asker = principal_asker(&s->principal);
     if (socket_order_speech(s, request))
         return;
-    uint32_t utterance = stream_speak(socket_stream(s), request);
+    uint32_t utterance = stream_speak(socket_stream(s), request, NULL);
     if (request->open && utterance)
         write_begin(s, request->id, utterance, request->half);
 }
