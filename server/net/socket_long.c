@@ -13,11 +13,13 @@ struct long_message {
     struct buf text;
     json_t *message;
     json_error_t why;
+    atomic_bool given_up; /* for the thread: the socket is gone */
 };
 
 static void parse(uv_work_t *work) {
     struct long_message *m = work->data;
-    m->message = surrogates_load((const char *)m->text.data, m->text.size, &m->why);
+    struct work_limit limit = work_limit_begin(&m->given_up, 0); /* its bound is the message's size */
+    m->message = surrogates_load_until((const char *)m->text.data, m->text.size, &limit, &m->why);
 }
 
 static void drop(uv_work_t *work) {
@@ -75,5 +77,6 @@ void socket_forget_long(struct socket *s) {
     if (!s->reading)
         return;
     s->reading->socket = NULL;
-    uv_cancel((uv_req_t *)&s->reading->work); /* when it runs already, it ends by itself */
+    atomic_store(&s->reading->given_up, true);
+    uv_cancel((uv_req_t *)&s->reading->work); /* when it runs already, it ends soon */
 }
