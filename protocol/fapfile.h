@@ -6,6 +6,7 @@
 #define FACCIA_PROTOCOL_FAPFILE_H
 
 #include "protocol/fap.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { FAPFILE_FPS_MAX = 1000 };
@@ -30,6 +31,10 @@ struct fapfile {
  * 69th flag of 0 (with a note), -inf (read as 0) and decimals (rounded). The frames' numbers are not used:
  * they count in the order in which they stand. Values may be outside the FAPs' ranges: see fap_clamp. */
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error);
+/* The same; `stop` (NULL: never) is asked before each line, and ends the reading when it says true: the error
+ * is "stopped". */
+int fapfile_read_until(const char *text, size_t size, bool (*stop)(void *ctx), void *ctx, struct fapfile *out,
+                       struct fapfile_error *error);
 void fapfile_free(struct fapfile *file);
 
 /* Writers of version 2.1. Each prints into out (cap bytes, NUL-terminated) and returns the length that the

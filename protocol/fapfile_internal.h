@@ -11,6 +11,9 @@ struct fapfile_reader {
     const char *line, *line_end, *at;
     size_t line_number;
     struct fapfile_error *error;
+    bool (*stop)(void *ctx); /* NULL: never */
+    void *ctx;
+    bool stopped;
 };
 
 struct fapfile_word {

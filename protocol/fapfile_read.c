@@ -195,11 +195,19 @@ static int read_all(struct fapfile_reader *r, struct fapfile *file) {
 }
 
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error) {
+    return fapfile_read_until(text, size, NULL, NULL, out, error);
+}
+
+int fapfile_read_until(const char *text, size_t size, bool (*stop)(void *ctx), void *ctx, struct fapfile *out,
+                       struct fapfile_error *error) {
     static const char byte_order_mark[] = {'\xEF', '\xBB', '\xBF'};
     size_t skip = size >= 3 && !memcmp(text, byte_order_mark, 3) ? 3 : 0;
-    struct fapfile_reader r = {.text = text + skip, .limit = text + size, .error = error};
+    struct fapfile_reader r = {
+        .text = text + skip, .limit = text + size, .error = error, .stop = stop, .ctx = ctx};
     struct fapfile file = {0};
-    if (read_all(&r, &file)) {
+    if (read_all(&r, &file) || r.stopped) {
+        if (r.stopped)
+            fapfile_wrong(&r, r.at, "stopped");
         fapfile_free(&file);
         return -1;
     }

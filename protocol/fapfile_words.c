@@ -29,7 +29,10 @@ void fapfile_skip_space(struct fapfile_reader *r) {
 }
 
 bool fapfile_next_content(struct fapfile_reader *r) {
-    while (next_line(r)) {
+    while (!r->stopped && next_line(r)) {
+        r->stopped = r->stop && r->stop(r->ctx);
+        if (r->stopped)
+            break;
         fapfile_skip_space(r);
         if (r->at < r->line_end && *r->at != '#')
             return true;

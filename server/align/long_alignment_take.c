@@ -83,8 +83,8 @@ static void take_phones(const struct fit *fit, const struct reference_span *span
         widen(piece, i);
 }
 
-/* How sure word i is: by the sound of it and of its neighbours, on the piece's scale, and by how it lasts. */
-/* Word i, which takes so many seconds. */
+/* How sure word i is, which takes `took` seconds: by the sound of it and of its neighbours, on the piece's
+ * scale, and by how it lasts. */
 static double word_confidence(const struct fit *fit, const struct reference_span *span, size_t i, double took,
                               const struct long_alignment_piece *piece, double apart) {
     const struct reference_word *words = fit->said->speech.words;

@@ -6,6 +6,7 @@
 #include "server/api/surrogates.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/base/work_limit.h"
 #include "server/rooms/shared/forward.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -195,11 +196,13 @@ struct long_message {
     struct buf text;
     json_t *message;
     json_error_t why;
+    atomic_bool given_up; /* for the thread: the client is gone */
 };
 
 static void parse(uv_work_t *work) {
     struct long_message *m = work->data;
-    m->message = surrogates_load((const char *)m->text.data, m->text.size, &m->why);
+    struct work_limit limit = work_limit_begin(&m->given_up, 0); /* its bound is the message's size */
+    m->message = surrogates_load_until((const char *)m->text.data, m->text.size, &limit, &m->why);
 }
 
 static void drop(uv_work_t *work) {
@@ -244,7 +247,8 @@ void client_forget_reading(struct client *c) {
     if (!c->reading)
         return;
     c->reading->client = NULL;
-    uv_cancel((uv_req_t *)&c->reading->work); /* when it runs already, it ends by itself */
+    atomic_store(&c->reading->given_up, true);
+    uv_cancel((uv_req_t *)&c->reading->work); /* when it runs already, it ends soon */
 }
 
 /* A text that is JSON is acted on; any other is spoken. */

@@ -40,7 +40,7 @@ static const char *string_of(const struct command_call *call, const char *name, 
 
 static int speak(struct command_call *call, struct error *e) {
     if (!call->room || !call->keeps) {
-        call->utterance = stream_speak(stream_of(call), call->request);
+        call->utterance = stream_speak(stream_of(call), call->request, NULL);
         return accepted(call);
     }
     call->answer = room_speak(call->api->rooms, call->room, call->request, &call->utterance, e);

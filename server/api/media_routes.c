@@ -25,19 +25,23 @@ struct listing {
     struct exchange *x; /* NULL: its client is gone */
     char *folder;
     json_t *list;
+    bool whole; /* false: the folder takes too long */
     bool done;
     atomic_bool left; /* the client, and so the thread stops */
 };
 
-static bool add_listed(void *ctx, const char *name, bool sound) {
+/* Processor time for listing a folder, s. */
+enum { LIST_SECONDS = 10 };
+
+static void add_listed(void *ctx, const char *name, bool sound) {
     struct listing *l = ctx;
     json_array_append_new(l->list, json_pack("{ss sb}", "name", name, "sound", sound));
-    return !atomic_load(&l->left);
 }
 
 static void list_folder(uv_work_t *work) {
     struct listing *l = work->data;
-    recording_list(l->folder, add_listed, l);
+    struct work_limit limit = work_limit_begin(&l->left, LIST_SECONDS);
+    l->whole = recording_list(l->folder, &limit, add_listed, l);
 }
 
 static void free_listing(struct listing *l) {
@@ -46,14 +50,22 @@ static void free_listing(struct listing *l) {
     free(l);
 }
 
+static void too_long(struct exchange *x) {
+    struct error e;
+    error_set(&e, ERROR_SEARCH_TOO_LONG, "the folder of recordings takes too long to list");
+    exchange_error(x, &e);
+}
+
 static void after_list(uv_work_t *work, int status) {
     struct listing *l = work->data;
     (void)status; /* cancelled only when the client is gone */
     l->done = true;
-    if (l->x)
+    if (!l->x)
+        free_listing(l);
+    else if (l->whole)
         exchange_json(l->x, 200, json_pack("{sO}", "media", l->list));
     else
-        free_listing(l);
+        too_long(l->x);
 }
 
 static void leave_list(void *self) {

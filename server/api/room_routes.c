@@ -277,7 +277,7 @@ static int speak_written(struct text_post *p, struct speech_request *request, st
         return error_in_field(e, ERROR_BAD_FIELD, "open", "must be true where it is given");
     p->channel = channel_number(channel);
     p->listeners = (int)channel_listeners(channel);
-    p->utterance = stream_speak(channel_stream(channel), request);
+    p->utterance = stream_speak(channel_stream(channel), request, NULL);
     return 0;
 }
 

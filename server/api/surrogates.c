@@ -66,15 +66,45 @@ static bool replace_halves(const char *data, size_t size, struct buf *out) {
     return found;
 }
 
+struct source {
+    const char *data;
+    size_t left;
+    struct work_limit *limit;
+};
+
+/* A json_load_callback_t, asked for a kilobyte at a time. */
+static size_t give(void *buffer, size_t room, void *ctx) {
+    struct source *from = ctx;
+    size_t size = from->left < room ? from->left : room;
+    if (work_limit_over(from->limit))
+        return (size_t)-1;
+    memcpy(buffer, from->data, size);
+    from->data += size;
+    from->left -= size;
+    return size;
+}
+
+static json_t *load(const char *data, size_t size, struct work_limit *limit, json_error_t *why) {
+    struct source from = {data, size, limit};
+    return limit ? json_load_callback(give, &from, JSON_ALLOW_NUL, why)
+                 : json_loadb(data, size, JSON_ALLOW_NUL, why);
+}
+
 json_t *surrogates_load(const char *data, size_t size, json_error_t *why) {
-    json_t *value = json_loadb(data, size, JSON_ALLOW_NUL, why);
+    return surrogates_load_until(data, size, NULL, why);
+}
+
+json_t *surrogates_load_until(const char *data, size_t size, struct work_limit *limit, json_error_t *why) {
+    json_t *value = load(data, size, limit, why);
+    if (work_limit_over(limit))
+        return json_decref(value), NULL;
     if (!data || !size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
         return value;
     struct buf mended = {0};
     json_error_t other; /* places count in what was sent */
     if (replace_halves(data, size, &mended)) {
         json_decref(value);
-        value = json_loadb((const char *)mended.data, mended.size, JSON_ALLOW_NUL, &other);
+        value = load((const char *)mended.data, mended.size, limit, &other);
     }
     buf_free(&mended);
     return value;

@@ -7,6 +7,7 @@
 #define FACCIA_API_SURROGATES_H
 
 #include "server/base/buf.h"
+#include "server/base/work_limit.h"
 #include <jansson.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -14,6 +15,8 @@
 /* As json_loadb (NULs allowed). In the strings a half stands as four
  * noncharacters, which surrogates_join takes for what they are. */
 json_t *surrogates_load(const char *data, size_t size, json_error_t *why);
+/* The same; NULL soon after the limit is over. */
+json_t *surrogates_load_until(const char *data, size_t size, struct work_limit *limit, json_error_t *why);
 
 /* Copies text[0..n), with its halves joined, to `out`. *half is the high half at the end of what came before,
  * 0: none; afterwards the one at the end of this. What has no other half becomes U+FFFD. */

@@ -59,14 +59,28 @@ static void leave(struct announcement *a, int status) {
     uv_stop(&a->loop);
 }
 
+/* An error of the room about this text. */
+static void note_error(struct announcement *a, const json_t *error) {
+    const char *why = json_string_value(json_object_get(error, "message"));
+    const char *code = json_string_value(json_object_get(error, "code"));
+    fprintf(stderr, "faccia-say: %s\n", why ? why : "it is refused");
+    a->status = code && !strcmp(code, "unheard") ? EXIT_NOBODY
+                : code && !strcmp(code, "busy")  ? EXIT_BUSY
+                                                 : EXIT_FAILED;
+}
+
 static void on_answer(void *ctx, const struct remote_answer *answer) {
     struct announcement *a = ctx;
     bool held = json_object_get(answer->body, "held");
+    const json_t *refused = json_object_get(answer->body, "refused");
     if (answer->status == 409) {
         leave(a, EXIT_BUSY);
     } else if (answer->status != 202) {
         fprintf(stderr, "faccia-say: %s\n", answer->why);
         leave(a, EXIT_FAILED);
+    } else if (!a->wait && refused) { /* else the room's events tell */
+        note_error(a, refused);
+        leave(a, a->status);
     } else if (!held && !json_integer_value(json_object_get(answer->body, "listeners"))) {
         leave(a, EXIT_NOBODY);
     } else if (!a->wait) {
@@ -91,12 +105,7 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
     if (!id || strcmp(id, a->id))
         return;
     if (!strcmp(type, "error")) {
-        const char *why = json_string_value(json_object_get(message, "message"));
-        const char *code = json_string_value(json_object_get(message, "code"));
-        fprintf(stderr, "faccia-say: %s\n", why ? why : type);
-        a->status = code && !strcmp(code, "unheard") ? EXIT_NOBODY
-                    : code && !strcmp(code, "busy")  ? EXIT_BUSY
-                                                     : EXIT_FAILED;
+        note_error(a, message);
     } else if (!strcmp(type, "end") && reason && !strcmp(reason, "done")) {
         if (json_is_true(json_object_get(message, "blocked"))) {
             fputs("faccia-say: it was not heard: the browsers in the room play no sound until somebody "

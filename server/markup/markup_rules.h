@@ -3,8 +3,8 @@
 #ifndef FACCIA_MARKUP_MARKUP_RULES_H
 #define FACCIA_MARKUP_MARKUP_RULES_H
 
-#include <stdatomic.h>
-#include <stdbool.h>
+#include "server/base/error.h"
+#include "server/base/work_limit.h"
 #include <stddef.h>
 
 /* How a language cuts its sentences. */
@@ -16,14 +16,20 @@ struct markup_rules {
     bool more;             /* the text is still being written: more may follow (plain.h) */
     bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
     const struct language_runs *runs; /* of a plain text: what is in another language; may be NULL */
-    bool lenient; /* nobody said what the text is: tags in what is no document are left out, not an error */
+    bool lenient;  /* nobody said what the text is: tags in what is no document are left out, not an error */
     double paused; /* s: pauses that the text had before this piece of it */
-    const atomic_bool *given_up; /* when it becomes true, from any thread, reading ends soon, with the error
-                                    "cancelled"; may be NULL */
+    struct work_limit *limit; /* when it is over, reading ends soon, with the error "cancelled" or
+                                 "text-too-long"; may be NULL */
 };
 
 static inline bool markup_given_up(const struct markup_rules *rules) {
-    return rules && rules->given_up && atomic_load_explicit(rules->given_up, memory_order_relaxed);
+    return rules && work_limit_over(rules->limit);
+}
+
+/* Why a reading was given up: the code, and what is said of it. */
+static inline const char *markup_why_given_up(const struct markup_rules *rules, enum error_code *code) {
+    *code = rules->limit->late ? ERROR_TEXT_TOO_LONG : ERROR_CANCELLED;
+    return rules->limit->late ? "reading it takes too long" : "it was cancelled";
 }
 
 #endif

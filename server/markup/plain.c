@@ -315,8 +315,11 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
                struct error *e) {
     size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines), run = 0;
     while (at < size) {
-        if (markup_given_up(rules))
-            return error_set(e, ERROR_CANCELLED, "it was cancelled");
+        if (markup_given_up(rules)) {
+            enum error_code code;
+            const char *why = markup_why_given_up(rules, &code);
+            return error_at_byte(e, code, at, "%s", why);
+        }
         size_t length = plain_sentence(text + at, size - at, rules), end = at + length;
         while (end > at && strchr(" \t\r\n\v\f", text[end - 1]))
             end--;

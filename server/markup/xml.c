@@ -42,6 +42,17 @@ static void fail(struct walk *w, enum error_code code, const char *message) {
     XML_StopParser(w->parser, XML_FALSE);
 }
 
+/* Whether the reading is to stop. */
+static bool give_up(struct walk *w) {
+    const struct markup_rules *rules = w->reader.rules;
+    enum error_code code;
+    if (!markup_given_up(rules))
+        return false;
+    const char *why = markup_why_given_up(rules, &code);
+    fail(w, code, why);
+    return true;
+}
+
 static bool same(const char *a, const char *b) {
     return a == b || (a && b && !strcmp(a, b));
 }
@@ -75,7 +86,8 @@ static void begin_known(struct markup_reader *r, struct frame *frame, struct tag
         passage_open(&r->passage, SPAN_STYLE, tag->at, r->depth);
 }
 
-/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words. */
+/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words.
+ */
 static void part_words(struct walk *w, const char *name, size_t at, size_t end) {
     struct markup_reader *r = &w->reader;
     const struct frame *frame = &r->frames[r->depth];
@@ -90,10 +102,8 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     struct markup_reader *r = &w->reader;
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
-    if (markup_given_up(r->rules)) {
-        fail(w, ERROR_CANCELLED, "it was cancelled");
+    if (give_up(w))
         return;
-    }
     if (r->depth == READER_DEPTH) {
         fail(w, ERROR_TOO_DEEP, "elements lie too deep inside each other");
         return;
@@ -160,7 +170,7 @@ static void on_text(void *ctx, const XML_Char *text, int n) {
     struct walk *w = ctx;
     struct markup_reader *r = &w->reader;
     const struct frame *frame = &r->frames[r->depth];
-    if (w->failed || frame->silent)
+    if (w->failed || frame->silent || give_up(w))
         return;
     if (r->capturing) {
         buf_add(&r->capture, text, (size_t)n);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/access/token.h"
+#include "server/base/error_json.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
@@ -162,7 +163,7 @@ void pending_speak(struct rooms *rooms, const char *room, struct stream *stream)
                 at = &(*at)->next;
                 continue;
             }
-            stream_speak(stream, &(*at)->request);
+            stream_speak(stream, &(*at)->request, NULL);
             drop(&rooms->pending, at);
         }
 }
@@ -201,8 +202,13 @@ json_t *room_speak(struct rooms *rooms, const char *room, const struct speech_re
     if (!c || !channel_followers(c) || (!channel_listeners(c) && rooms->limits.hold_seconds))
         return say_to_nobody(rooms, room, request, e);
     int listeners = (int)channel_listeners(c);
-    *utterance = numbered(channel_stream(c), stream_speak(channel_stream(c), request));
-    return json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
+    struct error why;
+    uint32_t taken = stream_speak(channel_stream(c), request, &why);
+    *utterance = numbered(channel_stream(c), taken);
+    json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
+    if (!taken) /* as the room was told, for who asked and does not listen there */
+        json_object_set_new(answer, "refused", error_json(&why));
+    return answer;
 }
 
 struct rooms *rooms_open(const struct pipeline *pipeline, const struct room_limits *limits, rooms_run *run,

@@ -82,8 +82,8 @@ void stream_free(struct stream *stream);
 
 /* Takes the request under the next utterance number; its mode, priority and topic say when it is spoken. When
  * it is refused (also "queue-full", "busy"), its ERROR and END events come at once, and nothing else changes.
- * Returns the number, or 0 when it is refused. */
-uint32_t stream_speak(struct stream *stream, const struct speech_request *request);
+ * Returns the number, or 0 when it is refused, with *why, which may be NULL. */
+uint32_t stream_speak(struct stream *stream, const struct speech_request *request, struct error *why);
 
 /* The utterance of that number, whose text is still being written (synthesis.h): is it there, and open? */
 bool stream_is_open(const struct stream *stream, uint32_t utterance);

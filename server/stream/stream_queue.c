@@ -140,7 +140,7 @@ static struct utterance *utterance_new(struct stream *s) {
     return t;
 }
 
-uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
+uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {
     struct turn turn = turn_of(request);
     struct utterance *t = NULL;
     struct error e;
@@ -151,6 +151,8 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
     if (!t || !t->synthesis) {
         free(t);
         stream_refuse(s, request->id, request->order, &e);
+        if (why)
+            *why = e;
         return 0;
     }
     t->abroad = request->abroad;

@@ -69,8 +69,16 @@ int recording_source_in(struct recording_source *source, const char *folder, con
     return 0;
 }
 
+/* Processor time for reading a .fap, s, and for each megabyte that one may have: many times what it takes. */
+enum { READ_SECONDS = 10, READ_SECONDS_EACH = 2 };
+
+static int told_why_stopped(struct recording *r, const struct work_limit *limit) {
+    return limit->late ? error_set(&r->error, ERROR_MEDIA_TOO_LARGE, "reading the .fap file takes too long")
+                       : error_set(&r->error, ERROR_CANCELLED, "the .fap file was not read");
+}
+
 /* The .fap as text, from its file. */
-static int read_fap(struct recording *r) {
+static int read_fap(struct recording *r, struct work_limit *limit) {
     struct recording_source *source = &r->source;
     int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
                             : open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -81,11 +89,13 @@ static int read_fap(struct recording *r) {
             close(fd);
         return error_in_field(&r->error, ERROR_UNKNOWN_MEDIA, "name", "no recording '%s'", source->name);
     }
-    while (got > 0 && source->fap.size <= source->fap_bytes_max) {
+    while (got > 0 && source->fap.size <= source->fap_bytes_max && !work_limit_over(limit)) {
         got = read(fd, buf_reserve(&source->fap, 65536), 65536);
         source->fap.size += got > 0 ? (size_t)got : 0;
     }
     close(fd);
+    if (work_limit_over(limit))
+        return told_why_stopped(r, limit);
     if (got < 0)
         return error_set(&r->error, ERROR_UNKNOWN_MEDIA, "'%s' cannot be read: %s", source->name,
                          strerror(errno));
@@ -95,12 +105,23 @@ static int read_fap(struct recording *r) {
     return 0;
 }
 
+static bool is_over(void *ctx) {
+    return work_limit_over(ctx);
+}
+
 static int open_fap(struct recording *r) {
     struct fapfile_error wrong;
     struct buf *text = &r->source.fap;
-    if (r->source.fap_path && read_fap(r))
+    size_t most = r->source.fap_path ? r->source.fap_bytes_max : text->size;
+    struct work_limit limit =
+        work_limit_begin(&r->freed, READ_SECONDS + READ_SECONDS_EACH * (unsigned)(most >> 20));
+    if (r->source.fap_path && read_fap(r, &limit))
         return -1;
-    if (fapfile_read(text->size ? (char *)text->data : "", text->size, &r->fap, &wrong))
+    int failed = fapfile_read_until(text->size ? (char *)text->data : "", text->size, is_over, &limit,
+                                    &r->fap, &wrong);
+    if (failed && work_limit_over(&limit))
+        return told_why_stopped(r, &limit);
+    if (failed)
         return error_at_line(&r->error, ERROR_BAD_FAP, wrong.line, wrong.column, "%s", wrong.message);
     const struct fapfile_error *note = &r->fap.note;
     if (note->message)

@@ -6,6 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
+#include "server/base/work_limit.h"
 #include <stdbool.h>
 #include <uv.h>
 
@@ -44,9 +45,10 @@ int recording_source_in(struct recording_source *source, const char *folder, con
 /* Can a recording in a folder have that name? */
 bool recording_is_name(const char *name);
 
-/* All recordings of a folder that can be named, sorted by name, and whether sound lies beside, until `each`
- * returns false. */
-void recording_list(const char *folder, bool (*each)(void *ctx, const char *name, bool sound), void *ctx);
+/* All recordings of a folder that can be named, sorted by name, and whether sound lies beside. False: the
+ * limit was over before the end. */
+bool recording_list(const char *folder, struct work_limit *limit,
+                    void (*each)(void *ctx, const char *name, bool sound), void *ctx);
 
 struct recording;
 

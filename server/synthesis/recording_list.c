@@ -19,28 +19,52 @@ bool recording_is_name(const char *name) {
     return fit;
 }
 
-static int is_fap(const struct dirent *entry) {
-    size_t size = strlen(entry->d_name);
-    return size > 4 && !strcmp(entry->d_name + size - 4, ".fap");
+struct names {
+    char **names;
+    size_t count, cap;
+};
+
+static int compare(const void *a, const void *b) {
+    return strcoll(*(char *const *)a, *(char *const *)b);
 }
 
-void recording_list(const char *folder, bool (*each)(void *ctx, const char *name, bool sound), void *ctx) {
-    struct dirent **entries;
-    int count = scandir(folder, &entries, is_fap, alphasort);
-    bool wanted = true;
-    for (int i = 0; i < count; i++) {
-        char *name = entries[i]->d_name;
+/* The names that end in ".fap", in order. */
+static void find(struct names *n, const char *folder, struct work_limit *limit) {
+    DIR *dir = opendir(folder);
+    while (dir && !work_limit_over(limit)) {
+        const struct dirent *entry = readdir(dir);
+        size_t size = entry ? strlen(entry->d_name) : 0;
+        if (!entry)
+            break;
+        if (size <= 4 || strcmp(entry->d_name + size - 4, ".fap") != 0)
+            continue;
+        n->names = mem_grow(n->names, &n->cap, n->count + 1, sizeof *n->names);
+        n->names[n->count++] = mem_strdup(entry->d_name);
+    }
+    if (dir)
+        closedir(dir);
+    if (n->count && !work_limit_over(limit))
+        qsort(n->names, n->count, sizeof *n->names, compare);
+}
+
+bool recording_list(const char *folder, struct work_limit *limit,
+                    void (*each)(void *ctx, const char *name, bool sound), void *ctx) {
+    struct names n = {0};
+    find(&n, folder, limit);
+    for (size_t i = 0; i < n.count; i++) {
+        char *name = n.names[i];
+        bool wanted = !work_limit_over(limit);
         FILE *file = wanted ? beneath_file(folder, name) : NULL;
         int sound = file ? recording_sound_beside(folder, name) : -1;
         name[strlen(name) - 4] = '\0';
         if (file && recording_is_name(name))
-            wanted = each(ctx, name, sound >= 0);
+            each(ctx, name, sound >= 0);
         if (file)
             fclose(file);
         if (sound >= 0)
             close(sound);
-        free(entries[i]);
+        free(name);
     }
-    if (count >= 0)
-        free(entries);
+    free(n.names);
+    return !work_limit_over(limit);
 }

@@ -120,11 +120,10 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
                                  .lang = synthesis_lang(s),
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
-                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto"),
-                                 .given_up = &s->given_up};
+                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
 }
 
-void synthesis_direct(const struct synthesis *s, struct reading_result *r) {
+void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
     const struct pipeline *pipeline = s->pipeline;
     r->score = score_script(r->document);
     for (size_t i = 0; i < r->score->item_count; i++)
@@ -133,6 +132,6 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r) {
     if (s->expressions)
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
-    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
+    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers && !work_limit_over(limit); i++)
         normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
 }

@@ -108,7 +108,8 @@ int synthesis_choose(struct synthesis *synthesis, struct error *e);
 
 /* What a reader of this text has to know; the script of a document, with its voices. In any thread. */
 struct markup_rules synthesis_rules(const struct synthesis *synthesis);
-void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result);
+void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result,
+                      struct work_limit *limit);
 
 /* synthesis_guess.c */
 

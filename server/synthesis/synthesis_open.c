@@ -42,23 +42,37 @@ static int decode_text(struct synthesis *s, struct error *e) {
     return 0;
 }
 
+static void drop_reading(struct reading_result *r, const struct markup_rules *rules) {
+    enum error_code code;
+    const char *why = markup_why_given_up(rules, &code);
+    score_free(r->document);
+    score_free(r->score);
+    voice_selection_free(r->chosen);
+    *r = (struct reading_result){0};
+    error_set(&r->error, code, "%s", why);
+}
+
+/* Processor time for reading a text, s, and for each megabyte of it: many times what the slowest takes. */
+enum { READ_SECONDS = 10, READ_SECONDS_EACH = 20 };
+
 /* In any thread: what is reached from here does not change while texts are read. */
 static void read_text(struct synthesis *s) {
     struct reading_result *r = &s->result;
     struct markup_rules rules = synthesis_rules(s);
+    struct work_limit limit = work_limit_begin(
+        &s->given_up, READ_SECONDS + READ_SECONDS_EACH * (unsigned)(s->request.text_size >> 20));
     struct language_runs runs = {0};
     const char *languages = s->request.languages;
     if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
         return;
     rules.runs = &runs;
+    rules.limit = &limit;
     r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
     language_runs_free(&runs);
-    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
-        score_free(r->document);
-        r->document = NULL;
-    }
-    if (r->document)
-        synthesis_direct(s, r);
+    if (r->document && !markup_given_up(&rules))
+        synthesis_direct(s, r, &limit);
+    if (r->document && markup_given_up(&rules))
+        drop_reading(r, &rules); /* much to free, which is better done here */
 }
 
 static void take_result(struct synthesis *s) {

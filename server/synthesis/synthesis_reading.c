@@ -73,7 +73,7 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
         return -1;
     }
     s->voices = voice_pool_hold(s->pipeline->voices);
-    synthesis_direct(s, &r);
+    synthesis_direct(s, &r, NULL);
     voice_pool_let_go(s->pipeline->voices);
     if (into == &s->result)
         s->writing->paused += score_pauses(r.document);

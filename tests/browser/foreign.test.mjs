@@ -51,7 +51,7 @@ async function hostile() {
     'bad-json': [writeGlb({ json: null, binary: null }), 'damaged'],
     circle: [changed(({ nodes }) => nodes[0].children.push(0)), 'damaged'],
     elsewhere: [changed(({ images: [image] }) => Object.assign(image, { uri: 'http://127.0.0.1:9/spy.png', bufferView: undefined })), 'unsupported'],
-    unknown: [changed((one) => (one.extensionsRequired = ['KHR_gaussian_splatting'])), 'unsupported'],
+    unknown: [changed((one) => (one.extensionsRequired = ['KHR_gaussian_splatting']) && (one.meshes[0].primitives[0].extensions = { KHR_gaussian_splatting: {} })), 'unsupported'],
     draco: [spoilt, 'unsupported'], // this page's policy allows no WebAssembly
     endless: [changed(({ accessors }) => (accessors[0].count = 2 ** 40)), 'too-large'],
     beyond: [changed(({ bufferViews }) => (bufferViews[0].byteOffset = 2 ** 30)), 'damaged'],

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page of a room on the screens that it hangs on: the answers are within reach, and it gets over what happens to its network.
 import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
 import http from 'node:http';
 import net from 'node:net';
 import { once } from 'node:events';
+import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
-import { artefacts, Daemon, eventually } from '../lib/daemon.mjs';
+import { artefacts, build, Daemon, eventually } from '../lib/daemon.mjs';
 
 const SCREENS = [[800, 480], [640, 360], [480, 800], [1280, 400], [320, 568], [320, 480]];
 const long = (n) => `${n}. Una risposta piuttosto lunga, come ne scrive chi non ha mai visto uno schermo piccolo`;
@@ -208,4 +210,40 @@ test('what is kept is never given where the daemon answers, and another version 
   upgraded.closeAllConnections();
   upgraded.close();
   await network.begin(daemon.url, network.port);
+});
+
+// The browser's own policy: a page that nobody has touched plays nothing. Whatever a test evaluates in a page counts as a touch, so the page tells of itself.
+test('an announcement on a screen that nobody has touched was not heard, as faccia-say says; after a touch it was', async () => {
+  const whole = await launch({ webgl: false, whole: true }); // the one without windows has no such policy
+  const page = await whole.newPage({ locale: 'it-IT' });
+  const lines = [];
+  page.on('console', (message) => lines.push(message.text()));
+  page.on('pageerror', (error) => lines.push(`error ${error}`));
+  await page.addInitScript(() => addEventListener('DOMContentLoaded', () => {
+    const told = () => document.body.dataset.state === 'idle' && console.log('idle');
+    new MutationObserver(told).observe(document.body, { attributeFilter: ['data-state'] });
+    document.querySelector('talking-head').addEventListener('sound', ({ detail }) => console.log(`sound ${detail.sound}`));
+    told();
+  }));
+  await page.goto(`${network.url}/room.html?room=atrio`);
+  const said = (line) => eventually(() => lines.includes(line), `"${line}" among ${lines}`, 120000);
+  await said('idle');
+  await said('sound blocked'); // before anything is said: who announces something is told in time
+  const say = async () => {
+    const child = spawn(path.join(build, 'server/doors/faccia-say'), ['--url', daemon.url, '--room', 'atrio', '--lang', 'it', '--wait', 'La cena è pronta.']);
+    let told = '';
+    child.stderr.setEncoding('utf8').on('data', (text) => (told += text));
+    const [status] = await once(child, 'close');
+    return { status, told };
+  };
+  for (let i = 0; i < 2; i++) {
+    const { status, told } = await say();
+    assert.equal(status, 6, told);
+    assert.match(told, /touches/);
+  }
+  await page.mouse.click(5, 5);
+  await said('sound on');
+  assert.deepEqual(await say(), { status: 0, told: '' });
+  assert.deepEqual(lines.filter((line) => line.startsWith('error')), []);
+  await whole.close();
 });

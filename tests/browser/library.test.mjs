@@ -190,7 +190,7 @@ test('in the frame of another site: the text and she alone; a phone has both in 
     if (window.spoke && !speaks) document.querySelector('#play').click(); // she was done before anybody looked
     window.spoke = speaks;
     return word && word.top >= 0 && word.bottom <= her.top + 1 && her.bottom <= innerHeight + 1;
-  });
+  }, null, { timeout: 120000 });
   await page.close();
 });
 

@@ -55,7 +55,7 @@ test('a listener is needed: status 3, at once or when what was held is given up'
 
 test('one that is cut says so, one that is to be quiet does not speak', async () => {
   kiosk.messages.length = 0;
-  const waits = run([...kitchen, '--wait', '--priority', 'background', 'Una storia che nessuno ascolterà fino alla fine, perché qualcosa la interrompe molto prima.']);
+  const waits = run([...kitchen, '--wait', '--priority', 'background', 'Una storia che nessuno ascolterà fino alla fine, perché qualcosa la interrompe molto prima. '.repeat(20)]);
   await kiosk.wait({ type: 'begin' });
   assert.equal((await run([...kitchen, '--if-quiet', 'Ehi.'])).status, 4);
   assert.equal((await run([...kitchen, '--wait', '-p', 'alarm', 'Al fuoco!'])).status, 0);
@@ -77,6 +77,11 @@ test('what is wrong is told', async () => {
     const { status, stderr } = await run(options);
     assert.equal(status, 1, stderr);
     assert.match(stderr, message);
+  }
+  // also to one that does not wait, and so does not follow the room
+  for (const [option, value] of [['--lang', 'xx'], ['--voice', 'nobody:x'], ['--markup', 'nroff']]) {
+    const { status, stderr } = await run(['--room', 'kitchen', option, value, 'x']);
+    assert.deepEqual([status, stderr.includes(value)], [1, true], stderr);
   }
   const gone = await run([...kitchen, 'x'], { url: 'http://127.0.0.1:9' });
   assert.equal(gone.status, 1);

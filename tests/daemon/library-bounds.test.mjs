@@ -28,7 +28,7 @@ const hostile = '![[]()';
 let daemon;
 const get = (address) => fetch(`${daemon.url}${address}`);
 const list = async () => (await get('/v1/library?limit=1000')).json();
-const ready = (what = 'the library') => eventually(async () => { const all = await list(); return all.state === 'ready' && all; }, what, 60000);
+const ready = (what = 'the library') => eventually(async () => { const all = await list(); return all.state === 'ready' && all; }, what, 240000); // a reader that is ended by its limit of processor time has ten times as long by the clock
 // processor time of the daemon so far, in ticks of 10 ms
 const ticks = () => fs.readFileSync(`/proc/${daemon.process.pid}/stat`, 'utf8').replace(/\(.*\)/, 'x').split(' ').slice(13, 15).reduce((sum, each) => sum + Number(each), 0);
 // the processes that parse for it, each the pid of its own

@@ -51,10 +51,10 @@ export class Daemon {
       return { code, signal };
     });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
-    const line = await daemon.logged(/listening on https?:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
+    const line = await daemon.logged(/listening on https?:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//, 240000);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 60000); // a voice is waited for up to 30 s
+    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 240000); // a voice is waited for up to 30 s, on a machine that may be busy
     return daemon;
   }
 

@@ -16,6 +16,15 @@ const KANA = { viseme_aa: 'あ', viseme_I: 'い', viseme_U: 'う', viseme_E: '�
 const without = (list, ...names) => list.filter(({ name }) => !names.includes(name));
 const mesh = (whole, name) => whole.meshes.find((one) => one.name === name);
 
+/** As exporters before 2020 wrote colours, and required what a face has no use for. */
+export function oldLook(json) {
+  json.extensionsRequired = ['KHR_materials_pbrSpecularGlossiness', 'KHR_lights_punctual', 'KHR_animation_pointer', 'KHR_node_visibility', 'KHR_xmp_json_ld'];
+  json.extensionsUsed = json.extensionsRequired;
+  json.nodes[0].extensions = { ...json.nodes[0].extensions, KHR_node_visibility: { visible: true } };
+  json.materials = (json.materials ?? []).map(({ pbrMetallicRoughness: { baseColorTexture, baseColorFactor = [1, 1, 1, 1] } = {}, ...rest }) =>
+    ({ ...rest, extensions: { KHR_materials_pbrSpecularGlossiness: { diffuseFactor: baseColorFactor, glossinessFactor: 0.3, ...(baseColorTexture ? { diffuseTexture: baseColorTexture } : {}) } } }));
+}
+
 /** Both lids in one target. */
 function bothLids(whole) {
   return whole.meshes.map((one) => {
@@ -84,6 +93,7 @@ export const strangeCases = (whole) => ({
   dwarf: { bytes: () => strange(whole, { turn: (p) => p.map((x) => x / 5000), rename: arkit((name) => name) }) },
   sparse: { bytes: () => strange(whole, { store: 'sparse', rename: arkit((name) => name) }) },
   quantised: { bytes: () => strange(whole, { store: 'short', rename: arkit((name) => name), add: (json) => (json.extensionsUsed = json.extensionsRequired = ['KHR_mesh_quantization']) }) },
+  'extensions that shape nothing': { bytes: () => strange(whole, { rename: arkit((name) => name), add: oldLook }) },
   meshopt: { bytes: () => strange(whole, { store: 'packed', rename: only(['jawOpen', 'mouthClose', 'eyeBlinkLeft', 'eyeBlinkRight', 'mouthFunnel', 'mouthPucker', 'mouthLowerDownLeft', 'mouthLowerDownRight', 'mouthUpperUpLeft', 'mouthUpperUpRight', 'mouthSmileLeft', 'mouthSmileRight', 'mouthPressLeft', 'mouthPressRight']) }) },
   'no normals': { bytes: () => strange(whole, { normals: false, rename: arkit((name) => name) }) },
   'NaN in a target': { bytes: () => strange({ ...whole, meshes: whole.meshes.map((one) => ({ ...one, targets: Object.fromEntries(Object.entries(one.targets).map(([name, list]) => [name, /^(mouthSmile|browInner)/.test(name) ? list.map((x, i) => (i % 997 ? x : NaN)) : list])) })) }, { rename: arkit((name) => name) }) },

@@ -16,7 +16,9 @@ import { readScene } from '../../models/tools/import/make-head.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
 import { binaryFbx, textFbx } from '../lib/fbx.mjs';
+import { partsOf } from '../lib/foreign-avatars.mjs';
 import { packed } from '../lib/packed-avatars.mjs';
+import { oldLook } from '../lib/strange-cases.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
@@ -89,6 +91,16 @@ test('OBJ, PLY and VRML97 without targets get zones, which close what closes', (
     assert.ok(seen.every((count) => count <= 8), `${file}: ${seen}`);
     assert.ok(inside({ ...upper(-200), ...lower(-200), 3: 300 }) > 300, file);
   }
+});
+
+test('materials of old exporters keep colour and picture; extensions that shape nothing are done without', () => {
+  const { json, binary } = partsOf(fs.readFileSync(path.join(models, 'heads/mara.glb')));
+  const plain = imported('back.json', path.join(models, 'heads/mara.glb')).head;
+  oldLook(json);
+  fs.writeFileSync(at('old.glb'), glb(json, binary));
+  const { head } = imported('old.json', at('old.glb'));
+  assert.deepEqual(Object.keys(head.textures), Object.keys(plain.textures));
+  for (const [part, { color }] of Object.entries(plain.materials)) assert.deepEqual(head.materials[part].color, color, part);
 });
 
 test("Xface's .fdp is written and read, with its weights", () => {
@@ -216,7 +228,7 @@ test('broken files and hostile ones are told with their place, and nothing is wr
     ['index.glb', changed((j, b) => b.writeUInt16LE(65535, j.bufferViews[indices.bufferView].byteOffset + 6)), [], /accessors\[\d+\]: element 3 is vertex 65535/],
     ['outside.glb', changed((j) => j.buffers.push({ uri: '../../etc/passwd', byteLength: 3 }) && (j.bufferViews[place.bufferView].buffer = 1)), [], /buffers\[1\]\.uri: /],
     ['loop.glb', changed((j) => (j.nodes[0].children = [0])), [], /nodes\[0\]: stands more than once/],
-    ['unknown.glb', changed((j) => (j.extensionsRequired = ['KHR_gaussian_splatting'])), [], /extensionsRequired: KHR_gaussian/],
+    ['unknown.glb', changed((j) => (j.extensionsRequired = ['KHR_gaussian_splatting']) && (j.meshes[1].primitives[0].extensions = { KHR_gaussian_splatting: {} })), [], /meshes\[1\]\.primitives\[0\]: KHR_gaussian/],
     ['draco.glb', spoilt, [], /meshes\[0\]\.primitives\[0\]\.extensions\.KHR_draco_mesh_compression: what is packed with Draco /],
     ['list.glb', changed((j) => (j.bufferViews = {})), [], /bufferViews: must be a list/],
     ['deep.glb', changed((j) => (j.meshes[0].primitives = 7)), [], /is not built as \.glb files are|no mesh/],

@@ -157,6 +157,32 @@ static void writes_what_it_reads(void **state) {
     }
 }
 
+static bool stop_at_zero(void *ctx) {
+    size_t *lines = ctx;
+    return !(*lines)--;
+}
+
+static void stops_when_told(void **state) {
+    (void)state;
+    size_t size;
+    char *text = load("all-faps.fap", &size);
+    struct fapfile whole, file;
+    struct fapfile_error error;
+    assert_int_equal(fapfile_read(text, size, &whole, &error), 0);
+    size_t lines = 1 + 2 * whole.count;
+    for (size_t n = 0; n < lines; n++) { /* of the frames' first line on; whatever it has read is freed */
+        size_t left = n;
+        assert_int_equal(fapfile_read_until(text, size, stop_at_zero, &left, &file, &error), -1);
+        assert_string_equal(error.message, "stopped");
+    }
+    size_t never = SIZE_MAX / 2;
+    assert_int_equal(fapfile_read_until(text, size, stop_at_zero, &never, &file, &error), 0);
+    assert_int_equal(file.count, whole.count);
+    fapfile_free(&file);
+    fapfile_free(&whole);
+    free(text);
+}
+
 static void writes_version_2_1(void **state) {
     (void)state;
     size_t size;
@@ -268,6 +294,7 @@ int main(void) {
         cmocka_unit_test(reads_the_samples),    cmocka_unit_test(writes_what_it_reads),
         cmocka_unit_test(writes_version_2_1),   cmocka_unit_test(writes_headers),
         cmocka_unit_test(prints_into_any_room), cmocka_unit_test(survives_any_text),
+        cmocka_unit_test(stops_when_told),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

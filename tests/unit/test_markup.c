@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/buf.h"
 #include "server/markup/markup.h"
 #include "server/markup/plain.h"
 #include <setjmp.h>
@@ -125,6 +126,44 @@ static void names_the_place_of_bad_input(void **state) {
     assert_string_equal(error_name(e.code), "bad-utf8");
 }
 
+/* Long texts of each way in which texts are read. */
+static const struct {
+    const char *kind, *begin, *piece, *end;
+} long_texts[] = {
+    {"plain", "", "Uno. ", ""},
+    {"ssml", "<speak>", "<emphasis>Uno</emphasis> ", "</speak>"},
+    {"ssml", "<speak>", "a &amp; b\n", "</speak>"}, /* no tag and no end of a sentence */
+    {"apml", "<apml>", "<theme>Uno.</theme>", "</apml>"},
+    {"jsml", "<jsml>", "<SENT>Uno.</SENT>", "</jsml>"},
+    {"auto", "", "Uno <b>due</b>. ", ""},
+};
+
+static void check_stopped(struct work_limit limit, const char *code) {
+    enum { PIECES = 2000 };
+    struct markup_rules limited = rules;
+    for (size_t i = 0; i < sizeof long_texts / sizeof *long_texts; i++) {
+        struct buf text = {0};
+        struct error e = {0};
+        struct work_limit own = limit;
+        limited.limit = &own;
+        buf_printf(&text, "%s", long_texts[i].begin);
+        for (int n = 0; n < PIECES; n++)
+            buf_printf(&text, "%s", long_texts[i].piece);
+        buf_printf(&text, "%s", long_texts[i].end);
+        assert_null(
+            markup_read(markup_by_name(long_texts[i].kind), (char *)text.data, text.size, &limited, &e));
+        assert_string_equal(error_name(e.code), code);
+        buf_free(&text);
+    }
+}
+
+static void stops_when_given_up_or_late(void **state) {
+    (void)state;
+    const atomic_bool given_up = true, wanted = false;
+    check_stopped(work_limit_begin(&given_up, 0), "cancelled");
+    check_stopped((struct work_limit){.given_up = &wanted, .until = 1}, "text-too-long"); /* long ago */
+}
+
 static void finds_kinds(void **state) {
     (void)state;
     assert_ptr_equal(markup_by_content_type("Text/Plain; charset=utf-8"), markup_by_name("plain"));
@@ -141,6 +180,7 @@ int main(void) {
         cmocka_unit_test(cuts_earlier_where_that_is_asked_for),
         cmocka_unit_test(cuts_a_text_without_spaces),
         cmocka_unit_test(names_the_place_of_bad_input),
+        cmocka_unit_test(stops_when_given_up_or_late),
         cmocka_unit_test(finds_kinds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

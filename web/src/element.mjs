@@ -80,6 +80,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => {
         this.#emit(type, detail);
         if (type === 'hello') this.#ears.linked();
+        if (type === 'joined') this.#player.open(); // who announces something there is to know before it is said whether it can be heard
         if (type === 'hello') {
           this.#blocked = false; // as the server takes it
           this.#tellSound(this.#player.sound);

@@ -7,6 +7,7 @@ import { isUsable, NO_PICTURE, pictureOf, readBeside, readIfBeside } from './bes
 import { FileError, MOST } from './file-error.mjs';
 import { pictureAsPng } from './png.mjs';
 import { MOST_PIXELS, pictureSize } from '../../../web/src/picture-size.mjs';
+import { plainLook, shapedBy } from '../../../web/src/avatar/extensions.mjs';
 import { readPoints } from './points.mjs';
 import { asTriangles, turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
@@ -19,7 +20,7 @@ const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 const DRACO = 'KHR_draco_mesh_compression';
 const BASIS = 'KHR_texture_basisu';
 const SIDE = 2048; // pixels of a packed picture, where there are several sizes of it
-const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', DRACO, BASIS, 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'VRMC_vrm', 'VRM'];
+const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', DRACO, BASIS, 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_pbrSpecularGlossiness', 'VRMC_vrm', 'VRM'];
 const LISTS = ['accessors', 'bufferViews', 'buffers', 'extensionsRequired', 'images', 'materials', 'meshes', 'nodes', 'scenes', 'skins', 'textures'];
 const whole = (value) => Number.isInteger(value) && value >= 0;
 
@@ -74,7 +75,14 @@ class Gltf {
       this.draco = await (await import('../../../web/src/avatar/packed/draco.mjs')).openDraco();
     if ((json.textures ?? []).some((texture) => texture?.extensions?.[BASIS])) this.basis = await (await import('../../../web/src/avatar/packed/basis.mjs')).openBasis();
     for (const name of json.extensionsRequired ?? [])
-      if (!KNOWN.includes(name)) throw new FileError('extensionsRequired', `${String(name).slice(0, 60)} is not read: save the model without it`);
+      if (!KNOWN.includes(name)) this.passOver(String(name));
+  }
+
+  /** An extension that the file requires: what is no shape is done without. */
+  passOver(name) {
+    const place = shapedBy(this.json, name);
+    if (place) throw new FileError(place, `${name.slice(0, 60)} is not read: save the model without it`);
+    this.notes.push(`extensionsRequired: ${name.slice(0, 60)} is not acted on`);
   }
 
   view(i, place) {
@@ -210,7 +218,7 @@ class Gltf {
 }
 
 function materialsOf(gltf) {
-  return (gltf.json.materials ?? []).map((material, i) => {
+  return (gltf.json.materials ?? []).map(plainLook).map((material, i) => {
     const look = material?.pbrMetallicRoughness ?? {};
     const at = `materials[${i}]`;
     const color = Array.isArray(look.baseColorFactor) && look.baseColorFactor.length === 4 && look.baseColorFactor.every(Number.isFinite) ? look.baseColorFactor : [1, 1, 1, 1];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { shapedBy } from './extensions.mjs';
 import { mended } from './mend.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { checkReferences } from './references.mjs';
@@ -7,7 +8,7 @@ const MAGIC = 0x46546c67; // glTF
 const JSON_CHUNK = 0x4e4f534a;
 const BINARY_CHUNK = 0x004e4942;
 
-/** What can be read. An avatar that requires more is refused. */
+/** What can be read. An avatar whose shapes are made by more is refused. */
 const READ = [
   'EXT_meshopt_compression', 'KHR_draco_mesh_compression', 'KHR_texture_basisu', 'EXT_texture_webp', 'EXT_texture_avif', 'KHR_mesh_quantization', 'KHR_texture_transform', 'KHR_materials_unlit',
   'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_clearcoat', 'KHR_materials_sheen', 'KHR_materials_transmission',
@@ -81,7 +82,7 @@ function named(mesh, accessors) {
 export function checkGlb({ json: told, binary }) {
   const json = mended(told);
   const names = (value) => (Array.isArray(value) ? value : []);
-  const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name));
+  const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name) && shapedBy(json, name));
   if (unread.length) throw new AvatarProblem('unsupported', `it needs ${unread.join(', ')}, which is not read here`);
   checkReferences(json);
   for (const [i, { uri, byteLength, extensions }] of (json.buffers ?? []).entries()) {

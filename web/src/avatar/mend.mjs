@@ -2,6 +2,8 @@
 // What real exporters write and glTF 2.0 does not allow, where it is plain what is meant: -1 or null for "none", no scene,
 // lists of another length. A face has no need to be refused for it.
 
+import { plainLook } from './extensions.mjs';
+
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const none = (value) => value === null || value === -1;
 
@@ -42,6 +44,7 @@ export function mended(json) {
   for (const [name, members] of Object.entries(MAY_LACK)) each(name, (one) => without(one, members));
   for (const name of ['nodes', 'meshes', 'materials'])
     each(name, (one) => (one.name === undefined || typeof one.name === 'string' ? one : { ...one, name: String(one.name) }));
+  each('materials', plainLook);
   if (!isObject(out.extensions)) delete out.extensions;
   if (!Array.isArray(out.extensionsUsed)) delete out.extensionsUsed;
   if (Array.isArray(out.meshes)) {
