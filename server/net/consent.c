@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/consent.h"
+#include "server/net/client_message.h"
 #include "server/net/notice_message.h"
 #include "server/net/notices.h"
 #include <string.h>
@@ -12,10 +13,7 @@ static const char *word_of(const json_t *message) {
 int consent_is_answer(const json_t *message, bool *answer, struct error *e) {
     const char *word = word_of(message);
     *answer = !strcmp(word, "given") || !strcmp(word, "declined");
-    if (*answer || !strcmp(word, "asked") || !strcmp(word, "none"))
-        return 0;
-    return error_in_field(e, json_object_get(message, "consent") ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD,
-                          "consent", "must be asked, given, declined or none");
+    return client_message_check("consent", message, e);
 }
 
 static void tell(struct channel *c, json_t *told) {
@@ -38,7 +36,7 @@ int consent_take(struct channel *c, const json_t *message, const char *by, struc
     if (!failed && answer && !asked)
         failed = error_plain(e, ERROR_NO_CHOICES);
     if (!failed)
-        failed = notice_take_text(answer ? asked : message, "text", NOTICE_TEXT_BYTES, told, e);
+        notice_take_member(answer ? asked : message, "text", told);
     if (!failed && !strcmp(word_of(message), "asked") && is_same(asked, told)) {
         queued_message_release(notice_tell(c, asked, "consent"));
     } else if (!failed) {

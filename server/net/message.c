@@ -200,26 +200,19 @@ int message_bad_json(const json_error_t *why, struct error *e) {
     return error_at_byte(e, ERROR_BAD_JSON, at, "%s", why->text);
 }
 
+struct request_value message_value(const json_t *value) {
+    if (json_is_string(value))
+        return (struct request_value){REQUEST_STRING, json_string_value(value), json_string_length(value), 0};
+    if (json_is_number(value))
+        return (struct request_value){REQUEST_NUMBER, NULL, 0, json_number_value(value)};
+    if (json_is_boolean(value))
+        return (struct request_value){REQUEST_BOOL, NULL, 0, json_is_true(value)};
+    return (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
+}
+
+/* One that is null is as if it were not there. */
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
-    struct request_value v = {.type = REQUEST_BOOL};
-    switch (json_typeof(value)) {
-    case JSON_STRING:
-        v = (struct request_value){REQUEST_STRING, json_string_value(value), json_string_length(value), 0};
-        break;
-    case JSON_INTEGER:
-    case JSON_REAL:
-        v = (struct request_value){REQUEST_NUMBER, NULL, 0, json_number_value(value)};
-        break;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        v.number = json_is_true(value);
-        break;
-    case JSON_NULL:
-        return 0; /* as if it were not there */
-    default:
-        v = (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
-    }
-    return request_set(request, name, v, e) < 0 ? -1 : 0;
+    return !json_is_null(value) && request_set(request, name, message_value(value), e) < 0 ? -1 : 0;
 }
 
 /* The halves of characters in the text; the last one of a text that is being written may get its other half

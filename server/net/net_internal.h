@@ -90,6 +90,9 @@ void message_write(struct buf *out, json_t *object);
 /* Where JSON could not be read. Returns -1. */
 int message_bad_json(const json_error_t *why, struct error *e);
 
+/* A member as a value of a field; borrowed. NULL, and what no field takes: a structure. */
+struct request_value message_value(const json_t *member);
+
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
 json_t *request_to_json(const struct speech_request *request); /* NULL: its text is not UTF-8 */

@@ -3,15 +3,8 @@
 #include "server/net/net_internal.h"
 #include <string.h>
 
-int notice_take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e) {
-    json_t *value = json_object_get(message, name);
-    size_t length = json_string_length(value);
-    if (!value || json_is_null(value))
-        return 0;
-    if (!json_is_string(value) || length > most || strlen(json_string_value(value)) != length)
-        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string of at most %zu bytes", most);
-    json_object_set(into, name, value);
-    return 0;
+void notice_take_member(const json_t *message, const char *name, json_t *into) {
+    json_object_set(into, name, json_object_get(message, name)); /* nothing where there is none */
 }
 
 json_t *notice_begin(const struct channel *c, const char *type) {

@@ -10,9 +10,8 @@
 /* The message so far, to which its members are added. */
 json_t *notice_begin(const struct channel *channel, const char *type);
 
-/* Takes a member that is a string of at most so many bytes over; passes over one that is not there. -1 with
- * *e. */
-int notice_take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e);
+/* Takes a member over, if it is there. */
+void notice_take_member(const json_t *message, const char *name, json_t *into);
 
 /* The message as it is sent. event: its type, a literal. The reference is the caller's. */
 struct queued_message *notice_message(const json_t *told, const char *event);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/notices.h"
 #include "server/net/calibration.h"
+#include "server/net/client_message.h"
 #include "server/net/net_internal.h"
 #include "server/net/notice_message.h"
 #include <stdio.h>
 #include <string.h>
 
 enum {
-    ID_BYTES = 64,
     CALIBRATION_MS =
         250, /* so often a channel may be calibrated for long: each listener builds its head anew, */
     CALIBRATION_BURST = 12, /* and so many at once */
@@ -33,10 +33,10 @@ static int check_choices(const json_t *choices, struct error *e) {
 
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
-    int failed = notice_take_text(message, "id", ID_BYTES, told, e) ||
-                 notice_take_text(message, "question", NOTICE_TEXT_BYTES, told, e) ||
-                 check_choices(choices, e);
+    int failed = client_message_check("choices", message, e) || check_choices(choices, e);
     if (!failed) {
+        notice_take_member(message, "id", told);
+        notice_take_member(message, "question", told);
         json_object_set_new(told, "choices", json_deep_copy(choices));
         struct queued_message *all = notice_tell(c, told, "choices");
         bool any = json_array_size(choices);
@@ -56,21 +56,19 @@ static bool is_offered(const json_t *offered, const json_t *message) {
 
 /* The choice's place in the list, or -1 with *e. */
 static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
-    const json_t *choice = json_object_get(message, "choice");
     size_t count = json_array_size(json_object_get(offered, "choices"));
-    json_int_t at = json_integer_value(choice);
+    json_int_t at = (json_int_t)json_number_value(json_object_get(message, "choice"));
     if (!is_offered(offered, message))
         return error_plain(e, ERROR_NO_CHOICES);
-    if (!json_is_integer(choice) || at < 0 || (size_t)at >= count)
-        return error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
-                              "must be a number from 0 to %zu", count - 1);
+    if ((size_t)at >= count)
+        return error_in_field(e, ERROR_BAD_FIELD, "choice", "must be a number from 0 to %zu", count - 1);
     return at;
 }
 
 int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
     const json_t *offered = c->notices.offered;
     json_t *told = notice_begin(c, "chosen");
-    json_int_t at = notice_take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    json_int_t at = client_message_check("choose", message, e) ? -1 : chosen_of(offered, message, e);
     if (at >= 0) {
         if (json_object_get(offered, "id"))
             json_object_set(told, "id", json_object_get(offered, "id"));
@@ -109,20 +107,12 @@ int notice_express(struct channel *c, const json_t *message, const char *by, str
 }
 
 int notice_state(struct channel *c, const json_t *message, struct error *e) {
-    static const char *const states[] = {"idle", "listening", "thinking", "muted", "asleep"};
-    const json_t *value = json_object_get(message, "state");
-    const char *state = json_string_value(value);
-    size_t i = 0;
-    while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
-        i++;
-    if (i == sizeof states / sizeof *states)
-        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
-                              "must be idle, listening, thinking, or muted");
     json_t *told = notice_begin(c, "state");
-    json_object_set_new(told, "state", json_string(states[i]));
-    int failed = notice_take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
+    int failed = client_message_check("state", message, e) ||
                  (json_object_get(message, "mix") && notice_express(c, message, NULL, e));
     if (!failed) {
+        notice_take_member(message, "state", told);
+        notice_take_member(message, "text", told);
         struct queued_message *all = notice_tell(c, told, "state");
         notice_board_state(&c->notices, all);
         queued_message_release(all);
@@ -145,8 +135,8 @@ static int count_calibration(struct channel *c, struct error *e) {
 /* On a stream of one's own nobody comes later. */
 int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
     const json_t *reset = json_object_get(message, "reset");
-    if (reset && !json_is_boolean(reset))
-        return error_in_field(e, ERROR_BAD_FIELD, "reset", "must be true or false");
+    if (client_message_check("calibrate", message, e))
+        return -1;
     json_t *told = notice_begin(c, "calibrated");
     int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
                                      : calibration_take(message, told, e);

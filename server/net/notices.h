@@ -8,7 +8,7 @@
 #include "server/base/error.h"
 #include <jansson.h>
 
-enum { NOTICE_CHOICES = 8, NOTICE_CHOICE_BYTES = 200, NOTICE_TEXT_BYTES = 1000 };
+enum { NOTICE_CHOICES = 8, NOTICE_CHOICE_BYTES = 200 };
 
 struct channel;
 

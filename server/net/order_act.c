@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/order_act.h"
 #include "server/base/mem.h"
+#include "server/net/client_message.h"
 #include "server/net/consent.h"
 #include "server/net/homes_internal.h"
 #include "server/net/notices.h"
@@ -112,10 +113,9 @@ static json_t *play(struct acting *a, struct error *e) {
     struct speech_request request;
     json_t *answer = NULL;
     request_init(&request);
-    if (!name)
-        error_plain_in_field(e, ERROR_MISSING_FIELD, "name");
-    else if (!request_from_json(&request, json_object_get(a->order, "request"), e) &&
-             !media_source(a->net, &source, name, e)) {
+    if (!client_message_check("play", a->message, e) &&
+        !request_from_json(&request, json_object_get(a->order, "request"), e) &&
+        !media_source(a->net, &source, name, e)) {
         source.id = request.id ? mem_strdup(request.id) : NULL;
         request.order = a->number;
         uint32_t utterance = numbered(stream_of(a), stream_play(stream_of(a), &source, &request));
@@ -146,29 +146,24 @@ static json_t *resume(struct acting *a, struct error *e) {
 }
 
 static json_t *rate(struct acting *a, struct error *e) {
-    const json_t *value = json_object_get(a->message, "rate");
-    if (!json_is_number(value)) {
-        error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "rate", "must be a number");
+    if (client_message_check("rate", a->message, e))
         return NULL;
-    }
-    return stream_rate(stream_of(a), json_number_value(value), e) ? NULL : accepted(a);
+    stream_rate(stream_of(a), json_number_value(json_object_get(a->message, "rate")));
+    return accepted(a);
 }
 
 static json_t *jump(struct acting *a, struct error *e) {
     const json_t *value = json_object_get(a->message, "mark");
-    if (!json_is_string(value)) {
-        error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "mark", "must be a string");
+    if (client_message_check("jump", a->message, e))
         return NULL;
-    }
     return stream_jump(stream_of(a), json_string_value(value), e) ? NULL : accepted(a);
 }
 
 static json_t *cancel(struct acting *a, struct error *e) {
-    const json_t *value = json_object_get(a->message, "id");
-    const char *id = json_string_value(value);
-    if (!id)
-        error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "id", "must be a string");
-    else if (!stream_cancel(stream_of(a), id))
+    const char *id = json_string_value(json_object_get(a->message, "id"));
+    if (client_message_check("cancel", a->message, e))
+        return NULL;
+    if (!stream_cancel(stream_of(a), id))
         error_in_field(e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is spoken or waits", id);
     else
         return accepted(a);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages that direct what is said, and how the face lives. */
 #include "server/base/mem.h"
+#include "server/net/client_message.h"
 #include "server/net/notices.h"
 #include "server/net/socket_internal.h"
-#include <string.h>
 
 /* What needs nothing but the right. */
 static void direct(struct socket *s, void (*act)(struct stream *stream)) {
@@ -30,30 +30,21 @@ void control_resume(struct socket *s, const json_t *message) {
 }
 
 void control_rate(struct socket *s, const json_t *message) {
-    const json_t *rate = json_object_get(message, "rate");
     struct error e;
-    int wrong = socket_may_direct(s, &e);
-    if (!wrong && !json_is_number(rate))
-        wrong = error_in_field(&e, rate ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "rate", "must be a number");
-    if (wrong || stream_rate(socket_stream(s), json_number_value(rate), &e))
+    if (socket_may_direct(s, &e) || client_message_check("rate", message, &e))
         socket_complain(s, &e);
+    else
+        stream_rate(socket_stream(s), json_number_value(json_object_get(message, "rate")));
 }
 
-/* A string without NUL, or NULL with *e. */
-static const char *string_of(const json_t *message, const char *name, struct error *e) {
-    const json_t *value = json_object_get(message, name);
-    const char *string = json_string_value(value);
-    if (string && strlen(string) == json_string_length(value))
-        return string;
-    error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, name, "must be a string");
-    return NULL;
+static const char *string_of(const json_t *message, const char *name) {
+    return json_string_value(json_object_get(message, name));
 }
 
 void control_jump(struct socket *s, const json_t *message) {
     struct error e;
-    const char *mark = NULL;
-    if (socket_may_direct(s, &e) || !(mark = string_of(message, "mark", &e)) ||
-        stream_jump(socket_stream(s), mark, &e))
+    if (socket_may_direct(s, &e) || client_message_check("jump", message, &e) ||
+        stream_jump(socket_stream(s), string_of(message, "mark"), &e))
         socket_complain(s, &e);
 }
 
@@ -61,10 +52,10 @@ void control_play(struct socket *s, const json_t *message) {
     struct speech_request request;
     struct recording_source source = {0};
     struct error e;
-    const char *name = NULL;
     request_init(&request);
-    int wrong = request_from_json(&request, message, &e) || socket_may_speak(s, &e) ||
-                !(name = string_of(message, "name", &e)) || media_source(s->net, &source, name, &e);
+    int wrong = client_message_request("play", message, &request, &e) || socket_may_speak(s, &e) ||
+                client_message_check("play", message, &e) ||
+                media_source(s->net, &source, string_of(message, "name"), &e);
     if (wrong) {
         socket_refuse(s, request.id, &e);
         recording_source_free(&source);

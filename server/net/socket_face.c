@@ -1,30 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The messages that concern the living face: idle and express. */
+#include "server/net/client_message.h"
 #include "server/net/net_internal.h"
 #include <stdio.h>
 #include <string.h>
 
 #define EASE_DEFAULT 0.3 /* s */
-#define EASE_MOST 10
-
-/* A member of a message as a field of the request, so that its rules hold. */
-static int take(struct speech_request *request, const char *name, const json_t *message, struct error *e) {
-    json_t *only = json_object(), *value = json_object_get(message, name);
-    if (value)
-        json_object_set(only, name, value);
-    int failed = request_from_json(request, only, e);
-    json_decref(only);
-    return failed;
-}
 
 int live_idle(const json_t *message, const struct speech_request *defaults, uint64_t seed,
               struct idle_options *options, bool *on, struct error *e) {
     struct speech_request request;
     const json_t *wanted = json_object_get(message, "on");
-    if (wanted && !json_is_boolean(wanted))
-        return error_in_field(e, ERROR_BAD_FIELD, "on", "must be true or false");
+    if (client_message_check("idle", message, e))
+        return -1;
     request_copy(&request, defaults);
-    int failed = take(&request, "life", message, e) || take(&request, "seed", message, e);
+    int failed = client_message_request("idle", message, &request, e);
     *on = !wanted || json_is_true(wanted);
     *options = (struct idle_options){.life = request.life < 0 ? 1 : request.life,
                                      .seed = request.seed < 0 ? seed : (uint64_t)request.seed,
@@ -57,10 +47,10 @@ int live_express(const json_t *message, struct mood_request *mix, struct error *
     if (!json_is_array(parts) || mix->count > MOOD_MIX)
         return error_in_field(e, parts ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "mix",
                               "must be a list of up to %d affects with their intensities", MOOD_MIX);
+    if (client_message_check("express", message, e))
+        return -1;
     if (ease)
         mix->ease = json_number_value(ease);
-    if ((ease && !json_is_number(ease)) || mix->ease < 0 || mix->ease > EASE_MOST)
-        return error_in_field(e, ERROR_BAD_FIELD, "ease", "must be a number from 0 to %d", EASE_MOST);
     for (size_t i = 0; i < mix->count; i++)
         if (take_part(json_array_get(parts, i), i, mix, e))
             return -1;

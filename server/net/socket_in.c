@@ -2,6 +2,7 @@
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
 #include "server/base/near.h"
 #include "server/base/utf8.h"
+#include "server/net/client_message.h"
 #include "server/net/socket_internal.h"
 #include "server/net/surrogates.h"
 #include <stdio.h>
@@ -29,21 +30,10 @@ static void pong(struct socket *s, const json_t *message) {
 
 static void join_room(struct socket *s, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
-    const json_t *watch = json_object_get(message, "watch"), *as = json_object_get(message, "as");
-    const char *called = json_string_value(as);
+    const char *called = json_string_value(json_object_get(message, "as"));
     struct error e;
-    if (watch && !json_is_boolean(watch)) {
-        error_in_field(&e, ERROR_BAD_FIELD, "watch", "must be true or false");
-        socket_complain(s, &e);
-        return;
-    }
-    if (as && (!called || strlen(called) != json_string_length(as) || strlen(called) > DESK_NAME_BYTES)) {
-        error_in_field(&e, ERROR_BAD_FIELD, "as", "must be a string of at most %d bytes", DESK_NAME_BYTES);
-        socket_complain(s, &e);
-        return;
-    }
-    if (room ? socket_join(s, room, json_is_true(watch), called, &e)
-             : error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"))
+    if (client_message_check("join", message, &e) ||
+        socket_join(s, room, json_is_true(json_object_get(message, "watch")), called, &e))
         socket_complain(s, &e);
 }
 
@@ -60,18 +50,8 @@ static void choose_media(struct socket *s, const json_t *message) {
     struct media_wish wish = {json_string_value(json_object_get(message, "audio")),
                               json_string_value(json_object_get(message, "fap")),
                               json_string_value(json_object_get(message, "events")), NULL};
-    static const char *const texts[] = {"audio", "fap", "events"};
     struct error e;
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        const json_t *value = json_object_get(message, texts[i]);
-        if (value && !json_is_string(value)) {
-            error_in_field(&e, ERROR_BAD_FIELD, texts[i], "must be a string");
-            socket_complain(s, &e);
-            return;
-        }
-    }
-    if (blocked && !json_is_boolean(blocked)) {
-        error_in_field(&e, ERROR_BAD_FIELD, "blocked", "must be true or false");
+    if (client_message_check("media", message, &e)) {
         socket_complain(s, &e);
         return;
     }
@@ -88,8 +68,7 @@ static void choose_media(struct socket *s, const json_t *message) {
 static void authorise(struct socket *s, const json_t *message) {
     const char *token = json_string_value(json_object_get(message, "token"));
     struct error e;
-    if (token ? principal_show(s->net, &s->principal, token, &e)
-              : error_plain_in_field(&e, ERROR_MISSING_FIELD, "token"))
+    if (client_message_check("authorize", message, &e) || principal_show(s->net, &s->principal, token, &e))
         socket_complain(s, &e);
     else {
         socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->principal.token.subject));
@@ -136,7 +115,8 @@ static void act(struct socket *s, const json_t *message) {
 void socket_act(struct socket *s, const json_t *message) {
     const json_t *id = json_object_get(message, "id");
     const char *value = json_string_value(id);
-    s->asked = value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
+    s->asked =
+        value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
     act(s, message);
     s->asked = NULL;
 }
@@ -172,7 +152,8 @@ static void refuse_unread(struct socket *s, const char *data, size_t size, const
     s->asked = NULL;
 }
 
-static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data, size_t size) {
+static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data,
+                 size_t size) {
     struct error e;
     if (message) {
         socket_act(s, message);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model for a WebSocket client, part by part. */
 #include "server/base/near.h"
+#include "server/net/client_message.h"
 #include "server/net/socket_internal.h"
 #include <string.h>
 
@@ -22,12 +23,10 @@ static void push_part(struct socket *s) {
 }
 
 void socket_send_model(struct socket *s, const json_t *message) {
-    const json_t *wanted = json_object_get(message, "name");
-    const char *name = json_string_value(wanted);
+    const char *name = json_string_value(json_object_get(message, "name"));
     const struct assets *assets = &s->net->assets;
     struct error e;
-    if (wanted && !name) {
-        error_in_field(&e, ERROR_BAD_FIELD, "name", "must be a string");
+    if (client_message_check("model", message, &e)) {
         socket_complain(s, &e);
         return;
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client asks of a room in which another daemon speaks. */
 #include "server/base/mem.h"
+#include "server/net/client_message.h"
 #include "server/net/consent.h"
 #include "server/net/orders.h"
 #include "server/net/socket_internal.h"
@@ -73,7 +74,7 @@ static void play(struct socket *s, const json_t *message) {
     struct speech_request request;
     struct error e;
     request_init(&request);
-    if (request_from_json(&request, message, &e) || socket_may_speak(s, &e))
+    if (client_message_request("play", message, &request, &e) || socket_may_speak(s, &e))
         socket_refuse(s, request.id, &e);
     else
         give(s,

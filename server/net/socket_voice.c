@@ -1,54 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A client that speaks itself: its sound comes in binary messages, and is an utterance like any other. */
+#include "server/net/client_message.h"
 #include "server/net/socket_internal.h"
-#include <string.h>
-
-/* What of a request is no matter of its text; `rate` is that of the sound. */
-static const char *const fields[] = {"id",   "lang",     "engine", "fps",   "life",
-                                     "mode", "priority", "topic",  "still", NULL};
-
-static int read_speech(struct speech_request *speech, const json_t *message, struct error *e) {
-    json_t *own = json_object();
-    for (size_t i = 0; fields[i]; i++)
-        json_object_set(own, fields[i], json_object_get(message, fields[i]));
-    int failed = request_from_json(speech, own, e);
-    json_decref(own);
-    return failed;
-}
 
 /* Leaves the number as it is where there is none. */
-static int read_number(const json_t *message, const char *name, unsigned *number, struct error *e) {
+static void read_number(const json_t *message, const char *name, unsigned *number) {
     const json_t *value = json_object_get(message, name);
-    json_int_t whole = json_integer_value(value);
-    if (value && (!json_is_integer(value) || whole < 0 || whole > INT32_MAX))
-        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a whole number");
     if (value)
-        *number = (unsigned)whole;
-    return 0;
-}
-
-static int read_codec(const json_t *message, enum heard_codec *codec, struct error *e) {
-    const json_t *value = json_object_get(message, "codec");
-    const char *name = json_string_value(value);
-    if (!value)
-        return 0;
-    if (!name || strlen(name) != json_string_length(value))
-        return error_in_field(e, ERROR_BAD_FIELD, "codec", "must be a string");
-    return heard_codec_find(name, codec, e);
+        *number = (unsigned)json_number_value(value);
 }
 
 static int read_voice(struct heard_request *request, const json_t *message, struct error *e) {
-    if (read_codec(message, &request->codec, e))
+    const char *codec = json_string_value(json_object_get(message, "codec"));
+    if (codec && heard_codec_find(codec, &request->codec, e))
+        return -1;
+    if (client_message_check("voice", message, e))
         return -1;
     if (!json_object_get(message, "rate") && request->codec == HEARD_PCM)
         return error_in_field(e, ERROR_MISSING_FIELD, "rate",
                               "how many samples a second does the sound have?");
-    return read_number(message, "rate", &request->rate, e) ||
-                   read_number(message, "channels", &request->channels, e) ||
-                   read_number(message, "lookahead", &request->lookahead, e) ||
-                   heard_request_check(request, e)
-               ? -1
-               : 0;
+    read_number(message, "rate", &request->rate);
+    read_number(message, "channels", &request->channels);
+    read_number(message, "lookahead", &request->lookahead);
+    return heard_request_check(request, e);
 }
 
 /* There is one at a time: sound does not say whose it is. */
@@ -60,7 +34,8 @@ static void close_last(struct socket *s) {
 
 static int begin(struct socket *s, struct heard_request *request, struct speech_request *speech,
                  const json_t *message, struct error *e) {
-    if (read_speech(speech, message, e) || read_voice(request, message, e) || socket_may_speak(s, e))
+    if (client_message_request("voice", message, speech, e) || read_voice(request, message, e) ||
+        socket_may_speak(s, e))
         return -1;
     close_last(s);
     if (write_check(s, speech, e))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Utterances whose text a WebSocket client is still writing. */
+#include "server/net/client_message.h"
 #include "server/net/socket_internal.h"
 #include "server/net/surrogates.h"
 #include <string.h>
@@ -11,24 +12,18 @@ static void complain(struct socket *s, const char *id, const struct error *e) {
     socket_say(s, error);
 }
 
-/* The id of the message; NULL after a complaint. */
-static const char *id_of(struct socket *s, const json_t *message) {
-    const json_t *value = json_object_get(message, "id");
-    const char *id = json_string_value(value);
+/* The id of the message, which has that type; NULL after a complaint. */
+static const char *id_of(struct socket *s, const char *type, const json_t *message) {
+    const char *id = json_string_value(json_object_get(message, "id"));
     struct error e;
-    if (socket_may_direct(s, &e)) {
-        complain(s, id, &e);
-        return NULL;
-    }
-    if (id && strlen(id) == json_string_length(value))
+    if (!socket_may_direct(s, &e) && !client_message_check(type, message, &e))
         return id;
-    error_in_field(&e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "id", "must be a string");
     socket_complain(s, &e);
     return NULL;
 }
 
-static struct written *asked(struct socket *s, const json_t *message) {
-    const char *id = id_of(s, message);
+static struct written *asked(struct socket *s, const char *type, const json_t *message) {
+    const char *id = id_of(s, type, message);
     struct written *w = id ? written_find(s, id) : NULL;
     struct error e;
     if (id && !w) {
@@ -40,30 +35,26 @@ static struct written *asked(struct socket *s, const json_t *message) {
 
 void write_text(struct socket *s, const json_t *message) {
     const json_t *text = json_object_get(message, "text");
-    struct written *w = asked(s, message);
+    struct written *w = asked(s, "text", message);
     struct error e;
     if (!w)
         return;
-    int wrong = 0;
     struct buf joined = {0};
-    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text), &w->half,
-                    &joined);
-    if (!json_is_string(text))
-        wrong = error_in_field(&e, text ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "text", "must be a string");
-    if (wrong || stream_write(socket_stream(s), w->utterance, joined.size ? (const char *)joined.data : "",
-                              joined.size, s->net->options.text_bytes, &e))
+    surrogates_join(json_string_value(text), json_string_length(text), &w->half, &joined);
+    if (stream_write(socket_stream(s), w->utterance, joined.size ? (const char *)joined.data : "",
+                     joined.size, s->net->options.text_bytes, &e))
         complain(s, w->id, &e);
     buf_free(&joined);
 }
 
 void write_flush(struct socket *s, const json_t *message) {
-    const struct written *w = asked(s, message);
+    const struct written *w = asked(s, "flush", message);
     if (w)
         stream_flush(socket_stream(s), w->utterance);
 }
 
 void write_close(struct socket *s, const json_t *message) {
-    struct written *w = asked(s, message);
+    struct written *w = asked(s, "close", message);
     if (!w)
         return;
     uint32_t utterance = w->utterance;
@@ -80,7 +71,7 @@ void write_close(struct socket *s, const json_t *message) {
 }
 
 void write_cancel(struct socket *s, const json_t *message) {
-    const char *id = id_of(s, message);
+    const char *id = id_of(s, "cancel", message);
     struct error e;
     if (!id || stream_cancel(socket_stream(s), id))
         return;
