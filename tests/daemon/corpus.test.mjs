@@ -33,8 +33,8 @@ const messages = [
   { type: 'flush', id: 'x' },
   { type: 'close', id: 'x' },
   { type: 'cancel', id: 'x' },
+  { type: 'choose', id: 'q', choice: 1 }, // while nothing is offered
   { type: 'choices', id: 'q', question: 'Sì?', choices: ['Sì', 'No'] },
-  { type: 'choose', id: 'q', choice: 1 },
   { type: 'state', state: 'thinking', text: 'x', mix: [{ name: 'hope', intensity: 0.3 }], ease: 1 },
   { type: 'voice', id: 'v', codec: 'pcm_s16le', rate: 16000, channels: 1, lookahead: 80, lang: 'it', engine: 'network', fps: 25, life: 1, still: false, mode: 'queue', priority: 'chat', topic: 't' },
 ];
