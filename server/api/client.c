@@ -111,15 +111,9 @@ static void push_model_part(struct client *c) {
 }
 
 void client_send_model(struct client *c, const json_t *message) {
-    const json_t *wanted = json_object_get(message, "name");
-    const char *name = json_string_value(wanted);
+    const char *name = json_string_value(json_object_get(message, "name"));
     const struct heads *heads = &c->api->heads;
     struct error e;
-    if (wanted && !name) {
-        error_in_field(&e, ERROR_BAD_FIELD, "name", "must be a string");
-        client_complain(c, &e);
-        return;
-    }
     c->model = name ? heads_find(heads, name) : heads->count ? &heads->list[0] : NULL;
     c->model_part = 0;
     if (c->model) {
@@ -191,19 +185,9 @@ static int join(struct client *c, const char *room, bool watch, const char *call
 
 void client_join(struct client *c, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
-    const json_t *watch = json_object_get(message, "watch"), *as = json_object_get(message, "as");
-    const char *called = json_string_value(as);
+    const char *called = json_string_value(json_object_get(message, "as"));
     struct error e;
-    int failed = 0;
-    if (watch && !json_is_boolean(watch))
-        failed = error_in_field(&e, ERROR_BAD_FIELD, "watch", "must be true or false");
-    else if (as &&
-             (!called || strlen(called) != json_string_length(as) || strlen(called) > OBSERVER_NAME_BYTES))
-        failed = error_in_field(&e, ERROR_BAD_FIELD, "as", "must be a string of at most %d bytes",
-                                OBSERVER_NAME_BYTES);
-    else if (!room)
-        failed = error_plain_in_field(&e, ERROR_MISSING_FIELD, "room");
-    if (failed || join(c, room, json_is_true(watch), called, &e))
+    if (join(c, room, json_is_true(json_object_get(message, "watch")), called, &e))
         client_complain(c, &e);
 }
 
@@ -224,8 +208,7 @@ void client_leave_room(struct client *c, const json_t *message) {
 void client_authorize(struct client *c, const json_t *message) {
     const char *token = json_string_value(json_object_get(message, "token"));
     struct error e;
-    if (token ? principal_show(c->api, &c->principal, token, &e)
-              : error_plain_in_field(&e, ERROR_MISSING_FIELD, "token")) {
+    if (principal_show(c->api, &c->principal, token, &e)) {
         client_complain(c, &e);
         return;
     }
@@ -279,7 +262,6 @@ static int set_media(struct client *c, const struct media_wish *wish, struct err
 }
 
 void client_choose_media(struct client *c, const json_t *message) {
-    static const char *const texts[] = {"audio", "fap", "events"};
     const json_t *kilobits = json_object_get(message, "kilobits"),
                  *blocked = json_object_get(message, "blocked");
     char number[32];
@@ -287,18 +269,6 @@ void client_choose_media(struct client *c, const json_t *message) {
                               json_string_value(json_object_get(message, "fap")),
                               json_string_value(json_object_get(message, "events")), NULL};
     struct error e;
-    int failed = 0;
-    for (size_t i = 0; i < sizeof texts / sizeof *texts && !failed; i++) {
-        const json_t *value = json_object_get(message, texts[i]);
-        if (value && !json_is_string(value))
-            failed = error_in_field(&e, ERROR_BAD_FIELD, texts[i], "must be a string");
-    }
-    if (!failed && blocked && !json_is_boolean(blocked))
-        failed = error_in_field(&e, ERROR_BAD_FIELD, "blocked", "must be true or false");
-    if (failed) {
-        client_complain(c, &e);
-        return;
-    }
     if (blocked)
         c->follower.blocked = json_is_true(blocked);
     if (kilobits) {

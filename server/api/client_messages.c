@@ -2,6 +2,7 @@
 /* What a WebSocket client sends: messages, read and acted on in their order. Long ones are read, and freed,
  * in another thread. */
 #include "server/api/client_internal.h"
+#include "server/api/client_message.h"
 #include "server/api/commands.h"
 #include "server/api/surrogates.h"
 #include "server/base/mem.h"
@@ -107,11 +108,21 @@ static void give_speech(struct client *c, const struct command *command, const j
         request_copy(&request, &c->defaults);
     else
         request_init(&request);
-    if (request_from_json(&request, message, &e))
+    if (command_request(command, message, &request, &e))
         client_refuse(c, request.id, &e);
     else
         give(c, command, message, &request);
     request_free(&request);
+}
+
+static void act_on_client(struct client *c, const struct command *command, const json_t *message) {
+    struct error e;
+    if (!client_message_check(command->name, message, &e))
+        command->act(c, message);
+    else if (command->act == client_voice_begin)
+        client_refuse(c, c->asked, &e);
+    else
+        client_complain(c, &e);
 }
 
 static void act(struct client *c, const json_t *message) {
@@ -120,7 +131,7 @@ static void act(struct client *c, const json_t *message) {
     if (!command)
         client_complain(c, &e);
     else if (command->act)
-        command->act(c, message);
+        act_on_client(c, command, message);
     else if (command->speaks)
         give_speech(c, command, message);
     else

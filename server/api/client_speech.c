@@ -2,6 +2,7 @@
 /* Utterances whose text a WebSocket client is still writing, and its own voice: its sound comes in binary
  * messages, and is an utterance like any other. */
 #include "server/api/client_internal.h"
+#include "server/api/client_message.h"
 #include "server/api/surrogates.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
@@ -78,20 +79,15 @@ static void complain(struct client *c, const char *id, const struct error *e) {
     client_say(c, error);
 }
 
-/* The id of the message; NULL after a complaint. */
+/* The id of the message, which has one; NULL after a complaint. */
 static const char *id_of(struct client *c, const json_t *message) {
-    const json_t *value = json_object_get(message, "id");
-    const char *id = json_string_value(value);
+    const char *id = json_string_value(json_object_get(message, "id"));
     struct error e;
     if (may_speak(c, &e)) {
         complain(c, id, &e);
         return NULL;
     }
-    if (id && strlen(id) == json_string_length(value))
-        return id;
-    error_in_field(&e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "id", "must be a string");
-    client_complain(c, &e);
-    return NULL;
+    return id;
 }
 
 static struct open_text *asked(struct client *c, const json_t *message) {
@@ -111,14 +107,10 @@ void open_text_add(struct client *c, const json_t *message) {
     struct error e;
     if (!w)
         return;
-    int wrong = 0;
     struct buf joined = {0};
-    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text),
-                    &w->half, &joined);
-    if (!json_is_string(text))
-        wrong = error_in_field(&e, text ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "text", "must be a string");
-    if (wrong || stream_write(client_stream(c), w->utterance, joined.size ? (const char *)joined.data : "",
-                              joined.size, c->api->options.text_bytes, &e))
+    surrogates_join(json_string_value(text), json_string_length(text), &w->half, &joined);
+    if (stream_write(client_stream(c), w->utterance, joined.size ? (const char *)joined.data : "",
+                     joined.size, c->api->options.text_bytes, &e))
         complain(c, w->id, &e);
     buf_free(&joined);
 }
@@ -145,52 +137,24 @@ void open_text_close(struct client *c, const json_t *message) {
     stream_close(client_stream(c), utterance, NULL);
 }
 
-/* What of a request is no matter of its text; `rate` is that of the sound. */
-static const char *const fields[] = {"id",   "lang",     "engine", "fps",   "life",
-                                     "mode", "priority", "topic",  "still", NULL};
-
-static int read_speech(struct speech_request *speech, const json_t *message, struct error *e) {
-    json_t *own = json_object();
-    for (size_t i = 0; fields[i]; i++)
-        json_object_set(own, fields[i], json_object_get(message, fields[i]));
-    int failed = request_from_json(speech, own, e);
-    json_decref(own);
-    return failed;
-}
-
 /* Leaves the number as it is where there is none. */
-static int read_number(const json_t *message, const char *name, unsigned *number, struct error *e) {
+static void read_number(const json_t *message, const char *name, unsigned *number) {
     const json_t *value = json_object_get(message, name);
-    json_int_t whole = json_integer_value(value);
-    if (value && (!json_is_integer(value) || whole < 0 || whole > INT32_MAX))
-        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a whole number");
     if (value)
-        *number = (unsigned)whole;
-    return 0;
-}
-
-static int read_codec(const json_t *message, enum heard_codec *codec, struct error *e) {
-    const json_t *value = json_object_get(message, "codec");
-    const char *name = json_string_value(value);
-    if (!value)
-        return 0;
-    if (!name || strlen(name) != json_string_length(value))
-        return error_in_field(e, ERROR_BAD_FIELD, "codec", "must be a string");
-    return heard_codec_find(name, codec, e);
+        *number = (unsigned)json_number_value(value);
 }
 
 static int read_voice(struct heard_request *request, const json_t *message, struct error *e) {
-    if (read_codec(message, &request->codec, e))
+    const char *codec = json_string_value(json_object_get(message, "codec"));
+    if (codec && heard_codec_find(codec, &request->codec, e))
         return -1;
     if (!json_object_get(message, "rate") && request->codec == HEARD_PCM)
         return error_in_field(e, ERROR_MISSING_FIELD, "rate",
                               "how many samples a second does the sound have?");
-    return read_number(message, "rate", &request->rate, e) ||
-                   read_number(message, "channels", &request->channels, e) ||
-                   read_number(message, "lookahead", &request->lookahead, e) ||
-                   heard_request_check(request, e)
-               ? -1
-               : 0;
+    read_number(message, "rate", &request->rate);
+    read_number(message, "channels", &request->channels);
+    read_number(message, "lookahead", &request->lookahead);
+    return heard_request_check(request, e);
 }
 
 /* There is one at a time: sound does not say whose it is. */
@@ -208,7 +172,8 @@ static int may_begin(struct client *c, struct error *e) {
 
 static int begin(struct client *c, struct heard_request *request, struct speech_request *speech,
                  const json_t *message, struct error *e) {
-    if (read_speech(speech, message, e) || read_voice(request, message, e) || may_begin(c, e))
+    if (client_message_request("voice", message, speech, e) || read_voice(request, message, e) ||
+        may_begin(c, e))
         return -1;
     close_last(c);
     if (open_text_check(c, speech, e))

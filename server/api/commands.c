@@ -2,6 +2,7 @@
 #include "server/api/commands.h"
 #include "server/api/api_internal.h"
 #include "server/api/client_internal.h"
+#include "server/api/client_message.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include "server/rooms/notices.h"
@@ -28,14 +29,9 @@ static int accepted(struct command_call *call) {
     return 0;
 }
 
-/* A string without NUL, or NULL with *e. */
-static const char *string_of(const struct command_call *call, const char *name, struct error *e) {
-    const json_t *value = json_object_get(call->message, name);
-    const char *string = json_string_value(value);
-    if (string && strlen(string) == json_string_length(value))
-        return string;
-    error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, name, "must be a string");
-    return NULL;
+/* A member of the message that is a string, which has been checked. */
+static const char *string_of(const struct command_call *call, const char *name) {
+    return json_string_value(json_object_get(call->message, name));
 }
 
 static int speak(struct command_call *call, struct error *e) {
@@ -50,8 +46,7 @@ static int speak(struct command_call *call, struct error *e) {
 
 static int play(struct command_call *call, struct error *e) {
     struct recording_source source = {0};
-    const char *name = string_of(call, "name", e);
-    if (!name || media_source(call->api, &source, name, e)) {
+    if (media_source(call->api, &source, string_of(call, "name"), e)) {
         recording_source_free(&source);
         return -1;
     }
@@ -80,21 +75,17 @@ static int resume(struct command_call *call, struct error *e) {
 }
 
 static int rate(struct command_call *call, struct error *e) {
-    const json_t *value = json_object_get(call->message, "rate");
-    if (!json_is_number(value))
-        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "rate", "must be a number");
-    return stream_rate(stream_of(call), json_number_value(value), e) ? -1 : accepted(call);
+    (void)e;
+    stream_rate(stream_of(call), json_number_value(json_object_get(call->message, "rate")));
+    return accepted(call);
 }
 
 static int jump(struct command_call *call, struct error *e) {
-    const char *mark = string_of(call, "mark", e);
-    return !mark || stream_jump(stream_of(call), mark, e) ? -1 : accepted(call);
+    return stream_jump(stream_of(call), string_of(call, "mark"), e) ? -1 : accepted(call);
 }
 
 static int cancel(struct command_call *call, struct error *e) {
-    const char *id = string_of(call, "id", e);
-    if (!id)
-        return -1;
+    const char *id = string_of(call, "id");
     if (!stream_cancel(stream_of(call), id))
         return error_in_field(e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is spoken or waits",
                               id);
@@ -127,8 +118,9 @@ static int consent(struct command_call *call, struct error *e) {
 
 /* Who listens may answer without any right. Nobody consents for another: an observer cannot answer. */
 static int check_consent(const struct command_call *call, bool *exempt, struct error *e) {
-    if (consent_is_answer(call->message, exempt, e))
+    if (client_message_check("consent", call->message, e))
         return -1;
+    *exempt = consent_is_answer(call->message);
     return *exempt && call->observes ? error_set(e, ERROR_FORBIDDEN, "only who listens can consent") : 0;
 }
 
@@ -187,6 +179,12 @@ const struct command *command_of(const json_t *message, struct error *e) {
     return command;
 }
 
+int command_request(const struct command *command, const json_t *message, struct speech_request *request,
+                    struct error *e) {
+    return command->run == speak ? request_from_json(request, message, e)
+                                 : client_message_request(command->name, message, request, e);
+}
+
 int command_permit(const struct command *command, const struct command_call *call,
                    const struct principal *principal, struct error *e) {
     bool exempt = !command->right;
@@ -213,6 +211,8 @@ int command_run(const struct command *command, struct command_call *call, struct
     bool anywhere = command->run == speak && call->keeps;
     if (!call->channel && !anywhere)
         return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", call->room);
+    if (call->message && client_message_check(command->name, call->message, e))
+        return -1;
     return command->run(call, e);
 }
 

@@ -48,6 +48,11 @@ const struct command *command_find(const char *name);
 /* The same; when there is none, *e says which is near ("unknown-type"). */
 const struct command *command_of(const json_t *message, struct error *e);
 
+/* Reads what is to be spoken out of the message: all members of a request, or those that the command shares
+ * with speak. -1 with *e "bad-field". */
+int command_request(const struct command *command, const json_t *message, struct speech_request *request,
+                    struct error *e);
+
 /* May who gives it do that in the room of the call? -1 with *e. */
 int command_permit(const struct command *command, const struct command_call *call,
                    const struct principal *principal, struct error *e);
@@ -56,7 +61,8 @@ int command_permit(const struct command *command, const struct command_call *cal
  * -1 with *e. */
 int command_admit(const struct command_call *call, const struct principal *principal, struct error *e);
 
-/* Runs it here. -1 with *e; else call->answer is a new reference, which the caller releases. */
+/* Checks the members of its message, and runs it here. -1 with *e; else call->answer is a new reference,
+ * which the caller releases. */
 int command_run(const struct command *command, struct command_call *call, struct error *e);
 
 /* The same as an object for the daemon that leads the room: rooms_run. NULL with *e. */

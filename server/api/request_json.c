@@ -1,31 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/request_json.h"
+#include "server/api/client_message.h"
 #include "server/api/surrogates.h"
 #include "server/base/near.h"
 #include "server/http/http_request.h"
 #include "server/stream/stream.h"
 #include <string.h>
 
+struct request_value value_from_json(const json_t *value) {
+    if (json_is_string(value))
+        return (struct request_value){REQUEST_STRING, json_string_value(value), json_string_length(value), 0};
+    if (json_is_number(value))
+        return (struct request_value){REQUEST_NUMBER, NULL, 0, json_number_value(value)};
+    if (json_is_boolean(value))
+        return (struct request_value){REQUEST_BOOL, NULL, 0, json_is_true(value)};
+    return (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
+}
+
+/* One that is null is as if it were not there. */
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
-    struct request_value v = {.type = REQUEST_BOOL};
-    switch (json_typeof(value)) {
-    case JSON_STRING:
-        v = (struct request_value){REQUEST_STRING, json_string_value(value), json_string_length(value), 0};
-        break;
-    case JSON_INTEGER:
-    case JSON_REAL:
-        v = (struct request_value){REQUEST_NUMBER, NULL, 0, json_number_value(value)};
-        break;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        v.number = json_is_true(value);
-        break;
-    case JSON_NULL:
-        return 0; /* as if it were not there */
-    default:
-        v = (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
-    }
-    return request_set(request, name, v, e) < 0 ? -1 : 0;
+    return !json_is_null(value) && request_set(request, name, value_from_json(value), e) < 0 ? -1 : 0;
 }
 
 /* The halves of characters in the text; the last one of a text that is being written may get its other half
@@ -91,25 +85,12 @@ int request_from_query(struct speech_request *request, const struct http_request
     return 0;
 }
 
-/* A member of a message as a field of the request, so that its rules hold. */
-static int take_member(struct speech_request *request, const char *name, const json_t *message,
-                       struct error *e) {
-    json_t *only = json_object(), *value = json_object_get(message, name);
-    if (value)
-        json_object_set(only, name, value);
-    int failed = request_from_json(request, only, e);
-    json_decref(only);
-    return failed;
-}
-
 int idle_from_json(const json_t *message, const struct speech_request *defaults, uint64_t seed,
                    struct idle_options *options, bool *on, struct error *e) {
     struct speech_request request;
     const json_t *wanted = json_object_get(message, "on");
-    if (wanted && !json_is_boolean(wanted))
-        return error_in_field(e, ERROR_BAD_FIELD, "on", "must be true or false");
     request_copy(&request, defaults);
-    int failed = take_member(&request, "life", message, e) || take_member(&request, "seed", message, e);
+    int failed = client_message_request("idle", message, &request, e);
     *on = !wanted || json_is_true(wanted);
     *options = (struct idle_options){.life = request.life < 0 ? 1 : request.life,
                                      .seed = request.seed < 0 ? seed : (uint64_t)request.seed,

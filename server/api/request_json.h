@@ -11,6 +11,9 @@
 struct http_request;
 struct idle_options;
 
+/* A member as a value of a field; borrowed. NULL, and what no field takes: a structure. */
+struct request_value value_from_json(const json_t *member);
+
 /* Sets the request's fields from the members of a speak message, or from the query of an address. -1 with
  * *e. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);

@@ -100,7 +100,7 @@ static int give_speech(struct command_post *p, const struct command *command, co
     json_decref(members);
     struct command_call call = call_of(p, message, &request);
     call.keeps = speak;
-    int failed = request_from_json(&request, message, &e);
+    int failed = command_request(command, message, &request, &e);
     if (!failed && request.open)
         failed =
             error_in_field(&e, ERROR_BAD_FIELD, "open", "a text is written over a WebSocket, or to /v1/say");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia align: when a recording says what, and the face that goes with it. */
+#include "protocol/say_options.h"
 #include "server/app/align_write.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
@@ -26,11 +27,8 @@ static const char usage[] =
     "      --tier NAME      of a TextGrid: has the phones; found by its name when it is not told\n"
     "      --word-tier NAME has the words\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
-    "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
-    "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
-    "      --contacts HOW   lips that must touch do: on, off, or engine (as the engine has it)\n"
-    "      --still          only the lips move\n"
+    "      --gender WORD    of the speaker: female or male; found out when it is not told\n" SPEAK_HELP_FPS
+        SPEAK_HELP_ENGINE SPEAK_HELP_CONTACTS SPEAK_HELP_STILL /* made of protocol/messages.json */
     "      --seed N         another life of the face (0)\n"
     "      --json FILE      phones and words with their times\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"

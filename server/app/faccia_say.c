@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia say: a text through all stages into files. */
+#include "protocol/say_options.h"
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
 #include "server/app/cli_written.h"
@@ -16,21 +17,7 @@
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
     "Speaks TEXT, a file, or standard input (-). Without FILE the timing is told.\n"
-    "\n"
-    "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
-    "  -v, --voice ID       a voice that 'faccia voices' lists\n"
-    "      --gender WORD    female or male: of the voice, where none is named\n"
-    "  -r, --rate WPM       words per minute, 40 to 500\n"
-    "      --pitch FACTOR, --volume FACTOR  0.25 to 4 (1)\n"
-    "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
-    "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
-    "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
-    "      --blend RULE     how expressions share the mouth with speech: auto, regions or weighted (auto)\n"
-    "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine:\n"
-    "                       off for the baselines cohen-massaro and table, on for the others (engine)\n"
-    "      --still          only the lips move\n"
-    "      --seed N         another life of the face; the same number gives the same face (0)\n"
+    "\n" SPEAK_HELP /* made of protocol/messages.json */
     "  -f, --file FILE      the text\n"
     "      --voice-file FILE  somebody's recorded voice in place of a text, as 'faccia hear FILE'\n"
     "      --open           speak standard input (-) while it is written\n"
@@ -173,21 +160,7 @@ static void close_outputs(struct say *s) {
 /* The exit code, -1 to go on, or HEARD. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},
-        {"voice", 1, NULL, 'v'},
-        {"rate", 1, NULL, 'r'},
-        {"pitch", 1, NULL, 1},
-        {"gender", 1, NULL, 1},
-        {"volume", 1, NULL, 1},
-        {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'},
-        {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},
-        {"still", 0, NULL, 1},
-        {"life", 1, NULL, 1},
-        {"blend", 1, NULL, 1},
-        {"open", 0, NULL, 1},
-        {"file", 1, NULL, 'f'},
+        SPEAK_OPTIONS{"file", 1, NULL, 'f'},
         {"wav", 1, NULL, OUTPUT_OPTION + WAV},
         {"fap", 1, NULL, OUTPUT_OPTION + FAP},
         {"json", 1, NULL, OUTPUT_OPTION + JSON},
@@ -201,7 +174,6 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"vtt", 1, NULL, OUTPUT_OPTION + VTT},
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"osc", 1, NULL, 'P'},
-        {"contacts", 1, NULL, 1},
         {"voice-file", 1, NULL, 'S'},
         {"help", 0, NULL, 'h'},
         {0},
@@ -209,7 +181,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
     const char *path = NULL;
     struct error e;
     char message[400];
-    for (int c, at; (at = -1, c = getopt_long(argc, argv, "l:v:r:e:f:h", options, &at)) != -1;) {
+    for (int c, at; (at = -1, c = getopt_long(argc, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
         for (int i = 0; at < 0 && options[i].name; i++)
             at = options[i].val == c ? i : -1;
         if (c >= OUTPUT_OPTION) {

@@ -7,7 +7,7 @@
 #include "server/base/error.h"
 #include <stddef.h>
 
-enum { LANGUAGE_BYTES = 36, LANGUAGE_RUNS_BYTES_MAX = 1 << 20 };
+enum { LANGUAGE_BYTES = 36 };
 
 struct language_run {
     size_t from, to; /* bytes of the text */

@@ -6,15 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-int notice_take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e) {
-    json_t *value = json_object_get(message, name);
-    size_t length = json_string_length(value);
-    if (!value || json_is_null(value))
-        return 0;
-    if (!json_is_string(value) || length > most || strlen(json_string_value(value)) != length)
-        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string of at most %zu bytes", most);
-    json_object_set(into, name, value);
-    return 0;
+/* Takes a member over, if it is there. */
+static void take_member(const json_t *message, const char *name, json_t *into) {
+    json_object_set(into, name, json_object_get(message, name));
 }
 
 json_t *notice_begin(const struct channel *c, const char *type) {
@@ -75,7 +69,6 @@ int express_read(const json_t *message, struct mood_request *mix, struct error *
 }
 
 enum {
-    ID_BYTES = 64,
     CALIBRATION_MS =
         250, /* so often a channel may be calibrated for long: each listener builds its head anew, */
     CALIBRATION_BURST = 12, /* and so many at once */
@@ -101,10 +94,10 @@ static int check_choices(const json_t *choices, struct error *e) {
 
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
-    int failed = notice_take_text(message, "id", ID_BYTES, told, e) ||
-                 notice_take_text(message, "question", NOTICE_TEXT_BYTES, told, e) ||
-                 check_choices(choices, e);
+    int failed = check_choices(choices, e);
     if (!failed) {
+        take_member(message, "id", told);
+        take_member(message, "question", told);
         json_object_set_new(told, "choices", json_deep_copy(choices));
         struct queued_message *all = notice_tell(c, told, "choices");
         bool any = json_array_size(choices);
@@ -124,21 +117,19 @@ static bool is_offered(const json_t *offered, const json_t *message) {
 
 /* The choice's place in the list, or -1 with *e. */
 static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
-    const json_t *choice = json_object_get(message, "choice");
     size_t count = json_array_size(json_object_get(offered, "choices"));
-    json_int_t at = json_integer_value(choice);
+    json_int_t at = (json_int_t)json_number_value(json_object_get(message, "choice"));
     if (!is_offered(offered, message))
         return error_plain(e, ERROR_NO_CHOICES);
-    if (!json_is_integer(choice) || at < 0 || (size_t)at >= count)
-        return error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
-                              "must be a number from 0 to %zu", count - 1);
+    if (at < 0 || (size_t)at >= count)
+        return error_in_field(e, ERROR_BAD_FIELD, "choice", "must be a number from 0 to %zu", count - 1);
     return at;
 }
 
 int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
     const json_t *offered = c->notices.offered;
     json_t *told = notice_begin(c, "chosen");
-    json_int_t at = notice_take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    json_int_t at = chosen_of(offered, message, e);
     if (at >= 0) {
         if (json_object_get(offered, "id"))
             json_object_set(told, "id", json_object_get(offered, "id"));
@@ -177,20 +168,11 @@ int notice_express(struct channel *c, const json_t *message, const char *by, str
 }
 
 int notice_state(struct channel *c, const json_t *message, struct error *e) {
-    static const char *const states[] = {"idle", "listening", "thinking", "muted", "asleep"};
-    const json_t *value = json_object_get(message, "state");
-    const char *state = json_string_value(value);
-    size_t i = 0;
-    while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
-        i++;
-    if (i == sizeof states / sizeof *states)
-        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
-                              "must be idle, listening, thinking, or muted");
     json_t *told = notice_begin(c, "state");
-    json_object_set_new(told, "state", json_string(states[i]));
-    int failed = notice_take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
-                 (json_object_get(message, "mix") && notice_express(c, message, NULL, e));
+    int failed = json_object_get(message, "mix") && notice_express(c, message, NULL, e);
     if (!failed) {
+        take_member(message, "state", told);
+        take_member(message, "text", told);
         struct queued_message *all = notice_tell(c, told, "state");
         notice_board_state(&c->notices, all);
         queued_message_release(all);
@@ -213,8 +195,6 @@ static int count_calibration(struct channel *c, struct error *e) {
 /* On a stream of one's own nobody comes later. */
 int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
     const json_t *reset = json_object_get(message, "reset");
-    if (reset && !json_is_boolean(reset))
-        return error_in_field(e, ERROR_BAD_FIELD, "reset", "must be true or false");
     json_t *told = notice_begin(c, "calibrated");
     int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
                                      : calibration_read(message, told, e);
@@ -233,13 +213,9 @@ static const char *word_of(const json_t *message) {
     return word ? word : "";
 }
 
-int consent_is_answer(const json_t *message, bool *answer, struct error *e) {
+bool consent_is_answer(const json_t *message) {
     const char *word = word_of(message);
-    *answer = !strcmp(word, "given") || !strcmp(word, "declined");
-    if (*answer || !strcmp(word, "asked") || !strcmp(word, "none"))
-        return 0;
-    return error_in_field(e, json_object_get(message, "consent") ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD,
-                          "consent", "must be asked, given, declined or none");
+    return !strcmp(word, "given") || !strcmp(word, "declined");
 }
 
 static void tell(struct channel *c, json_t *told) {
@@ -257,12 +233,10 @@ static bool is_same(const json_t *asked, const json_t *told) {
 
 int notice_consent(struct channel *c, const json_t *message, const char *by, struct error *e) {
     json_t *asked = c->notices.asked, *told = notice_begin(c, "consent");
-    bool answer;
-    int failed = consent_is_answer(message, &answer, e);
-    if (!failed && answer && !asked)
-        failed = error_plain(e, ERROR_NO_CHOICES);
+    bool answer = consent_is_answer(message);
+    int failed = answer && !asked ? error_plain(e, ERROR_NO_CHOICES) : 0;
     if (!failed)
-        failed = notice_take_text(answer ? asked : message, "text", NOTICE_TEXT_BYTES, told, e);
+        take_member(answer ? asked : message, "text", told);
     if (!failed && !strcmp(word_of(message), "asked") && is_same(asked, told)) {
         queued_message_release(notice_tell(c, asked, "consent"));
     } else if (!failed) {

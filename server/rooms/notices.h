@@ -16,7 +16,6 @@ struct mood_request;
 enum {
     NOTICE_CHOICES = 8,
     NOTICE_CHOICE_BYTES = 200,
-    NOTICE_TEXT_BYTES = 1000,
     OBSERVER_NAME_BYTES = 64,
     CALIBRATION_FARTHEST = 1000,          /* mm from the head's origin, along each axis */
     CALIBRATION_TEXTURE_BYTES = 196608,   /* of a picture in base64 */
@@ -24,8 +23,8 @@ enum {
     CALIBRATION_TEXTURE_SIDE = 8192       /* each way */
 };
 
-/* Each does what the message of that type asks for, and tells all who follow. by: whose name goes with it.
- * -1 with *e. */
+/* Each does what the message of that type asks for, whose members have been checked (but for lists and
+ * objects), and tells all who follow. by: whose name goes with it. -1 with *e. */
 int notice_choices(struct channel *channel, const json_t *message, struct error *e);
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
@@ -41,9 +40,8 @@ int notice_calibrate(struct channel *channel, const json_t *message, struct erro
 /* Asked again in the same words, the answer that there is holds. "no-choices": nothing is asked. */
 int notice_consent(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
-/* Is the `consent` message an answer (`given`, `declined`), or does it ask (`asked`, `none`)? -1 with *e:
- * neither. */
-int consent_is_answer(const json_t *message, bool *answer, struct error *e);
+/* Is the `consent` message an answer (`given`, `declined`), or does it ask (`asked`, `none`)? */
+bool consent_is_answer(const json_t *message);
 
 /* The mood that an `express` message asks for. -1 with *e. The mix borrows from the message. */
 int express_read(const json_t *message, struct mood_request *mix, struct error *e);

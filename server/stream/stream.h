@@ -153,8 +153,8 @@ void stream_pause(struct stream *stream);
 void stream_resume(struct stream *stream);
 
 /* The words per minute of all sentences that have not begun, 40..500, of the utterance that speaks and of
- * those that wait. -1 with *e "bad-field". */
-int stream_rate(struct stream *stream, double rate, struct error *e);
+ * those that wait. */
+void stream_rate(struct stream *stream, double rate);
 
 /* The utterance that speaks goes on from its first mark of that name. What was sent and has not been heard is
  * to be forgotten: see JUMPED. -1 with *e: "not-speaking", "unknown-mark". */

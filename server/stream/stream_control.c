@@ -55,10 +55,7 @@ void stream_resume(struct stream *s) {
     stream_wake(s, 0);
 }
 
-int stream_rate(struct stream *s, double rate, struct error *e) {
-    if (!(rate >= REQUEST_RATE_MIN && rate <= REQUEST_RATE_MAX))
-        return error_in_field(e, ERROR_BAD_FIELD, "rate", "must be a number from %d to %d", REQUEST_RATE_MIN,
-                              REQUEST_RATE_MAX);
+void stream_rate(struct stream *s, double rate) {
     for (struct utterance *t = s->queue; t; t = t->next) {
         if (!t->synthesis)
             continue;
@@ -66,7 +63,6 @@ int stream_rate(struct stream *s, double rate, struct error *e) {
         if (t->started)
             utterance_respeak(t);
     }
-    return 0;
 }
 
 int stream_jump(struct stream *s, const char *mark, struct error *e) {

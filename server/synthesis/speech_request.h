@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What somebody wants spoken, and how: the same for the socket, HTTP and the command line. */
+/* What somebody wants spoken, and how: the same for the socket, HTTP and the command line. The members of the
+ * `speak` message have its names, and their ranges are declared in protocol/messages.json. */
 #ifndef FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 #define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 
-#include "server/base/error.h"
+#include "server/base/field.h"
 #include "server/expression/expressions.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,8 +30,6 @@ enum speech_blend {
     SPEAK_BLEND_REGIONS,
     SPEAK_BLEND_WEIGHTED,
 };
-
-enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
@@ -70,20 +69,6 @@ struct speech_request {
 void request_init(struct speech_request *request);
 void request_free(struct speech_request *request);
 void request_copy(struct speech_request *to, const struct speech_request *from);
-
-/* A value as its carrier has it: JSON knows its type, a query or an option is a string. */
-struct request_value {
-    enum {
-        REQUEST_STRING,
-        REQUEST_NUMBER,
-        REQUEST_BOOL,
-        REQUEST_WORD,     /* a string to be converted to the type of the field */
-        REQUEST_STRUCTURE /* an array or object: fits no field */
-    } type;
-    const char *string;
-    size_t size;
-    double number; /* NUMBER, BOOL */
-};
 
 /* "female", "male"; NULL = any. */
 const char *request_gender(const struct speech_request *request);

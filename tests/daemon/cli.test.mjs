@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command line: files, standard streams, exit codes, messages.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { faccia } from '../lib/command.mjs';
+import { build, root } from '../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
@@ -103,6 +105,20 @@ test('markup, its warnings, and how it is to be shown', () => {
   assert.match(stderr, /warning: 2:2: /);
   assert.deepEqual(JSON.parse(stdout).marks.map((mark) => mark.name), ['qui']);
   assert.deepEqual(JSON.parse(say(['--lang', 'it', '--markup', 'plain', 'Uno <mark name="qui"/>']).stdout).marks, []);
+});
+
+test('the help names each option that protocol/messages.json declares, and completion knows their words', () => {
+  const { members } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json'))).messages.speak;
+  const { stdout } = say(['--help']);
+  const options = Object.keys(members).filter((name) => members[name].option);
+  assert.ok(options.length > 10);
+  for (const name of options) assert.match(stdout, new RegExp(`^ +(-[a-z], )?--${name}\\b`, 'm'), name);
+  const complete = (...line) => execFileSync('bash', ['-c', 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); compopt() { :; }; _faccia "$1"; echo "${COMPREPLY[*]}"',
+    'bash', path.join(root, 'server/deploy/completion/faccia'), path.join(build, 'server/app/faccia'), ...line], { encoding: 'utf8' }).trim().split(' ');
+  assert.deepEqual(complete('say', '--contacts', ''), members.contacts.words);
+  assert.deepEqual(complete('say', '--markup', 's'), ['ssml']);
+  const offered = complete('say', '--');
+  for (const name of options) assert.ok(offered.includes(`--${name}`), name);
 });
 
 const wrong = [

@@ -2,6 +2,7 @@
 // The schema of the client's messages and the daemon that reads them see the same broken messages (tests/corpus/client), and refuse
 // the same; and agree on each message that is damaged in one place.
 import assert from 'node:assert/strict';
+import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { damages, edited } from '../lib/damage.mjs';
@@ -12,14 +13,14 @@ const refused = schema('protocol/schema/client.json');
 
 /** Right ones, of each kind. */
 const messages = [
-  { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true },
+  { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true, gender: 'female', contacts: 'on', priority: 'chat', topic: 't', again: true },
   { type: 'stop' },
   { type: 'pause' },
   { type: 'resume' },
   { type: 'rate', rate: 120 },
   { type: 'idle', on: true, life: 1, seed: 2 },
   { type: 'express', mix: [{ name: 'joy', intensity: 0.5 }], ease: 0.5 },
-  { type: 'media', audio: 'none', fap: 'none', kilobits: 16 },
+  { type: 'media', audio: 'none', fap: 'none', kilobits: 16, events: 'text', blocked: false },
   { type: 'join', room: 'hall', watch: true, as: 'Anna' },
   { type: 'consent', consent: 'asked', text: 'x' },
   { type: 'leave' },
@@ -28,6 +29,14 @@ const messages = [
   { type: 'jump', mark: 'qui' },
   { type: 'authorize', token: 'x' },
   { type: 'ping', id: 'x' },
+  { type: 'text', id: 'x', text: 'Uno.' },
+  { type: 'flush', id: 'x' },
+  { type: 'close', id: 'x' },
+  { type: 'cancel', id: 'x' },
+  { type: 'choose', id: 'q', choice: 1 }, // while nothing is offered
+  { type: 'choices', id: 'q', question: 'Sì?', choices: ['Sì', 'No'] },
+  { type: 'state', state: 'thinking', text: 'x', mix: [{ name: 'hope', intensity: 0.3 }], ease: 1 },
+  { type: 'voice', id: 'v', codec: 'pcm_s16le', rate: 16000, channels: 1, lookahead: 80, lang: 'it', engine: 'network', fps: 25, life: 1, still: false, mode: 'queue', priority: 'chat', topic: 't' },
 ];
 
 /** What only the daemon can know, by the code that it answers with. */
@@ -42,10 +51,11 @@ const readerOnly = {
   'not-speaking': 'it depends on what has been said before',
   'unknown-media': 'what lies in the folder',
   'unknown-mark': 'the marks stand in the text',
+  'no-choices': 'it depends on what is offered',
 };
 
 /** What the daemon takes although the schema advises against it. */
-const lenient = [[/^(speak|play|idle|consent)$/, (edit) => Object.values(edit.set ?? {})[0] === null, 'null is taken as left out: protocol/README.md']];
+const lenient = [[/^(speak|play|idle|voice)$/, (edit) => Object.values(edit.set ?? {})[0] === null, 'null is taken as left out: protocol/README.md']];
 
 let daemon, stream, number = 0;
 before(async () => {
@@ -73,6 +83,12 @@ test('what is broken in the corpus is refused by the schema and by the daemon, a
     if (entry.readerOnly) assert.deepEqual(places, [], what);
     else assert.ok(agrees(places, error.field ?? ''), what);
   }
+});
+
+test('each message that is declared is among them', () => {
+  const { messages: declared } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json')));
+  const seldom = ['calibrate']; // more than 12 at once are too many: tests/daemon/notices.test.mjs
+  assert.deepEqual([...messages.map(({ type }) => type), ...seldom].sort(), Object.keys(declared).sort());
 });
 
 for (const message of messages)

@@ -6,7 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, root } from '../lib/daemon.mjs';
 import { bearer, now, sign } from '../lib/tokens.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-tokens-'));
@@ -66,6 +66,28 @@ test("a room's token opens what acts on that room, and nothing else", async () =
   stream.send({ type: 'speak', id: 'own', text: 'Sì.' });
   await stream.wait({ type: 'error', code: 'forbidden', id: 'own' });
   await Promise.all([stream, inside, elsewhere].map((s) => s.close()));
+});
+
+test('each message needs the right that protocol/messages.json declares', async () => {
+  const { messages } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json')));
+  const members = { speak: { text: 'Sì.' }, text: { text: 'Sì.' }, rate: { rate: 150 }, jump: { mark: 'm' }, play: { name: 'x' }, express: { mix: [] }, join: { room: 'hall' }, authorize: { token: 'x' },
+    choices: { choices: [] }, choose: { choice: 0 }, state: { state: 'idle' }, calibrate: { reset: true }, consent: { consent: 'given' }, voice: { rate: 16000 } };
+  const told = { listen: {}, speak: {} };
+  for (const right of Object.keys(told)) {
+    const stream = await daemon.stream('', bearer(token({ rights: right })));
+    for (const type of Object.keys(messages).filter((one) => one !== 'authorize')) {
+      const from = stream.messages.length;
+      stream.send({ type, id: `id-${type}`, ...members[type] });
+      stream.send({ type: 'ping', id: type });
+      await stream.wait({ type: 'pong', id: type }, { from });
+      told[right][type] = stream.messages.slice(from).some(({ code }) => code === 'forbidden');
+    }
+    await stream.close();
+  }
+  for (const [type, { right }] of Object.entries(messages).filter(([one]) => one !== 'authorize')) {
+    assert.equal(told.listen[type], right === 'speak', `${type} of who may listen`);
+    assert.equal(told.speak[type], right === 'listen', `${type} of who may speak`);
+  }
 });
 
 const odd = [

@@ -44,10 +44,7 @@ const made = (tag, attributes, text = '') => {
   return element;
 };
 
-const suggestions = {
-  contacts: ['engine', 'on', 'off'], blend: ['auto', 'regions', 'weighted'], poster: ['off'],
-  markup: ['auto', 'plain', 'ssml', 'apml', 'jsml', 'emotionml', 'bml', 'fml'],
-};
+const suggestions = { poster: ['off'] };
 
 /** What the server offers, once it has said so. */
 function learn({ detail: { languages = [], models = [], expressions = [] } }) {

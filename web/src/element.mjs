@@ -9,13 +9,11 @@ import { Presentation } from './presentation.mjs';
 import { addProperties, upgradeProperties } from './properties.mjs';
 import { Reader } from './reading/reader.mjs';
 import { Session } from './session.mjs';
+import { SPEAK_ATTRIBUTES } from './speak-attributes.mjs';
 import { Speech } from './speech.mjs';
 import { parts, styles } from './template.mjs';
 import { Turns } from './turns.mjs';
 
-const SPEAK_ATTRIBUTES = {
-  lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
-};
 const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements

@@ -2,6 +2,7 @@
 // Properties that mirror attributes. Frameworks set the one or the other, before and after the element is in the page, and
 // with what their templates have: text, numbers, booleans, nothing.
 import { readMix, writeMix } from './expression.mjs';
+import { SPEAK_ATTRIBUTES } from './speak-attributes.mjs';
 
 const NO = ['off', 'false'];
 
@@ -43,9 +44,10 @@ const onOff = (name, without) => ({
 });
 
 const PROPERTIES = {
-  ...Object.fromEntries(['src', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'voice', 'markup', 'blend', 'contacts', 'label', 'poster', 'view'].map((name) => [name, string(name)])),
+  ...Object.fromEntries(['src', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'label', 'poster', 'view'].map((name) => [name, string(name)])),
+  ...Object.fromEntries(Object.entries(SPEAK_ATTRIBUTES).filter(([name]) => name !== 'lang').map(([name, type]) =>
+    [name, type === Number ? number(name, (value) => value >= 0) : string(name)])),
   rate: number('rate', (value) => value > 0),
-  life: number('life', (value) => value >= 0),
   captions: onOff('captions', true),
   avatarMap: string('avatar-map'),
   captionSize: string('caption-size'),

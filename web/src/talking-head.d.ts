@@ -11,17 +11,28 @@ export type Consent = 'asked' | 'given' | 'declined' | 'none';
 
 /** Of a voice without a text: see the protocol's `voice`. */
 export interface ListenOptions {
-  lang?: string;
-  engine?: string;
-  fps?: number;
-  life?: number;
-  still?: boolean;
+  // <voice options: made by protocol/make-messages.py>
+  /** The client's name for the utterance; comes back in every message about it. At most 64 bytes. */
+  id?: string;
   /** What is heard after a moment before it is shown, ms. */
   lookahead?: 0 | 40 | 80 | 120;
+  /** Whose lips. When left out: hello.lang. */
+  lang?: string;
+  /** network: the mouth is told from the sound itself; or one of hello.engines, which makes it of the sounds that were heard. At most 64 bytes. */
+  engine?: string;
+  /** FAP frames per second. */
+  fps?: number;
+  /** Strength of the signs of life. */
+  life?: number;
+  /** Only the lips move, without life and expressions. */
+  still?: boolean;
+  /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
+  /** Of two, the higher one comes first and cuts the lower one. */
   priority?: 'background' | 'chat' | 'alarm';
+  /** What it is about: takes the place of those that wait with the same. At most 64 bytes. */
   topic?: string;
-  id?: string;
+  // </voice options>
   /** false: it is seen here, and not heard. */
   sound?: boolean;
   /** How the sound goes to the server: Opus where the browser codes it (left out), else PCM. */
@@ -36,29 +47,56 @@ export interface Listening {
   done: Promise<EndMessage>;
 }
 
+/** Members of the protocol's `speak`. */
 export interface SpeakOptions {
+  // <speak options: made by protocol/make-messages.py>
+  /** The id of a passage of the library, to be spoken instead of a text. At most 128 bytes. */
+  passage?: string;
+  /** UTF-16 units of the passage that are left out. */
+  from?: number;
+  /** The stretches of a plain text that are in other languages: "START-END:LANG", in UTF-16 units, parted by spaces, such as "6-18:la 30-41:fr". Of a passage: the library knows. */
+  languages?: string;
+  /** The client's name for the utterance; comes back in every message about it. At most 64 bytes. */
   id?: string;
-  mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
-  /** What goes before what: `chat` when left out. */
-  priority?: 'background' | 'chat' | 'alarm';
-  /** Takes the place of those that wait with the same. */
-  topic?: string;
+  /** A tag of hello.languages or hello.more_languages (BCP 47, such as pt-BR), or a POSIX locale that names one (it_IT.UTF-8). When left out: what the root element of markup says, else hello.lang. */
   lang?: string;
+  /** An id of /v1/voices. At most 128 bytes. When left out: the first of the language. */
   voice?: string;
+  /** Of the voice, where none is named. */
   gender?: 'any' | 'female' | 'male';
-  rate?: number;
-  pitch?: number;
-  volume?: number;
+  /** What makes the movements of the mouth: one of hello.engines, if the language has it (hello.languages). At most 64 bytes. */
   engine?: string;
-  markup?: string;
-  life?: number;
-  blend?: string;
-  contacts?: 'engine' | 'on' | 'off';
+  /** What the text is; auto: found from the text. */
+  markup?: 'auto' | 'plain' | 'apml' | 'jsml' | 'ssml' | 'emotionml' | 'bml' | 'fml';
+  /** Words per minute. When left out: the voice's own. */
+  rate?: number;
+  /** A factor of the voice's own pitch. */
+  pitch?: number;
+  /** A factor of the voice's own loudness. */
+  volume?: number;
+  /** FAP frames per second. */
   fps?: number;
-  still?: boolean;
+  /** For an exactly repeatable face: the same number gives the same one. */
   seed?: number;
-  phones?: boolean;
+  /** Strength of the signs of life. */
+  life?: number;
+  /** How expressions share the mouth with speech; auto: weighted where the text names a weight, else regions. */
+  blend?: 'auto' | 'regions' | 'weighted';
+  /** Whether lips that must touch do so whatever the engine makes; engine: as the engine has it. */
+  contacts?: 'engine' | 'on' | 'off';
+  /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
+  mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
+  /** Of two, the higher one comes first and cuts the lower one. */
+  priority?: 'background' | 'chat' | 'alarm';
+  /** What it is about: takes the place of those that wait with the same. At most 64 bytes. */
+  topic?: string;
+  /** What is lost with the daemon that was to speak it, where several share the room, is asked of the next one. */
   again?: boolean;
+  /** Its phones are events, too. */
+  phones?: boolean;
+  /** Only the lips move, without life and expressions. */
+  still?: boolean;
+  // </speak options>
 }
 
 /** Feature points by MPEG-4's numbers ("8.4"): mm in the head's axes; places on the texture from 0 to 1. */
@@ -172,14 +210,16 @@ export interface TalkingHeadAttributes {
   /** Only looks on; a text that is neither on nor off is the name by which others who look on know it. */
   watch?: boolean | string | null;
   token?: string | null;
-  voice?: string | null;
-  markup?: string | null;
-  blend?: string | null;
-  contacts?: 'engine' | 'on' | 'off' | null;
-  label?: string | null;
+  // <speak attributes: made by protocol/make-messages.py>
   lang?: string;
+  voice?: string | null;
+  markup?: 'auto' | 'plain' | 'apml' | 'jsml' | 'ssml' | 'emotionml' | 'bml' | 'fml' | null;
   rate?: number | string | null;
   life?: number | string | null;
+  blend?: 'auto' | 'regions' | 'weighted' | null;
+  contacts?: 'engine' | 'on' | 'off' | null;
+  // </speak attributes>
+  label?: string | null;
   'caption-size'?: 'large' | 'larger' | 'largest' | null;
   'caption-colours'?: 'contrast' | 'light' | 'yellow' | null;
   captions?: boolean | 'on' | 'off' | null;
@@ -217,13 +257,15 @@ export class TalkingHead extends HTMLElement {
   /** Only to look on in the room: one does not count as a listener. */
   watch: boolean;
   token: string | null;
+  // <speak properties: made by protocol/make-messages.py>
   voice: string | null;
-  markup: string | null;
-  blend: string | null;
-  contacts: string | null;
-  label: string | null;
+  markup: 'auto' | 'plain' | 'apml' | 'jsml' | 'ssml' | 'emotionml' | 'bml' | 'fml' | null;
   rate: number | null;
   life: number | null;
+  blend: 'auto' | 'regions' | 'weighted' | null;
+  contacts: 'engine' | 'on' | 'off' | null;
+  // </speak properties>
+  label: string | null;
   captionSize: 'large' | 'larger' | 'largest' | null;
   captionColours: 'contrast' | 'light' | 'yellow' | null;
   get captions(): boolean;

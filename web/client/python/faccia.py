@@ -33,10 +33,12 @@ import websockets.exceptions
 __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media", "Utterance", "connect", "decode_chunk"]
 
 #: Types of messages, by who says them (protocol/asyncapi.json).
+# <client messages: made by protocol/make-messages.py>
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play idle express media join leave authorize model ping "
     "choices choose state calibrate consent voice".split()
 )
+# </client messages>
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
     "choices chosen state calibrated expressed consent desks".split()

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/api/client_message.h"
+#include "server/api/request_json.h"
+#include "server/base/field.h"
+#include <math.h>
+#include <string.h>
+
+struct client_message {
+    const char *type;
+    const struct field *fields; /* its own */
+    size_t count;
+    const char *const *shared; /* names of fields of speech_request, NULL-terminated; or NULL */
+};
+
+#include "protocol/client_messages.h" /* made of protocol/messages.json */
+
+static const struct client_message *find(const char *type) {
+    size_t i = 0;
+    while (strcmp(client_messages[i].type, type) != 0)
+        i++; /* callers name a type of the table */
+    return &client_messages[i];
+}
+
+int client_message_check(const char *type, const json_t *message, struct error *e) {
+    const struct client_message *m = find(type);
+    for (const struct field *f = m->fields; f < m->fields + m->count; f++) {
+        const json_t *member = json_object_get(message, f->name);
+        const struct request_value value = value_from_json(member);
+        if (!member && !f->required)
+            continue;
+        if (field_check(f, &value, e)) {
+            if (!member)
+                e->code = ERROR_MISSING_FIELD;
+            return -1;
+        }
+    }
+    return 0;
+}
+
+int client_message_request(const char *type, const json_t *message, struct speech_request *request,
+                           struct error *e) {
+    json_t *own = json_object();
+    for (const char *const *name = find(type)->shared; *name; name++)
+        json_object_set(own, *name, json_object_get(message, *name));
+    int failed = request_from_json(request, own, e);
+    json_decref(own);
+    return failed;
+}

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The declaration of the client's messages (protocol/messages.json) and all that is made of it: what is kept in the repository is
+// what would be made now, and a member or a message that is missing from any one of those files is found.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import Ajv from 'ajv/dist/2020.js';
+
+const root = fileURLToPath(new URL('../..', import.meta.url));
+const maker = path.join(root, 'protocol/make-messages.py');
+const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
+const declared = JSON.parse(read('protocol/messages.json'));
+const { members } = declared.messages.speak;
+const KEPT = ['protocol/schema/client.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/src/talking-head.d.ts',
+  'web/src/speak-attributes.mjs', 'web/README.md', 'web/client/python/faccia.py'];
+
+const folders = [];
+after(() => folders.forEach((folder) => fs.rmSync(folder, { recursive: true })));
+
+/** A copy of the declaration, and of what is made of it. */
+function copy() {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-messages-'));
+  folders.push(folder);
+  for (const name of ['protocol/messages.json', ...KEPT]) {
+    fs.mkdirSync(path.dirname(path.join(folder, name)), { recursive: true });
+    fs.copyFileSync(path.join(root, name), path.join(folder, name));
+  }
+  return folder;
+}
+
+/** Of each copy the files that are not what would be made. */
+function wrong(...folders) {
+  const { status, stdout, stderr } = spawnSync('python3', [maker, '--check', '--root', ...folders], { encoding: 'utf8' });
+  const names = stdout.split('\n').filter(Boolean).map((line) => line.split(' ')[0]);
+  assert.equal(status, names.length ? 1 : 0, stderr);
+  return folders.map((folder) => names.filter((name) => name.startsWith(`${folder}/`)).map((name) => path.relative(folder, name)));
+}
+const write = (...folders) => execFileSync('python3', [maker, '--write', '--root', ...folders]);
+
+const make = (what, folder = root) => execFileSync('python3', [maker, what, '--root', folder], { encoding: 'utf8' });
+
+test('the declaration has the form that its schema says', () => {
+  const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });
+  const validate = ajv.compile(JSON.parse(read('protocol/schema/messages.json')));
+  assert.ok(validate(declared), ajv.errorsText(validate.errors));
+  for (const damage of [(d) => delete d.messages.speak.members.rate.max, (d) => delete d.messages.speak.members.mode.words, (d) => delete d.messages.stop.summary,
+    (d) => (d.messages.speak.members.rate.type = 'double'), (d) => (d.messages.stop.right = 'shout')]) {
+    const damaged = structuredClone(declared);
+    damage(damaged);
+    assert.ok(!validate(damaged), String(damage));
+  }
+});
+
+test('what is kept in the repository is what is made of the declaration', () => assert.deepEqual(wrong(path.resolve(root)), [[]]));
+
+const gone = (object, name) => {
+  assert.ok(name in object, name);
+  delete object[name];
+};
+const json = (change) => (text) => {
+  const document = JSON.parse(text);
+  change(document);
+  return JSON.stringify(document, null, 2) + '\n';
+};
+const lines = (pattern) => (text) => {
+  const left = text.split('\n').filter((line) => !pattern.test(line));
+  assert.equal(left.length, text.split('\n').length - 1, String(pattern));
+  return left.join('\n');
+};
+const words = (before, after) => (text) => {
+  assert.equal(text.split(before).length, 2, before);
+  return text.replace(before, after);
+};
+const ofSpeech = (document) => document.paths['/v1/speech'].get.parameters;
+
+// A member, or a message, taken out of one place of one file.
+const DAMAGES = [
+  ['protocol/schema/client.json', 'a member of speak', json((d) => gone(d.$defs.speak.properties, 'contacts'))],
+  ['protocol/schema/client.json', 'a bound', json((d) => gone(d.$defs.speak.properties.rate, 'maximum'))],
+  ['protocol/schema/client.json', 'a member of a notice', json((d) => gone(d.$defs.choices.properties, 'question'))],
+  ['protocol/schema/client.json', 'a message', json((d) => gone(d.$defs, 'jump'))],
+  ['protocol/schema/client.json', 'a type', json((d) => d.properties.type.enum.pop())],
+  ['protocol/openapi.json', 'a parameter', json((d) => gone(d.components.parameters, 'contacts'))],
+  ['protocol/openapi.json', 'a parameter of a path', json((d) => ofSpeech(d).splice(ofSpeech(d).findIndex(({ $ref }) => $ref?.endsWith('/contacts')), 1))],
+  ['protocol/openapi.json', 'a word of a parameter', json((d) => d.components.parameters.markup.schema.enum.pop())],
+  ['protocol/openapi.json', 'a member of the body of /v1/speech', json((d) => gone(d.components.schemas.speech.properties, 'contacts'))],
+  ['protocol/openapi.json', 'a member of the body of /v1/say', json((d) => gone(d.components.schemas.say.properties, 'topic'))],
+  ['protocol/asyncapi.json', 'a member of the address', json((d) => gone(d.channels.stream.bindings.ws.query.properties, 'contacts'))],
+  ['protocol/asyncapi.json', 'a message', json((d) => gone(d.components.messages, 'client.jump'))],
+  ['protocol/asyncapi.json', 'a message of the channel', json((d) => gone(d.channels.stream.messages, 'client.jump'))],
+  ['protocol/asyncapi.json', 'a message that is heard', json((d) => d.operations.hear.messages.shift())],
+  ['protocol/messages.md', 'a member', lines(/^\| `contacts` /)],
+  ['protocol/messages.md', 'a message', lines(/^## jump$/)],
+  ['web/src/talking-head.d.ts', 'an option of speak', lines(/^ {2}gender\?: /)],
+  ['web/src/talking-head.d.ts', 'an attribute', lines(/^ {2}contacts\?: .* \| null;$/)],
+  ['web/src/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
+  ['web/src/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
+  ['web/src/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
+  ['web/README.md', 'an attribute', words('`life`, `blend`, `contacts` | defaults for', '`life`, `blend` | defaults for')],
+  ['web/README.md', 'an option', words('`blend`, `contacts`, `mode`', '`blend`, `mode`')],
+  ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],
+];
+assert.deepEqual([...new Set(DAMAGES.map(([name]) => name))].sort(), [...KEPT].sort());
+test('what is missing from any one of the files is found, and put back', () => {
+  const damaged = DAMAGES.map(([name, , damage]) => {
+    const folder = copy();
+    fs.writeFileSync(path.join(folder, name), damage(read(name)));
+    return folder;
+  });
+  const found = wrong(...damaged);
+  for (const [i, [name, what]] of DAMAGES.entries()) assert.deepEqual(found[i], [name], `${what} of ${name}`);
+  write(...damaged);
+  const value = (name, text) => (name.endsWith('.json') ? JSON.parse(text) : text); // numbers of what is no member may be written otherwise
+  for (const [i, [name, what]] of DAMAGES.entries())
+    assert.deepEqual(value(name, fs.readFileSync(path.join(damaged[i], name), 'utf8')), value(name, read(name)), `${what} of ${name}`);
+});
+
+test('a member that is declared once is in each file, and in what is built', () => {
+  const folder = copy();
+  const more = structuredClone(declared);
+  more.messages.speak.members.sparkle = { type: 'number', min: 0, max: 9, default: 3, summary: 'How much it sparkles.', attribute: true, option: { value: 'N', summary: 'how much it sparkles' } };
+  more.messages.glitter = { summary: 'Strews glitter.', right: 'speak', members: { grains: { type: 'integer', min: 1, max: 7, required: true, summary: 'How many.' } } };
+  fs.writeFileSync(path.join(folder, 'protocol/messages.json'), JSON.stringify(more));
+  assert.deepEqual(wrong(folder), [KEPT]);
+  write(folder);
+  for (const name of KEPT.filter((one) => !one.endsWith('.py'))) assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bsparkle\b/, name);
+  for (const name of ['protocol/schema/client.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/client/python/faccia.py'])
+    assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bglitter\b/, name);
+  assert.match(make('speak-fields', folder), /FIELD\(sparkle, NUMBER, 0, 9, NULL\)/);
+  assert.match(make('speak-fields', folder), /\.sparkle = 3/);
+  assert.match(make('say-options', folder), /"sparkle", 1, NULL, 1/);
+  assert.match(make('say-options', folder), /--sparkle N +how much it sparkles/);
+  assert.match(make('client-messages', folder), /"grains", FIELD_INTEGER, 1, 7, NULL, true/);
+  assert.deepEqual(wrong(folder), [[]]);
+});
+
+test('what the rows of the daemon say is what the declaration says', () => {
+  const rows = [...make('speak-fields').matchAll(/FIELD\((\w+), /g)].map(([, name]) => name);
+  assert.deepEqual(rows, Object.keys(members));
+  const options = [...make('say-options').matchAll(/\{"(\w+)", /g)].map(([, name]) => name);
+  assert.deepEqual(options, Object.keys(members).filter((name) => members[name].option));
+});
