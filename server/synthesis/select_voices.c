@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/select_voices.h"
 #include "server/base/mem.h"
-#include "server/voice/inserted_sound.h"
+#include "server/voice/sentence.h"
 #include <stdlib.h>
 #include <string.h>
 

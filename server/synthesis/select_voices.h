@@ -4,7 +4,7 @@
 #define FACCIA_SYNTHESIS_SELECT_VOICES_H
 
 #include "server/face/packs/speech_packs.h"
-#include "server/voice/voice_selection.h"
+#include "server/voice/sentence.h"
 
 /* voice speaks what asks for nothing else. What cannot be had becomes a warning of the script at its place
  * ("unknown-voice", "unknown-language", "no-sound"), and the voice speaks. sounds: folder, or NULL.

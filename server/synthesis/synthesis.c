@@ -20,25 +20,25 @@ static void on_failed(void *ctx, const struct error *e) {
     synthesis_deliver(slot->synthesis);
 }
 
-static enum voice_turn turn_of(const struct synthesis *s, const struct slot *slot) {
-    return s->request.ahead                ? VOICE_TURN_AHEAD
-           : slot->sentence == s->released ? VOICE_TURN_URGENT
-                                           : VOICE_TURN_USUAL;
+static enum voice_priority priority_of(const struct synthesis *s, const struct slot *slot) {
+    return s->request.ahead                ? VOICE_PRIORITY_BACKGROUND
+           : slot->sentence == s->released ? VOICE_PRIORITY_URGENT
+                                           : VOICE_PRIORITY_NORMAL;
 }
 
 static void ask_voice(struct synthesis *s, struct slot *slot) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    struct voice_request request = {.voice = s->voice,
-                                    .score = s->score,
-                                    .sentence = slot->sentence,
-                                    .rate = s->request.rate,
-                                    .pitch = s->request.pitch,
-                                    .volume = s->request.volume,
-                                    .turn = turn_of(s, slot),
-                                    .payer = s->request.payer,
-                                    .asker = s->request.asker,
-                                    .reader = s->pipeline->reader,
-                                    .gate = s->pipeline->gate};
+    struct sentence_request request = {.voice = s->voice,
+                                       .score = s->score,
+                                       .sentence = slot->sentence,
+                                       .rate = s->request.rate,
+                                       .pitch = s->request.pitch,
+                                       .volume = s->request.volume,
+                                       .priority = priority_of(s, slot),
+                                       .payer = s->request.payer,
+                                       .asker = s->request.asker,
+                                       .reader = s->pipeline->reader,
+                                       .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }

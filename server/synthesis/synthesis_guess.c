@@ -85,16 +85,16 @@ static bool next_piece(const struct synthesis *s, struct open_piece *piece) {
 
 static void ask_voice(struct synthesis *s, struct guess *g) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    struct voice_request request = {.voice = s->voice,
-                                    .score = g->score,
-                                    .rate = s->request.rate,
-                                    .pitch = s->request.pitch,
-                                    .volume = s->request.volume,
-                                    .turn = VOICE_TURN_URGENT,
-                                    .payer = s->request.payer,
-                                    .asker = s->request.asker,
-                                    .reader = s->pipeline->reader,
-                                    .gate = s->pipeline->gate};
+    struct sentence_request request = {.voice = s->voice,
+                                       .score = g->score,
+                                       .rate = s->request.rate,
+                                       .pitch = s->request.pitch,
+                                       .volume = s->request.volume,
+                                       .priority = VOICE_PRIORITY_URGENT,
+                                       .payer = s->request.payer,
+                                       .asker = s->request.asker,
+                                       .reader = s->pipeline->reader,
+                                       .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     g->rate = s->request.rate;
     g->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, g->chosen, &callbacks, s);

@@ -64,7 +64,7 @@ static void read_text(struct synthesis *s) {
 static void take_result(struct synthesis *s) {
     s->score = s->result.score;
     s->chosen = s->result.chosen;
-    voice_pool_let_go(s->pipeline->voices);
+    voice_pool_release(s->pipeline->voices);
 }
 
 static void on_work(uv_work_t *work) {
@@ -81,7 +81,7 @@ static void after_work(uv_work_t *work, int status) {
 }
 
 static int begin_reading(struct synthesis *s, struct error *e) {
-    s->voices = voice_pool_hold(s->pipeline->voices);
+    s->voices = voice_pool_retain(s->pipeline->voices);
     if (s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text) {
         s->reading = true;
         s->work.data = s;

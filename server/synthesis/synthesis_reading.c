@@ -72,9 +72,9 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
         open_piece_place(piece, s->request.text, e);
         return -1;
     }
-    s->voices = voice_pool_hold(s->pipeline->voices);
+    s->voices = voice_pool_retain(s->pipeline->voices);
     synthesis_direct(s, &r);
-    voice_pool_let_go(s->pipeline->voices);
+    voice_pool_release(s->pipeline->voices);
     if (into == &s->result)
         s->writing->paused += score_pauses(r.document);
     add_warnings(s, into->score, r.score, piece);

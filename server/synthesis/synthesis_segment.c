@@ -3,8 +3,7 @@
 #include "server/base/mem.h"
 #include "server/face/lead_in.h"
 #include "server/synthesis/synthesis_internal.h"
-#include "server/voice/cue_times.h"
-#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio.h"
 #include <string.h>
 
 static void warn(void *ctx, const char *message) {

@@ -37,8 +37,8 @@ BELOW.app = Object.keys(BELOW);
 /** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
 const HIDDEN = { net: ['face', 'voice', 'normalize'] };
 
-/** One state machine in several files: a worker asks the queue for a sentence, the queue wakes a worker. */
-const MACHINE = /^server\/voice\/(voice_pool\w*|worker|worker_sentence)\.c$/;
+/** One state machine in several files: a worker takes the next sentence from the queue, the queue wakes a worker. */
+const MACHINE = /^server\/voice\/(voice_pool|voice_dispatch|remote_voice|worker)\.c$/;
 
 /** Long because it is a table. */
 const isTable = ({ name, code }) => {

@@ -2,7 +2,7 @@
 #include "server/base/mem.h"
 #include "server/face/lead_in.h"
 #include "server/face/track.h"
-#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio.h"
 #include "tests/unit/pack_fixture.h"
 #include "tests/unit/utter.h"
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 /* The command voice plugin: programs that its configuration names speak. */
 #include "server/base/mem.h"
 #include "server/plugins/command/speaking.h"
-#include "server/voice/worker_keeper.h"
+#include "server/voice/wire.h"
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
@@ -138,7 +138,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_UNTIMED | FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS |
-                    FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
+                    FACCIA_VOICE_FILES | WORKER_SPAWNER_WANTED,
     .open = cm_open,
     .list = cm_list,
     .speak = cm_speak,

@@ -6,7 +6,7 @@
 #include "server/plugins/recording/match.h"
 #include "server/plugins/recording/recorded_speech.h"
 #include "server/voice/faccia-voice.h"
-#include "server/voice/worker_keeper.h"
+#include "server/voice/wire.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -229,7 +229,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_FRESH | FACCIA_VOICE_CONTEXT |
-                    FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
+                    FACCIA_VOICE_FILES | WORKER_SPAWNER_WANTED,
     .open = re_open,
     .list = re_list,
     .speak = re_speak,
