@@ -141,9 +141,9 @@ static void reload(struct daemon *d) {
         d->access = access;
         struct net_options options = net_options_of(d);
         net_change(d->net, &options);
-        d->stages.heard.most = settings.heard_most;
-        d->stages.heard.payer_most = settings.heard_address;
-        d->stages.heard.seconds = settings.heard_seconds;
+        d->stages.live.most = settings.heard_most;
+        d->stages.live.payer_most = settings.heard_address;
+        d->stages.live.seconds = settings.heard_seconds;
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(

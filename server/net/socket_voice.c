@@ -27,26 +27,25 @@ static int read_number(const json_t *message, const char *name, unsigned *number
     return 0;
 }
 
-static int read_codec(const json_t *message, enum heard_codec *codec, struct error *e) {
+static int read_codec(const json_t *message, enum live_codec *codec, struct error *e) {
     const json_t *value = json_object_get(message, "codec");
     const char *name = json_string_value(value);
     if (!value)
         return 0;
     if (!name || strlen(name) != json_string_length(value))
         return error_in_field(e, ERROR_BAD_FIELD, "codec", "must be a string");
-    return heard_codec_find(name, codec, e);
+    return live_codec_find(name, codec, e);
 }
 
-static int read_voice(struct heard_request *request, const json_t *message, struct error *e) {
+static int read_voice(struct live_request *request, const json_t *message, struct error *e) {
     if (read_codec(message, &request->codec, e))
         return -1;
-    if (!json_object_get(message, "rate") && request->codec == HEARD_PCM)
+    if (!json_object_get(message, "rate") && request->codec == LIVE_PCM)
         return error_in_field(e, ERROR_MISSING_FIELD, "rate",
                               "how many samples a second does the sound have?");
     return read_number(message, "rate", &request->rate, e) ||
                    read_number(message, "channels", &request->channels, e) ||
-                   read_number(message, "lookahead", &request->lookahead, e) ||
-                   heard_request_check(request, e)
+                   read_number(message, "lookahead", &request->lookahead, e) || live_request_check(request, e)
                ? -1
                : 0;
 }
@@ -58,7 +57,7 @@ static void close_last(struct socket *s) {
     s->voice = 0;
 }
 
-static int begin(struct socket *s, struct heard_request *request, struct speech_request *speech,
+static int begin(struct socket *s, struct live_request *request, struct speech_request *speech,
                  const json_t *message, struct error *e) {
     if (read_speech(speech, message, e) || read_voice(request, message, e) || socket_may_speak(s, e))
         return -1;
@@ -72,8 +71,8 @@ static int begin(struct socket *s, struct heard_request *request, struct speech_
 
 void voice_begin(struct socket *s, const json_t *message) {
     struct speech_request speech;
-    struct heard_request request = {
-        .speech = &speech, .rate = 48000, .channels = 1, .lookahead = HEARD_LOOKAHEAD};
+    struct live_request request = {
+        .speech = &speech, .rate = 48000, .channels = 1, .lookahead = LIVE_LOOKAHEAD};
     struct error e = {0};
     request_copy(&speech, &s->defaults);
     if (begin(s, &request, &speech, message, &e)) {

@@ -56,7 +56,7 @@ static void say_begin(struct utterance *t) {
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    if (!t->heard && (!t->synthesis || !synthesis_request(t->synthesis)->open)) /* its writer may take long */
+    if (!t->live && (!t->synthesis || !synthesis_request(t->synthesis)->open)) /* its writer may take long */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {.kind = STREAM_BEGIN,
@@ -65,11 +65,11 @@ static void say_begin(struct utterance *t) {
                                  .again = t->spared};
     if (t->recording) {
         begin.play = recording_name(t->recording);
-    } else if (t->heard) {
-        begin.heard = true;
-        begin.lookahead = heard_voice_lookahead(t->heard);
-        begin.lang = heard_voice_lang(t->heard);
-        begin.engine = heard_voice_engine(t->heard);
+    } else if (t->live) {
+        begin.live = true;
+        begin.lookahead = live_voice_lookahead(t->live);
+        begin.lang = live_voice_lang(t->live);
+        begin.engine = live_voice_engine(t->live);
     } else {
         begin.voice = synthesis_voice(t->synthesis)->id;
         begin.lang = synthesis_lang(t->synthesis);

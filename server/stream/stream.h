@@ -6,7 +6,7 @@
 
 #include "server/stream/media.h"
 #include "server/stream/mood_mix.h"
-#include "server/synthesis/heard_request.h"
+#include "server/synthesis/live_voice.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"
@@ -60,7 +60,7 @@ struct stream_event {
     double fps;                                 /* BEGIN */
     bool again;                                 /* BEGIN: it is spoken again when it is lost */
     const char *play;                           /* BEGIN of a recording: its name, else NULL */
-    bool heard;                                 /* BEGIN: somebody's own voice, whose words nobody knows */
+    bool live;                                  /* BEGIN: somebody's own voice, whose words nobody knows */
     unsigned lookahead;                         /* the same: ms */
     double idle; /* BEGIN, RESUMED: when that is on the idle clock, s; negative: nobody idles */
 };
@@ -94,14 +94,14 @@ int stream_write(struct stream *stream, uint32_t utterance, const char *text, si
                  struct error *e);
 void stream_flush(struct stream *stream, uint32_t utterance);
 
-/* The same of one whose speaker is heard: a message of his with sound (heard_sound.h). */
+/* The same of one whose speaker is heard: a message of his with sound (live_audio.h). */
 void stream_sound(struct stream *stream, uint32_t utterance, const uint8_t *bytes, size_t size);
 
 /* why: a warning that goes with it, or NULL. */
 void stream_close(struct stream *stream, uint32_t utterance, const struct error *why);
 
 /* As stream_speak, of somebody who speaks himself: stream_sound follows, and stream_close. */
-uint32_t stream_hear(struct stream *stream, const struct heard_request *request);
+uint32_t stream_hear(struct stream *stream, const struct live_request *request);
 
 /* Cuts the utterances of that id, or forgets them when they wait. Returns how many there were. */
 unsigned stream_cancel(struct stream *stream, const char *id);

@@ -41,8 +41,8 @@ void stream_resume(struct stream *s) {
     if (!s->paused)
         return;
     s->paused = false;
-    if (t && t->heard)
-        heard_voice_catch_up(t->heard);
+    if (t && t->live)
+        live_voice_catch_up(t->live);
     if (t && t->begun) {
         stream_resume_utterance(s, now);
     } else if (s->unheard) { /* the end of one that has left whole */

@@ -161,15 +161,15 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
     return t->number;
 }
 
-uint32_t stream_hear(struct stream *s, const struct heard_request *request) {
+uint32_t stream_hear(struct stream *s, const struct live_request *request) {
     struct turn turn = turn_of(request->speech);
     struct utterance *t = NULL;
     struct error e;
     if (!may_come(s, &turn, &e)) {
         t = utterance_new(s);
-        t->heard = heard_voice_open(s->pipeline, request, &utterance_callbacks, t, &e);
+        t->live = live_voice_open(s->pipeline, request, &utterance_callbacks, t, &e);
     }
-    if (!t || !t->heard) {
+    if (!t || !t->live) {
         free(t);
         stream_refuse(s, request->speech->id, 0, &e);
         return 0;

@@ -17,7 +17,7 @@ static struct utterance *find(const struct stream *s, uint32_t number) {
 }
 
 static bool is_open(const struct utterance *t) {
-    return t && (t->heard ? heard_voice_is_open(t->heard) : t->synthesis && synthesis_is_open(t->synthesis));
+    return t && (t->live ? live_voice_is_open(t->live) : t->synthesis && synthesis_is_open(t->synthesis));
 }
 
 bool stream_is_open(const struct stream *s, uint32_t number) {
@@ -26,8 +26,8 @@ bool stream_is_open(const struct stream *s, uint32_t number) {
 
 void stream_sound(struct stream *s, uint32_t number, const uint8_t *bytes, size_t size) {
     struct utterance *t = numbered(s, number);
-    if (t && t->heard)
-        heard_voice_write(t->heard, bytes, size);
+    if (t && t->live)
+        live_voice_write(t->live, bytes, size);
 }
 
 int stream_write(struct stream *s, uint32_t number, const char *text, size_t size, size_t most,
@@ -48,8 +48,8 @@ void stream_close(struct stream *s, uint32_t number, const struct error *why) {
         return;
     if (why)
         utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_WARNING, .error = why});
-    if (t->heard)
-        heard_voice_close(t->heard);
+    if (t->live)
+        live_voice_close(t->live);
     else
         synthesis_close(t->synthesis);
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 const struct speech_request *utterance_request(const struct utterance *t) {
-    return t->recording ? NULL : t->heard ? heard_voice_request(t->heard) : synthesis_request(t->synthesis);
+    return t->recording ? NULL : t->live ? live_voice_request(t->live) : synthesis_request(t->synthesis);
 }
 
 void utterance_start(struct utterance *t) {
@@ -14,8 +14,8 @@ void utterance_start(struct utterance *t) {
     t->started = true;
     if (t->recording)
         recording_start(t->recording);
-    else if (t->heard)
-        heard_voice_start(t->heard);
+    else if (t->live)
+        live_voice_start(t->live);
     else
         synthesis_start(t->synthesis);
 }
@@ -31,7 +31,7 @@ const char *utterance_id(const struct utterance *t) {
 void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,
                     struct stream_event event) {
     event.utterance = t->number;
-    event.id = t->synthesis || t->recording || t->heard ? utterance_id(t) : event.id;
+    event.id = t->synthesis || t->recording || t->live ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
     event.order = t->order;
     sink->event(ctx, &event);
@@ -47,7 +47,7 @@ bool utterance_is_apart(const struct utterance *t) {
 }
 
 bool utterance_is_foreign(const struct utterance *t) {
-    return utterance_is_apart(t) || t->heard || synthesis_request(t->synthesis)->life >= 0;
+    return utterance_is_apart(t) || t->live || synthesis_request(t->synthesis)->life >= 0;
 }
 
 void utterance_unplace(struct utterance *t) {
@@ -57,7 +57,7 @@ void utterance_unplace(struct utterance *t) {
 
 /* What lives beside a voice that is heard goes on from one piece of it to the next. */
 static void drop_segment(struct utterance *t) {
-    if (!t->heard)
+    if (!t->live)
         utterance_unplace(t);
     media_segment_free(&t->segments[0]);
     t->segment_count--;
@@ -75,8 +75,8 @@ void utterance_drop_segment_if_done(struct utterance *t) {
         return;
     if (t->recording)
         recording_release(t->recording);
-    else if (t->heard)
-        heard_voice_release(t->heard);
+    else if (t->live)
+        live_voice_release(t->live);
     else
         synthesis_release(t->synthesis);
 }
@@ -87,7 +87,7 @@ void utterance_free(struct utterance *t) {
     utterance_unplace(t);
     synthesis_free(t->synthesis);
     recording_free(t->recording);
-    heard_voice_free(t->heard);
+    live_voice_free(t->live);
     mood_free(t->mood);
     free(t->segments);
     free(t);
@@ -154,16 +154,16 @@ void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ct
 bool utterance_awaits_text(const struct utterance *t) {
     if (!t->begun || t->segment_count)
         return false;
-    return t->heard ? heard_voice_awaits(t->heard) : t->synthesis && synthesis_awaits_text(t->synthesis);
+    return t->live ? live_voice_awaits(t->live) : t->synthesis && synthesis_awaits_text(t->synthesis);
 }
 
 int64_t utterance_patience(const struct utterance *t) {
-    return t->heard && !heard_voice_stalls(t->heard) ? -HEARD_STALL_MS : STREAM_WAIT_MS;
+    return t->live && !live_voice_stalls(t->live) ? -LIVE_STALL_MS : STREAM_WAIT_MS;
 }
 
 void utterance_wait(struct utterance *t) {
-    if (t->heard)
-        heard_voice_wait(t->heard, STREAM_WAIT_MS);
+    if (t->live)
+        live_voice_wait(t->live, STREAM_WAIT_MS);
     else
         utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
 }

@@ -7,7 +7,7 @@
 #include "server/base/utf8.h"
 #include "server/stream/segment_cut.h"
 #include "server/stream/stream.h"
-#include "server/synthesis/heard_voice.h"
+#include "server/synthesis/live_voice.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/synthesis.h"
 
@@ -16,7 +16,7 @@ struct utterance {
     struct stream *stream;
     struct synthesis *synthesis; /* one of the three */
     struct recording *recording;
-    struct heard_voice *heard;
+    struct live_voice *live;
     uint32_t number;
     enum speech_priority priority;
     struct media_segment *segments; /* the first is being cut */

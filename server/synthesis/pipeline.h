@@ -18,7 +18,7 @@ struct speech_packs;
 struct expressions;
 struct face_high_level;
 struct normalizers;
-struct heard_pool;
+struct live_pool;
 
 /* Borrowed. */
 struct pipeline {
@@ -39,8 +39,8 @@ struct pipeline {
     struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
     /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
     size_t long_text;
-    struct heard_pool *heard; /* people's own voices; NULL = none can be heard */
-    unsigned open_seconds;    /* a text that is being written, and is not for so long, is closed; 0 = never */
+    struct live_pool *live; /* people's own voices; NULL = none can be heard */
+    unsigned open_seconds;  /* a text that is being written, and is not for so long, is closed; 0 = never */
 };
 
 #endif

@@ -41,9 +41,6 @@ extern const char *const recording_sounds[];
 int recording_source_in(struct recording_source *source, const char *folder, const char *name,
                         struct error *e);
 
-/* Can a recording in a folder have that name? */
-bool recording_is_name(const char *name);
-
 /* All recordings of a folder that can be named, sorted by name, and whether sound lies beside, until `each`
  * returns false. */
 void recording_list(const char *folder, bool (*each)(void *ctx, const char *name, bool sound), void *ctx);

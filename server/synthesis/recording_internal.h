@@ -6,9 +6,6 @@
 #include "server/base/sound_reader.h"
 #include "server/synthesis/recording.h"
 
-/* The sound file beside a .fap, open, or -1. folder: as in a source. */
-int recording_sound_beside(const char *folder, const char *fap_path);
-
 /* From the source's sound file, its memory (which is freed), or a file beside its .fap; *sound = NULL when
  * there is none. -1 with *e: "bad-sound". */
 int recording_sound_open(struct sound_reader **sound, struct recording_source *source,

@@ -1,8 +1,214 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a synthesis can be asked. */
 #include "server/base/mem.h"
+#include "server/base/near.h"
+#include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
+static bool synthesis_is_read(const struct synthesis *s) {
+    return s->score;
+}
+
+bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *sentence) {
+    for (size_t i = 0; i < synthesis_sentences(s); i++) {
+        const struct score_sentence *in = &s->score->sentences[i];
+        for (size_t k = in->first; k < in->first + in->count; k++)
+            if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
+                *sentence = i;
+                return true;
+            }
+    }
+    return false;
+}
+
+void synthesis_near_marks(const struct synthesis *s, struct near *near) {
+    for (size_t i = 0; s->score && i < s->score->item_count; i++)
+        if (s->score->items[i].kind == SCORE_MARK)
+            near_try(near, s->score->items[i].text, s->score->items[i].text);
+}
+
+size_t synthesis_sentences(const struct synthesis *s) {
+    return s->score ? s->score->sentence_count : 0;
+}
+
+size_t synthesis_next(const struct synthesis *s) {
+    return s->delivered;
+}
+
+const char *synthesis_entry(const struct synthesis *s) {
+    return s->entry;
+}
+
+const struct voice *synthesis_voice(const struct synthesis *s) {
+    return s->voice;
+}
+
+const char *synthesis_lang(const struct synthesis *s) {
+    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
+}
+
+const char *synthesis_engine(const struct synthesis *s) {
+    return s->request.engine ? s->request.engine : face_engines()[0];
+}
+
+const char *synthesis_markup(const struct synthesis *s) {
+    return s->markup->name;
+}
+
+const struct speech_request *synthesis_request(const struct synthesis *s) {
+    return &s->request;
+}
+
+/* From a request to a score with its voices: what can be said of it before anything is spoken. */
+
+static int no_markup(const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
+        near_try(&near, kind->name, kind->name);
+    return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
+                          near_text(&near, text));
+}
+
+/* From here on the request's text is what all places count in. */
+static int decode_text(struct synthesis *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
+        return no_markup(name, e);
+    if (s->request.open) {
+        writing_open(s);
+        s->markup = markup_by_name("plain"); /* until it is known better */
+        return 0;
+    }
+    if (!s->request.text)
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+/* In any thread: what is reached from here does not change while texts are read. */
+static void read_text(struct synthesis *s) {
+    struct reading_result *r = &s->result;
+    struct markup_rules rules = synthesis_rules(s);
+    struct language_runs runs = {0};
+    const char *languages = s->request.languages;
+    if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
+        return;
+    rules.runs = &runs;
+    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    language_runs_free(&runs);
+    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->document);
+        r->document = NULL;
+    }
+    if (r->document)
+        synthesis_direct(s, r);
+}
+
+static void take_result(struct synthesis *s) {
+    s->score = s->result.score;
+    s->chosen = s->result.chosen;
+    voice_pool_release(s->pipeline->voices);
+}
+
+static void on_work(uv_work_t *work) {
+    read_text(work->data);
+}
+
+static void synthesis_go_on(struct synthesis *s);
+
+static void after_work(uv_work_t *work, int status) {
+    struct synthesis *s = work->data;
+    s->reading = false;
+    take_result(s);
+    if (status) /* it was cancelled before it began */
+        error_set(&s->result.error, ERROR_CANCELLED, "the text was not read");
+    synthesis_go_on(s);
+}
+
+static int begin_reading(struct synthesis *s, struct error *e) {
+    s->voices = voice_pool_retain(s->pipeline->voices);
+    if (s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text) {
+        s->reading = true;
+        s->work.data = s;
+        uv_queue_work(s->pipeline->loop, &s->work, on_work, after_work);
+        return 0;
+    }
+    read_text(s);
+    take_result(s);
+    *e = s->result.error;
+    return s->score ? 0 : -1;
+}
+
+/* Whether a plugin that is still starting could not change the choice of voices any more. Marked-up text may
+ * name any. */
+static bool is_settled(const struct synthesis *s) {
+    const struct voice_pool *voices = s->pipeline->voices;
+    const char *lang = s->request.lang ? s->request.lang : s->pipeline->default_lang;
+    const struct speech_pack *pack = speech_packs_find(s->pipeline->packs, lang);
+    if (!voices)
+        return true;
+    if (s->markup != markup_by_name("plain") || !pack || speech_pack_is_general(pack))
+        return voice_pool_settled(voices, NULL, NULL);
+    return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
+}
+
+static int choose_and_read(struct synthesis *s, struct error *e) {
+    if (synthesis_choose(s, e))
+        return -1;
+    if (!s->writing)
+        return begin_reading(s, e);
+    writing_begin(s);
+    return 0;
+}
+
+static void on_voices(void *ctx) {
+    struct synthesis *s = ctx;
+    if (!is_settled(s))
+        return;
+    voice_wait_end(s->wait);
+    s->wait = NULL;
+    struct error e;
+    if (choose_and_read(s, &e))
+        s->result.error = e;
+    if (!s->reading)
+        synthesis_go_on(s);
+}
+
+struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
+                                 const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
+    struct synthesis *s = mem_alloc(sizeof *s);
+    s->pipeline = pipeline;
+    s->expressions = expressions_share(pipeline->expressions);
+    s->callbacks = *callbacks;
+    s->ctx = ctx;
+    request_copy(&s->request, request);
+    if (s->request.contacts == CONTACTS_ENGINE)
+        s->request.contacts = pipeline->default_contacts;
+    int result = decode_text(s, e);
+    if (!result && !is_settled(s))
+        s->wait = voice_pool_wait(pipeline->voices, on_voices, s);
+    else if (!result)
+        result = choose_and_read(s, e);
+    if (result) {
+        synthesis_free(s);
+        return NULL;
+    }
+    return s;
+}
 
 static void on_done(void *ctx, struct sentence_audio *audio) {
     struct slot *slot = ctx;
@@ -61,7 +267,7 @@ void synthesis_submit(struct synthesis *s) {
         if (kept) {
             slot->audio = sentence_audio_share(kept->audio);
             slot->track = face_track_share(kept->track);
-        } else if (!guess_take(s, slot, synthesis_deliver)) {
+        } else if (!speculation_take(s, slot, synthesis_deliver)) {
             ask_voice(s, slot);
         }
     }
@@ -152,7 +358,7 @@ void synthesis_start(struct synthesis *s) {
     s->started = true;
     synthesis_submit(s);
     if (s->writing)
-        guess_look(s);
+        speculation_check(s);
 }
 
 static void refuse(struct synthesis *s) {
@@ -163,7 +369,8 @@ static void refuse(struct synthesis *s) {
     s->busy = false;
 }
 
-void synthesis_go_on(struct synthesis *s) {
+/* synthesis.c: the text has been read, or cannot be. */
+static void synthesis_go_on(struct synthesis *s) {
     if (!s->freed && !s->score)
         refuse(s);
     if (s->freed)
@@ -183,7 +390,7 @@ static void forget_pending(struct synthesis *s, size_t first, size_t last) {
         struct slot *slot = &s->slots[i];
         if (slot->taken && slot->sentence >= first && slot->sentence < last && slot->rate == s->request.rate)
             continue;
-        if (slot->job && !guess_cancel(s, slot))
+        if (slot->job && !speculation_cancel(s, slot))
             sentence_cancel(slot->job);
         drop_audio(slot);
         *slot = (struct slot){0};
@@ -236,7 +443,7 @@ void synthesis_free(struct synthesis *s) {
     if (s->busy || s->reading)
         return;
     free(s->entry);
-    guess_drop(s);
+    speculation_drop(s);
     writing_free(s);
     free_result(s);
     request_free(&s->request);
@@ -268,4 +475,50 @@ void synthesis_set_rate(struct synthesis *s, double rate) {
     if (rate != s->request.rate)
         kept_speech_clear(&s->kept);
     s->request.rate = rate;
+}
+
+/* Of a track: six curves with a segment for each phone. */
+enum { BYTES_PER_PHONE = 1024 };
+
+static size_t size_of(const struct kept_sentence *k) {
+    return (size_t)k->audio->samples * 2 + k->audio->phone_count * BYTES_PER_PHONE;
+}
+
+static void drop(struct kept_speech *kept, size_t i) {
+    struct kept_sentence *k = &kept->items[i];
+    kept->bytes -= size_of(k);
+    sentence_audio_free(k->audio);
+    face_track_free(k->track);
+    memmove(k, k + 1, (--kept->count - i) * sizeof *k);
+}
+
+void kept_speech_add(struct kept_speech *kept, const struct kept_sentence *sentence) {
+    for (size_t i = 0; i < kept->count; i++)
+        if (kept->items[i].sentence == sentence->sentence) {
+            drop(kept, i);
+            break;
+        }
+    if (size_of(sentence) > KEPT_SPEECH_BYTES)
+        return;
+    while (kept->bytes + size_of(sentence) > KEPT_SPEECH_BYTES)
+        drop(kept, 0);
+    kept->items = mem_grow(kept->items, &kept->cap, kept->count + 1, sizeof *kept->items);
+    kept->items[kept->count++] = (struct kept_sentence){.sentence = sentence->sentence,
+                                                        .audio = sentence_audio_share(sentence->audio),
+                                                        .track = face_track_share(sentence->track)};
+    kept->bytes += size_of(sentence);
+}
+
+const struct kept_sentence *kept_speech_find(const struct kept_speech *kept, size_t sentence) {
+    for (size_t i = 0; i < kept->count; i++)
+        if (kept->items[i].sentence == sentence)
+            return &kept->items[i];
+    return NULL;
+}
+
+void kept_speech_clear(struct kept_speech *kept) {
+    while (kept->count)
+        drop(kept, kept->count - 1);
+    free(kept->items);
+    *kept = (struct kept_speech){0};
 }

@@ -81,9 +81,6 @@ void synthesis_set_rate(struct synthesis *synthesis, double rate);
 bool synthesis_find_mark(const struct synthesis *synthesis, const char *name, size_t *sentence);
 void synthesis_near_marks(const struct synthesis *synthesis, struct near *near);
 
-/* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
-bool synthesis_is_read(const struct synthesis *synthesis);
-
 size_t synthesis_sentences(const struct synthesis *synthesis); /* how many there are; 0 until it is read */
 size_t synthesis_next(const struct synthesis *synthesis);      /* which one is handed on next */
 const char *

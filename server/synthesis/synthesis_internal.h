@@ -1,14 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of a speech share. */
+/* Sentences that have been spoken and may be wanted again: their audio and their tracks, which do not change.
+ * Private to synthesis. */
 #ifndef FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 #define FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 
 #include "server/base/utf8.h"
+#include "server/face/packs/speech_packs.h"
+#include "server/face/track.h"
 #include "server/markup/open_text.h"
-#include "server/synthesis/kept_speech.h"
-#include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sentence.h"
+
+/* More than this of one utterance is not kept: the oldest goes. About 40 s of speech. */
+enum { KEPT_SPEECH_BYTES = 2 << 20 };
+
+struct kept_sentence {
+    size_t sentence;
+    struct sentence_audio *audio;
+    struct face_track *track;
+};
+
+/* Begins zeroed. */
+struct kept_speech {
+    struct kept_sentence *items; /* the oldest first; no sentence twice */
+    size_t count, cap, bytes;
+};
+
+/* Shares both. */
+void kept_speech_add(struct kept_speech *kept, const struct kept_sentence *sentence);
+
+/* NULL: it is not there. Good until something is added. */
+const struct kept_sentence *kept_speech_find(const struct kept_speech *kept, size_t sentence);
+void kept_speech_clear(struct kept_speech *kept);
+
+/* Chooses who speaks each item of a score, and finds the sounds that it asks for. */
+
+/* What the files of a speech share. */
 
 /* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a
  * stop wastes little and that many speeches share the voices fairly. */
@@ -49,12 +76,13 @@ struct writing {
     struct error error;                   /* nothing behind that is read; code ERROR_NONE: none */
     bool told;                            /* of the error */
     uv_timer_t *timer;
-    uv_timer_cb look;        /* after itself, when the timer says so */
-    uint64_t first, last;    /* loop times at which something was written, ms */
-    size_t writes;           /* how often */
-    uint64_t settle;         /* nothing for so long after what looks like an end means that it is one, ms */
-    struct guess *guess;     /* a sentence that seems to have ended is being spoken ahead; NULL: none */
-    size_t guessed, guesses; /* where the last that was guessed begins; and how often that was */
+    uv_timer_cb look;     /* after itself, when the timer says so */
+    uint64_t first, last; /* loop times at which something was written, ms */
+    size_t writes;        /* how often */
+    uint64_t settle;      /* nothing for so long after what looks like an end means that it is one, ms */
+    struct speculation
+        *speculation; /* a sentence that seems to have ended is being spoken ahead; NULL: none */
+    size_t speculated, speculations; /* where the last that was speculated begins; and how often that was */
 };
 
 /* While `reading`, the text and what reading it gives belong to the other thread. */
@@ -89,9 +117,6 @@ struct synthesis {
     bool busy, freed;        /* inside a callback; to be freed after it */
 };
 
-/* synthesis.c: the text has been read, or cannot be. */
-void synthesis_go_on(struct synthesis *synthesis);
-
 /* Asks for what may be spoken, and hands on, in order, what is ready. */
 void synthesis_submit(struct synthesis *synthesis);
 void synthesis_deliver(struct synthesis *synthesis);
@@ -113,15 +138,16 @@ void synthesis_direct(const struct synthesis *synthesis, struct reading_result *
 /* synthesis_guess.c */
 
 /* What was written last may have ended a sentence that is awaited: the voice begins with it. */
-void guess_look(struct synthesis *synthesis);
+void speculation_check(struct synthesis *synthesis);
 
-/* The sentence of the slot is known: it gets what was guessed, if it was that, now or with deliver later.
+/* The sentence of the slot is known: it gets what was speculated, if it was that, now or with deliver later.
  * False: it was not. */
-bool guess_take(struct synthesis *synthesis, struct slot *slot, void (*deliver)(struct synthesis *synthesis));
+bool speculation_take(struct synthesis *synthesis, struct slot *slot,
+                      void (*deliver)(struct synthesis *synthesis));
 
 /* The slot does not need what it was to get. False: it was to get nothing. */
-bool guess_cancel(struct synthesis *synthesis, const struct slot *heir);
-void guess_drop(struct synthesis *synthesis);
+bool speculation_cancel(struct synthesis *synthesis, const struct slot *heir);
+void speculation_drop(struct synthesis *synthesis);
 
 /* synthesis_writing.c */
 void writing_open(struct synthesis *synthesis);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/heard_pace.h"
+#include "server/synthesis/jitter_buffer.h"
 #include "server/base/mem.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,17 +8,17 @@
 /* Samples beside the one that is read between: one before, two behind. */
 enum { BEFORE = 1, BEHIND = 2 };
 
-void heard_pace_open(struct heard_pace *p, unsigned rate, size_t most) {
-    *p = (struct heard_pace){.rate = rate, .most = most};
-    heard_pace_begin(p);
+void jitter_buffer_open(struct jitter_buffer *p, unsigned rate, size_t most) {
+    *p = (struct jitter_buffer){.rate = rate, .most = most};
+    jitter_buffer_begin(p);
 }
 
-void heard_pace_free(struct heard_pace *p) {
+void jitter_buffer_free(struct jitter_buffer *p) {
     free(p->samples);
     p->samples = NULL;
 }
 
-void heard_pace_begin(struct heard_pace *p) {
+void jitter_buffer_begin(struct jitter_buffer *p) {
     p->begun = p->wanted = -1;
     p->came = p->taken = 0;
     p->windows = 0;
@@ -26,21 +26,21 @@ void heard_pace_begin(struct heard_pace *p) {
 }
 
 static double clear(double seconds) {
-    return fabs(seconds) < PACE_BLUR ? 0 : seconds;
+    return fabs(seconds) < JITTER_TOLERANCE ? 0 : seconds;
 }
 
-static void end_window(struct heard_pace *p) {
-    if (p->windows == PACE_WINDOWS)
+static void end_window(struct jitter_buffer *p) {
+    if (p->windows == JITTER_WINDOWS)
         memmove(p->history, p->history + 1, --p->windows * sizeof *p->history);
     p->history[p->windows++] = p->most_came;
     if (p->wanted < 0)
-        p->wanted = fmin(fmax(p->most_ahead, 0), PACE_WAIT);
-    double drift = clear(p->most_came - p->history[0]) / (PACE_WINDOW * fmax(1, p->windows - 1));
-    double speed = drift + clear(p->most_ahead - p->wanted) / PACE_SETTLE;
-    p->speed = fmax(-PACE_MOST, fmin(PACE_MOST, speed));
+        p->wanted = fmin(fmax(p->most_ahead, 0), JITTER_WAIT);
+    double drift = clear(p->most_came - p->history[0]) / (JITTER_WINDOW * fmax(1, p->windows - 1));
+    double speed = drift + clear(p->most_ahead - p->wanted) / JITTER_SETTLE;
+    p->speed = fmax(-JITTER_MAX, fmin(JITTER_MAX, speed));
 }
 
-static void measure(struct heard_pace *p, double now) {
+static void measure(struct jitter_buffer *p, double now) {
     if (p->begun < 0) {
         p->begun = p->window = now;
         p->most_came = p->most_ahead = -INFINITY;
@@ -48,26 +48,26 @@ static void measure(struct heard_pace *p, double now) {
     double passed = now - p->begun;
     p->most_came = fmax(p->most_came, (double)p->came / p->rate - passed);
     p->most_ahead = fmax(p->most_ahead, (double)(p->taken + p->count) / p->rate - passed);
-    if (now - p->window < PACE_WINDOW)
+    if (now - p->window < JITTER_WINDOW)
         return;
     end_window(p);
     p->window = now;
     p->most_came = p->most_ahead = -INFINITY;
 }
 
-size_t heard_pace_catch_up(struct heard_pace *p) {
-    size_t keep = (size_t)(p->rate * PACE_KEEP);
+size_t jitter_buffer_catch_up(struct jitter_buffer *p) {
+    size_t keep = (size_t)(p->rate * JITTER_KEEP);
     if (p->count <= keep)
         return 0;
     size_t out = p->count - keep;
     p->first += out;
     p->count = keep;
-    heard_pace_begin(p);
+    jitter_buffer_begin(p);
     return out;
 }
 
 /* The samples that wait begin at BEFORE again. */
-static void tidy(struct heard_pace *p) {
+static void tidy(struct jitter_buffer *p) {
     if (p->first <= BEFORE)
         return;
     size_t gone = p->first - BEFORE;
@@ -75,7 +75,7 @@ static void tidy(struct heard_pace *p) {
     p->first = BEFORE;
 }
 
-size_t heard_pace_add(struct heard_pace *p, const int16_t *samples, size_t count, double now) {
+size_t jitter_buffer_add(struct jitter_buffer *p, const int16_t *samples, size_t count, double now) {
     if (!p->samples) {
         p->samples = mem_grow(NULL, &p->cap, BEFORE + count, sizeof *p->samples);
         p->samples[0] = 0;
@@ -87,7 +87,7 @@ size_t heard_pace_add(struct heard_pace *p, const int16_t *samples, size_t count
     p->count += count;
     p->came += count;
     measure(p, now);
-    return p->count > p->most ? heard_pace_catch_up(p) : 0;
+    return p->count > p->most ? jitter_buffer_catch_up(p) : 0;
 }
 
 /* Between y[0] and y[1] (Catmull and Rom, 1974). */
@@ -97,7 +97,7 @@ static int16_t at(const int16_t *y, double x) {
     return (int16_t)lrint(fmax(-32768, fmin(32767, value)));
 }
 
-size_t heard_pace_take(struct heard_pace *p, int16_t *out, size_t count) {
+size_t jitter_buffer_take(struct jitter_buffer *p, int16_t *out, size_t count) {
     size_t done = 0;
     if (p->between == 0 && p->speed == 0) {
         done = count < p->count ? count : p->count;

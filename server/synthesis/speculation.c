@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sentence that seems to have ended, in a text that is still being written: the voice begins with it while
- * the next character is awaited, which says whether it has. What was guessed wrong is forgotten, and nobody
- * has heard it. */
+ * the next character is awaited, which says whether it has. What was speculated wrong is forgotten, and
+ * nobody has heard it. */
 #include "server/base/mem.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
@@ -9,18 +9,18 @@
 /* Of one sentence, so that a text full of stops is not spoken again and again. */
 enum { GUESSES = 3 };
 
-struct guess {
+struct speculation {
     struct score *score; /* that sentence alone, in places of the whole text */
     struct voice_selection *chosen;
     double rate;
     struct sentence *job; /* while the voice works on it */
     struct sentence_audio *audio;
     void (*deliver)(struct synthesis *s); /* to the heir */
-    struct slot *heir;                    /* it was guessed right: who gets the audio; NULL: not known yet */
+    struct slot *heir; /* it was speculated right: who gets the audio; NULL: not known yet */
 };
 
-void guess_drop(struct synthesis *s) {
-    struct guess *g = s->writing ? s->writing->guess : NULL;
+void speculation_drop(struct synthesis *s) {
+    struct speculation *g = s->writing ? s->writing->speculation : NULL;
     if (!g)
         return;
     if (g->job)
@@ -29,19 +29,19 @@ void guess_drop(struct synthesis *s) {
     voice_selection_free(g->chosen);
     score_free(g->score);
     free(g);
-    s->writing->guess = NULL;
+    s->writing->speculation = NULL;
 }
 
-bool guess_cancel(struct synthesis *s, const struct slot *heir) {
-    if (!s->writing || !s->writing->guess || s->writing->guess->heir != heir)
+bool speculation_cancel(struct synthesis *s, const struct slot *heir) {
+    if (!s->writing || !s->writing->speculation || s->writing->speculation->heir != heir)
         return false;
-    guess_drop(s);
+    speculation_drop(s);
     return true;
 }
 
 static void on_done(void *ctx, struct sentence_audio *audio) {
     struct synthesis *s = ctx;
-    struct guess *g = s->writing->guess;
+    struct speculation *g = s->writing->speculation;
     struct slot *heir = g->heir;
     g->job = NULL;
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES, 1);
@@ -50,7 +50,7 @@ static void on_done(void *ctx, struct sentence_audio *audio) {
         return;
     }
     void (*deliver)(struct synthesis *) = g->deliver;
-    guess_drop(s);
+    speculation_drop(s);
     heir->job = NULL;
     heir->audio = audio;
     deliver(s);
@@ -58,10 +58,10 @@ static void on_done(void *ctx, struct sentence_audio *audio) {
 
 static void on_failed(void *ctx, const struct error *e) {
     struct synthesis *s = ctx;
-    struct slot *heir = s->writing->guess->heir;
-    void (*deliver)(struct synthesis *) = s->writing->guess->deliver;
-    s->writing->guess->job = NULL;
-    guess_drop(s);
+    struct slot *heir = s->writing->speculation->heir;
+    void (*deliver)(struct synthesis *) = s->writing->speculation->deliver;
+    s->writing->speculation->job = NULL;
+    speculation_drop(s);
     if (!heir)
         return; /* it will be asked for once more, and told then */
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_FAILED, 1);
@@ -83,7 +83,7 @@ static bool next_piece(const struct synthesis *s, struct open_piece *piece) {
     return false;
 }
 
-static void ask_voice(struct synthesis *s, struct guess *g) {
+static void ask_voice(struct synthesis *s, struct speculation *g) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     struct sentence_request request = {.voice = s->voice,
                                        .score = g->score,
@@ -102,44 +102,44 @@ static void ask_voice(struct synthesis *s, struct guess *g) {
 
 static void begin(struct synthesis *s, const struct open_piece *piece) {
     struct writing *w = s->writing;
-    struct guess *g = w->guess = mem_alloc(sizeof *g);
+    struct speculation *g = w->speculation = mem_alloc(sizeof *g);
     struct error e;
     g->score = score_new();
     g->chosen = voice_selection_new(0);
-    w->guesses = w->guessed == piece->start ? w->guesses + 1 : 1;
-    w->guessed = piece->start;
+    w->speculations = w->speculated == piece->start ? w->speculations + 1 : 1;
+    w->speculated = piece->start;
     struct reading_result into = {.score = g->score, .chosen = g->chosen};
     if (writing_read_piece(s, piece, &into, &e) || g->score->sentence_count != 1)
-        guess_drop(s);
+        speculation_drop(s);
     else
         ask_voice(s, g);
 }
 
-void guess_look(struct synthesis *s) {
+void speculation_check(struct synthesis *s) {
     struct writing *w = s->writing;
     struct open_piece piece;
     bool awaited = s->started && s->score && !w->closed && w->error.code == ERROR_NONE &&
                    w->flush == w->flush_count && s->submitted == s->released &&
                    s->submitted == s->score->sentence_count;
-    if (!awaited || (w->guess && w->guess->heir) || w->open.kind != markup_by_name("plain"))
+    if (!awaited || (w->speculation && w->speculation->heir) || w->open.kind != markup_by_name("plain"))
         return;
     struct markup_rules rules = synthesis_rules(s);
-    bool many = w->guesses >= GUESSES && w->guessed == w->open.at;
+    bool many = w->speculations >= GUESSES && w->speculated == w->open.at;
     if (many || !open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules) ||
         !next_piece(s, &piece))
         return;
-    guess_drop(s);
+    speculation_drop(s);
     begin(s, &piece);
     free(piece.text);
 }
 
-bool guess_take(struct synthesis *s, struct slot *slot, void (*deliver)(struct synthesis *s)) {
-    struct guess *g = s->writing ? s->writing->guess : NULL;
+bool speculation_take(struct synthesis *s, struct slot *slot, void (*deliver)(struct synthesis *s)) {
+    struct speculation *g = s->writing ? s->writing->speculation : NULL;
     if (!g || g->heir)
         return false;
     const struct score_sentence *is = &s->score->sentences[slot->sentence], *was = &g->score->sentences[0];
     if (is->start != was->start || is->end != was->end || slot->rate != g->rate) {
-        guess_drop(s);
+        speculation_drop(s);
         return false;
     }
     if (g->job) {
@@ -150,7 +150,7 @@ bool guess_take(struct synthesis *s, struct slot *slot, void (*deliver)(struct s
     }
     slot->audio = g->audio;
     g->audio = NULL;
-    guess_drop(s);
+    speculation_drop(s);
     writing_wake(s, 0); /* nothing else would come that hands it on */
     return true;
 }
