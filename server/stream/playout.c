@@ -1,7 +1,59 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What drives a stream: media go out as they are due, those of the first turn or of idling. */
+/* Cutting a segment into pieces, and finding the words, marks and place that begin in each. */
+#include "server/stream/media.h"
 #include "server/stream/stream_internal.h"
+#include "server/synthesis/media_segment.h"
 #include <string.h>
+
+/* Where one has come in a segment. Begins zeroed. */
+struct segment_cut {
+    uint32_t at; /* sample of the segment */
+    size_t word, mark, phone;
+};
+
+/* The media from cut->at on, at most samples long, with frames of that placement in media->frames (room for
+ * CUT_FRAMES). Moves cut->at on. The words and marks from cut->word and cut->mark on that begin before the
+ * new cut->at belong to it. */
+enum { CUT_FRAMES = 32 };
+void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
+                       struct face_placement *face, double fps, uint32_t samples, struct media *media);
+
+/* Enters the segment where it is to be heard from. */
+void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment);
+
+void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
+                       struct face_placement *face, double fps, uint32_t samples, struct media *media) {
+    const struct sentence_audio *u = segment->audio;
+    if (samples > u->samples - cut->at)
+        samples = u->samples - cut->at;
+    uint64_t start = (uint64_t)(segment->start + cut->at);
+    uint32_t first = frame_from_sample(start, u->sample_rate, fps);
+    uint32_t end = frame_from_sample(start + samples, u->sample_rate, fps);
+    for (uint32_t k = first; k < end; k++)
+        media_segment_frame(segment, face, fps, k, &media->frames[k - first]);
+    *media = (struct media){.sample_rate = u->sample_rate,
+                            .fps = fps,
+                            .start = (uint32_t)start,
+                            .samples = samples,
+                            .pcm = u->pcm ? u->pcm + cut->at : NULL,
+                            .first_frame = first,
+                            .frame_count = end - first,
+                            .frames = media->frames};
+    cut->at += samples;
+}
+
+void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment) {
+    const struct sentence_audio *u = segment->audio;
+    *cut = (struct segment_cut){.at = segment->skip};
+    while (cut->word < u->word_count && u->words[cut->word].start < cut->at)
+        cut->word++;
+    while (cut->mark < u->mark_count && u->marks[cut->mark].at < cut->at)
+        cut->mark++;
+    while (cut->phone < u->phone_count && u->phones[cut->phone].start < cut->at)
+        cut->phone++;
+}
+
+/* What drives a stream: media go out as they are due, those of the first turn or of idling. */
 
 /* Asked again this soon when the sink is not ready, ms. */
 enum { RETRY_MS = 20 };

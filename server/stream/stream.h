@@ -5,7 +5,7 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "server/stream/media.h"
-#include "server/stream/mood_mix.h"
+#include "server/stream/idle_face.h"
 #include "server/synthesis/live_voice.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"

@@ -3,7 +3,6 @@
 #ifndef FACCIA_STREAM_STREAM_INTERNAL_H
 #define FACCIA_STREAM_STREAM_INTERNAL_H
 
-#include "server/stream/face_ease.h"
 #include "server/stream/idle_face.h"
 #include "server/stream/stream.h"
 #include "server/stream/utterance.h"
@@ -50,9 +49,6 @@ double stream_idle_time(const struct stream *stream, uint64_t at);
 extern const struct synthesis_callbacks utterance_callbacks;
 
 /* stream_queue.c */
-
-/* One that waits is forgotten, and told so. */
-void stream_forget(struct stream *stream, struct utterance **at);
 
 /* playout.c */
 

@@ -5,7 +5,6 @@
 #define FACCIA_STREAM_UTTERANCE_H
 
 #include "server/base/utf8.h"
-#include "server/stream/segment_cut.h"
 #include "server/stream/stream.h"
 #include "server/synthesis/live_voice.h"
 #include "server/synthesis/recording.h"
