@@ -15,7 +15,7 @@
 #include "server/base/log.h"
 #include "server/base/program.h"
 #include "server/base/work_gate.h"
-#include "server/codec/codec_load.h"
+#include "server/codec/coder_pool.h"
 #include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/opus_audio.h"
 #include "server/base/mem.h"
-#include "server/codec/codec_load.h"
+#include "server/codec/coder_pool.h"
 #include <opus/opus.h>
 #include <soxr.h>
 #include <stdlib.h>
