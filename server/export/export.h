@@ -8,6 +8,8 @@
 #include "server/base/buf.h"
 #include "server/base/utf8.h"
 #include "server/export/export_format.h"
+#include "server/synthesis/pipeline.h"
+#include "server/synthesis/speech_request.h"
 #include "server/synthesis/synthesis.h"
 #include <jansson.h>
 
@@ -45,7 +47,6 @@ void export_begin(struct export *x, const struct export_format *format, const st
 
 /* Writes the next piece of a segment, of EXPORT_PIECE_MS. True: it was the last. */
 enum { EXPORT_PIECE_MS = 250 };
-bool export_piece(struct export *x, const struct media_segment *segment);
 /* All pieces of it. */
 void export_segment(struct export *x, const struct media_segment *segment);
 void export_warning(struct export *x, const struct error *e);
@@ -98,5 +99,52 @@ void export_textgrid_free(struct export *x);
 void export_fapc_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_fapc_end(struct export *x);
 void export_fapc_free(struct export *x);
+
+/* A text spoken and written down in a format, while it is spoken: a request goes in, bytes come out. */
+
+struct speech_export;
+
+/* From the loop, never from within speech_export_open. */
+struct speech_export_callbacks {
+    /* More lies in `out`, from whose head the receiver takes what it likes (of a format that does not stream:
+     * only when all is done); done: that was all. Returns whether more may come; if not, no further sentence
+     * is taken until speech_export_go_on. */
+    bool (*written)(void *ctx, struct buf *out, bool done);
+    /* Instead of all that: nothing could be spoken. */
+    void (*failed)(void *ctx, const struct error *e);
+};
+
+/* warnings: what was found before, which the format may tell too; borrowed. NULL with *e as synthesis_open.
+ */
+struct speech_export *
+speech_export_open(const struct pipeline *pipeline, const struct speech_request *request,
+                   const struct export_format *format, const struct error *warnings, size_t warning_count,
+                   const struct speech_export_callbacks *callbacks, void *ctx, struct error *e);
+/* Of a request whose text is still being written: see synthesis_write, synthesis_close. */
+int speech_export_write(struct speech_export *speech, const char *text, size_t size, size_t most,
+                        struct error *e);
+void speech_export_close(struct speech_export *speech);
+
+void speech_export_go_on(struct speech_export *speech);
+/* No callback comes after this; not from within one. NULL is ignored. */
+void speech_export_free(struct speech_export *speech);
+
+/* Writes an export in other threads, a piece at a time, so that the loop stays free for live listeners
+ * live: coding a sentence's sound takes tens of milliseconds. What is added comes out in that order. */
+
+struct export_worker;
+
+/* The source is copied. written: more lies in `out`, from whose head the receiver takes what it likes (of a
+ * format that does not stream: only when all is done); `segments` more are used up; done: that was all.
+ * Returns whether to go on at once; if not, export_worker_go_on does. Comes from the loop, never after
+ * export_worker_free, which it may not call. */
+struct export_worker *
+export_worker_open(uv_loop_t *loop, const struct export_format *format, const struct export_source *source,
+                   bool (*written)(void *ctx, struct buf *out, size_t segments, bool done), void *ctx);
+void export_worker_add(struct export_worker *s, struct media_segment segment); /* which it owns then */
+void export_worker_warn(struct export_worker *s, const struct error *warning);
+void export_worker_end(struct export_worker *s); /* nothing more will be added */
+void export_worker_go_on(struct export_worker *s);
+void export_worker_free(struct export_worker *s);
 
 #endif
