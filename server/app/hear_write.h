@@ -4,8 +4,8 @@
 #define FACCIA_APP_HEAR_WRITE_H
 
 #include "server/app/cli_file.h"
-#include "server/hear/hear_sound.h"
-#include "server/hear/hearing.h"
+#include "server/hear/lip_features.h"
+#include "server/hear/lip_recogniser.h"
 
 struct hear_output {
     const char *path; /* NULL: not asked for */

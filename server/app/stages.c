@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/stages.h"
 #include "server/expression/gestures.h"
-#include "server/hear/hear_network.h"
+#include "server/hear/lip_network.h"
 #include <stdio.h>
 #include <unistd.h>
 

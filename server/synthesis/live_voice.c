@@ -3,7 +3,7 @@
 #include "server/synthesis/live_voice.h"
 #include "server/base/mem.h"
 #include "server/base/mixdown.h"
-#include "server/hear/hearing.h"
+#include "server/hear/lip_recogniser.h"
 #include "server/synthesis/jitter_buffer.h"
 #include <math.h>
 #include <opus/opus.h>

@@ -3,7 +3,7 @@
  * messages, each with its size (2 bytes) before it, on their way to a face. PCM in other pieces is the same.
  */
 #include "server/face/packs/speech_packs.h"
-#include "server/hear/hearing.h"
+#include "server/hear/lip_recogniser.h"
 #include "server/synthesis/jitter_buffer.h"
 #include "server/synthesis/live_voice.h"
 #include "tests/fuzz/fuzz.h"

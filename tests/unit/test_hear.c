@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/hear/hear_decoder.h"
-#include "server/hear/hear_network.h"
-#include "server/hear/hear_sound.h"
-#include "server/hear/hear_voice.h"
+#include "server/hear/lip_recogniser.h"
+#include "server/hear/lip_network.h"
+#include "server/hear/lip_features.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

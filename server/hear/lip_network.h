@@ -1,15 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What can be told apart by looking at a mouth; models/tools/hear/sounds.py says which phones are which. */
+#ifndef FACCIA_HEAR_LIP_NETWORK_H
+#define FACCIA_HEAR_LIP_NETWORK_H
+
+#include "server/base/error.h"
+#include "server/face/packs/speech_param.h"
+#include "server/hear/lip_features.h"
+
+enum hear_class {
+    HEAR_SILENCE,
+    HEAR_CLOSED, /* p b m */
+    HEAR_TEETH,  /* f v */
+    HEAR_ROUNDED,
+    HEAR_DENTAL,
+    HEAR_HISS,
+    HEAR_TIP,
+    HEAR_LIQUID,
+    HEAR_BACK,
+    HEAR_OPEN,
+    HEAR_MIDDLE,
+    HEAR_MIDDLE_ROUND,
+    HEAR_CLOSE,
+    HEAR_CLOSE_ROUND,
+    HEAR_CLASSES
+};
+
+struct hear_class_name {
+    const char *name;        /* "closed" */
+    const char *ipa, *sampa; /* the phone that stands for all of them; "" and "_" of silence */
+};
+
+extern const struct hear_class_name hear_classes[HEAR_CLASSES];
+
 /* A small recurrent network that tells from features, as they come, what a mouth does: a convolution over the
  * last frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), and for each lookahead a
  * head for the sounds and one for the mouth; beside them one that tells voices from music. models/tools/hear
  * trains it; its file is described in models/hear/README.md. */
-#ifndef FACCIA_HEAR_HEAR_NETWORK_H
-#define FACCIA_HEAR_HEAR_NETWORK_H
-
-#include "server/base/error.h"
-#include "server/face/packs/speech_param.h"
-#include "server/hear/hear_classes.h"
-#include "server/hear/hear_features.h"
 
 enum { HEAR_HEADS_MOST = 8 };
 

@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/hear/lip_recogniser.h"
+#include "server/base/mem.h"
+#include "server/face/life/life_heard.h"
+#include "server/face/track.h"
+#include "server/hear/lip_features.h"
+#include "server/hear/lip_network.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct hear_class_name hear_classes[HEAR_CLASSES] = {
+    [HEAR_SILENCE] = {"silence", "", "_"}, [HEAR_CLOSED] = {"closed", "m", "m"},
+    [HEAR_TEETH] = {"teeth", "f", "f"},    [HEAR_ROUNDED] = {"rounded", "ʃ", "S"},
+    [HEAR_DENTAL] = {"dental", "θ", "T"},  [HEAR_HISS] = {"hiss", "s", "s"},
+    [HEAR_TIP] = {"tip", "t", "t"},        [HEAR_LIQUID] = {"liquid", "l", "l"},
+    [HEAR_BACK] = {"back", "k", "k"},      [HEAR_OPEN] = {"open", "a", "a"},
+    [HEAR_MIDDLE] = {"middle", "ɛ", "E"},  [HEAR_MIDDLE_ROUND] = {"middle-round", "ɔ", "O"},
+    [HEAR_CLOSE] = {"close", "i", "i"},    [HEAR_CLOSE_ROUND] = {"close-round", "u", "u"},
+};
+
+/* As long as it is that likely a closure goes on. */
+#define CLOSED_HOLD 0.3F
+/* What is that likely begins at once, all else once it has lasted so many frames. */
+#define SURE 0.75F
+enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
+/* A missed closure is worse than one too many, and teeth on the lip are mostly missed: so much more they
+ * count. models/hear/README.md has what was tried. */
+static const float counts[HEAR_CLASSES] = {[HEAR_CLOSED] = 1.4F, [HEAR_TEETH] = 2};
+
+static bool touches(enum hear_class class) {
+    return class == HEAR_CLOSED || class == HEAR_TEETH;
+}
+
+static enum hear_class best(const float likely[HEAR_CLASSES]) {
+    int found = HEAR_SILENCE;
+    float most = likely[HEAR_SILENCE];
+    for (int i = 1; i < HEAR_CLASSES; i++) {
+        float weighed = counts[i] > 0 ? counts[i] * likely[i] : likely[i];
+        if (weighed > most) {
+            most = weighed;
+            found = i;
+        }
+    }
+    return (enum hear_class)found;
+}
+
+static void add(double sums[HEAR_CLASSES], const float likely[HEAR_CLASSES]) {
+    for (int i = 0; i < HEAR_CLASSES; i++)
+        sums[i] += (double)likely[i];
+}
+
+void hear_decoder_begin(struct hear_decoder *d) {
+    *d = (struct hear_decoder){.now = {.class = HEAR_SILENCE}};
+}
+
+bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES], struct hear_phone *ended) {
+    enum hear_class heard = best(likely);
+    struct hear_phone *now = &d->now;
+    uint32_t frame = now->end++, age = frame - now->start;
+    bool held = touches(now->class) && (age < CONTACT_FRAMES || likely[now->class] > CLOSED_HOLD);
+    bool stays = heard == now->class || (held && !touches(heard));
+    if (!stays && (d->since >= frame || d->next != heard)) {
+        d->since = frame;
+        d->next = heard;
+        memset(d->next_likely, 0, sizeof d->next_likely);
+        memcpy(d->before, now->likely, sizeof d->before);
+    }
+    add(now->likely, likely);
+    if (stays) {
+        d->since = now->end;
+        return false;
+    }
+    add(d->next_likely, likely);
+    if (frame - d->since + 1 < LEAST_FRAMES && !touches(heard) && likely[heard] < SURE)
+        return false;
+    *ended = *now;
+    ended->end = d->since;
+    memcpy(ended->likely, d->before, sizeof d->before);
+    *now = (struct hear_phone){heard, d->since, frame + 1, {0}};
+    memcpy(now->likely, d->next_likely, sizeof now->likely);
+    d->since = now->end;
+    return ended->end > ended->start;
+}
+
+/* The sentence that is made of them counts milliseconds. */
+enum { RATE = 1000, MS = RATE / HEAR_FRAMES_A_SECOND };
+
+/* A sound that is being heard goes on for a while: at least so long, and so much longer, ms. */
+enum { LASTS = 90, GOES_ON = 60, THEN_REST = 400 };
+
+bool hear_face_speaks(const char *engine, const struct speech_pack *pack) {
+    return !engine || !strcmp(engine, HEAR_ENGINE) || face_engine_speaks(engine, pack);
+}
+
+/* A phone that has ended. */
+static void hear_face_add(struct hear_face *f, const struct hear_phone *phone) {
+    size_t old = f->count == HEAR_FACE_PHONES;
+    while (old < f->count && f->phones[old].end + HEAR_FACE_REACH < phone->end)
+        old++;
+    f->count -= old;
+    memmove(f->phones, f->phones + old, f->count * sizeof *f->phones);
+    f->phones[f->count++] = *phone;
+}
+
+static void put(struct phone *out, enum hear_class class, uint32_t start, uint32_t end) {
+    *out = (struct phone){.start = start, .end = end};
+    snprintf(out->ipa, sizeof out->ipa, "%s", hear_classes[class].ipa);
+    snprintf(out->sampa, sizeof out->sampa, "%s", hear_classes[class].sampa);
+}
+
+/* The mouth at t s, while `now` is being heard and the network tells `mouth` of that instant, mm. */
+static void hear_face_sample(struct hear_face *f, const struct hear_phone *now, const double mouth[PARAM_COUNT],
+                      double t, struct fap_frame *frame) {
+    struct phone phones[HEAR_FACE_PHONES + 3];
+    size_t count = 0;
+    int64_t zero = (int64_t)(f->count ? f->phones[0].start : now->start) * MS - THEN_REST;
+    put(&phones[count++], HEAR_SILENCE, 0, THEN_REST);
+    for (size_t i = 0; i < f->count; i++) {
+        const struct hear_phone *p = &f->phones[i];
+        put(&phones[count++], p->class, (uint32_t)((int64_t)p->start * MS - zero),
+            (uint32_t)((int64_t)p->end * MS - zero));
+    }
+    uint32_t start = (uint32_t)((int64_t)now->start * MS - zero),
+             end = (uint32_t)((int64_t)now->end * MS - zero);
+    end = end + GOES_ON > start + LASTS ? end + GOES_ON : start + LASTS;
+    put(&phones[count++], now->class, start, end);
+    put(&phones[count++], HEAR_SILENCE, end, end + THEN_REST);
+    struct sentence_audio audio = {
+        .sample_rate = RATE, .samples = end + THEN_REST, .phones = phones, .phone_count = count};
+    const struct face_options options = {.engine = f->engine, .still = true};
+    struct face_track *track = face_track_new(f->pack, &audio, &options, NULL, NULL);
+    face_track_sample_mouth(track, t - HEAR_FIRST_SECONDS - (double)zero / RATE, f->engine ? NULL : mouth,
+                            frame);
+    face_track_free(track);
+}
+
+/* A frame counts no more than so much; a voice is believed sooner than music. models/hear/README.md has what
+ * was tried. */
+#define ODDS_MOST 4.0F
+#define FALLS 0.015F
+#define RISES 0.04F
+/* From 1, somebody speaks, to -1; what it has been stays until the evidence is on the other's side. */
+#define NONE -0.9F
+#define SOMEBODY -0.5F
+
+void hear_voice_begin(struct hear_voice *v) {
+    *v = (struct hear_voice){.evidence = 1};
+}
+
+void hear_voice_step(struct hear_voice *v, float odds, float silence) {
+    float counts = (1 - silence) * fmaxf(-ODDS_MOST, fminf(ODDS_MOST, odds));
+    v->evidence = fmaxf(-1, fminf(1, v->evidence + counts * (counts > 0 ? RISES : FALLS)));
+    v->none = v->none ? v->evidence < SOMEBODY : v->evidence < NONE;
+}
+
+/* In silence, and when nobody speaks, the mouth goes to rest, to the bit: how much of the way it goes in a
+ * frame, and back. */
+#define FALLS_ASLEEP 0.05F
+#define WAKES 0.25F
+
+struct hearing {
+    struct hearing_options options;
+    struct hear_sound *sound;
+    struct hear_features *features;
+    struct hear_state *state;
+    struct hear_voice voice;
+    struct hear_decoder decoder;
+    struct hear_face face;
+    float mouth[2][PARAM_COUNT]; /* mm, of the last two frames */
+    float awake;                 /* 0: at rest .. 1: as the network tells */
+    struct life_heard *life;     /* NULL: the mouth alone */
+    size_t head;
+    unsigned delay;   /* frames */
+    uint32_t heard;   /* frames of features */
+    uint32_t shown;   /* frames of the face */
+    uint64_t written; /* samples of each channel */
+    double end;       /* s, of the sound; infinite until it is known */
+};
+
+double hear_seconds(uint32_t frames) {
+    return frames ? HEAR_FIRST_SECONDS + (double)frames / HEAR_FRAMES_A_SECOND : 0;
+}
+
+/* Between the middles of the last two frames. */
+static void mouth_at(const struct hearing *l, double t, double mm[PARAM_COUNT]) {
+    double last = hear_seconds(l->decoder.now.end) - 0.5 / HEAR_FRAMES_A_SECOND;
+    double before = fmax(0, fmin(1, (last - t) * HEAR_FRAMES_A_SECOND));
+    for (int p = 0; p < PARAM_COUNT; p++)
+        mm[p] = before * (double)l->mouth[0][p] + (1 - before) * (double)l->mouth[1][p];
+}
+
+/* The face as far as it is known. */
+static void show(struct hearing *l, double until) {
+    struct fap_frame frame;
+    double mm[PARAM_COUNT];
+    for (double t; (t = l->shown / l->options.fps) <= until && t < l->end; l->shown++) {
+        mouth_at(l, t, mm);
+        hear_face_sample(&l->face, &l->decoder.now, mm, t, &frame);
+        if (l->life)
+            life_heard_add(l->life, t, &frame);
+        l->options.frame(l->options.ctx, l->shown, &frame);
+    }
+}
+
+static void take_mouth(struct hearing *l, const float mouth[PARAM_COUNT]) {
+    bool silent = l->decoder.now.class == HEAR_SILENCE;
+    l->awake = silent ? fmaxf(0, l->awake - FALLS_ASLEEP) : fminf(1, l->awake + WAKES);
+    memcpy(l->mouth[0], l->mouth[1], sizeof l->mouth[0]);
+    for (int p = 0; p < PARAM_COUNT; p++)
+        l->mouth[1][p] = l->awake * mouth[p];
+}
+
+/* Music is silence as far as a mouth goes. */
+static void quieten(struct hearing *l, struct hear_answer *answer) {
+    hear_voice_step(&l->voice, answer->voice, answer->likely[HEAR_SILENCE]);
+    if (!l->voice.none)
+        return;
+    memset(answer->likely, 0, sizeof answer->likely);
+    answer->likely[HEAR_SILENCE] = 1;
+}
+
+static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
+    struct hearing *l = ctx;
+    struct hear_answer answer;
+    struct hear_phone ended;
+    hear_state_step(l->state, features, l->head, &answer);
+    quieten(l, &answer);
+    if (l->life)
+        life_heard_step(l->life);
+    if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
+        return;
+    if (hear_decoder_step(&l->decoder, answer.likely, &ended)) {
+        hear_face_add(&l->face, &ended);
+        if (l->options.phone)
+            l->options.phone(l->options.ctx, &ended);
+    }
+    take_mouth(l, answer.mouth);
+    show(l, hear_seconds(l->decoder.now.end));
+}
+
+static void on_sound(void *ctx, const float *samples, size_t count) {
+    struct hearing *l = ctx;
+    if (l->life)
+        life_heard_write(l->life, samples, count);
+    hear_features_write(l->features, samples, count);
+}
+
+static int choose_head(struct hearing *l, unsigned lookahead, struct error *e) {
+    unsigned delays[HEAR_HEADS_MOST];
+    size_t count = hear_network_delays(l->options.network, delays);
+    for (l->head = 0; l->head < count; l->head++)
+        if (delays[l->head] * 1000 / HEAR_FRAMES_A_SECOND == lookahead) {
+            l->delay = delays[l->head];
+            return 0;
+        }
+    return error_in_field(e, ERROR_BAD_FIELD, "lookahead", "there is none of %u ms", lookahead);
+}
+
+struct hearing *hearing_new(const struct hearing_options *options, struct error *e) {
+    struct hearing *l = mem_alloc(sizeof *l);
+    l->options = *options;
+    l->face.pack = options->pack;
+    if (options->engine && strcmp(options->engine, HEAR_ENGINE) != 0)
+        l->face.engine = options->engine;
+    l->end = INFINITY;
+    hear_voice_begin(&l->voice);
+    hear_decoder_begin(&l->decoder);
+    if (!choose_head(l, options->lookahead, e))
+        l->sound = hear_sound_new(options->rate, options->channels, on_sound, l, e);
+    if (!l->sound) {
+        free(l);
+        return NULL;
+    }
+    l->features = hear_features_new(on_features, l);
+    l->state = hear_state_new(options->network);
+    if (options->lives)
+        l->life = life_heard_new();
+    return l;
+}
+
+void hearing_free(struct hearing *l) {
+    if (!l)
+        return;
+    hear_sound_free(l->sound);
+    hear_features_free(l->features);
+    hear_state_free(l->state);
+    life_heard_free(l->life);
+    free(l);
+}
+
+void hearing_write(struct hearing *l, const float *samples, size_t frames) {
+    l->written += frames;
+    hear_sound_write(l->sound, samples, frames);
+}
+
+void hearing_end(struct hearing *l) {
+    static const float silence[HEAR_WINDOW];
+    hear_sound_end(l->sound);
+    l->end = (double)l->written / l->options.rate;
+    if (!l->written)
+        return;
+    for (unsigned i = 0; i < l->delay * HEAR_HOP / HEAR_WINDOW + 2; i++)
+        hear_features_write(l->features, silence, HEAR_WINDOW);
+    show(l, l->end);
+    if (l->options.phone && l->decoder.now.end)
+        l->options.phone(l->options.ctx, &l->decoder.now);
+}
