@@ -37,10 +37,6 @@ int expressions_sort_names(struct expressions *all, const struct expression_name
 void expression_begin(struct expression *x, const char *kind);
 void expression_free(struct expression *x); /* what it holds */
 
-/* entry.c: fills *x (begun, with its name) from its object, but for what it is mixed from. -1: root's
- * error. *x may be released in any case. */
-int entry_read(const struct json_place *at, struct expression *x);
-
 /* mix.c: adds to x what "mix" names, and takes over voice and life from there unless they are given. */
 int mix_read(const struct json_place *entry, const struct expressions *all, struct expression *x);
 

@@ -8,7 +8,6 @@
 
 /* Adds value to FAP fap. */
 void pose_add(struct pose *pose, int fap, double value);
-double pose_value(const struct pose *pose, int fap); /* 0 when it is not in the pose */
 void pose_free(struct pose *pose);
 
 /* The FAPs of a name: one of MPEG-4's ("open_jaw", "raise_l_cornerlip"), or one without its side for both
