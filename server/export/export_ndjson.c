@@ -5,7 +5,7 @@
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
-#include "server/face/engines/viseme.h"
+#include "server/face/engines/fapmap.h"
 #include <ctype.h>
 #include <jansson.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #define FACCIA_HEAR_LIP_NETWORK_H
 
 #include "server/base/error.h"
-#include "server/face/packs/speech_param.h"
+#include "server/face/packs/shape_table.h"
 #include "server/hear/lip_features.h"
 
 enum hear_class {

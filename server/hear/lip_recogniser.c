@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/lip_recogniser.h"
 #include "server/base/mem.h"
-#include "server/face/life/life_heard.h"
+#include "server/face/life/life_live.h"
 #include "server/face/track.h"
 #include "server/hear/lip_features.h"
 #include "server/hear/lip_network.h"

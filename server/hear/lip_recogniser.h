@@ -6,7 +6,7 @@
 
 #include "protocol/fap.h"
 #include "server/face/packs/speech_pack.h"
-#include "server/face/packs/speech_param.h"
+#include "server/face/packs/shape_table.h"
 #include "server/hear/lip_network.h"
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/media_segment.h"
 #include "server/base/mem.h"
-#include "server/face/lead_in.h"
+#include "server/face/track.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/sentence_audio.h"
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef FACCIA_SYNTHESIS_MEDIA_SEGMENT_H
 #define FACCIA_SYNTHESIS_MEDIA_SEGMENT_H
 
-#include "server/face/placement.h"
+#include "server/face/track.h"
 
 /* One spoken sentence, or a piece of a recording. Its audio and its track are shared and do not change; the
  * receiver of a segment owns its part of them. */

@@ -7,8 +7,8 @@
 
 #include "server/base/metrics.h"
 #include "server/base/near.h"
-#include "server/face/high_level.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/engines/fapmap.h"
+#include "server/face/packs/speech_pack.h"
 #include "server/normalize/normalizers.h"
 #include "server/synthesis/media_segment.h"
 #include "server/synthesis/pipeline.h"

@@ -5,7 +5,7 @@
 #define FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 
 #include "server/base/utf8.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
 #include "server/face/track.h"
 #include "server/markup/open_text.h"
 #include "server/synthesis/synthesis.h"

@@ -3,8 +3,8 @@
  * language and how, the rest is the document. */
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
-#include "server/face/packs/speech_packs.h"
-#include "server/face/placement.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/face/track.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
 #include "server/voice/sentence_audio.h"

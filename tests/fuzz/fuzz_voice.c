@@ -2,7 +2,7 @@
 /* The sound of somebody who speaks himself: byte 0 is codec and channels, then rate and lookahead; then
  * messages, each with its size (2 bytes) before it, on their way to a face. PCM in other pieces is the same.
  */
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
 #include "server/hear/lip_recogniser.h"
 #include "server/synthesis/jitter_buffer.h"
 #include "server/synthesis/live_voice.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/face/lead_in.h"
 #include "server/face/track.h"
 #include "server/voice/sentence_audio.h"
 #include "tests/unit/pack_fixture.h"

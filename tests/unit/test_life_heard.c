@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/face/life/life_heard.h"
-#include "server/face/placement.h"
+#include "server/face/life/life_live.h"
+#include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -5,7 +5,7 @@
 
 #include "server/face/engines/phone_segments.h"
 #include "server/face/face_layer.h"
-#include "server/face/face_options.h"
+#include "server/face/track.h"
 
 struct face_engine {
     const char *name;

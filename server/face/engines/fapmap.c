@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/fapmap.h"
+#include "server/base/mem.h"
+#include "server/expression/expressions.h"
+#include "server/expression/recipe.h"
+#include "server/face/packs/shape_table.h"
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4,
  * and a lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
@@ -148,4 +155,181 @@ void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, 
     mm[PARAM_TH] = v[44] * mns - TIP_PER_JAW * jaw;
     mm[PARAM_TA] = v[45] * mw;
     mm[PARAM_TB] = v[46] * mns - BODY_PER_JAW * jaw;
+}
+
+/* How far into a pause the mouth still comes from or already goes to its neighbour, s. */
+#define PAUSE_EDGE 0.1
+
+enum { BLEND_WHOLE = 63 }; /* blend: all of select1 */
+
+void visemes_from(const struct phone_segments *g, struct visemes *out) {
+    out->keys = mem_alloc((g->count + 2) * sizeof *out->keys);
+    out->count = 0;
+    out->keys[out->count++] = (struct viseme_key){.begin = -1, .end = 0};
+    for (size_t i = 0; i < g->count; i++) {
+        const struct phone_segment *item = &g->items[i];
+        double middle = (item->start + item->end) / 2;
+        struct viseme_key key = {.begin = middle, .end = middle, .from = item->start, .to = item->end};
+        key.id = viseme_id_of(item->phone);
+        if (item->phone) {
+            key.viseme = item->phone->viseme;
+            snprintf(key.ipa, sizeof key.ipa, "%s", item->phone->ipa);
+        } else {
+            key.begin = fmin(middle, item->start + PAUSE_EDGE);
+            key.end = fmax(middle, item->end - PAUSE_EDGE);
+        }
+        out->keys[out->count++] = key;
+    }
+    out->keys[out->count++] = (struct viseme_key){.begin = g->end, .end = g->end + 1};
+}
+
+void visemes_free(struct visemes *visemes) {
+    free(visemes->keys);
+    *visemes = (struct visemes){0};
+}
+
+struct fap_viseme visemes_at(const struct visemes *visemes, double t, size_t *cursor) {
+    const struct viseme_key *keys = visemes->keys;
+    size_t i = *cursor;
+    if (!visemes->count) /* nobody speaks */
+        return (struct fap_viseme){.blend = BLEND_WHOLE};
+    while (i > 0 && t < keys[i].begin)
+        i--;
+    while (i + 1 < visemes->count && t >= keys[i + 1].begin)
+        i++;
+    *cursor = i;
+    struct fap_viseme out = {.select1 = keys[i].viseme, .select2 = keys[i].viseme, .blend = BLEND_WHOLE};
+    if (i + 1 == visemes->count)
+        return out;
+    out.select2 = keys[i + 1].viseme;
+    double x = (t - keys[i].end) / (keys[i + 1].begin - keys[i].end);
+    if (x > 0)
+        out.blend = (uint8_t)lround(BLEND_WHOLE * (1 - x * x * (3 - 2 * x)));
+    return out;
+}
+
+double morph_weight(enum morph_ease ease, double t) {
+    return ease == MORPH_SMOOTH ? t * t * (3 - 2 * t) : t;
+}
+
+void morph_add(struct morph *morph, double at, const double *faps) {
+    if (morph->count && at <= morph->keys[morph->count - 1].at)
+        return;
+    morph->keys = mem_grow(morph->keys, &morph->cap, morph->count + 1, sizeof *morph->keys);
+    morph->keys[morph->count++] = (struct morph_key){at, faps};
+}
+
+static size_t seek(const struct morph *morph, double t, size_t next) {
+    if (next && morph->keys[next - 1].at > t)
+        next = 0;
+    /* A short walk in the usual case; from the start or far ahead, halving. */
+    for (int step = 0; step < 4; step++) {
+        if (next == morph->count || morph->keys[next].at > t)
+            return next;
+        next++;
+    }
+    size_t high = morph->count;
+    while (next < high) {
+        size_t mid = (next + high) / 2;
+        if (morph->keys[mid].at > t)
+            high = mid;
+        else
+            next = mid + 1;
+    }
+    return next;
+}
+
+/* cursor->at[0]: the first key that comes later than the last instant */
+static void add(const void *self, double t, struct speech_cursor *cursor, double faps[FAP_COUNT + 1]) {
+    const struct morph *m = self;
+    if (!m->count)
+        return;
+    size_t next = cursor->at[0] = seek(m, t, cursor->at[0]);
+    const struct morph_key *to = &m->keys[next < m->count ? next : m->count - 1],
+                           *from = next ? &m->keys[next - 1] : to;
+    double weight = to == from ? 0 : morph_weight(m->ease, (t - from->at) / (to->at - from->at));
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] += from->faps[n] + weight * (to->faps[n] - from->faps[n]);
+}
+
+static void morphing_free(void *self) {
+    struct morph *m = self;
+    free(m->keys);
+    free(m);
+}
+
+struct speech_layer morph_layer(struct morph *morph) {
+    struct morph *m = mem_alloc(sizeof *m);
+    *m = *morph;
+    *morph = (struct morph){0};
+    return (struct speech_layer){add, morphing_free, m};
+}
+
+enum { VISEMES = 14, WHOLE = 63 };
+
+struct face_high_level {
+    double visemes[VISEMES + 1][FAP_COUNT + 1]; /* FAP units; 0 is the mouth at rest */
+    double basics[BASIC_COUNT + 1][FAP_COUNT + 1];
+};
+
+/* One phone of each viseme's examples: p, f, th, t, k, sh, s, n, r, and the five vowels. */
+static const char *const phones[VISEMES + 1] = {NULL, "p", "f", "θ", "t", "k", "ʃ", "s",
+                                                "n",  "r", "a", "e", "i", "o", "u"};
+
+struct face_high_level *face_high_level_new(const struct speech_pack *pack,
+                                            const struct expressions *expressions) {
+    struct face_high_level *high = mem_alloc(sizeof *high);
+    for (size_t i = 1; i <= VISEMES; i++) {
+        const struct speech_phone *phone =
+            pack ? speech_pack_phone(pack, phones[i], strlen(phones[i])) : NULL;
+        if (phone && phone->group)
+            shape_of_phone(pack, phone, high->visemes[i]);
+    }
+    for (size_t i = 0; i < expressions_count(expressions); i++) {
+        const struct expression *x = expressions_at(expressions, i);
+        for (size_t k = 0; x->basic && k < x->pose.count; k++)
+            high->basics[x->basic][x->pose.faps[k].fap] = x->pose.faps[k].value;
+    }
+    return high;
+}
+
+void face_high_level_free(struct face_high_level *high) {
+    free(high);
+}
+
+static const double *chosen(const double (*table)[FAP_COUNT + 1], size_t last, uint8_t select) {
+    return table[select <= last ? select : 0];
+}
+
+static double share(uint8_t part) {
+    return (part < WHOLE ? part : WHOLE) / (double)WHOLE;
+}
+
+static void expand(const struct face_high_level *high, const bool *moved, struct fap_frame *frame) {
+    const struct fap_viseme *v = &frame->viseme;
+    const struct fap_expression *x = &frame->expression;
+    double blend = share(v->blend);
+    const double *viseme1 = chosen(high->visemes, VISEMES, v->select1),
+                 *viseme2 = chosen(high->visemes, VISEMES, v->select2),
+                 *basic1 = chosen(high->basics, BASIC_COUNT, x->select1),
+                 *basic2 = chosen(high->basics, BASIC_COUNT, x->select2);
+    bool visemes = fap_frame_has(frame, 1), basics = fap_frame_has(frame, 2);
+    for (int n = 3; n <= FAP_COUNT; n++) {
+        double value = visemes ? blend * viseme1[n] + (1 - blend) * viseme2[n] : 0;
+        if (basics)
+            value += share(x->intensity1) * basic1[n] + share(x->intensity2) * basic2[n];
+        if (value != 0 && !moved[n])
+            fap_frame_set(frame, n, fap_clamp(n, (int32_t)lround(value)));
+    }
+}
+
+void face_high_level_expand(const struct face_high_level *high, struct fap_frame *frames, size_t count) {
+    bool moved[FAP_COUNT + 1] = {0};
+    if (!high)
+        return;
+    for (size_t i = 0; i < count; i++)
+        for (int n = 3; n <= FAP_COUNT; n++)
+            moved[n] |= fap_frame_has(&frames[i], n) && frames[i].value[n];
+    for (size_t i = 0; i < count; i++)
+        expand(high, moved, &frames[i]);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/targets.h"
 #include "server/base/mem.h"
-#include "server/face/engines/rounding.h"
+#include "server/face/engines/contact.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -19,7 +19,7 @@
 
 #include "server/expression/recipe.h"
 #include "server/face/face_layer.h"
-#include "server/face/face_options.h"
+#include "server/face/track.h"
 #include "server/voice/sentence_audio.h"
 
 /* How the expressions change life at a time of the sentence; may be NULL. */

@@ -1,11 +1,68 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a mouth does, in numbers. */
+#ifndef FACCIA_FACE_SHAPE_TABLE_H
+#define FACCIA_FACE_SHAPE_TABLE_H
+
+#include "protocol/fap.h"
+#include "server/base/json_place.h"
+#include "server/face/packs/speech_pack_content.h"
+
+/* Articulatory parameters, mm relative to rest (Leone, "LUCIA-WebGL", appendix 4.1.2). */
+enum speech_param {
+    PARAM_LI, /* lower lip, positive = lowered */
+    PARAM_LS, /* upper lip, positive = raised */
+    PARAM_AR, /* distance of the mouth corners, positive = spread */
+    PARAM_PI, /* protrusion of the lower lip, positive = forward */
+    PARAM_PS, /* protrusion of the upper lip, positive = forward */
+    PARAM_EM, /* jaw, positive = lowered */
+    /* The tongue, which the same source names as its next step. */
+    PARAM_TH, /* height of the tip, positive = raised */
+    PARAM_TA, /* advance of the tip, positive = forward */
+    PARAM_TB, /* height of the body, positive = raised */
+    PARAM_COUNT
+};
+
+extern const char *const speech_params[PARAM_COUNT + 1]; /* their names, NULL-terminated */
+
+/* The 22 viseme ids that speech services count: models/shapes/viseme-ids.json, made into a table while
+ * building. */
+
+enum { VISEME_IDS = 22 };
+
+struct viseme_id {
+    const char *ipa;
+    uint8_t id;
+};
+
+/* Ended by an ipa of NULL. */
+extern const struct viseme_id viseme_ids[];
+
+/* Of a phone of a pack, NULL = a pause: 0..21. One that the table does not name has that of its FAP 1. */
+uint8_t viseme_id_of(const struct speech_phone *phone);
+
+/* Named mouth shapes, each a row of FAP targets: the key poses of the engines that morph between such. */
+
+/* The targets of a phone, unstressed, in the mean of all its contexts, as FAPs; what it must touch, touches.
+ * faps holds zeros. Not of a phone that is made of parts. */
+void shape_of_phone(const struct speech_pack *pack, const struct speech_phone *phone,
+                    double faps[FAP_COUNT + 1]);
+
+struct shape {
+    char *name;
+    double faps[FAP_COUNT + 1]; /* FAP units */
+};
+
+struct shapes {
+    struct shape *items;
+    size_t count;
+};
+
+/* The index of the shape that the string names, or -1 with the root's error filled. */
+int shapes_choose(const struct json_place *at, const struct shapes *shapes, size_t *out);
+
 /* What the tables of mouth shapes have in common, by context (context_table.h) or by letter (spelling.h):
  * named classes of vowels, the shapes, the one at rest, and which entry of the table shows each phone of the
  * pack. */
-#ifndef FACCIA_FACE_PACKS_SHAPE_TABLE_H
-#define FACCIA_FACE_PACKS_SHAPE_TABLE_H
-
-#include "server/face/packs/shape.h"
 
 struct shape_table {
     char **classes;

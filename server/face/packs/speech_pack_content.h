@@ -4,9 +4,9 @@
 #ifndef FACCIA_FACE_PACKS_SPEECH_PACK_CONTENT_H
 #define FACCIA_FACE_PACKS_SPEECH_PACK_CONTENT_H
 
-#include "server/face/packs/alphabet.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include "server/face/packs/speech_pack.h"
-#include "server/face/packs/speech_param.h"
+#include "server/face/packs/shape_table.h"
 #include <stdint.h>
 
 /* The twelve coefficients of one segment for one parameter (same source, table 3.1). */

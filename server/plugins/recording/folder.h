@@ -6,7 +6,7 @@
 #define FACCIA_PLUGINS_RECORDING_FOLDER_H
 
 #include "server/align/aligned_recording.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
 
 enum { FOLDER_RECORDINGS_MAX = 10000 };
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How somebody speaks, from his sound alone, while he does: when he begins and pauses, which syllables stand
  * out, how lively he is against how he has been. Nothing of what comes later is in it. Private to life. */
-#ifndef FACCIA_FACE_LIFE_HEARD_PROSODY_H
-#define FACCIA_FACE_LIFE_HEARD_PROSODY_H
+#ifndef FACCIA_FACE_LIFE_LIVE_H
+#define FACCIA_FACE_LIFE_LIVE_H
 
-#include "server/face/life/life_heard.h"
+#include "protocol/fap.h"
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum {
@@ -42,12 +43,27 @@ struct heard_moment {
 
 enum { PROSODY_PAUSE_STEPS = 25 };
 
-void heard_prosody_begin(struct heard_prosody *prosody);
+/* What the upper face and the head do with a voice that is heard while it speaks, from its sound alone: brows
+ * and nods with syllables that stand out, a nod and a blink where a phrase ends, the eyes aside at the
+ * beginning of a turn and at the listener at its end, brows and lids wider the livelier the voice is. It adds
+ * to life, which goes on as while nobody speaks; jaw, lips and tongue it never touches. */
 
-/* Takes the next PROSODY_STEP samples, -1..1. */
-struct heard_moment heard_prosody_step(struct heard_prosody *prosody, const float *samples);
+enum { LIFE_HEARD_RATE = 16000, LIFE_HEARD_STEP = 160 /* samples */ };
 
-/* How much louder, higher and faster he is than usual, -1..1; 0 until enough has been heard. */
-double heard_prosody_arousal(const struct heard_prosody *prosody);
+struct life_heard;
+
+struct life_heard *life_heard_new(void);
+void life_heard_free(struct life_heard *life);
+
+/* Samples of one channel, -1..1, which wait until a step takes them. */
+void life_heard_write(struct life_heard *life, const float *samples, size_t count);
+
+/* Hears the next LIFE_HEARD_STEP of them; what is lacking is silence. */
+void life_heard_step(struct life_heard *life);
+
+/* The frame at t s, of the time that has been heard: adds to FAPs 19 to 26, 31 to 36 and 48 to 50. Times do
+ * not go backwards. Where the eyes are life's to move, FAPs 23 to 26 are not in the frame's mask; what they
+ * have keeps them where they look while the head moves. */
+void life_heard_add(struct life_heard *life, double t, struct fap_frame *frame);
 
 #endif
