@@ -1,20 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The espeak-ng voice plugin. libespeak-ng keeps its state in globals, and so must its callbacks' owner; the
- * host runs one instance in a process. */
 #include "server/base/mem.h"
 #include "server/plugins/common/espeak_text.h"
 #include "server/plugins/common/espeak_voices.h"
-#include "server/plugins/common/espeak_words.h"
 #include "server/plugins/espeak/espeak_config.h"
 #include "server/plugins/espeak/espeak_inner.h"
 #include "server/plugins/espeak/espeak_timing.h"
 #include "server/voice/faccia-voice.h"
 #include <espeak-ng/speak_lib.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Loads the voices. "variants": names of espeak-ng's voice variants that are offered for every language. */
+static void es_config_voices(struct es_voices *voices, const char *config) {
+    static const char *const usual[] = {"f2"};
+    json_t *root = json_loads(config, 0, NULL), *variants = json_object_get(root, "variants"), *variant;
+    size_t count = json_array_size(variants), i;
+    const char **names = mem_alloc(count * sizeof *names);
+    json_array_foreach(variants, i, variant) names[i] =
+        json_is_string(variant) ? json_string_value(variant) : "";
+    if (json_is_array(variants))
+        es_voices_load(voices, names, count);
+    else
+        es_voices_load(voices, usual, sizeof usual / sizeof *usual);
+    free(names);
+    json_decref(root);
+}
+
+/* The spans that the engine is given: without what ends in a break before the first text, or begins with one
+ * after the last. */
+static struct faccia_sentence es_inner_part(const struct faccia_sentence *sentence) {
+    const struct faccia_span *spans = sentence->spans;
+    size_t begin = 0, end = 0, text = 0, last = 0;
+    while (text < sentence->span_count && spans[text].kind != FACCIA_SPAN_TEXT)
+        text++;
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        if (spans[i].kind == FACCIA_SPAN_BREAK && i < text)
+            begin = i + 1;
+        if (spans[i].kind == FACCIA_SPAN_TEXT)
+            last = i;
+    }
+    if (text == sentence->span_count)
+        return (struct faccia_sentence){.voice = sentence->voice, .spans = spans + text};
+    for (end = last + 1; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
+        end++;
+    return (struct faccia_sentence){
+        .voice = sentence->voice, .spans = spans + begin, .span_count = end - begin};
+}
+
+/* The espeak-ng voice plugin. libespeak-ng keeps its state in globals, and so must its callbacks' owner; the
+ * host runs one instance in a process. */
 
 /* Audio comes from the engine in blocks of this many ms. The engine drops events beyond 200 for each second
  * of a block, so it must not be short. */

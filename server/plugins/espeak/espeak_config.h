@@ -5,7 +5,4 @@
 
 #include "server/plugins/common/espeak_voices.h"
 
-/* Loads the voices. "variants": names of espeak-ng's voice variants that are offered for every language. */
-void es_config_voices(struct es_voices *voices, const char *config);
-
 #endif

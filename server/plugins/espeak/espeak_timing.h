@@ -6,7 +6,6 @@
 #define FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 
 #include "server/plugins/common/espeak_align.h"
-#include "server/plugins/espeak/espeak_signal.h"
 
 /* A list of phones whose starts are the events' times, and whose ends are yet to be found. */
 struct es_phones {

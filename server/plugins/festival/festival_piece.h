@@ -6,7 +6,6 @@
 
 #include "server/base/buf.h"
 #include "server/plugins/festival/festival_child.h"
-#include "server/plugins/festival/festival_prosody.h"
 #include "server/plugins/festival/festival_text.h"
 
 struct fe_said_phone {

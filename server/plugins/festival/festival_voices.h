@@ -32,11 +32,4 @@ struct fe_voices {
     json_t *root; /* owns all of it */
 };
 
-/* Reads the table. datadir is Festival's. With a sentence in message: 1 when none of its
- * voices is installed, -1 when the table is wrong. */
-int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
-                   size_t cap);
-void fe_voices_free(struct fe_voices *voices);
-const struct fe_voice *fe_voices_find(const struct fe_voices *voices, const char *id);
-
 #endif

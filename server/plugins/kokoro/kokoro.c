@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Kokoro voice plugin: neural voices, offline. espeak-ng reads the text, ONNX Runtime makes the sound. */
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_data.h"
+#include "server/plugins/kokoro/kokoro_onnx.h"
 #include "server/plugins/kokoro/kokoro_speech.h"
 #include <dlfcn.h>
 #include <limits.h>

@@ -3,7 +3,6 @@
 #include "server/base/mem.h"
 #include "server/plugins/common/espeak_align.h"
 #include "server/plugins/common/espeak_text.h"
-#include "server/plugins/common/espeak_words.h"
 #include <ctype.h>
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/kokoro/kokoro_speech.h"
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_pieces.h"
+#include "server/plugins/kokoro/kokoro_tokens.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,14 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What Kokoro reads: a number for each character of IPA and punctuation, at most KO_TOKENS_MAX at once. It
- * was taught with espeak-ng's phones, some of them written with characters of its own ("A" for eɪ), which
- * differ by language. */
-#ifndef FACCIA_PLUGINS_KOKORO_KOKORO_TOKENS_H
-#define FACCIA_PLUGINS_KOKORO_KOKORO_TOKENS_H
+/* How a sentence is cut: Kokoro hands out nothing before it has finished a piece, so the first is short and
+ * the later ones grow; they end at stops where there are any, as its intonation belongs to the piece. */
+#ifndef FACCIA_KOKORO_KOKORO_TOKENS_H
+#define FACCIA_KOKORO_KOKORO_TOKENS_H
 
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* Where the piece that begins at from ends: behind a stop or a space, or at the end. changes(ctx, a, b): must
+ * the words a and b be in different pieces? from < items->count; the result is greater. */
+size_t ko_cut(const struct ko_items *items, size_t from, bool (*changes)(void *ctx, uint32_t a, uint32_t b),
+              void *ctx);
+
+/* What Kokoro reads: a number for each character of IPA and punctuation, at most KO_TOKENS_MAX at once. It
+ * was taught with espeak-ng's phones, some of them written with characters of its own ("A" for eɪ), which
+ * differ by language. */
 
 /* Besides the one before and the one behind (KO_TOKEN_END). */
 enum { KO_TOKENS_MAX = 510, KO_TOKEN_END = 0, KO_ITEM_TOKENS = 12 };

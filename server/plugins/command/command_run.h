@@ -1,11 +1,48 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sentence on its way from the programs to the sink. */
-#ifndef FACCIA_PLUGINS_COMMAND_SPEAKING_H
-#define FACCIA_PLUGINS_COMMAND_SPEAKING_H
+/* Runs a program once: never through a shell, in a process group of its own, within its time, and with what
+ * it writes bounded. */
+#ifndef FACCIA_COMMAND_COMMAND_RUN_H
+#define FACCIA_COMMAND_COMMAND_RUN_H
 
-#include "server/plugins/command/command_align.h"
+#include "server/align/reference.h"
+#include "server/align/times.h"
+#include "server/base/buf.h"
 #include "server/plugins/command/command_config.h"
-#include "server/plugins/command/run.h"
+#include "server/plugins/command/command_sound.h"
+#include "server/voice/faccia-voice.h"
+#include <stdatomic.h>
+#include <stdbool.h>
+
+/* Ends a run from another thread. */
+struct cm_stop {
+    int wake; /* eventfd */
+    atomic_bool stopped;
+};
+
+int cm_stop_open(struct cm_stop *stop);
+void cm_stop_close(struct cm_stop *stop);
+void cm_stop_now(struct cm_stop *stop);
+void cm_stop_reset(struct cm_stop *stop);
+
+struct cm_run {
+    char *const *argv; /* ends with NULL */
+    const char *input; /* for its standard input; NULL = nothing */
+    double seconds;
+    size_t bytes; /* of its standard output, and of each file that it writes */
+};
+
+enum cm_result { CM_DONE, CM_STOPPED, CM_FAILED };
+
+/* Phones and words of sound whose program does not tell their times: found by aligning it to synthetic speech
+ * of the same text. */
+
+/* Starts zeroed; the voice to align to is loaded when it is first needed. */
+struct cm_aligner {
+    struct reference_slot slot;
+};
+void cm_aligner_close(struct cm_aligner *aligner);
+
+/* A sentence on its way from the programs to the sink. */
 
 struct cm_speaking {
     const struct cm_voice *voice;
