@@ -50,7 +50,7 @@ static int load_hearing(struct stages *s, const struct settings *settings, const
     s->pipeline.live = &s->live;
     if (access(path, F_OK))
         return 0;
-    s->live.network = hear_network_load(path, &inner);
+    s->live.network = lip_network_load(path, &inner);
     return s->live.network ? 0 : fail_in(path, &inner, e);
 }
 
@@ -102,6 +102,6 @@ void stages_free(struct stages *s) {
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
     boundary_table_free(s->boundaries);
-    hear_network_free(s->live.network);
+    lip_network_free(s->live.network);
     *s = (struct stages){0};
 }

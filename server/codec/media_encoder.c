@@ -185,8 +185,8 @@ static void put_compact(struct media_coder *m, struct chunk *coded, bool begin, 
 
 /* Appends the message. */
 static struct media_bytes media_coder_chunk(struct media_coder *m, const struct chunk *chunk,
-                                     const struct fap_frame *frames, const struct media_terms *terms,
-                                     struct buf *out) {
+                                            const struct fap_frame *frames, const struct media_terms *terms,
+                                            struct buf *out) {
     if (!encoding_is_compact(&m->encoding))
         return plain_chunk(m, chunk, frames, out);
     struct chunk coded = *chunk;

@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+struct face_track;
+
 /* Lips that are to meet in the first sound have to be on their way before it: to the contact that one frame
  * of 25 a second shows, wherever it falls (CONTACT_MIN_SECONDS), s. People close theirs before they voice a
  * /b/, too. */
@@ -100,8 +102,8 @@ void face_track_free(struct face_track *track);
  * for many frames). */
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame);
 
-/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and openings
- * hold for it, too. */
+/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and
+ * openings hold for it, too. */
 void face_track_sample_mouth(const struct face_track *track, double t, const double mm[PARAM_COUNT],
                              struct fap_frame *frame);
 

@@ -26,24 +26,24 @@
 #define COLOUR_FIRST 100.0
 #define SCALE 0.4
 
-static const double first_colour[HEAR_BANDS] = {
+static const double first_colour[LIP_BANDS] = {
     -1.8, -1.0, -0.8, -0.7, -0.8, -1.2, -1.9, -2.7, -3.3, -3.7, -4.2, -4.5, -4.7, -4.8, -5.0, -5.3,
     -5.5, -5.5, -5.2, -4.7, -4.5, -4.6, -4.8, -5.0, -5.5, -6.6, -7.4, -8.1, -8.4, -8.5, -8.5, -8.4,
 };
 
 struct band {
     size_t from, to; /* bins */
-    double weight[HEAR_FFT / 2 + 1];
+    double weight[LIP_FFT / 2 + 1];
 };
 
-struct hear_features {
-    void (*take)(void *ctx, const float frame[HEAR_FEATURES]);
+struct lip_features {
+    void (*take)(void *ctx, const float frame[LIP_FEATURES]);
     void *ctx;
-    double window[HEAR_WINDOW];
-    struct band bands[HEAR_BANDS];
-    float samples[HEAR_WINDOW];
+    double window[LIP_WINDOW];
+    struct band bands[LIP_BANDS];
+    float samples[LIP_WINDOW];
     size_t filled;
-    double loudest, colour[HEAR_BANDS], colour_frames;
+    double loudest, colour[LIP_BANDS], colour_frames;
 };
 
 static double mel(double hz) {
@@ -51,17 +51,17 @@ static double mel(double hz) {
 }
 
 /* Triangles that each reach the middles of their neighbours, all of the same height for white noise. */
-static void make_bands(struct hear_features *f) {
-    double low = mel(LOWEST_HZ), step = (mel(HIGHEST_HZ) - low) / (HEAR_BANDS + 1), squares = 0;
-    for (int i = 0; i < HEAR_WINDOW; i++) {
-        f->window[i] = 0.5 - 0.5 * cos(TAU * (i + 0.5) / HEAR_WINDOW);
+static void make_bands(struct lip_features *f) {
+    double low = mel(LOWEST_HZ), step = (mel(HIGHEST_HZ) - low) / (LIP_BANDS + 1), squares = 0;
+    for (int i = 0; i < LIP_WINDOW; i++) {
+        f->window[i] = 0.5 - 0.5 * cos(TAU * (i + 0.5) / LIP_WINDOW);
         squares += f->window[i] * f->window[i];
     }
-    for (int b = 0; b < HEAR_BANDS; b++) {
+    for (int b = 0; b < LIP_BANDS; b++) {
         struct band *band = &f->bands[b];
         double sum = 0;
-        for (size_t k = 1; k < HEAR_FFT / 2; k++) {
-            double x = (mel((double)k * HEAR_RATE / HEAR_FFT) - low) / step - b;
+        for (size_t k = 1; k < LIP_FFT / 2; k++) {
+            double x = (mel((double)k * LIP_RATE / LIP_FFT) - low) / step - b;
             band->weight[k] = fmax(0, 1 - fabs(x - 1));
             sum += band->weight[k];
             if (band->weight[k] > 0) {
@@ -74,9 +74,8 @@ static void make_bands(struct hear_features *f) {
     }
 }
 
-struct hear_features *hear_features_new(void (*take)(void *ctx, const float frame[HEAR_FEATURES]),
-                                        void *ctx) {
-    struct hear_features *f = mem_alloc(sizeof *f);
+struct lip_features *lip_features_new(void (*take)(void *ctx, const float frame[LIP_FEATURES]), void *ctx) {
+    struct lip_features *f = mem_alloc(sizeof *f);
     f->take = take;
     f->ctx = ctx;
     f->loudest = FIRST_LOUDNESS;
@@ -86,60 +85,60 @@ struct hear_features *hear_features_new(void (*take)(void *ctx, const float fram
     return f;
 }
 
-void hear_features_free(struct hear_features *f) {
+void lip_features_free(struct lip_features *f) {
     free(f);
 }
 
-static void analyse(struct hear_features *f) {
-    double x[HEAR_FFT] = {0}, energy = 0, value[HEAR_BANDS];
-    float frame[HEAR_FEATURES];
-    for (int i = 0; i < HEAR_WINDOW; i++) {
+static void analyse(struct lip_features *f) {
+    double x[LIP_FFT] = {0}, energy = 0, value[LIP_BANDS];
+    float frame[LIP_FEATURES];
+    for (int i = 0; i < LIP_WINDOW; i++) {
         energy += (double)f->samples[i] * f->samples[i];
         x[i] = f->samples[i] * f->window[i];
     }
-    double loudness = log(energy / HEAR_WINDOW + 1e-10);
+    double loudness = log(energy / LIP_WINDOW + 1e-10);
     f->loudest = fmax(SOFTEST, fmax(loudness, f->loudest - FORGET));
-    gsl_fft_real_radix2_transform(x, 1, HEAR_FFT);
-    for (int b = 0; b < HEAR_BANDS; b++) {
+    gsl_fft_real_radix2_transform(x, 1, LIP_FFT);
+    for (int b = 0; b < LIP_BANDS; b++) {
         const struct band *band = &f->bands[b];
         double power = 1e-10;
         for (size_t k = band->from; k < band->to; k++)
-            power += band->weight[k] * (x[k] * x[k] + x[HEAR_FFT - k] * x[HEAR_FFT - k]);
+            power += band->weight[k] * (x[k] * x[k] + x[LIP_FFT - k] * x[LIP_FFT - k]);
         value[b] = fmax(-DEPTH, log(power) - f->loudest);
     }
     if (loudness > f->loudest - LOUD && loudness > SOFTEST) {
         f->colour_frames = fmin(f->colour_frames + 1, COLOUR_FRAMES);
-        for (int b = 0; b < HEAR_BANDS; b++)
+        for (int b = 0; b < LIP_BANDS; b++)
             f->colour[b] += (value[b] - f->colour[b]) / f->colour_frames;
     }
-    for (int b = 0; b < HEAR_BANDS; b++)
+    for (int b = 0; b < LIP_BANDS; b++)
         frame[b] = (float)(SCALE * (value[b] - f->colour[b]));
-    frame[HEAR_BANDS] = (float)(SCALE * fmax(-DEPTH, loudness - f->loudest) + 1);
+    frame[LIP_BANDS] = (float)(SCALE * fmax(-DEPTH, loudness - f->loudest) + 1);
     f->take(f->ctx, frame);
 }
 
-void hear_features_write(struct hear_features *f, const float *samples, size_t count) {
+void lip_features_write(struct lip_features *f, const float *samples, size_t count) {
     while (count) {
-        size_t n = HEAR_WINDOW - f->filled < count ? HEAR_WINDOW - f->filled : count;
+        size_t n = LIP_WINDOW - f->filled < count ? LIP_WINDOW - f->filled : count;
         memcpy(f->samples + f->filled, samples, n * sizeof *samples);
         f->filled += n;
         samples += n;
         count -= n;
-        if (f->filled < HEAR_WINDOW)
+        if (f->filled < LIP_WINDOW)
             return;
         analyse(f);
-        f->filled = HEAR_WINDOW - HEAR_HOP;
-        memmove(f->samples, f->samples + HEAR_HOP, f->filled * sizeof *f->samples);
+        f->filled = LIP_WINDOW - LIP_HOP;
+        memmove(f->samples, f->samples + LIP_HOP, f->filled * sizeof *f->samples);
     }
 }
 
 /* The resampler gets blocks of 10 ms, whatever was written: so it does the same for all. */
-enum { BLOCK_MOST = HEAR_RATE_MOST / 100, READY_MOST = HEAR_RATE / 50 };
+enum { BLOCK_MOST = LIP_RATE_MOST / 100, READY_MOST = LIP_RATE / 50 };
 
 /* Of the filter that takes the mean away: down by 3 dB at 38 Hz. */
 #define KEEP 0.985F
 
-struct hear_sound {
+struct lip_input {
     unsigned channels;
     struct mixdown mixdown;
     soxr_t resampler; /* NULL when the rate is right already */
@@ -150,27 +149,27 @@ struct hear_sound {
     float before, mean_free; /* the filter's last input and output */
 };
 
-struct hear_sound *hear_sound_new(unsigned rate, unsigned channels,
-                                  void (*take)(void *ctx, const float *samples, size_t count), void *ctx,
-                                  struct error *e) {
-    if (rate < HEAR_RATE_LEAST || rate > HEAR_RATE_MOST) {
-        error_set(e, ERROR_BAD_SOUND, "%u samples a second, from %d to %d can be heard", rate,
-                  HEAR_RATE_LEAST, HEAR_RATE_MOST);
+struct lip_input *lip_input_new(unsigned rate, unsigned channels,
+                                void (*take)(void *ctx, const float *samples, size_t count), void *ctx,
+                                struct error *e) {
+    if (rate < LIP_RATE_LEAST || rate > LIP_RATE_MOST) {
+        error_set(e, ERROR_BAD_SOUND, "%u samples a second, from %d to %d can be heard", rate, LIP_RATE_LEAST,
+                  LIP_RATE_MOST);
         return NULL;
     }
-    if (channels < 1 || channels > HEAR_CHANNELS_MOST) {
-        error_set(e, ERROR_BAD_SOUND, "%u channels, at most %d can be heard", channels, HEAR_CHANNELS_MOST);
+    if (channels < 1 || channels > LIP_CHANNELS_MOST) {
+        error_set(e, ERROR_BAD_SOUND, "%u channels, at most %d can be heard", channels, LIP_CHANNELS_MOST);
         return NULL;
     }
-    struct hear_sound *s = mem_alloc(sizeof *s);
-    *s = (struct hear_sound){.channels = channels, .take = take, .ctx = ctx, .block_size = rate / 100};
-    if (rate != HEAR_RATE) {
+    struct lip_input *s = mem_alloc(sizeof *s);
+    *s = (struct lip_input){.channels = channels, .take = take, .ctx = ctx, .block_size = rate / 100};
+    if (rate != LIP_RATE) {
         soxr_error_t error = NULL;
         soxr_io_spec_t io = soxr_io_spec(SOXR_FLOAT32_I, SOXR_FLOAT32_I);
         soxr_quality_spec_t quality = soxr_quality_spec(SOXR_LQ, 0);
         soxr_runtime_spec_t runtime = soxr_runtime_spec(1);
         runtime.log2_min_dft_size = 8; /* it would wait for more sound than anybody may be kept waiting for */
-        s->resampler = soxr_create(rate, HEAR_RATE, 1, &error, &io, &quality, &runtime);
+        s->resampler = soxr_create(rate, LIP_RATE, 1, &error, &io, &quality, &runtime);
         if (!s->resampler) {
             error_set(e, ERROR_BAD_SOUND, "%u samples a second: %s", rate, error ? error : "no memory");
             free(s);
@@ -180,13 +179,13 @@ struct hear_sound *hear_sound_new(unsigned rate, unsigned channels,
     return s;
 }
 
-void hear_sound_free(struct hear_sound *s) {
+void lip_input_free(struct lip_input *s) {
     if (s && s->resampler)
         soxr_delete(s->resampler);
     free(s);
 }
 
-static void give(struct hear_sound *s, float *samples, size_t count) {
+static void give(struct lip_input *s, float *samples, size_t count) {
     for (size_t i = 0; i < count; i++) {
         float x = samples[i];
         s->mean_free = x - s->before + KEEP * s->mean_free;
@@ -198,7 +197,7 @@ static void give(struct hear_sound *s, float *samples, size_t count) {
 }
 
 /* The block, or the end (count 0). */
-static void pass_on(struct hear_sound *s, size_t count) {
+static void pass_on(struct lip_input *s, size_t count) {
     float ready[READY_MOST];
     size_t used = 0, made;
     s->filled = 0;
@@ -217,9 +216,9 @@ static void pass_on(struct hear_sound *s, size_t count) {
     }
 }
 
-void hear_sound_write(struct hear_sound *s, const float *samples, size_t frames) {
+void lip_input_write(struct lip_input *s, const float *samples, size_t frames) {
     for (size_t i = 0; i < frames; i++) {
-        float frame[HEAR_CHANNELS_MOST];
+        float frame[LIP_CHANNELS_MOST];
         for (unsigned c = 0; c < s->channels; c++) {
             float x = samples[i * s->channels + c];
             frame[c] = isfinite(x) ? fmaxf(-1, fminf(1, x)) : 0;
@@ -230,7 +229,7 @@ void hear_sound_write(struct hear_sound *s, const float *samples, size_t frames)
     }
 }
 
-void hear_sound_end(struct hear_sound *s) {
+void lip_input_end(struct lip_input *s) {
     if (s->filled)
         pass_on(s, s->filled);
     if (s->resampler)

@@ -10,19 +10,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEAR_LAYERS = 2, HEAR_VOICE_PARTS = 3 };
+enum { LIP_LAYERS = 2, LIP_VOICE_PARTS = 3 };
 
 /* outputs = bias + weight inputs; weight row by row. */
-struct hear_affine {
+struct lip_affine {
     size_t inputs, outputs;
     const float *weight, *bias; /* in the network's values */
 };
 
-struct hear_network {
+struct lip_network {
     size_t taps, middle, size, head_count;
-    unsigned delays[HEAR_HEADS_MOST];
-    struct hear_affine conv, input[HEAR_LAYERS], hidden[HEAR_LAYERS], heads[HEAR_HEADS_MOST],
-        mouths[HEAR_HEADS_MOST];
+    unsigned delays[LIP_HEADS_MOST];
+    struct lip_affine conv, input[LIP_LAYERS], hidden[LIP_LAYERS], heads[LIP_HEADS_MOST],
+        mouths[LIP_HEADS_MOST];
     /* A voice's, a row each: the memory, its running mean, and how far from that it lies of late. Their
      * products and voice_bias are added. */
     const float *voice, *voice_bias;
@@ -33,22 +33,22 @@ struct hear_network {
  * more. */
 #define VOICE_PACE 0.04F
 
-struct hear_state {
-    const struct hear_network *network;
-    float *frames;              /* the convolution's last inputs, oldest first */
-    float *middle;              /* what it gives */
-    float *memory[HEAR_LAYERS]; /* of the recurrent layers */
-    float *mean, *off;          /* of the last layer's memory of late, and how far it lies from that */
-    float heard;                /* frames, as far as they count */
-    float *gates, *recurrent;   /* of the step: from the input, from the memory */
+struct lip_state {
+    const struct lip_network *network;
+    float *frames;             /* the convolution's last inputs, oldest first */
+    float *middle;             /* what it gives */
+    float *memory[LIP_LAYERS]; /* of the recurrent layers */
+    float *mean, *off;         /* of the last layer's memory of late, and how far it lies from that */
+    float heard;               /* frames, as far as they count */
+    float *gates, *recurrent;  /* of the step: from the input, from the memory */
 };
 
-struct hear_state *hear_state_new(const struct hear_network *n) {
-    struct hear_state *s = mem_alloc(sizeof *s);
+struct lip_state *lip_state_new(const struct lip_network *n) {
+    struct lip_state *s = mem_alloc(sizeof *s);
     s->network = n;
-    s->frames = mem_alloc(n->taps * HEAR_FEATURES * sizeof *s->frames);
+    s->frames = mem_alloc(n->taps * LIP_FEATURES * sizeof *s->frames);
     s->middle = mem_alloc(n->middle * sizeof *s->middle);
-    for (int i = 0; i < HEAR_LAYERS; i++)
+    for (int i = 0; i < LIP_LAYERS; i++)
         s->memory[i] = mem_alloc(n->size * sizeof **s->memory);
     s->mean = mem_alloc(n->size * sizeof *s->mean);
     s->off = mem_alloc(n->size * sizeof *s->off);
@@ -57,12 +57,12 @@ struct hear_state *hear_state_new(const struct hear_network *n) {
     return s;
 }
 
-void hear_state_free(struct hear_state *s) {
+void lip_state_free(struct lip_state *s) {
     if (!s)
         return;
     free(s->frames);
     free(s->middle);
-    for (int i = 0; i < HEAR_LAYERS; i++)
+    for (int i = 0; i < LIP_LAYERS; i++)
         free(s->memory[i]);
     free(s->mean);
     free(s->off);
@@ -83,7 +83,7 @@ static float product(const float *a, const float *b, size_t count) {
     return sum[0] + sum[1] + (sum[2] + sum[3]) + rest;
 }
 
-static void affine(const struct hear_affine *a, const float *in, float *out) {
+static void affine(const struct lip_affine *a, const float *in, float *out) {
     for (size_t i = 0; i < a->outputs; i++)
         out[i] = a->bias[i] + product(a->weight + i * a->inputs, in, a->inputs);
 }
@@ -93,7 +93,7 @@ static float sigmoid(float x) {
 }
 
 /* Gates in the order reset, update, new. */
-static void recur(struct hear_state *s, int layer, const float *in) {
+static void recur(struct lip_state *s, int layer, const float *in) {
     size_t size = s->network->size;
     float *h = s->memory[layer];
     affine(&s->network->input[layer], in, s->gates);
@@ -106,19 +106,19 @@ static void recur(struct hear_state *s, int layer, const float *in) {
     }
 }
 
-static void softmax(float x[HEAR_CLASSES]) {
+static void softmax(float x[LIP_CLASSES]) {
     float most = x[0], sum = 0;
-    for (int i = 1; i < HEAR_CLASSES; i++)
+    for (int i = 1; i < LIP_CLASSES; i++)
         most = fmaxf(most, x[i]);
-    for (int i = 0; i < HEAR_CLASSES; i++)
+    for (int i = 0; i < LIP_CLASSES; i++)
         sum += x[i] = expf(x[i] - most);
-    for (int i = 0; i < HEAR_CLASSES; i++)
+    for (int i = 0; i < LIP_CLASSES; i++)
         x[i] /= sum;
 }
 
-static float voice(struct hear_state *s) {
-    const struct hear_network *n = s->network;
-    const float *h = s->memory[HEAR_LAYERS - 1];
+static float voice(struct lip_state *s) {
+    const struct lip_network *n = s->network;
+    const float *h = s->memory[LIP_LAYERS - 1];
     float pace = fmaxf(VOICE_PACE, 1 / ++s->heard);
     for (size_t i = 0; i < n->size; i++) {
         s->mean[i] += pace * (h[i] - s->mean[i]);
@@ -128,12 +128,12 @@ static float voice(struct hear_state *s) {
            product(n->voice + 2 * n->size, s->off, n->size);
 }
 
-void hear_state_step(struct hear_state *s, const float frame[HEAR_FEATURES], size_t head,
-                     struct hear_answer *answer) {
-    const struct hear_network *n = s->network;
-    size_t before = (n->taps - 1) * HEAR_FEATURES;
-    memmove(s->frames, s->frames + HEAR_FEATURES, before * sizeof *s->frames);
-    memcpy(s->frames + before, frame, HEAR_FEATURES * sizeof *frame);
+void lip_state_step(struct lip_state *s, const float frame[LIP_FEATURES], size_t head,
+                    struct lip_answer *answer) {
+    const struct lip_network *n = s->network;
+    size_t before = (n->taps - 1) * LIP_FEATURES;
+    memmove(s->frames, s->frames + LIP_FEATURES, before * sizeof *s->frames);
+    memcpy(s->frames + before, frame, LIP_FEATURES * sizeof *frame);
     affine(&n->conv, s->frames, s->middle);
     for (size_t i = 0; i < n->middle; i++)
         s->middle[i] = fmaxf(0, s->middle[i]);
@@ -209,40 +209,40 @@ static void walk_affine(struct walk *w, size_t inputs, size_t outputs) {
     walk_biases(w, outputs);
 }
 
-static void walk_all(const struct hear_network *n, struct walk *w) {
+static void walk_all(const struct lip_network *n, struct walk *w) {
     size_t gates = 3 * n->size;
-    walk_affine(w, n->taps * HEAR_FEATURES, n->middle);
-    for (int layer = 0; layer < HEAR_LAYERS; layer++) {
+    walk_affine(w, n->taps * LIP_FEATURES, n->middle);
+    for (int layer = 0; layer < LIP_LAYERS; layer++) {
         walk_matrix(w, layer ? n->size : n->middle, gates);
         walk_matrix(w, n->size, gates);
         walk_biases(w, gates);
         walk_biases(w, gates);
     }
     for (size_t i = 0; i < n->head_count; i++) {
-        walk_affine(w, n->size, HEAR_CLASSES);
+        walk_affine(w, n->size, LIP_CLASSES);
         walk_affine(w, n->size, PARAM_COUNT);
     }
-    walk_matrix(w, n->size, HEAR_VOICE_PARTS);
+    walk_matrix(w, n->size, LIP_VOICE_PARTS);
     walk_biases(w, 1);
 }
 
-static struct hear_affine take(const float **at, size_t inputs, size_t outputs) {
-    struct hear_affine a = {inputs, outputs, *at, *at + inputs * outputs};
+static struct lip_affine take(const float **at, size_t inputs, size_t outputs) {
+    struct lip_affine a = {inputs, outputs, *at, *at + inputs * outputs};
     *at += (inputs + 1) * outputs;
     return a;
 }
 
 /* A recurrent layer's weights stand before its biases, those for the input before those for the memory. */
-static void take_layer(struct hear_network *n, int layer, size_t inputs, const float **at) {
+static void take_layer(struct lip_network *n, int layer, size_t inputs, const float **at) {
     size_t gates = 3 * n->size;
-    n->input[layer] = (struct hear_affine){inputs, gates, *at, *at + gates * (inputs + n->size)};
+    n->input[layer] = (struct lip_affine){inputs, gates, *at, *at + gates * (inputs + n->size)};
     n->hidden[layer] =
-        (struct hear_affine){n->size, gates, *at + gates * inputs, n->input[layer].bias + gates};
+        (struct lip_affine){n->size, gates, *at + gates * inputs, n->input[layer].bias + gates};
     *at += gates * (inputs + n->size + 2);
 }
 
 /* Whether the numbers are such as can be. */
-static bool read_sizes(struct hear_network *n, const uint8_t *data, size_t size) {
+static bool read_sizes(struct lip_network *n, const uint8_t *data, size_t size) {
     unsigned numbers[FIXED];
     if (size < MAGIC_BYTES + FIXED * NUMBER_BYTES || memcmp(data, magic, MAGIC_BYTES) != 0)
         return false;
@@ -252,9 +252,9 @@ static bool read_sizes(struct hear_network *n, const uint8_t *data, size_t size)
     n->middle = numbers[2];
     n->size = numbers[3];
     n->head_count = numbers[6];
-    if (numbers[0] != HEAR_FEATURES || !n->taps || n->taps > TAPS_MOST || !n->middle ||
-        n->middle > SIZE_MOST || !n->size || n->size > SIZE_MOST || numbers[4] != HEAR_CLASSES ||
-        numbers[5] != PARAM_COUNT || !n->head_count || n->head_count > HEAR_HEADS_MOST ||
+    if (numbers[0] != LIP_FEATURES || !n->taps || n->taps > TAPS_MOST || !n->middle ||
+        n->middle > SIZE_MOST || !n->size || n->size > SIZE_MOST || numbers[4] != LIP_CLASSES ||
+        numbers[5] != PARAM_COUNT || !n->head_count || n->head_count > LIP_HEADS_MOST ||
         size < MAGIC_BYTES + (FIXED + n->head_count) * NUMBER_BYTES)
         return false;
     for (size_t i = 0; i < n->head_count; i++) {
@@ -265,7 +265,7 @@ static bool read_sizes(struct hear_network *n, const uint8_t *data, size_t size)
     return true;
 }
 
-static int read_all(struct hear_network *n, const uint8_t *data, size_t size, struct error *e) {
+static int read_all(struct lip_network *n, const uint8_t *data, size_t size, struct error *e) {
     struct walk all = {0};
     if (!read_sizes(n, data, size))
         return error_plain(e, ERROR_BAD_NETWORK);
@@ -281,26 +281,26 @@ static int read_all(struct hear_network *n, const uint8_t *data, size_t size, st
         if (!isfinite(n->values[i]))
             return error_set(e, ERROR_BAD_NETWORK, "weight %zu is no number", i);
     const float *at = n->values;
-    n->conv = take(&at, n->taps * HEAR_FEATURES, n->middle);
+    n->conv = take(&at, n->taps * LIP_FEATURES, n->middle);
     take_layer(n, 0, n->middle, &at);
     take_layer(n, 1, n->size, &at);
     for (size_t i = 0; i < n->head_count; i++) {
-        n->heads[i] = take(&at, n->size, HEAR_CLASSES);
+        n->heads[i] = take(&at, n->size, LIP_CLASSES);
         n->mouths[i] = take(&at, n->size, PARAM_COUNT);
     }
     n->voice = at;
-    n->voice_bias = at + HEAR_VOICE_PARTS * n->size;
+    n->voice_bias = at + LIP_VOICE_PARTS * n->size;
     return 0;
 }
 
-struct hear_network *hear_network_load(const char *path, struct error *e) {
+struct lip_network *lip_network_load(const char *path, struct error *e) {
     enum { MOST = 16 << 20 };
     FILE *file = fopen(path, "rb");
     if (!file) {
         error_set(e, ERROR_BAD_NETWORK, "%.180s: %s", path, strerror(errno));
         return NULL;
     }
-    struct hear_network *n = mem_alloc(sizeof *n);
+    struct lip_network *n = mem_alloc(sizeof *n);
     uint8_t *data = mem_alloc(MOST);
     size_t size = fread(data, 1, MOST, file);
     int status = read_all(n, data, size, e);
@@ -308,17 +308,17 @@ struct hear_network *hear_network_load(const char *path, struct error *e) {
     free(data);
     if (!status)
         return n;
-    hear_network_free(n);
+    lip_network_free(n);
     return NULL;
 }
 
-void hear_network_free(struct hear_network *n) {
+void lip_network_free(struct lip_network *n) {
     if (n)
         free(n->values);
     free(n);
 }
 
-size_t hear_network_delays(const struct hear_network *n, unsigned delays[HEAR_HEADS_MOST]) {
+size_t lip_network_delays(const struct lip_network *n, unsigned delays[LIP_HEADS_MOST]) {
     memcpy(delays, n->delays, sizeof n->delays);
     return n->head_count;
 }

@@ -10,14 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct hear_class_name hear_classes[HEAR_CLASSES] = {
-    [HEAR_SILENCE] = {"silence", "", "_"}, [HEAR_CLOSED] = {"closed", "m", "m"},
-    [HEAR_TEETH] = {"teeth", "f", "f"},    [HEAR_ROUNDED] = {"rounded", "ʃ", "S"},
-    [HEAR_DENTAL] = {"dental", "θ", "T"},  [HEAR_HISS] = {"hiss", "s", "s"},
-    [HEAR_TIP] = {"tip", "t", "t"},        [HEAR_LIQUID] = {"liquid", "l", "l"},
-    [HEAR_BACK] = {"back", "k", "k"},      [HEAR_OPEN] = {"open", "a", "a"},
-    [HEAR_MIDDLE] = {"middle", "ɛ", "E"},  [HEAR_MIDDLE_ROUND] = {"middle-round", "ɔ", "O"},
-    [HEAR_CLOSE] = {"close", "i", "i"},    [HEAR_CLOSE_ROUND] = {"close-round", "u", "u"},
+const struct lip_class_name lip_classes[LIP_CLASSES] = {
+    [LIP_SILENCE] = {"silence", "", "_"}, [LIP_CLOSED] = {"closed", "m", "m"},
+    [LIP_TEETH] = {"teeth", "f", "f"},    [LIP_ROUNDED] = {"rounded", "ʃ", "S"},
+    [LIP_DENTAL] = {"dental", "θ", "T"},  [LIP_HISS] = {"hiss", "s", "s"},
+    [LIP_TIP] = {"tip", "t", "t"},        [LIP_LIQUID] = {"liquid", "l", "l"},
+    [LIP_BACK] = {"back", "k", "k"},      [LIP_OPEN] = {"open", "a", "a"},
+    [LIP_MIDDLE] = {"middle", "ɛ", "E"},  [LIP_MIDDLE_ROUND] = {"middle-round", "ɔ", "O"},
+    [LIP_CLOSE] = {"close", "i", "i"},    [LIP_CLOSE_ROUND] = {"close-round", "u", "u"},
 };
 
 /* As long as it is that likely a closure goes on. */
@@ -27,37 +27,37 @@ const struct hear_class_name hear_classes[HEAR_CLASSES] = {
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
 /* A missed closure is worse than one too many, and teeth on the lip are mostly missed: so much more they
  * count. models/hear/README.md has what was tried. */
-static const float counts[HEAR_CLASSES] = {[HEAR_CLOSED] = 1.4F, [HEAR_TEETH] = 2};
+static const float counts[LIP_CLASSES] = {[LIP_CLOSED] = 1.4F, [LIP_TEETH] = 2};
 
-static bool touches(enum hear_class class) {
-    return class == HEAR_CLOSED || class == HEAR_TEETH;
+static bool touches(enum lip_class class) {
+    return class == LIP_CLOSED || class == LIP_TEETH;
 }
 
-static enum hear_class best(const float likely[HEAR_CLASSES]) {
-    int found = HEAR_SILENCE;
-    float most = likely[HEAR_SILENCE];
-    for (int i = 1; i < HEAR_CLASSES; i++) {
+static enum lip_class best(const float likely[LIP_CLASSES]) {
+    int found = LIP_SILENCE;
+    float most = likely[LIP_SILENCE];
+    for (int i = 1; i < LIP_CLASSES; i++) {
         float weighed = counts[i] > 0 ? counts[i] * likely[i] : likely[i];
         if (weighed > most) {
             most = weighed;
             found = i;
         }
     }
-    return (enum hear_class)found;
+    return (enum lip_class)found;
 }
 
-static void add(double sums[HEAR_CLASSES], const float likely[HEAR_CLASSES]) {
-    for (int i = 0; i < HEAR_CLASSES; i++)
+static void add(double sums[LIP_CLASSES], const float likely[LIP_CLASSES]) {
+    for (int i = 0; i < LIP_CLASSES; i++)
         sums[i] += (double)likely[i];
 }
 
-void hear_decoder_begin(struct hear_decoder *d) {
-    *d = (struct hear_decoder){.now = {.class = HEAR_SILENCE}};
+void lip_decoder_begin(struct lip_decoder *d) {
+    *d = (struct lip_decoder){.now = {.class = LIP_SILENCE}};
 }
 
-bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES], struct hear_phone *ended) {
-    enum hear_class heard = best(likely);
-    struct hear_phone *now = &d->now;
+bool lip_decoder_step(struct lip_decoder *d, const float likely[LIP_CLASSES], struct lip_phone *ended) {
+    enum lip_class heard = best(likely);
+    struct lip_phone *now = &d->now;
     uint32_t frame = now->end++, age = frame - now->start;
     bool held = touches(now->class) && (age < CONTACT_FRAMES || likely[now->class] > CLOSED_HOLD);
     bool stays = heard == now->class || (held && !touches(heard));
@@ -78,47 +78,47 @@ bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES],
     *ended = *now;
     ended->end = d->since;
     memcpy(ended->likely, d->before, sizeof d->before);
-    *now = (struct hear_phone){heard, d->since, frame + 1, {0}};
+    *now = (struct lip_phone){heard, d->since, frame + 1, {0}};
     memcpy(now->likely, d->next_likely, sizeof now->likely);
     d->since = now->end;
     return ended->end > ended->start;
 }
 
 /* The sentence that is made of them counts milliseconds. */
-enum { RATE = 1000, MS = RATE / HEAR_FRAMES_A_SECOND };
+enum { RATE = 1000, MS = RATE / LIP_FRAMES_A_SECOND };
 
 /* A sound that is being heard goes on for a while: at least so long, and so much longer, ms. */
 enum { LASTS = 90, GOES_ON = 60, THEN_REST = 400 };
 
-bool hear_face_speaks(const char *engine, const struct speech_pack *pack) {
-    return !engine || !strcmp(engine, HEAR_ENGINE) || face_engine_speaks(engine, pack);
+bool lip_face_speaks(const char *engine, const struct speech_pack *pack) {
+    return !engine || !strcmp(engine, LIP_ENGINE) || face_engine_speaks(engine, pack);
 }
 
 /* A phone that has ended. */
-static void hear_face_add(struct hear_face *f, const struct hear_phone *phone) {
-    size_t old = f->count == HEAR_FACE_PHONES;
-    while (old < f->count && f->phones[old].end + HEAR_FACE_REACH < phone->end)
+static void lip_face_add(struct lip_face *f, const struct lip_phone *phone) {
+    size_t old = f->count == LIP_FACE_PHONES;
+    while (old < f->count && f->phones[old].end + LIP_FACE_REACH < phone->end)
         old++;
     f->count -= old;
     memmove(f->phones, f->phones + old, f->count * sizeof *f->phones);
     f->phones[f->count++] = *phone;
 }
 
-static void put(struct phone *out, enum hear_class class, uint32_t start, uint32_t end) {
+static void put(struct phone *out, enum lip_class class, uint32_t start, uint32_t end) {
     *out = (struct phone){.start = start, .end = end};
-    snprintf(out->ipa, sizeof out->ipa, "%s", hear_classes[class].ipa);
-    snprintf(out->sampa, sizeof out->sampa, "%s", hear_classes[class].sampa);
+    snprintf(out->ipa, sizeof out->ipa, "%s", lip_classes[class].ipa);
+    snprintf(out->sampa, sizeof out->sampa, "%s", lip_classes[class].sampa);
 }
 
 /* The mouth at t s, while `now` is being heard and the network tells `mouth` of that instant, mm. */
-static void hear_face_sample(struct hear_face *f, const struct hear_phone *now, const double mouth[PARAM_COUNT],
-                      double t, struct fap_frame *frame) {
-    struct phone phones[HEAR_FACE_PHONES + 3];
+static void lip_face_sample(struct lip_face *f, const struct lip_phone *now, const double mouth[PARAM_COUNT],
+                            double t, struct fap_frame *frame) {
+    struct phone phones[LIP_FACE_PHONES + 3];
     size_t count = 0;
     int64_t zero = (int64_t)(f->count ? f->phones[0].start : now->start) * MS - THEN_REST;
-    put(&phones[count++], HEAR_SILENCE, 0, THEN_REST);
+    put(&phones[count++], LIP_SILENCE, 0, THEN_REST);
     for (size_t i = 0; i < f->count; i++) {
-        const struct hear_phone *p = &f->phones[i];
+        const struct lip_phone *p = &f->phones[i];
         put(&phones[count++], p->class, (uint32_t)((int64_t)p->start * MS - zero),
             (uint32_t)((int64_t)p->end * MS - zero));
     }
@@ -126,12 +126,12 @@ static void hear_face_sample(struct hear_face *f, const struct hear_phone *now, 
              end = (uint32_t)((int64_t)now->end * MS - zero);
     end = end + GOES_ON > start + LASTS ? end + GOES_ON : start + LASTS;
     put(&phones[count++], now->class, start, end);
-    put(&phones[count++], HEAR_SILENCE, end, end + THEN_REST);
+    put(&phones[count++], LIP_SILENCE, end, end + THEN_REST);
     struct sentence_audio audio = {
         .sample_rate = RATE, .samples = end + THEN_REST, .phones = phones, .phone_count = count};
     const struct face_options options = {.engine = f->engine, .still = true};
     struct face_track *track = face_track_new(f->pack, &audio, &options, NULL, NULL);
-    face_track_sample_mouth(track, t - HEAR_FIRST_SECONDS - (double)zero / RATE, f->engine ? NULL : mouth,
+    face_track_sample_mouth(track, t - LIP_FIRST_SECONDS - (double)zero / RATE, f->engine ? NULL : mouth,
                             frame);
     face_track_free(track);
 }
@@ -145,11 +145,11 @@ static void hear_face_sample(struct hear_face *f, const struct hear_phone *now, 
 #define NONE -0.9F
 #define SOMEBODY -0.5F
 
-void hear_voice_begin(struct hear_voice *v) {
-    *v = (struct hear_voice){.evidence = 1};
+void lip_voice_begin(struct lip_voice *v) {
+    *v = (struct lip_voice){.evidence = 1};
 }
 
-void hear_voice_step(struct hear_voice *v, float odds, float silence) {
+void lip_voice_step(struct lip_voice *v, float odds, float silence) {
     float counts = (1 - silence) * fmaxf(-ODDS_MOST, fminf(ODDS_MOST, odds));
     v->evidence = fmaxf(-1, fminf(1, v->evidence + counts * (counts > 0 ? RISES : FALLS)));
     v->none = v->none ? v->evidence < SOMEBODY : v->evidence < NONE;
@@ -160,17 +160,17 @@ void hear_voice_step(struct hear_voice *v, float odds, float silence) {
 #define FALLS_ASLEEP 0.05F
 #define WAKES 0.25F
 
-struct hearing {
-    struct hearing_options options;
-    struct hear_sound *sound;
-    struct hear_features *features;
-    struct hear_state *state;
-    struct hear_voice voice;
-    struct hear_decoder decoder;
-    struct hear_face face;
+struct lip_recogniser {
+    struct lip_recogniser_options options;
+    struct lip_input *sound;
+    struct lip_features *features;
+    struct lip_state *state;
+    struct lip_voice voice;
+    struct lip_decoder decoder;
+    struct lip_face face;
     float mouth[2][PARAM_COUNT]; /* mm, of the last two frames */
     float awake;                 /* 0: at rest .. 1: as the network tells */
-    struct life_heard *life;     /* NULL: the mouth alone */
+    struct life_live *life;      /* NULL: the mouth alone */
     size_t head;
     unsigned delay;   /* frames */
     uint32_t heard;   /* frames of features */
@@ -180,32 +180,32 @@ struct hearing {
 };
 
 double hear_seconds(uint32_t frames) {
-    return frames ? HEAR_FIRST_SECONDS + (double)frames / HEAR_FRAMES_A_SECOND : 0;
+    return frames ? LIP_FIRST_SECONDS + (double)frames / LIP_FRAMES_A_SECOND : 0;
 }
 
 /* Between the middles of the last two frames. */
-static void mouth_at(const struct hearing *l, double t, double mm[PARAM_COUNT]) {
-    double last = hear_seconds(l->decoder.now.end) - 0.5 / HEAR_FRAMES_A_SECOND;
-    double before = fmax(0, fmin(1, (last - t) * HEAR_FRAMES_A_SECOND));
+static void mouth_at(const struct lip_recogniser *l, double t, double mm[PARAM_COUNT]) {
+    double last = hear_seconds(l->decoder.now.end) - 0.5 / LIP_FRAMES_A_SECOND;
+    double before = fmax(0, fmin(1, (last - t) * LIP_FRAMES_A_SECOND));
     for (int p = 0; p < PARAM_COUNT; p++)
         mm[p] = before * (double)l->mouth[0][p] + (1 - before) * (double)l->mouth[1][p];
 }
 
 /* The face as far as it is known. */
-static void show(struct hearing *l, double until) {
+static void show(struct lip_recogniser *l, double until) {
     struct fap_frame frame;
     double mm[PARAM_COUNT];
     for (double t; (t = l->shown / l->options.fps) <= until && t < l->end; l->shown++) {
         mouth_at(l, t, mm);
-        hear_face_sample(&l->face, &l->decoder.now, mm, t, &frame);
+        lip_face_sample(&l->face, &l->decoder.now, mm, t, &frame);
         if (l->life)
-            life_heard_add(l->life, t, &frame);
+            life_live_add(l->life, t, &frame);
         l->options.frame(l->options.ctx, l->shown, &frame);
     }
 }
 
-static void take_mouth(struct hearing *l, const float mouth[PARAM_COUNT]) {
-    bool silent = l->decoder.now.class == HEAR_SILENCE;
+static void take_mouth(struct lip_recogniser *l, const float mouth[PARAM_COUNT]) {
+    bool silent = l->decoder.now.class == LIP_SILENCE;
     l->awake = silent ? fmaxf(0, l->awake - FALLS_ASLEEP) : fminf(1, l->awake + WAKES);
     memcpy(l->mouth[0], l->mouth[1], sizeof l->mouth[0]);
     for (int p = 0; p < PARAM_COUNT; p++)
@@ -213,26 +213,26 @@ static void take_mouth(struct hearing *l, const float mouth[PARAM_COUNT]) {
 }
 
 /* Music is silence as far as a mouth goes. */
-static void quieten(struct hearing *l, struct hear_answer *answer) {
-    hear_voice_step(&l->voice, answer->voice, answer->likely[HEAR_SILENCE]);
+static void quieten(struct lip_recogniser *l, struct lip_answer *answer) {
+    lip_voice_step(&l->voice, answer->voice, answer->likely[LIP_SILENCE]);
     if (!l->voice.none)
         return;
     memset(answer->likely, 0, sizeof answer->likely);
-    answer->likely[HEAR_SILENCE] = 1;
+    answer->likely[LIP_SILENCE] = 1;
 }
 
-static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
-    struct hearing *l = ctx;
-    struct hear_answer answer;
-    struct hear_phone ended;
-    hear_state_step(l->state, features, l->head, &answer);
+static void on_features(void *ctx, const float features[LIP_FEATURES]) {
+    struct lip_recogniser *l = ctx;
+    struct lip_answer answer;
+    struct lip_phone ended;
+    lip_state_step(l->state, features, l->head, &answer);
     quieten(l, &answer);
     if (l->life)
-        life_heard_step(l->life);
+        life_live_step(l->life);
     if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
         return;
-    if (hear_decoder_step(&l->decoder, answer.likely, &ended)) {
-        hear_face_add(&l->face, &ended);
+    if (lip_decoder_step(&l->decoder, answer.likely, &ended)) {
+        lip_face_add(&l->face, &ended);
         if (l->options.phone)
             l->options.phone(l->options.ctx, &ended);
     }
@@ -241,68 +241,68 @@ static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
 }
 
 static void on_sound(void *ctx, const float *samples, size_t count) {
-    struct hearing *l = ctx;
+    struct lip_recogniser *l = ctx;
     if (l->life)
-        life_heard_write(l->life, samples, count);
-    hear_features_write(l->features, samples, count);
+        life_live_write(l->life, samples, count);
+    lip_features_write(l->features, samples, count);
 }
 
-static int choose_head(struct hearing *l, unsigned lookahead, struct error *e) {
-    unsigned delays[HEAR_HEADS_MOST];
-    size_t count = hear_network_delays(l->options.network, delays);
+static int choose_head(struct lip_recogniser *l, unsigned lookahead, struct error *e) {
+    unsigned delays[LIP_HEADS_MOST];
+    size_t count = lip_network_delays(l->options.network, delays);
     for (l->head = 0; l->head < count; l->head++)
-        if (delays[l->head] * 1000 / HEAR_FRAMES_A_SECOND == lookahead) {
+        if (delays[l->head] * 1000 / LIP_FRAMES_A_SECOND == lookahead) {
             l->delay = delays[l->head];
             return 0;
         }
     return error_in_field(e, ERROR_BAD_FIELD, "lookahead", "there is none of %u ms", lookahead);
 }
 
-struct hearing *hearing_new(const struct hearing_options *options, struct error *e) {
-    struct hearing *l = mem_alloc(sizeof *l);
+struct lip_recogniser *lip_recogniser_new(const struct lip_recogniser_options *options, struct error *e) {
+    struct lip_recogniser *l = mem_alloc(sizeof *l);
     l->options = *options;
     l->face.pack = options->pack;
-    if (options->engine && strcmp(options->engine, HEAR_ENGINE) != 0)
+    if (options->engine && strcmp(options->engine, LIP_ENGINE) != 0)
         l->face.engine = options->engine;
     l->end = INFINITY;
-    hear_voice_begin(&l->voice);
-    hear_decoder_begin(&l->decoder);
+    lip_voice_begin(&l->voice);
+    lip_decoder_begin(&l->decoder);
     if (!choose_head(l, options->lookahead, e))
-        l->sound = hear_sound_new(options->rate, options->channels, on_sound, l, e);
+        l->sound = lip_input_new(options->rate, options->channels, on_sound, l, e);
     if (!l->sound) {
         free(l);
         return NULL;
     }
-    l->features = hear_features_new(on_features, l);
-    l->state = hear_state_new(options->network);
+    l->features = lip_features_new(on_features, l);
+    l->state = lip_state_new(options->network);
     if (options->lives)
-        l->life = life_heard_new();
+        l->life = life_live_new();
     return l;
 }
 
-void hearing_free(struct hearing *l) {
+void lip_recogniser_free(struct lip_recogniser *l) {
     if (!l)
         return;
-    hear_sound_free(l->sound);
-    hear_features_free(l->features);
-    hear_state_free(l->state);
-    life_heard_free(l->life);
+    lip_input_free(l->sound);
+    lip_features_free(l->features);
+    lip_state_free(l->state);
+    life_live_free(l->life);
     free(l);
 }
 
-void hearing_write(struct hearing *l, const float *samples, size_t frames) {
+void lip_recogniser_write(struct lip_recogniser *l, const float *samples, size_t frames) {
     l->written += frames;
-    hear_sound_write(l->sound, samples, frames);
+    lip_input_write(l->sound, samples, frames);
 }
 
-void hearing_end(struct hearing *l) {
-    static const float silence[HEAR_WINDOW];
-    hear_sound_end(l->sound);
+void lip_recogniser_end(struct lip_recogniser *l) {
+    static const float silence[LIP_WINDOW];
+    lip_input_end(l->sound);
     l->end = (double)l->written / l->options.rate;
     if (!l->written)
         return;
-    for (unsigned i = 0; i < l->delay * HEAR_HOP / HEAR_WINDOW + 2; i++)
-        hear_features_write(l->features, silence, HEAR_WINDOW);
+    for (unsigned i = 0; i < l->delay * LIP_HOP / LIP_WINDOW + 2; i++)
+        lip_features_write(l->features, silence, LIP_WINDOW);
     show(l, l->end);
     if (l->options.phone && l->decoder.now.end)
         l->options.phone(l->options.ctx, &l->decoder.now);

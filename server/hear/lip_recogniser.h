@@ -5,100 +5,99 @@
 #define FACCIA_HEAR_LIP_RECOGNISER_H
 
 #include "protocol/fap.h"
-#include "server/face/packs/speech_pack.h"
 #include "server/face/packs/shape_table.h"
+#include "server/face/packs/speech_pack.h"
 #include "server/hear/lip_network.h"
 #include <stdbool.h>
 #include <stdint.h>
 
 /* Frame k is the 10 ms around the middle of the window that it was made of, which begin k frames after this.
  */
-#define HEAR_FIRST_SECONDS 0.0075
-enum { HEAR_FRAMES_A_SECOND = 100 };
+#define LIP_FIRST_SECONDS 0.0075
+enum { LIP_FRAMES_A_SECOND = 100 };
 
-struct hear_phone {
-    enum hear_class class;
-    uint32_t start, end;         /* it ends where the next begins */
-    double likely[HEAR_CLASSES]; /* sums over its frames of how likely each class was */
+struct lip_phone {
+    enum lip_class class;
+    uint32_t start, end;        /* it ends where the next begins */
+    double likely[LIP_CLASSES]; /* sums over its frames of how likely each class was */
 };
 
-struct hear_decoder {
-    struct hear_phone now; /* end = what has been heard so far */
-    enum hear_class next;  /* may be about to begin */
-    uint32_t since;        /* from that frame on; nothing is when this is now.end */
-    double next_likely[HEAR_CLASSES], before[HEAR_CLASSES]; /* over its frames; over now's before it */
+struct lip_decoder {
+    struct lip_phone now; /* end = what has been heard so far */
+    enum lip_class next;  /* may be about to begin */
+    uint32_t since;       /* from that frame on; nothing is when this is now.end */
+    double next_likely[LIP_CLASSES], before[LIP_CLASSES]; /* over its frames; over now's before it */
 };
 
-void hear_decoder_begin(struct hear_decoder *decoder);
+void lip_decoder_begin(struct lip_decoder *decoder);
 
 /* Takes the next frame. True: a phone has ended, which is in *ended. */
-bool hear_decoder_step(struct hear_decoder *decoder, const float likely[HEAR_CLASSES],
-                       struct hear_phone *ended);
+bool lip_decoder_step(struct lip_decoder *decoder, const float likely[LIP_CLASSES], struct lip_phone *ended);
 
 /* The face of what is being heard: the mouth that the network tells, or that of an engine over the sounds of
  * the last seconds; what is yet to come is not known, so an engine does not prepare for it. Contacts and
  * openings are those of these sounds, as with a text. */
 
 /* So many sounds at most, none that ended longer ago: frames. */
-enum { HEAR_FACE_PHONES = 64, HEAR_FACE_REACH = 200 };
+enum { LIP_FACE_PHONES = 64, LIP_FACE_REACH = 200 };
 
-struct hear_face {
+struct lip_face {
     const struct speech_pack *pack; /* borrowed */
     const char *engine;             /* NULL: the network's mouth; borrowed */
-    struct hear_phone phones[HEAR_FACE_PHONES];
+    struct lip_phone phones[LIP_FACE_PHONES];
     size_t count;
 };
 
 /* The name that the network's own mouth has among the engines. */
-#define HEAR_ENGINE "network"
+#define LIP_ENGINE "network"
 
 /* Whether the face can be made so: by an engine that speaks the pack, or by the network (NULL or its name).
  */
-bool hear_face_speaks(const char *engine, const struct speech_pack *pack);
+bool lip_face_speaks(const char *engine, const struct speech_pack *pack);
 
 /* Whether anybody speaks, or it is music or noise: evidence adds up, so that a doubtful moment changes
  * nothing. In silence it stays as it is. */
 
-struct hear_voice {
+struct lip_voice {
     float evidence;
     bool none; /* nobody speaks */
 };
 
-void hear_voice_begin(struct hear_voice *voice);
+void lip_voice_begin(struct lip_voice *voice);
 
 /* Takes the next frame: how likely a voice is (the logarithm of the odds), and how likely silence. */
-void hear_voice_step(struct hear_voice *voice, float odds, float silence);
+void lip_voice_step(struct lip_voice *voice, float odds, float silence);
 
 /* From anybody's voice to a face, while it speaks: sound goes in as it comes, frames of the face come out
  * once enough has been heard after their time. No text is known, and none can be had from it. Nothing is kept
  * but the sounds of the last seconds. */
 
-struct hearing_options {
-    const struct hear_network *network; /* borrowed, as is all else */
+struct lip_recogniser_options {
+    const struct lip_network *network; /* borrowed, as is all else */
     const struct speech_pack *pack;
-    const char *engine; /* see hear_face_speaks */
+    const char *engine; /* see lip_face_speaks */
     unsigned rate, channels;
     unsigned lookahead; /* ms: one that the network has a head for */
     double fps;
-    bool lives; /* brows, lids, eyes and head follow the voice, too: see life_heard.h */
+    bool lives; /* brows, lids, eyes and head follow the voice, too: see life_live.h */
     /* The face at k / fps s of the sound. */
     void (*frame)(void *ctx, uint32_t k, const struct fap_frame *frame);
     /* A sound that has ended; may be NULL. */
-    void (*phone)(void *ctx, const struct hear_phone *phone);
+    void (*phone)(void *ctx, const struct lip_phone *phone);
     void *ctx;
 };
 
-struct hearing;
+struct lip_recogniser;
 
 /* NULL with *e: bad-sound, or bad-field (lookahead). */
-struct hearing *hearing_new(const struct hearing_options *options, struct error *e);
-void hearing_free(struct hearing *hearing);
+struct lip_recogniser *lip_recogniser_new(const struct lip_recogniser_options *options, struct error *e);
+void lip_recogniser_free(struct lip_recogniser *recogniser);
 
-/* See hear_sound_write. */
-void hearing_write(struct hearing *hearing, const float *samples, size_t frames);
+/* See lip_input_write. */
+void lip_recogniser_write(struct lip_recogniser *recogniser, const float *samples, size_t frames);
 
 /* There is no more: the frames up to the end of the sound, and the last sound. */
-void hearing_end(struct hearing *hearing);
+void lip_recogniser_end(struct lip_recogniser *recogniser);
 
 /* s from a phone's frames. */
 double hear_seconds(uint32_t frames);

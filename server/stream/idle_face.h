@@ -12,6 +12,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct idle_options;
+struct media;
+
 #define EASE_UPPER 0.35 /* s */
 #define EASE_MOUTH 0.12 /* s, when nobody speaks */
 

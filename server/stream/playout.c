@@ -5,22 +5,6 @@
 #include "server/synthesis/media_segment.h"
 #include <string.h>
 
-/* Where one has come in a segment. Begins zeroed. */
-struct segment_cut {
-    uint32_t at; /* sample of the segment */
-    size_t word, mark, phone;
-};
-
-/* The media from cut->at on, at most samples long, with frames of that placement in media->frames (room for
- * CUT_FRAMES). Moves cut->at on. The words and marks from cut->word and cut->mark on that begin before the
- * new cut->at belong to it. */
-enum { CUT_FRAMES = 32 };
-void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
-                       struct face_placement *face, double fps, uint32_t samples, struct media *media);
-
-/* Enters the segment where it is to be heard from. */
-void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment);
-
 void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
                        struct face_placement *face, double fps, uint32_t samples, struct media *media) {
     const struct sentence_audio *u = segment->audio;

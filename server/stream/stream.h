@@ -4,12 +4,14 @@
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
-#include "server/stream/media.h"
 #include "server/stream/idle_face.h"
+#include "server/stream/media.h"
 #include "server/synthesis/live_voice.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"
+
+struct mood_request;
 
 enum {
     STREAM_CHUNK_MS = 200, /* media in one chunk */

@@ -20,7 +20,7 @@ struct live_voice {
     unsigned rate, lookahead;
     struct live_audio *sound;
     struct jitter_buffer jitter;
-    struct hearing *hearing;
+    struct lip_recogniser *recogniser;
     uv_timer_t *timer;              /* while it is open */
     uint64_t last;                  /* loop time at which enough had come last (LIVE_MIN_PERCENT), ms */
     uint64_t fresh;                 /* samples since then */
@@ -57,7 +57,7 @@ static void live_recognise(struct live_voice *h, const int16_t *samples, size_t 
     h->pcm_count += count;
     for (size_t i = 0; i < count; i++)
         block[i] = (float)samples[i] / 32768;
-    hearing_write(h->hearing, block, count);
+    lip_recogniser_write(h->recogniser, block, count);
 }
 
 /* No more than is soon used up: the rest waits where it can still be left out. */
@@ -68,7 +68,7 @@ static void recognise_ahead(struct live_voice *h) {
     while (!h->recognised_all && h->pcm_count < most && (count = jitter_buffer_take(&h->jitter, block, size)))
         live_recognise(h, block, count);
     if (h->closed && !h->recognised_all && h->pcm_count < most) {
-        hearing_end(h->hearing);
+        lip_recogniser_end(h->recogniser);
         h->recognised_all = true;
     }
 }
@@ -298,7 +298,7 @@ static int choose(struct live_voice *h, struct error *e) {
     h->pack = speech_packs_find(pipeline->packs, lang);
     if (!h->pack)
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'", lang);
-    if (!hear_face_speaks(h->request.engine, h->pack))
+    if (!lip_face_speaks(h->request.engine, h->pack))
         return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s' for '%s'", h->request.engine,
                               lang);
     return 0;
@@ -324,18 +324,18 @@ static int open_all(struct live_voice *h, const struct live_request *request, st
     if (pool->payer_most && voices_of(pool, h->request.payer) >= pool->payer_most)
         return error_set(e, ERROR_TOO_MANY_VOICES, "%u voices of one address or subject are heard already",
                          pool->payer_most);
-    const struct hearing_options options = {.network = pool->network,
-                                            .pack = h->pack,
-                                            .engine = h->request.engine,
-                                            .rate = request->rate,
-                                            .channels = 1,
-                                            .lookahead = request->lookahead,
-                                            .fps = h->request.fps,
-                                            .lives = !h->request.still && h->request.life != 0,
-                                            .frame = live_frame,
-                                            .ctx = h};
-    h->hearing = hearing_new(&options, e);
-    if (!h->hearing || !(h->sound = live_audio_new(request, e)))
+    const struct lip_recogniser_options options = {.network = pool->network,
+                                                   .pack = h->pack,
+                                                   .engine = h->request.engine,
+                                                   .rate = request->rate,
+                                                   .channels = 1,
+                                                   .lookahead = request->lookahead,
+                                                   .fps = h->request.fps,
+                                                   .lives = !h->request.still && h->request.life != 0,
+                                                   .frame = live_frame,
+                                                   .ctx = h};
+    h->recogniser = lip_recogniser_new(&options, e);
+    if (!h->recogniser || !(h->sound = live_audio_new(request, e)))
         return -1;
     jitter_buffer_open(&h->jitter, h->rate, (size_t)h->rate * pool->seconds);
     return 0;
@@ -352,7 +352,7 @@ static void stop_timer(struct live_voice *h) {
 }
 
 static void free_all(struct live_voice *h) {
-    hearing_free(h->hearing);
+    lip_recogniser_free(h->recogniser);
     live_audio_free(h->sound);
     jitter_buffer_free(&h->jitter);
     request_free(&h->request);
@@ -495,7 +495,7 @@ const char *live_voice_lang(const struct live_voice *h) {
 }
 
 const char *live_voice_engine(const struct live_voice *h) {
-    return h->request.engine ? h->request.engine : HEAR_ENGINE;
+    return h->request.engine ? h->request.engine : LIP_ENGINE;
 }
 
 unsigned live_voice_lookahead(const struct live_voice *h) {

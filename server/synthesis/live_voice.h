@@ -52,11 +52,11 @@ int live_audio_end(const struct live_audio *sound, struct error *e);
 /* Somebody's voice, while it speaks, as segments like those of a speech: its sound, and the mouth that goes
  * with it. Nobody knows its words. What is heard is delayed by the lookahead, together with the face. */
 
-struct hear_network;
+struct lip_network;
 
 /* What all that are heard have in common. */
 struct live_pool {
-    struct hear_network *network; /* NULL: none can be heard */
+    struct lip_network *network; /* NULL: none can be heard */
     unsigned most;                /* at a time */
     unsigned payer_most;          /* of one payer (speech_request.h); 0 = no limit of its own */
     unsigned seconds;             /* of sound that may wait, of each */

@@ -14,7 +14,7 @@ enum { SAMPLES_MOST = 16000, MESSAGES_MOST = 200 };
 
 /* What an input gives, and what it says of itself when it comes otherwise. */
 struct heard {
-    struct hearing *hearing; /* NULL: it is only listened to */
+    struct lip_recogniser *recogniser; /* NULL: it is only listened to */
     struct jitter_buffer pace;
     double now;
     size_t samples;
@@ -29,11 +29,11 @@ static const struct speech_packs *packs(void) {
     return &loaded;
 }
 
-static const struct hear_network *network(void) {
-    static struct hear_network *loaded;
+static const struct lip_network *network(void) {
+    static struct lip_network *loaded;
     struct error e;
     if (!loaded)
-        loaded = hear_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
+        loaded = lip_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
     FUZZ_CHECK(loaded);
     return loaded;
 }
@@ -54,14 +54,14 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     h->samples += count;
     for (size_t i = 0; i < count; i++)
         h->sum = h->sum * 31 + (uint16_t)samples[i];
-    if (!h->hearing || h->samples > SAMPLES_MOST)
+    if (!h->recogniser || h->samples > SAMPLES_MOST)
         return;
     jitter_buffer_add(&h->pace, samples, count, h->now);
     FUZZ_CHECK(h->pace.count <= h->pace.most);
     for (size_t got; (got = jitter_buffer_take(&h->pace, taken, sizeof taken / sizeof *taken));) {
         for (size_t i = 0; i < got; i++)
             block[i] = (float)taken[i] / 32768;
-        hearing_write(h->hearing, block, got);
+        lip_recogniser_write(h->recogniser, block, got);
     }
 }
 
@@ -85,7 +85,7 @@ static void read_all(struct fuzz_input in, struct live_audio *sound, bool whole,
 
 static void hear(struct fuzz_input in, const struct live_request *request, struct heard *h) {
     struct error e = {0};
-    const struct hearing_options options = {.network = network(),
+    const struct lip_recogniser_options options = {.network = network(),
                                             .pack = speech_packs_find(packs(), "it"),
                                             .rate = request->rate,
                                             .channels = 1,
@@ -95,13 +95,13 @@ static void hear(struct fuzz_input in, const struct live_request *request, struc
                                             .frame = on_frame,
                                             .ctx = h};
     struct live_audio *sound = live_audio_new(request, &e);
-    h->hearing = hearing_new(&options, &e);
-    FUZZ_CHECK(sound && (h->hearing || e.code == ERROR_BAD_FIELD));
+    h->recogniser = lip_recogniser_new(&options, &e);
+    FUZZ_CHECK(sound && (h->recogniser || e.code == ERROR_BAD_FIELD));
     jitter_buffer_open(&h->pace, request->rate, request->rate);
     read_all(in, sound, true, h);
-    if (h->hearing)
-        hearing_end(h->hearing);
-    hearing_free(h->hearing);
+    if (h->recogniser)
+        lip_recogniser_end(h->recogniser);
+    lip_recogniser_free(h->recogniser);
     jitter_buffer_free(&h->pace);
     live_audio_free(sound);
 }

@@ -229,8 +229,6 @@ void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
  * frame of 25 a second falls into it where the contacts leave room. */
 #define MIDDLE 0.3
 #define MIN_SECONDS 0.042
-#define MAX_RAMP 0.07
-#define MIN_RAMP 0.01
 
 static double own_opening(const struct phone_segment *g) {
     const struct coefficients *plain = g->phone->plain + VOWEL_CONTEXT_PAUSE * PARAM_COUNT,

@@ -58,7 +58,7 @@ static void add_pause(struct morph *morph, const struct phone_segment *g, const 
 }
 
 static struct speech_layer context_layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                                 struct phone_segments *g) {
+                                         struct phone_segments *g) {
     (void)u;
     const struct context_table *table = pack->visemes;
     const double *rest = table->common.shapes.items[table->common.rest].faps;
@@ -229,7 +229,7 @@ static void table_free(void *self) {
 }
 
 static struct speech_layer table_layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                                 struct phone_segments *g) {
+                                       struct phone_segments *g) {
     (void)u;
     struct table *table = mem_alloc(sizeof *table);
     double rest[PARAM_COUNT];
@@ -302,7 +302,8 @@ static double scale_of(const struct room *room, double pace) {
     return fmin((room->end - room->start) / room->table, fmin(MAX_UNEVEN * pace, MAX_STRETCH));
 }
 
-static void add_segment(struct phone_segments *g, const struct speech_phone *phone, double start, double end) {
+static void add_segment(struct phone_segments *g, const struct speech_phone *phone, double start,
+                        double end) {
     if (end <= start && !phone)
         return;
     g->items = mem_grow(g->items, &g->cap, g->count + 1, sizeof *g->items);
@@ -392,7 +393,7 @@ static void add_word(struct morph *morph, const struct spelling *spelling, const
 }
 
 static struct speech_layer syllable_layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                                 struct phone_segments *g) {
+                                          struct phone_segments *g) {
     const struct spelling *spelling = pack->letters;
     const double *neutral = spelling->common.shapes.items[spelling->common.rest].faps;
     if (!has_phones(g) && u->word_count) {

@@ -9,6 +9,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct shifts;
+struct prosody;
+
 enum dice_use {
     DICE_EDGE,
     DICE_GLANCES,

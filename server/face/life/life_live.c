@@ -8,6 +8,42 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How somebody speaks, from his sound alone, while he does: when he begins and pauses, which syllables stand
+ * out, how lively he is against how he has been. Nothing of what comes later is in it. Private to life. */
+enum {
+    PROSODY_RATE = LIFE_LIVE_RATE,
+    PROSODY_STEP = LIFE_LIVE_STEP,
+    PROSODY_WINDOW = 640, /* what pitch is looked for in */
+};
+
+/* Means over the last so many, of those few that there are at the beginning. */
+struct running_mean {
+    double value, count;
+};
+
+struct live_prosody {
+    int16_t pcm[PROSODY_WINDOW];
+    double power, loudest, floor; /* of the sound; dB */
+    bool speaks;
+    unsigned loud, quiet, phrase, silence; /* steps: in a row; since he began; before that */
+    bool rises;                            /* towards a syllable's loudest moment */
+    double peak, pitch, dip;               /* dB, Hz, dB */
+    unsigned since_peak, since_syllable, since_accent;
+    unsigned syllables;
+    struct running_mean usual_loudness, loudness, usual_pitch, height, usual_gap, gap;
+};
+
+/* What a step has brought. */
+struct live_moment {
+    bool begins, ends; /* he speaks; a phrase is over, PROSODY_PAUSE_STEPS ago */
+    double seconds;    /* of silence before it; of the phrase */
+    bool stands_out;   /* a syllable did, some 30 to 80 ms ago */
+    double weight;     /* how much, 0..1 */
+    double semitones;  /* how far its pitch lay above his usual one */
+};
+
+enum { PROSODY_PAUSE_STEPS = 25 };
+
 /* dB: what lies so far below the loudest of late, or not so far above the quietest, is silence, and all below
  * that. The loudest is forgotten, the quietest rises by so much a step. */
 #define BELOW_LOUDEST 25.0
@@ -42,11 +78,11 @@ static void take(struct running_mean *mean, double value, double over) {
     mean->value += (value - mean->value) / mean->count;
 }
 
-static void heard_prosody_begin(struct heard_prosody *p) {
-    *p = (struct heard_prosody){.loudest = SILENT, .floor = SILENT, .since_accent = ACCENT_GAP};
+static void live_prosody_begin(struct live_prosody *p) {
+    *p = (struct live_prosody){.loudest = SILENT, .floor = SILENT, .since_accent = ACCENT_GAP};
 }
 
-static double loudness(struct heard_prosody *p, const float *samples) {
+static double loudness(struct live_prosody *p, const float *samples) {
     double power = 0;
     memmove(p->pcm, p->pcm + PROSODY_STEP, sizeof p->pcm - PROSODY_STEP * sizeof *p->pcm);
     for (int i = 0; i < PROSODY_STEP; i++) {
@@ -61,14 +97,14 @@ static double loudness(struct heard_prosody *p, const float *samples) {
     return level;
 }
 
-static void phrases(struct heard_prosody *p, bool loud, struct heard_moment *m) {
+static void phrases(struct live_prosody *p, bool loud, struct live_moment *m) {
     p->loud = loud ? p->loud + 1 : 0;
     p->quiet = loud ? 0 : p->quiet + 1;
     if (p->speaks) {
         p->phrase++;
         if (p->quiet < PROSODY_PAUSE_STEPS)
             return;
-        *m = (struct heard_moment){.ends = true, .seconds = (p->phrase - PROSODY_PAUSE_STEPS) / 100.0};
+        *m = (struct live_moment){.ends = true, .seconds = (p->phrase - PROSODY_PAUSE_STEPS) / 100.0};
         p->speaks = false;
         p->silence = PROSODY_PAUSE_STEPS;
         return;
@@ -77,7 +113,7 @@ static void phrases(struct heard_prosody *p, bool loud, struct heard_moment *m) 
         p->silence++;
     if (p->loud < BEGIN_STEPS)
         return;
-    *m = (struct heard_moment){.begins = true, .seconds = p->silence / 100.0};
+    *m = (struct live_moment){.begins = true, .seconds = p->silence / 100.0};
     p->speaks = true;
     p->phrase = BEGIN_STEPS;
     p->rises = true;
@@ -86,7 +122,7 @@ static void phrases(struct heard_prosody *p, bool loud, struct heard_moment *m) 
     p->since_syllable = LONG_GAP;
 }
 
-static double pitch(const struct heard_prosody *p) {
+static double pitch(const struct live_prosody *p) {
     int16_t pcm[PROSODY_WINDOW];
     memcpy(pcm, p->pcm, sizeof pcm);
     const struct sentence_audio heard = {.sample_rate = PROSODY_RATE, .pcm = pcm, .samples = PROSODY_WINDOW};
@@ -94,7 +130,7 @@ static double pitch(const struct heard_prosody *p) {
 }
 
 /* A syllable is over. */
-static void syllable(struct heard_prosody *p, struct heard_moment *m) {
+static void syllable(struct live_prosody *p, struct live_moment *m) {
     double height = 12 * log2(p->pitch), above = height - p->usual_pitch.value;
     double loud = pow(10, (p->peak - p->usual_loudness.value) / 20) - 1;
     if (p->syllables >= KNOWN && fabs(above) > MISHEARD)
@@ -118,7 +154,7 @@ static void syllable(struct heard_prosody *p, struct heard_moment *m) {
     p->since_syllable = 0;
 }
 
-static void follow(struct heard_prosody *p, double level, struct heard_moment *m) {
+static void follow(struct live_prosody *p, double level, struct live_moment *m) {
     p->since_peak++;
     p->since_syllable++;
     if (p->since_accent < ACCENT_GAP)
@@ -146,8 +182,8 @@ static void follow(struct heard_prosody *p, double level, struct heard_moment *m
 }
 
 /* Takes the next PROSODY_STEP samples, -1..1. */
-static struct heard_moment heard_prosody_step(struct heard_prosody *p, const float *samples) {
-    struct heard_moment m = {0};
+static struct live_moment live_prosody_step(struct live_prosody *p, const float *samples) {
+    struct live_moment m = {0};
     double level = loudness(p, samples);
     double least = fmax(fmax(p->loudest - BELOW_LOUDEST, p->floor + ABOVE_FLOOR), SILENT);
     phrases(p, level > least, &m);
@@ -157,7 +193,7 @@ static struct heard_moment heard_prosody_step(struct heard_prosody *p, const flo
 }
 
 /* How much louder, higher and faster he is than usual, -1..1; 0 until enough has been heard. */
-static double heard_prosody_arousal(const struct heard_prosody *p) {
+static double live_prosody_arousal(const struct live_prosody *p) {
     if (p->syllables < WELL_KNOWN || p->usual_gap.count < FEW)
         return 0;
     double loud = (p->loudness.value - p->usual_loudness.value) / UNUSUAL_LOUDNESS;
@@ -213,8 +249,8 @@ struct look {
     double at, until, yaw, pitch; /* s; degrees, as the FAPs' */
 };
 
-struct life_heard {
-    struct heard_prosody prosody;
+struct life_live {
+    struct live_prosody prosody;
     float *waiting;
     size_t count, cap;
     uint32_t steps;
@@ -228,20 +264,20 @@ struct life_heard {
     double arousal, eased;
 };
 
-struct life_heard *life_heard_new(void) {
-    struct life_heard *l = mem_alloc(sizeof *l);
-    *l = (struct life_heard){.blink = -BLINK_GAP, .dice = dice_of(0, DICE_GESTURES, 0)};
-    heard_prosody_begin(&l->prosody);
+struct life_live *life_live_new(void) {
+    struct life_live *l = mem_alloc(sizeof *l);
+    *l = (struct life_live){.blink = -BLINK_GAP, .dice = dice_of(0, DICE_GESTURES, 0)};
+    live_prosody_begin(&l->prosody);
     return l;
 }
 
-void life_heard_free(struct life_heard *l) {
+void life_live_free(struct life_live *l) {
     if (l)
         free(l->waiting);
     free(l);
 }
 
-void life_heard_write(struct life_heard *l, const float *samples, size_t count) {
+void life_live_write(struct life_live *l, const float *samples, size_t count) {
     l->waiting = mem_grow(l->waiting, &l->cap, l->count + count, sizeof *l->waiting);
     if (count)
         memcpy(l->waiting + l->count, samples, count * sizeof *samples);
@@ -249,7 +285,7 @@ void life_heard_write(struct life_heard *l, const float *samples, size_t count) 
 }
 
 /* The oldest gives way: it is over, or there are too many. */
-static struct gesture_curve *gesture(struct life_heard *l, double at, double rise, double hold, double fall) {
+static struct gesture_curve *gesture(struct life_live *l, double at, double rise, double hold, double fall) {
     if (l->curve_count == CURVES)
         memmove(l->curves, l->curves + 1, --l->curve_count * sizeof *l->curves);
     struct gesture_curve *g = &l->curves[l->curve_count++];
@@ -257,20 +293,20 @@ static struct gesture_curve *gesture(struct life_heard *l, double at, double ris
     return g;
 }
 
-static void look(struct life_heard *l, double at, double until, double yaw, double pitch) {
+static void look(struct life_live *l, double at, double until, double yaw, double pitch) {
     if (l->look_count == GLANCES)
         memmove(l->looks, l->looks + 1, --l->look_count * sizeof *l->looks);
     at = fmax(at, l->shown);
     l->looks[l->look_count++] = (struct look){at, fmax(until, at), yaw, pitch};
 }
 
-static void nod(struct life_heard *l, double at, double degrees) {
+static void nod(struct life_live *l, double at, double degrees) {
     double lively = 1 + NOD_MORE * l->eased;
     gesture(l, at, NOD_RISE, 0, NOD_FALL)->amount[GESTURE_PITCH] = (float)(degrees * lively);
 }
 
 /* Looks aside while what is to be said is being thought of. */
-static void begin_turn(struct life_heard *l, double at) {
+static void begin_turn(struct life_live *l, double at) {
     double roll = dice_roll(&l->dice), side = dice_roll(&l->dice) < 0.5 ? -1 : 1;
     double yaw = side * ASIDE_YAW * dice_between(&l->dice, 0.6, 1.2);
     double pitch = ASIDE_PITCH * dice_between(&l->dice, -1, 1);
@@ -284,14 +320,14 @@ static void begin_turn(struct life_heard *l, double at) {
     g->amount[GESTURE_PITCH] = (float)(HEAD_SHARE * pitch);
 }
 
-static void begin_phrase(struct life_heard *l, double at, double silence) {
+static void begin_phrase(struct life_live *l, double at, double silence) {
     if (silence >= TURN_SILENCE)
         begin_turn(l, at);
     else
         look(l, at, at + LISTENER_ON, 0, 0);
 }
 
-static void end_phrase(struct life_heard *l, double at, double length) {
+static void end_phrase(struct life_live *l, double at, double length) {
     double roll = dice_roll(&l->dice);
     look(l, at, at + LISTENER_AFTER, 0, 0);
     if (length >= NODS_AFTER)
@@ -300,7 +336,7 @@ static void end_phrase(struct life_heard *l, double at, double length) {
         l->blink = fmax(at, l->shown);
 }
 
-static void stress(struct life_heard *l, double at, const struct heard_moment *m) {
+static void stress(struct life_live *l, double at, const struct live_moment *m) {
     double roll = dice_roll(&l->dice), amount = dice_between(&l->dice, BROW_LEAST, BROW_MOST);
     nod(l, at, (NOD_LEAST + (NOD_MOST - NOD_LEAST) * m->weight) * (1 + NOD_PER_SEMITONE * m->semitones));
     if (m->semitones < HIGH && roll > BROW_CHANCE * m->weight)
@@ -309,7 +345,7 @@ static void stress(struct life_heard *l, double at, const struct heard_moment *m
     g->amount[GESTURE_BROW_LEFT] = g->amount[GESTURE_BROW_RIGHT] = (float)amount;
 }
 
-void life_heard_step(struct life_heard *l) {
+void life_live_step(struct life_live *l) {
     float samples[PROSODY_STEP] = {0};
     size_t count = l->count < PROSODY_STEP ? l->count : PROSODY_STEP;
     if (count) {
@@ -317,7 +353,7 @@ void life_heard_step(struct life_heard *l) {
         l->count -= count;
         memmove(l->waiting, l->waiting + count, l->count * sizeof *samples);
     }
-    struct heard_moment m = heard_prosody_step(&l->prosody, samples);
+    struct live_moment m = live_prosody_step(&l->prosody, samples);
     double now = ++l->steps * (double)PROSODY_STEP / PROSODY_RATE;
     if (m.begins)
         begin_phrase(l, now - 0.05, l->steps > 100 ? m.seconds : TURN_SILENCE);
@@ -326,12 +362,12 @@ void life_heard_step(struct life_heard *l) {
     if (m.stands_out)
         stress(l, now - 0.08, &m);
     /* twice, so that it neither begins nor ends with a jerk */
-    double goal = l->prosody.speaks ? heard_prosody_arousal(&l->prosody) : 0;
+    double goal = l->prosody.speaks ? live_prosody_arousal(&l->prosody) : 0;
     l->arousal += WAKE * (goal - l->arousal);
     l->eased += WAKE * (l->arousal - l->eased);
 }
 
-static void gestures_at(struct life_heard *l, double t, double out[GESTURE_CHANNELS]) {
+static void gestures_at(struct life_live *l, double t, double out[GESTURE_CHANNELS]) {
     size_t kept = 0;
     for (size_t i = 0; i < l->curve_count; i++) {
         const struct gesture_curve g = l->curves[i];
@@ -346,7 +382,7 @@ static void gestures_at(struct life_heard *l, double t, double out[GESTURE_CHANN
 }
 
 /* NULL: the eyes are free. */
-static const struct look *look_at(const struct life_heard *l, double t) {
+static const struct look *look_at(const struct life_live *l, double t) {
     const struct look *found = NULL;
     for (size_t i = 0; i < l->look_count; i++)
         if (l->looks[i].at <= t)
@@ -354,7 +390,7 @@ static const struct look *look_at(const struct life_heard *l, double t) {
     return found && t < found->until ? found : NULL;
 }
 
-static double lids_at(const struct life_heard *l, double t) {
+static double lids_at(const struct life_live *l, double t) {
     double since = t - l->blink;
     return since < BLINK_CLOSING ? life_smooth(since / BLINK_CLOSING)
                                  : 1 - life_smooth((since - BLINK_CLOSING - BLINK_CLOSED) / BLINK_OPENING);
@@ -364,7 +400,7 @@ static void add(struct fap_frame *frame, int n, double value) {
     fap_frame_set(frame, n, fap_clamp(n, frame->value[n] + (int32_t)lrint(value)));
 }
 
-void life_heard_add(struct life_heard *l, double t, struct fap_frame *frame) {
+void life_live_add(struct life_live *l, double t, struct fap_frame *frame) {
     static const struct look nowhere = {0};
     double g[GESTURE_CHANNELS] = {0}, shut = lids_at(l, t), wide = l->eased;
     const struct look *own = look_at(l, t), *where = own ? own : &nowhere;

@@ -27,7 +27,8 @@ static int read_group_names(struct context_table *table, const struct json_place
     return 0;
 }
 
-static int context_read_groups_named(const struct context_table *table, const struct json_place *at, uint64_t *set);
+static int context_read_groups_named(const struct context_table *table, const struct json_place *at,
+                                     uint64_t *set);
 
 static int read_exceptions(const struct context_table *table, const struct json_place *at,
                            struct context_group *group) {
@@ -240,7 +241,8 @@ static int read_set(const struct context_table *table, const struct json_place *
 }
 
 /* An array of group names as a set of sounds; everything when it is missing. */
-static int context_read_groups_named(const struct context_table *table, const struct json_place *at, uint64_t *set) {
+static int context_read_groups_named(const struct context_table *table, const struct json_place *at,
+                                     uint64_t *set) {
     *set = everything(table);
     if (!at->json)
         return 0;

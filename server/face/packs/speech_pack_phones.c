@@ -85,7 +85,7 @@ static int read_own_coefficients(const struct json_place *at, struct speech_phon
 /* What the phone says of its own tables: coefficients, gain, shift, targets. is_like: they are filled
  * already. */
 static int speech_read_tables(const struct speech_pack *pack, const struct json_place *at,
-                       struct speech_phone *phone, size_t count, bool is_like) {
+                              struct speech_phone *phone, size_t count, bool is_like) {
     struct json_place targets = json_place_key(at, "targets"), stressed = json_place_key(at, "stressed"),
                       coefficients = json_place_key(at, "coefficients");
     char *const *contexts = phone->group->vowel ? pack->vowel_contexts : pack->consonant_contexts;
@@ -113,7 +113,7 @@ static int speech_read_tables(const struct speech_pack *pack, const struct json_
 
 /* The group that is named there, its coefficients in the phone's tables, which have count entries. */
 static int speech_read_group_of(const struct speech_pack *pack, const struct json_place *at,
-                         struct speech_phone *phone, size_t *count) {
+                                struct speech_phone *phone, size_t *count) {
     const char *name;
     if (json_place_text(at, &name))
         return -1;

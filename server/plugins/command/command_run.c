@@ -48,8 +48,8 @@ static void take(struct times *times, const struct long_alignment_piece *piece, 
  * short for the text; then the mouth stays closed. Whether it is that of the text is not asked: the program
  * was given it, and of a short sentence the distances would tell too little. */
 static int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const char *text,
-             const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
-             char *message, size_t cap) {
+                    const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
+                    char *message, size_t cap) {
     struct sound_memory memory = {sound->samples, sound->count};
     const struct sound_source source = sound_in_memory(&memory, sound->rate);
     const struct long_alignment_options options = {voice->lang, voice->gender, stop, true};
@@ -114,7 +114,7 @@ static char *fill_in(const struct cm_speaking *s, const struct faccia_span *span
 }
 
 static enum cm_result cm_run(const struct cm_run *run, struct cm_stop *stop, struct buf *out, char *message,
-                      size_t cap);
+                             size_t cap);
 
 enum cm_result cm_ask(const struct cm_speaking *s, const json_t *words, const struct faccia_span *span,
                       struct buf *out) {
@@ -460,7 +460,7 @@ static const char *await_end(struct child *child, double deadline, struct cm_sto
 /* Standard output goes to *out. CM_FAILED with a sentence in message, which ends with the program's last
  * complaint. */
 static enum cm_result cm_run(const struct cm_run *run, struct cm_stop *stop, struct buf *out, char *message,
-                      size_t cap) {
+                             size_t cap) {
     struct child child = {.in = -1, .out = -1, .complaints = -1};
     char how[48] = "";
     int status = 0;

@@ -10,6 +10,8 @@
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
+struct es_text;
+
 struct es_word {
     uint32_t start;       /* sample */
     size_t position;      /* character of the text, 0-based */

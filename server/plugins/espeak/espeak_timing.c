@@ -7,11 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct es_audio {
-    const int16_t *samples;
-    uint32_t count, rate;
-};
-
 /* Samples are silence up to this value, and an echo up to this fraction of what is echoed: some variants of a
  * voice have one, of 4 to 6 %, that goes on in their closures. */
 enum { SILENCE = 8, ECHO = 16 };

@@ -6,6 +6,12 @@
 #define FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 
 #include "server/plugins/common/espeak_align.h"
+#include <stdint.h>
+
+struct es_audio {
+    const int16_t *samples;
+    uint32_t count, rate;
+};
 
 /* A list of phones whose starts are the events' times, and whose ends are yet to be found. */
 struct es_phones {

@@ -39,7 +39,7 @@ static int read_voice(json_t *object, const json_t *languages, struct fe_voice *
 }
 
 static int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
-                   size_t cap) {
+                          size_t cap) {
     json_error_t why;
     json_t *languages, *list, *object;
     size_t i;

@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct ko_items;
+
 /* Where the piece that begins at from ends: behind a stop or a space, or at the end. changes(ctx, a, b): must
  * the words a and b be in different pieces? from < items->count; the result is greater. */
 size_t ko_cut(const struct ko_items *items, size_t from, bool (*changes)(void *ctx, uint32_t a, uint32_t b),

@@ -56,7 +56,7 @@ static void choose_tempo(struct tempo *tempo, const struct match *m, const struc
 /* Gives sound, phones, words and marks of the words that were matched, and warns of what cannot be done with
  * a recording. pause: the longest after them, s. */
 static void recorded_speech_give(const struct match *m, const struct recorded *r, double pause,
-                          const struct faccia_sink *sink) {
+                                 const struct faccia_sink *sink) {
     const struct faccia_sentence *sentence = m->sentence;
     struct tempo tempo = {0};
     uint64_t from, to;

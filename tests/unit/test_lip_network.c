@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/hear/lip_recogniser.h"
-#include "server/hear/lip_network.h"
 #include "server/hear/lip_features.h"
+#include "server/hear/lip_network.h"
+#include "server/hear/lip_recogniser.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,9 +23,9 @@ static uint8_t *read_file(const char *path, size_t *size) {
     return data;
 }
 
-static struct hear_network *load(void) {
+static struct lip_network *load(void) {
     struct error e;
-    struct hear_network *n = hear_network_load(NETWORK, &e);
+    struct lip_network *n = lip_network_load(NETWORK, &e);
     if (!n)
         fail_msg("%s", e.message);
     return n;
@@ -39,34 +39,34 @@ static void test_as_trained(void **state) {
     uint32_t counts[5];
     memcpy(counts, data, sizeof counts);
     assert_true(counts[0] >= 50);
-    assert_int_equal(counts[1], HEAR_FEATURES);
-    assert_int_equal(counts[3], HEAR_CLASSES);
+    assert_int_equal(counts[1], LIP_FEATURES);
+    assert_int_equal(counts[3], LIP_CLASSES);
     assert_int_equal(counts[4], PARAM_COUNT);
     size_t told = counts[3] + counts[4];
     assert_int_equal(size, sizeof counts + sizeof(float) * counts[0] * (counts[1] + counts[2] * told + 1));
     const float *frames = (const float *)(data + sizeof counts), *answers = frames + counts[0] * counts[1],
                 *voices = answers + counts[0] * counts[2] * told;
-    unsigned delays[HEAR_HEADS_MOST];
-    struct hear_network *n = load();
-    heads = hear_network_delays(n, delays);
+    unsigned delays[LIP_HEADS_MOST];
+    struct lip_network *n = load();
+    heads = lip_network_delays(n, delays);
     assert_int_equal(heads, counts[2]);
     double worst = 0;
     for (size_t head = 0; head < heads; head++) {
-        struct hear_state *s = hear_state_new(n);
+        struct lip_state *s = lip_state_new(n);
         for (size_t k = 0; k < counts[0]; k++) {
-            struct hear_answer answer;
+            struct lip_answer answer;
             const float *theirs = answers + (k * heads + head) * told;
-            hear_state_step(s, frames + k * HEAR_FEATURES, head, &answer);
-            for (int c = 0; c < HEAR_CLASSES; c++)
+            lip_state_step(s, frames + k * LIP_FEATURES, head, &answer);
+            for (int c = 0; c < LIP_CLASSES; c++)
                 worst = fmax(worst, fabs((double)(answer.likely[c] - theirs[c])));
             worst = fmax(worst, fabs((double)(answer.voice - voices[k])) / 10);
             for (int p = 0; p < PARAM_COUNT; p++)
-                worst = fmax(worst, fabs((double)(answer.mouth[p] - theirs[HEAR_CLASSES + p])) / 10);
+                worst = fmax(worst, fabs((double)(answer.mouth[p] - theirs[LIP_CLASSES + p])) / 10);
         }
-        hear_state_free(s);
+        lip_state_free(s);
     }
     assert_true(worst < 1e-4);
-    hear_network_free(n);
+    lip_network_free(n);
     free(data);
 }
 
@@ -95,24 +95,24 @@ static void test_bad_networks(void **state) {
         assert_int_equal(fwrite(data, 1, cases[i].size, file), cases[i].size);
         fclose(file);
         data[cases[i].at] = kept;
-        struct hear_network *n = hear_network_load(path, &e);
+        struct lip_network *n = lip_network_load(path, &e);
         if (n)
             fail_msg("case %zu is taken", i);
         assert_int_equal(e.code, ERROR_BAD_NETWORK);
         assert_true(*e.message);
     }
     struct error e;
-    assert_null(hear_network_load("/nowhere", &e));
+    assert_null(lip_network_load("/nowhere", &e));
     remove(path);
     free(data);
 }
 
 struct kept_frames {
-    float frames[600][HEAR_FEATURES];
+    float frames[600][LIP_FEATURES];
     size_t count;
 };
 
-static void keep_frame(void *ctx, const float frame[HEAR_FEATURES]) {
+static void keep_frame(void *ctx, const float frame[LIP_FEATURES]) {
     struct kept_frames *k = ctx;
     assert_true(k->count < 600);
     memcpy(k->frames[k->count++], frame, sizeof k->frames[0]);
@@ -127,25 +127,25 @@ static void test_tone(void **state) {
     for (double hz = 300; hz < 6000; hz *= 1.7) {
         static float tone[16000], softer[16000];
         for (int i = 0; i < 16000; i++) {
-            tone[i] = (float)(0.5 * sin(6.283185307 * hz * i / HEAR_RATE));
+            tone[i] = (float)(0.5 * sin(6.283185307 * hz * i / LIP_RATE));
             softer[i] = tone[i] / 8;
         }
         loud.count = soft.count = 0;
-        struct hear_features *a = hear_features_new(keep_frame, &loud),
-                             *b = hear_features_new(keep_frame, &soft);
-        hear_features_write(a, tone, 16000);
-        hear_features_write(b, softer, 16000);
-        hear_features_free(a);
-        hear_features_free(b);
-        assert_int_equal(loud.count, (16000 - HEAR_WINDOW) / HEAR_HOP + 1);
-        double band = (2595 * log10(1 + hz / 700) - mel_low) / ((mel_high - mel_low) / (HEAR_BANDS + 1)) - 1;
+        struct lip_features *a = lip_features_new(keep_frame, &loud),
+                            *b = lip_features_new(keep_frame, &soft);
+        lip_features_write(a, tone, 16000);
+        lip_features_write(b, softer, 16000);
+        lip_features_free(a);
+        lip_features_free(b);
+        assert_int_equal(loud.count, (16000 - LIP_WINDOW) / LIP_HOP + 1);
+        double band = (2595 * log10(1 + hz / 700) - mel_low) / ((mel_high - mel_low) / (LIP_BANDS + 1)) - 1;
         size_t most = 0;
-        for (size_t i = 0; i < HEAR_BANDS; i++)
+        for (size_t i = 0; i < LIP_BANDS; i++)
             if (loud.frames[0][i] > loud.frames[0][most])
                 most = i;
         /* the colour that it begins with leans on the lowest bands: high tones stand out all the more */
         assert_true(fabs((double)most - band) < 3);
-        for (size_t i = 0; i < HEAR_FEATURES; i++)
+        for (size_t i = 0; i < LIP_FEATURES; i++)
             assert_true(fabs((double)loud.frames[50][i] - soft.frames[50][i]) < 0.35);
     }
 }
@@ -157,7 +157,7 @@ struct kept_sound {
 
 static void keep_sound(void *ctx, const float *samples, size_t count) {
     struct kept_sound *k = ctx;
-    assert_true(count <= HEAR_RATE / 50 && k->count + count <= 40000);
+    assert_true(count <= LIP_RATE / 50 && k->count + count <= 40000);
     memcpy(k->samples + k->count, samples, count * sizeof *samples);
     k->count += count;
 }
@@ -177,18 +177,18 @@ static void test_rates(void **state) {
                 for (unsigned c = 0; c < channels; c++)
                     sound[i * channels + c] = (float)(0.2 + 0.3 * sin(6.283185307 * 440 * (double)i / rate));
             whole.count = pieces.count = 0;
-            struct hear_sound *a = hear_sound_new(rate, channels, keep_sound, &whole, &e);
-            struct hear_sound *b = hear_sound_new(rate, channels, keep_sound, &pieces, &e);
-            hear_sound_write(a, sound, rate);
-            hear_sound_end(a);
+            struct lip_input *a = lip_input_new(rate, channels, keep_sound, &whole, &e);
+            struct lip_input *b = lip_input_new(rate, channels, keep_sound, &pieces, &e);
+            lip_input_write(a, sound, rate);
+            lip_input_end(a);
             for (size_t at = 0, n = 1; at < rate; at += n, n = 1 + (at * 7919) % 1500) {
                 n = n < rate - at ? n : rate - at;
-                hear_sound_write(b, sound + at * channels, n);
+                lip_input_write(b, sound + at * channels, n);
             }
-            hear_sound_end(b);
+            lip_input_end(b);
             assert_int_equal(whole.count, pieces.count);
             assert_memory_equal(whole.samples, pieces.samples, whole.count * sizeof(float));
-            assert_in_range(whole.count, HEAR_RATE - 2, HEAR_RATE + 2);
+            assert_in_range(whole.count, LIP_RATE - 2, LIP_RATE + 2);
             double mean = 0, square = 0;
             for (size_t i = 4000; i < 12000; i++) {
                 mean += whole.samples[i] / 8000;
@@ -196,27 +196,27 @@ static void test_rates(void **state) {
             }
             assert_true(fabs(mean) < 0.002);
             assert_true(fabs(sqrt(square) - 0.3 / sqrt(2)) < 0.01);
-            hear_sound_free(a);
-            hear_sound_free(b);
+            lip_input_free(a);
+            lip_input_free(b);
             free(sound);
         }
-    assert_null(hear_sound_new(7999, 1, keep_sound, NULL, &e));
-    assert_null(hear_sound_new(96001, 1, keep_sound, NULL, &e));
-    assert_null(hear_sound_new(16000, 0, keep_sound, NULL, &e));
-    assert_null(hear_sound_new(16000, 9, keep_sound, NULL, &e));
+    assert_null(lip_input_new(7999, 1, keep_sound, NULL, &e));
+    assert_null(lip_input_new(96001, 1, keep_sound, NULL, &e));
+    assert_null(lip_input_new(16000, 0, keep_sound, NULL, &e));
+    assert_null(lip_input_new(16000, 9, keep_sound, NULL, &e));
     assert_int_equal(e.code, ERROR_BAD_SOUND);
 }
 
-static void likely_is(float likely[HEAR_CLASSES], enum hear_class class, float how) {
-    for (int i = 0; i < HEAR_CLASSES; i++)
-        likely[i] = (1 - how) / (HEAR_CLASSES - 1);
+static void likely_is(float likely[LIP_CLASSES], enum lip_class class, float how) {
+    for (int i = 0; i < LIP_CLASSES; i++)
+        likely[i] = (1 - how) / (LIP_CLASSES - 1);
     likely[class] = how;
 }
 
 /* Of each frame all classes together are 1. */
-static void assert_likely(const struct hear_phone *phone) {
+static void assert_likely(const struct lip_phone *phone) {
     double sum = 0;
-    for (int i = 0; i < HEAR_CLASSES; i++)
+    for (int i = 0; i < LIP_CLASSES; i++)
         sum += phone->likely[i];
     assert_true(fabs(sum - (phone->end - phone->start)) < 1e-4);
     assert_true(phone->likely[phone->class] > 0);
@@ -227,26 +227,25 @@ static void assert_likely(const struct hear_phone *phone) {
 static void test_decoder(void **state) {
     (void)state;
     static const struct {
-        enum hear_class class;
+        enum lip_class class;
         float how;
         int frames;
-    } said[] = {{HEAR_SILENCE, 0.9F, 5}, {HEAR_OPEN, 0.5F, 6},   {HEAR_CLOSE, 0.5F, 1},
-                {HEAR_OPEN, 0.5F, 4},    {HEAR_CLOSED, 0.4F, 1}, {HEAR_MIDDLE, 0.9F, 6},
-                {HEAR_CLOSED, 0.6F, 8},  {HEAR_OPEN, 0.9F, 5}};
-    static const struct hear_phone wanted[] = {{.class = HEAR_SILENCE, .start = 0, .end = 5},
-                                               {.class = HEAR_OPEN, .start = 5, .end = 16},
-                                               {.class = HEAR_CLOSED, .start = 16, .end = 20},
-                                               {.class = HEAR_MIDDLE, .start = 20, .end = 23},
-                                               {.class = HEAR_CLOSED, .start = 23, .end = 31}};
-    struct hear_decoder d;
-    struct hear_phone ended;
+    } said[] = {{LIP_SILENCE, 0.9F, 5}, {LIP_OPEN, 0.5F, 6},   {LIP_CLOSE, 0.5F, 1},  {LIP_OPEN, 0.5F, 4},
+                {LIP_CLOSED, 0.4F, 1},  {LIP_MIDDLE, 0.9F, 6}, {LIP_CLOSED, 0.6F, 8}, {LIP_OPEN, 0.9F, 5}};
+    static const struct lip_phone wanted[] = {{.class = LIP_SILENCE, .start = 0, .end = 5},
+                                              {.class = LIP_OPEN, .start = 5, .end = 16},
+                                              {.class = LIP_CLOSED, .start = 16, .end = 20},
+                                              {.class = LIP_MIDDLE, .start = 20, .end = 23},
+                                              {.class = LIP_CLOSED, .start = 23, .end = 31}};
+    struct lip_decoder d;
+    struct lip_phone ended;
     size_t count = 0;
-    hear_decoder_begin(&d);
+    lip_decoder_begin(&d);
     for (size_t i = 0; i < sizeof said / sizeof *said; i++)
         for (int k = 0; k < said[i].frames; k++) {
-            float likely[HEAR_CLASSES];
+            float likely[LIP_CLASSES];
             likely_is(likely, said[i].class, said[i].how);
-            if (!hear_decoder_step(&d, likely, &ended))
+            if (!lip_decoder_step(&d, likely, &ended))
                 continue;
             assert_true(count < sizeof wanted / sizeof *wanted);
             assert_int_equal(ended.class, wanted[count].class);
@@ -256,36 +255,36 @@ static void test_decoder(void **state) {
             count++;
         }
     assert_int_equal(count, sizeof wanted / sizeof *wanted);
-    assert_int_equal(d.now.class, HEAR_OPEN);
+    assert_int_equal(d.now.class, LIP_OPEN);
     assert_int_equal(d.now.end, 36);
 }
 
 /* What may be a closure, or teeth on the lip, is one. */
 static void test_doubt(void **state) {
     (void)state;
-    const float teeth[HEAR_CLASSES] = {[HEAR_TEETH] = 0.35F, [HEAR_BACK] = 0.65F},
-                no_teeth[HEAR_CLASSES] = {[HEAR_TEETH] = 0.3F, [HEAR_BACK] = 0.7F};
-    const float likely[HEAR_CLASSES] = {[HEAR_CLOSED] = 0.45F, [HEAR_BACK] = 0.55F},
-                less[HEAR_CLASSES] = {[HEAR_CLOSED] = 0.35F, [HEAR_BACK] = 0.65F};
-    struct hear_decoder d;
-    struct hear_phone ended;
-    hear_decoder_begin(&d);
+    const float teeth[LIP_CLASSES] = {[LIP_TEETH] = 0.35F, [LIP_BACK] = 0.65F},
+                no_teeth[LIP_CLASSES] = {[LIP_TEETH] = 0.3F, [LIP_BACK] = 0.7F};
+    const float likely[LIP_CLASSES] = {[LIP_CLOSED] = 0.45F, [LIP_BACK] = 0.55F},
+                less[LIP_CLASSES] = {[LIP_CLOSED] = 0.35F, [LIP_BACK] = 0.65F};
+    struct lip_decoder d;
+    struct lip_phone ended;
+    lip_decoder_begin(&d);
     for (int k = 0; k < 3; k++)
-        hear_decoder_step(&d, less, &ended);
-    assert_int_equal(d.now.class, HEAR_BACK);
-    hear_decoder_step(&d, likely, &ended);
-    assert_int_equal(d.now.class, HEAR_CLOSED);
-    hear_decoder_begin(&d);
+        lip_decoder_step(&d, less, &ended);
+    assert_int_equal(d.now.class, LIP_BACK);
+    lip_decoder_step(&d, likely, &ended);
+    assert_int_equal(d.now.class, LIP_CLOSED);
+    lip_decoder_begin(&d);
     for (int k = 0; k < 3; k++)
-        hear_decoder_step(&d, no_teeth, &ended);
-    assert_int_equal(d.now.class, HEAR_BACK);
-    hear_decoder_step(&d, teeth, &ended);
-    assert_int_equal(d.now.class, HEAR_TEETH);
+        lip_decoder_step(&d, no_teeth, &ended);
+    assert_int_equal(d.now.class, LIP_BACK);
+    lip_decoder_step(&d, teeth, &ended);
+    assert_int_equal(d.now.class, LIP_TEETH);
 }
 
-static int frames_until(struct hear_voice *v, float odds, float silence, bool none) {
+static int frames_until(struct lip_voice *v, float odds, float silence, bool none) {
     for (int k = 1; k < 1000; k++) {
-        hear_voice_step(v, odds, silence);
+        lip_voice_step(v, odds, silence);
         if (v->none == none)
             return k;
     }
@@ -296,20 +295,20 @@ static int frames_until(struct hear_voice *v, float odds, float silence, bool no
  * number; a voice is believed sooner than music. */
 static void test_voice(void **state) {
     (void)state;
-    struct hear_voice v;
-    hear_voice_begin(&v);
+    struct lip_voice v;
+    lip_voice_begin(&v);
     for (int k = 0; k < 1000; k++)
-        hear_voice_step(&v, k % 2 ? -1.5F : 2, 0);
+        lip_voice_step(&v, k % 2 ? -1.5F : 2, 0);
     assert_false(v.none);
     for (int k = 0; k < 1000; k++)
-        hear_voice_step(&v, -9, 1);
+        lip_voice_step(&v, -9, 1);
     assert_false(v.none);
     for (int k = 0; k < 1000; k++)
-        hear_voice_step(&v, NAN, 0);
+        lip_voice_step(&v, NAN, 0);
     assert_false(v.none);
     int falls = frames_until(&v, -3, 0, true);
     for (int k = 0; k < 1000; k++)
-        hear_voice_step(&v, -9, 0);
+        lip_voice_step(&v, -9, 0);
     assert_true(v.none);
     int rises = frames_until(&v, 3, 0, false);
     assert_in_range(falls, 10, 80);

@@ -13,19 +13,19 @@ enum { FPS = 50, SECONDS_MOST = 40, PITCH = 48, YAW = 49, EYE_YAW = 23, EYE_PITC
 
 /* A voice of syllables, 0.2 s each, that are 0.12 s of pulses. */
 struct voice {
-    float samples[SECONDS_MOST * LIFE_HEARD_RATE];
+    float samples[SECONDS_MOST * LIFE_LIVE_RATE];
     size_t count;
     double phase;
 };
 
 static void silence(struct voice *v, double seconds) {
-    v->count += (size_t)(seconds * LIFE_HEARD_RATE);
+    v->count += (size_t)(seconds * LIFE_LIVE_RATE);
 }
 
 static void syllables(struct voice *v, int count, double hz, double loud) {
-    for (int i = 0; i < count * LIFE_HEARD_RATE / 5; i++) {
-        double at = (double)(i % (LIFE_HEARD_RATE / 5)) / LIFE_HEARD_RATE;
-        v->phase = fmod(v->phase + hz / LIFE_HEARD_RATE, 1);
+    for (int i = 0; i < count * LIFE_LIVE_RATE / 5; i++) {
+        double at = (double)(i % (LIFE_LIVE_RATE / 5)) / LIFE_LIVE_RATE;
+        v->phase = fmod(v->phase + hz / LIFE_LIVE_RATE, 1);
         double open = at < 0.14 ? sin(M_PI * at / 0.14) : 0, tone = 0;
         for (int h = 1; h < 6; h++)
             tone += sin(2 * M_PI * h * v->phase) / h;
@@ -34,7 +34,7 @@ static void syllables(struct voice *v, int count, double hz, double loud) {
 }
 
 static double seconds(const struct voice *v) {
-    return (double)v->count / LIFE_HEARD_RATE;
+    return (double)v->count / LIFE_LIVE_RATE;
 }
 
 struct shown {
@@ -44,24 +44,24 @@ struct shown {
 
 /* Shown 80 ms after it was heard. */
 static void show(const struct voice *v, struct shown *s, size_t piece) {
-    struct life_heard *l = life_heard_new();
+    struct life_live *l = life_live_new();
     size_t written = 0;
     s->count = 0;
-    for (size_t step = 1; step * LIFE_HEARD_STEP <= v->count; step++) {
-        while (written < v->count && written < step * LIFE_HEARD_STEP) {
+    for (size_t step = 1; step * LIFE_LIVE_STEP <= v->count; step++) {
+        while (written < v->count && written < step * LIFE_LIVE_STEP) {
             size_t size = piece < v->count - written ? piece : v->count - written;
-            life_heard_write(l, v->samples + written, size);
+            life_live_write(l, v->samples + written, size);
             written += size;
         }
-        life_heard_step(l);
-        while (s->count / (double)FPS <= (double)step * LIFE_HEARD_STEP / LIFE_HEARD_RATE - 0.08) {
+        life_live_step(l);
+        while (s->count / (double)FPS <= (double)step * LIFE_LIVE_STEP / LIFE_LIVE_RATE - 0.08) {
             struct fap_frame *frame = &s->frames[s->count];
             *frame = (struct fap_frame){0};
             memset(frame->mask, 0xff, sizeof frame->mask);
-            life_heard_add(l, s->count++ / (double)FPS, frame);
+            life_live_add(l, s->count++ / (double)FPS, frame);
         }
     }
-    life_heard_free(l);
+    life_live_free(l);
 }
 
 static int most(const struct shown *s, int fap, double from, double to) {
@@ -178,10 +178,10 @@ static void test_causal(void **state) {
 static void test_anything(void **state) {
     struct voice *v = voice_new(state);
     unsigned long dice = 1;
-    for (; v->count < 8 * LIFE_HEARD_RATE; v->count++) {
+    for (; v->count < 8 * LIFE_LIVE_RATE; v->count++) {
         dice = dice * 6364136223846793005u + 1442695040888963407u;
         double x = (double)(dice >> 40) / (1 << 23) - 1;
-        v->samples[v->count] = (float)(v->count / LIFE_HEARD_RATE % 2 ? 3 * x : 1);
+        v->samples[v->count] = (float)(v->count / LIFE_LIVE_RATE % 2 ? 3 * x : 1);
     }
     show(v, &a, 1000);
     for (int k = 0; k < a.count; k++)

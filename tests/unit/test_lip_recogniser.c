@@ -34,39 +34,40 @@ static void test_delay(void **state) {
                  {8000, 80, 0.145},
                  {48000, 120, 0.165}};
     struct error e;
-    struct hear_network *n = hear_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
+    struct lip_network *n = lip_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
     assert_non_null(n);
     struct speech_pack *pack = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
     assert_non_null(pack);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct seen seen = {.rate = cases[i].rate};
-        const struct hearing_options options = {.network = n,
-                                                .pack = pack,
-                                                .rate = cases[i].rate,
-                                                .channels = 1,
-                                                .lookahead = cases[i].lookahead,
-                                                .fps = 25,
-                                                .frame = see,
-                                                .ctx = &seen};
-        struct hearing *h = hearing_new(&options, &e);
+        const struct lip_recogniser_options options = {.network = n,
+                                                       .pack = pack,
+                                                       .rate = cases[i].rate,
+                                                       .channels = 1,
+                                                       .lookahead = cases[i].lookahead,
+                                                       .fps = 25,
+                                                       .frame = see,
+                                                       .ctx = &seen};
+        struct lip_recogniser *h = lip_recogniser_new(&options, &e);
         assert_non_null(h);
         for (; seen.written < 3 * seen.rate;) {
             float sample = (float)sin((double)seen.written / seen.rate * 1000);
             seen.written++;
-            hearing_write(h, &sample, 1);
+            lip_recogniser_write(h, &sample, 1);
         }
         assert_in_range(seen.count, 50, 75);
         if (seen.latest > cases[i].most)
             fail_msg("%u Hz, %u ms: %.4f s", cases[i].rate, cases[i].lookahead, seen.latest);
-        hearing_end(h);
+        lip_recogniser_end(h);
         assert_int_equal(seen.count, 75);
-        hearing_free(h);
+        lip_recogniser_free(h);
     }
-    struct hearing_options none = {.network = n, .pack = pack, .rate = 16000, .channels = 1, .lookahead = 41};
-    assert_null(hearing_new(&none, &e));
+    struct lip_recogniser_options none = {
+        .network = n, .pack = pack, .rate = 16000, .channels = 1, .lookahead = 41};
+    assert_null(lip_recogniser_new(&none, &e));
     assert_int_equal(e.code, ERROR_BAD_FIELD);
     speech_pack_free(pack);
-    hear_network_free(n);
+    lip_network_free(n);
 }
 
 static void keep(void *ctx, uint32_t k, const struct fap_frame *frame) {
@@ -79,28 +80,28 @@ static void test_mouth(void **state) {
     static struct fap_frame frames[2][250];
     (void)state;
     struct error e;
-    struct hear_network *n = hear_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
+    struct lip_network *n = lip_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
     struct speech_pack *pack = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
     for (int lives = 0; lives < 2; lives++) {
-        const struct hearing_options options = {.network = n,
-                                                .pack = pack,
-                                                .rate = 16000,
-                                                .channels = 1,
-                                                .lookahead = 80,
-                                                .fps = 25,
-                                                .lives = lives,
-                                                .frame = keep,
-                                                .ctx = frames[lives]};
-        struct hearing *h = hearing_new(&options, &e);
+        const struct lip_recogniser_options options = {.network = n,
+                                                       .pack = pack,
+                                                       .rate = 16000,
+                                                       .channels = 1,
+                                                       .lookahead = 80,
+                                                       .fps = 25,
+                                                       .lives = lives,
+                                                       .frame = keep,
+                                                       .ctx = frames[lives]};
+        struct lip_recogniser *h = lip_recogniser_new(&options, &e);
         assert_non_null(h);
         for (int i = 0; i < 160000; i++) {
             double t = i / 16000.0, beat = fmod(t, 0.22), loud = fmod(t, 3) < 2 ? sin(M_PI * beat / 0.22) : 0;
             float sample = (float)((0.1 + 0.1 * (fmod(t, 1.1) < 0.22)) * loud *
                                    (sin(t * 800) + sin(t * 1600) + sin(t * 6000 * (1 + beat))));
-            hearing_write(h, &sample, 1);
+            lip_recogniser_write(h, &sample, 1);
         }
-        hearing_end(h);
-        hearing_free(h);
+        lip_recogniser_end(h);
+        lip_recogniser_free(h);
     }
     int moved = 0, opened = 0;
     for (int k = 0; k < 250; k++)
@@ -113,7 +114,7 @@ static void test_mouth(void **state) {
         }
     assert_true(opened > 250 && moved > 250);
     speech_pack_free(pack);
-    hear_network_free(n);
+    lip_network_free(n);
 }
 
 int main(void) {
