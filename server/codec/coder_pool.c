@@ -4,15 +4,15 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* The threads are to be busy for this part of the time; above MOST they do less, and they do more only when
- * that would leave them below WELL. */
+/* Target utilisation of the threads: above MOST quality drops; it rises only if utilisation then stays
+ * below WELL. */
 #define MOST 0.8
 #define WELL 0.6
-/* Threads that never wait have fallen behind, nobody knows by how much. */
+/* Utilisation from which the threads have fallen behind by an unknown amount. */
 #define SWAMPED 0.97
 #define SWAMPED_DEMAND 2.0
 
-/* Costs: libopus 1.3.1 and the resampling from 22050 to 16000 Hz, tests/bench/sound.mjs. */
+/* Costs measured with libopus 1.3.1 and resampling from 22050 to 16000 Hz, tests/bench/sound.mjs. */
 const struct codec_load_level codec_load_levels[CODEC_LOAD_LEVELS] = {
     {9, false, 19.5}, {5, false, 10.2}, {1, false, 4.7}, {5, true, 4.2}, {0, true, 1.6},
 };
@@ -41,7 +41,7 @@ unsigned codec_load_choose(unsigned level, double busy, bool calm) {
 }
 
 double codec_load_busy(double loop, double coders, unsigned threads) {
-    /* a loop that has much to do beside coding is helped when it shares its processors, but not otherwise */
+    /* a loop busy with other work profits when coding uses less of its processors */
     bool shares = loop + coders * threads > WELL * threads;
     return loop > MOST && shares && loop > coders ? loop : coders;
 }
@@ -71,9 +71,9 @@ unsigned codec_load_now(struct codec_load *e) {
 
 struct coder_pool {
     uv_async_t async;
-    uv_mutex_t mutex; /* over the lists and `closing` */
+    uv_mutex_t mutex; /* protects the lists and `closing` */
     uv_cond_t wanted;
-    struct coder_line *first, *last; /* that have something to do, and that no thread has */
+    struct coder_line *first, *last; /* lines with jobs and no thread */
     struct coder_job *done, **done_last;
     bool closing;
     atomic_uint_fast64_t worked;
@@ -98,8 +98,8 @@ static void put_done(struct coder_pool *pool, struct coder_job *job) {
     pool->done_last = &job->next;
 }
 
-/* A job of the first line; the mutex is held, but not during the work. One line has one job
- * at a time, and then the others their turn. */
+/* Runs one job of the first line without the mutex, which is held on entry and exit. A line runs one job
+ * at a time, then others get their turn. */
 static void do_next(struct coder_pool *pool) {
     struct coder_line *line = pool->first;
     struct coder_job *job = line->first;

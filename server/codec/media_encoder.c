@@ -70,7 +70,7 @@ bool encoding_possible(const struct encoding *e) {
     return e->audio != CHUNK_AUDIO_OPUS || e->fap != CHUNK_FAP_PLAIN;
 }
 
-/* In compact chunks? */
+/* Tells whether compact chunks are used. */
 static bool encoding_is_compact(const struct encoding *e) {
     return e->audio == CHUNK_AUDIO_OPUS || e->fap == CHUNK_FAP_FAPC;
 }
@@ -82,12 +82,12 @@ bool encoding_packs(const struct encoding *e, enum stream_event_kind kind) {
 
 struct media_coder {
     struct encoding encoding;
-    struct fapc_encoder *fapc; /* NULL until there are frames: it is large, and many say nothing */
+    struct fapc_encoder *fapc; /* NULL until there are frames: it is large, and many clients take none */
     struct compact compact;
     struct opus_audio *opus; /* of the utterance */
     struct chunk utterance;  /* its number and rates */
     uint32_t packets;        /* of it so far */
-    struct buf audio, faps;  /* of a chunk; kept for the next one */
+    struct buf audio, faps;  /* of a chunk; reused */
 };
 
 static struct media_coder *media_coder_new(const struct encoding *encoding) {
@@ -104,7 +104,7 @@ static void media_coder_free(struct media_coder *m) {
     free(m);
 }
 
-/* Version 1: every chunk by itself. */
+/* A chunk of version 1 is self-contained. */
 static struct media_bytes plain_chunk(const struct media_coder *m, const struct chunk *chunk,
                                       const struct fap_frame *frames, struct buf *out) {
     struct chunk coded = *chunk;
@@ -122,7 +122,7 @@ static struct media_bytes plain_chunk(const struct media_coder *m, const struct 
     return (struct media_bytes){coded.audio_bytes, size - coded.audio_bytes};
 }
 
-/* An utterance that has not been heard of: a new audio coder. */
+/* Starts a new audio coder for a new utterance. */
 static void meet_utterance(struct media_coder *m, const struct chunk *chunk) {
     if (m->opus && chunk->utterance == m->utterance.utterance)
         return;
@@ -152,7 +152,7 @@ static void code_audio(struct media_coder *m, const struct chunk *chunk, unsigne
         opus_audio_add(m->opus, (const int16_t *)(const void *)chunk->audio, chunk->audio_bytes / 2, audio);
 }
 
-/* FAP 1 and 2 say again, for simple decoders, what the others say; those who read this coding read all. */
+/* Leaves out FAP 1 and 2, which repeat the other FAPs for simple decoders. */
 static void code_frames(struct media_coder *m, const struct fap_frame *frames, struct chunk *coded,
                         bool begin, struct buf *out) {
     struct fap_frame low[FAPC_FRAMES_MAX];
@@ -194,13 +194,13 @@ static struct media_bytes media_coder_chunk(struct media_coder *m, const struct 
     code_audio(m, chunk, terms->level, &coded, &m->audio);
     code_frames(m, frames, &coded, terms->begin, &m->faps);
     put_compact(m, &coded, terms->begin, &terms->events, &m->audio, &m->faps, out);
-    if (chunk->utterance) /* the idle face may come in between, in a pause */
+    if (chunk->utterance) /* idle motion may come in between, during a pause */
         m->utterance = *chunk;
     return (struct media_bytes){m->audio.size, out->size - m->audio.size};
 }
 
-/* The utterance has ended. heard: to its end; then a message with what the audio coder still holds is
- * appended, if that is anything. */
+/* Ends the utterance. If it was heard to its end, appends a message with the audio coder's remaining
+ * sound, if any. */
 static void media_coder_end(struct media_coder *m, bool heard, const struct buf *events, struct buf *out) {
     if (!m->opus)
         return;
@@ -223,21 +223,21 @@ struct encoder {
     struct codec_load *codec_load;
     struct coder_pool *coders;
     struct coder_line line;
-    struct media_coder *coder; /* of the line's thread while jobs are pending */
+    struct media_coder *coder; /* owned by the line's thread while jobs are pending */
     encoder_done *done;
     void *ctx;
     bool restart, freed;
-    bool sounds;        /* the coder has had sound of the utterance */
-    uint32_t utterance; /* of the last chunk that was none of idling */
+    bool sounds;        /* the coder has received sound of the utterance */
+    uint32_t utterance; /* of the last chunk that was not idle */
     double since_begin; /* s of media */
-    struct buf events;  /* to be said in the next chunk */
-    struct buf out;     /* of what is coded at once; kept for the next one */
-    unsigned pending;   /* jobs */
+    struct buf events;  /* for the next chunk */
+    struct buf out;     /* output of synchronous coding; reused */
+    unsigned pending;   /* number of jobs */
 };
 
-/* A chunk, or the end of an utterance, on its way through another thread. */
+/* A chunk, or the end of an utterance, coded on a thread. */
 struct job {
-    struct coder_job base; /* first */
+    struct coder_job base; /* first member */
     struct encoder *encoder;
     void *tag;
     bool end, heard;
@@ -245,7 +245,7 @@ struct job {
     struct media_bytes bytes;
     struct buf out;
     struct chunk chunk;
-    struct fap_frame frames[]; /* and then its audio */
+    struct fap_frame frames[]; /* followed by the audio */
 };
 
 struct encoder *encoder_new(const struct encoding *encoding, struct coder_pool *coders,
@@ -344,7 +344,7 @@ static void submit(struct encoder *e, struct job *job, void *tag) {
     coder_pool_submit(e->coders, &e->line, &job->base);
 }
 
-/* What it codes is the stream's, which goes on meanwhile: it is copied. */
+/* Copies the media, because the stream continues meanwhile. */
 static void code_later(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
                        bool begin, bool urgent, void *tag) {
     size_t faces = chunk->frame_count * sizeof *frames;
@@ -352,13 +352,13 @@ static void code_later(struct encoder *e, const struct chunk *chunk, const struc
     struct job *job = mem_resize(NULL, sizeof *job + faces + sound);
     *job = (struct job){.terms = {.begin = begin, .level = codec_load_now(e->codec_load)}, .chunk = *chunk};
     memcpy(job->frames, frames, faces);
-    job->base.urgent = urgent; /* somebody waits for an utterance's first sound */
+    job->base.urgent = urgent; /* the start of an utterance is awaited */
     if (sound)
         job->chunk.audio = memcpy((uint8_t *)job->frames + faces, chunk->audio, sound);
     submit(e, job, tag);
 }
 
-/* Samples and frames as PCM and plain FAPs. Little-endian: see meson.build. */
+/* PCM and plain FAPs. Little-endian: see meson.build. */
 static struct chunk chunk_of(const struct media *media) {
     return (struct chunk){
         .audio_codec = media->pcm ? CHUNK_AUDIO_PCM_S16LE : CHUNK_AUDIO_SILENCE,
@@ -394,7 +394,7 @@ void encoder_media(struct encoder *e, const struct media *media, void *tag) {
     tell(e, tag, &e->out, begin, bytes);
 }
 
-/* Of a chunk of the utterance that has been stopped. The one after it is begun with in its place. */
+/* Selects chunks of a stopped utterance; the next chunk becomes a starting point instead. */
 static bool is_unheard(struct coder_job *base) {
     struct job *job = (struct job *)base;
     struct encoder *e = job->encoder;

@@ -13,11 +13,11 @@ struct speech_export {
     const struct error *warnings;
     size_t warning_count;
     struct synthesis *synthesis;
-    struct export_worker *worker; /* as soon as the voice is known, which may have to start yet */
-    struct error failure;         /* the last sentence that failed */
+    struct export_worker *worker; /* created when the voice is known, which may start late */
+    struct error failure;         /* the last failed sentence */
     bool failed;
-    size_t owed; /* segments used up and not yet released */
-    bool full;   /* no more may come */
+    size_t owed; /* consumed segments not yet released */
+    bool full;   /* output is full */
     bool spoken; /* a segment came */
 };
 
@@ -26,7 +26,7 @@ static void release(struct speech_export *s) {
         synthesis_release(s->synthesis);
 }
 
-/* Warnings alone are no answer yet: all sentences may fail. */
+/* Warnings alone are not output: all sentences may still fail. */
 static bool on_written(void *ctx, struct buf *out, size_t segments, bool done) {
     struct speech_export *s = ctx;
     if (s->spoken)
@@ -122,7 +122,7 @@ void speech_export_free(struct speech_export *s) {
     free(s);
 }
 
-/* A thread writes pieces for about so long before it hands them on. */
+/* A thread writes for about this long before it hands over its output. */
 enum { TURN_US = 200 };
 
 struct item {
@@ -135,12 +135,12 @@ struct export_worker {
     uv_loop_t *loop;
     uv_work_t work;
     struct export x;
-    char *names[6]; /* what its source points to */
+    char *names[6]; /* strings of its source */
     bool (*receive)(void *ctx, struct buf *out, size_t segments, bool done);
     void *ctx;
-    struct item *items; /* that wait */
+    struct item *items; /* queue */
     size_t count, cap;
-    struct item item; /* that is being written; like x the thread's while one works */
+    struct item item; /* being written; owned by the thread while it runs, like x */
     bool busy;        /* there is such */
     bool written;     /* wholly */
     bool working, held, freed;
@@ -208,7 +208,7 @@ static void go_on(struct export_worker *s);
 
 static void after(uv_work_t *work, int status) {
     struct export_worker *s = work->data;
-    (void)status; /* nobody cancels it */
+    (void)status; /* never cancelled */
     s->working = false;
     if (s->freed) {
         destroy(s);
@@ -220,7 +220,7 @@ static void after(uv_work_t *work, int status) {
         drop(&s->item);
         s->busy = false;
     }
-    s->held = true; /* or it would begin while the bytes are taken */
+    s->held = true; /* otherwise it would start while the bytes are taken */
     if (s->receive(s->ctx, &s->x.out, segments, done))
         go_on(s);
 }
@@ -328,7 +328,7 @@ static void fap_piece(struct export *x, const struct media_segment *segment, uin
     }
 }
 
-/* The header tells the number of frames: unless that was known, it comes last and is put in front. */
+/* The header contains the number of frames: unless it was known, it is written last and put in front. */
 static void fap_end(struct export *x) {
     if (!x->source.frames)
         fap_header(x, x->frames);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fapc),
- * as curves for other engines (ARKit, visemes), as its timing (JSON, WebVTT, TextGrid; of speech only), or as
- * all that happens in it (NDJSON). For files and HTTP answers. */
+/* Exports a whole speech or recording: sound (WAV, Opus in Ogg), face animation (.fap, .fapc), curves for
+ * other engines (ARKit, visemes), timings (JSON, WebVTT, TextGrid; speech only), or all events (NDJSON).
+ * For files and HTTP responses. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -13,61 +13,60 @@
 #include "server/synthesis/synthesis.h"
 #include <jansson.h>
 
-/* What is written down about where the segments come from. Borrowed. */
+/* Metadata of the segments' source. Borrowed. */
 struct export_source {
     const char *text, *lang, *voice, *engine, *markup; /* of a speech */
-    const char *play;                                  /* the name of a recording, else NULL */
+    const char *play;                                  /* name of a recording, else NULL */
     double fps;
-    uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
-    bool aligned;    /* of a recording: how sure each word is counts */
+    uint32_t frames; /* expected number; 0 = unknown. If known, faces can be streamed */
+    bool aligned;    /* of a recording: include the confidence of each word */
 };
 
-/* That of a speech, which must outlive it. */
+/* The synthesis must outlive the result. */
 struct export_source export_source_of(const struct synthesis *synthesis);
 
-/* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
+/* State of an export. Output collects in `out`, and the owner consumes it from the front. */
 struct export {
     const struct export_format *format;
     struct buf out;
-    void *coder; /* the format's own */
+    void *coder; /* the format's coder */
     struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
-    uint32_t at;                           /* samples of the segment that is being written */
-    size_t segments;                       /* that are written */
+    uint32_t at;                           /* samples of the current segment written */
+    size_t segments;                       /* number written */
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
-    struct buf sentences;                  /* the same, of an aligned recording */
+    struct buf sentences;                  /* likewise, for an aligned recording */
     struct utf16_counter utf16;
-    struct face_placement *face; /* of the segment; NULL: not asked for yet */
+    struct face_placement *face; /* of the segment; NULL = not placed yet */
 };
 
-/* The fps of a recording may be set later, before its first segment. */
+/* A recording's fps may be set later, before its first segment. */
 void export_begin(struct export *x, const struct export_format *format, const struct export_source *source);
 
-/* Writes the next piece of a segment, of EXPORT_PIECE_MS. True: it was the last. */
+/* Writes the next EXPORT_PIECE_MS of a segment. Returns true at its end. */
 enum { EXPORT_PIECE_MS = 250 };
-/* All pieces of it. */
+/* Writes a whole segment. */
 void export_segment(struct export *x, const struct media_segment *segment);
 void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);
 void export_free(struct export *x);
 
-/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet.
- */
+/* Writes a WAV header for mono 16-bit sound; samples = UINT32_MAX if unknown. */
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
 
-/* A frame of the segment, of the speech by itself. */
+/* Computes a frame of the segment, played on its own. */
 void export_frame(struct export *x, const struct media_segment *segment, uint32_t k, struct fap_frame *frame);
 
-/* The frames that there are up to that sample of the segment. */
+/* Number of frames up to that sample of the segment. */
 uint32_t export_frames_until(const struct export *x, const struct media_segment *segment, uint32_t to);
 
 void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_json_end(struct export *x);
 void export_json_warning(struct export *x, const struct error *e);
-void export_json_sentence(struct export *x, json_t *sentence); /* which it drops */
+void export_json_sentence(struct export *x, json_t *sentence); /* takes the reference */
 
 void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ndjson_end(struct export *x);
@@ -75,14 +74,13 @@ void export_ndjson_warning(struct export *x, const struct error *e);
 
 void export_ndjson_faps(struct export *x, const struct fap_frame *frame);
 
-/* The columns of Live Link Face, a row for each frame; the same weights, and visemes, as members of an
- * NDJSON. */
+/* Live Link Face's columns, one row per frame; the same weights, and visemes, as members of NDJSON. */
 void export_arkit_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_arkit_end(struct export *x);
 void export_arkit_free(struct export *x);
 void export_arkit_weights(struct export *x, const struct fap_frame *frame);
 void export_viseme_weights(struct export *x, const struct fap_frame *frame);
-/* "PP": a viseme of FAP 1, 0..14, by the name that avatars have for it. */
+/* "PP": names that avatars use for the visemes of FAP 1, 0..14. */
 extern const char *const export_viseme_names[];
 
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
@@ -100,50 +98,50 @@ void export_fapc_piece(struct export *x, const struct media_segment *segment, ui
 void export_fapc_end(struct export *x);
 void export_fapc_free(struct export *x);
 
-/* A text spoken and written down in a format, while it is spoken: a request goes in, bytes come out. */
+/* Speaks a text and exports it at the same time. */
 
 struct speech_export;
 
-/* From the loop, never from within speech_export_open. */
+/* Called from the loop, never within speech_export_open. */
 struct speech_export_callbacks {
-    /* More lies in `out`, from whose head the receiver takes what it likes (of a format that does not stream:
-     * only when all is done); done: that was all. Returns whether more may come; if not, no further sentence
-     * is taken until speech_export_go_on. */
+    /* Output is available; the receiver consumes it from the front (for a format that does not stream,
+     * only at the end). done: it is complete. Returns whether to continue; if not, speech_export_go_on
+     * must be called. */
     bool (*written)(void *ctx, struct buf *out, bool done);
-    /* Instead of all that: nothing could be spoken. */
+    /* Called instead if nothing could be spoken. */
     void (*failed)(void *ctx, const struct error *e);
 };
 
-/* warnings: what was found before, which the format may tell too; borrowed. NULL with *e as synthesis_open.
- */
+/* warnings: found earlier, for formats that report them; borrowed. Returns NULL with *e like
+ * synthesis_open. */
 struct speech_export *
 speech_export_open(const struct pipeline *pipeline, const struct speech_request *request,
                    const struct export_format *format, const struct error *warnings, size_t warning_count,
                    const struct speech_export_callbacks *callbacks, void *ctx, struct error *e);
-/* Of a request whose text is still being written: see synthesis_write, synthesis_close. */
+/* For open texts: see synthesis_write, synthesis_close. */
 int speech_export_write(struct speech_export *speech, const char *text, size_t size, size_t most,
                         struct error *e);
 void speech_export_close(struct speech_export *speech);
 
 void speech_export_go_on(struct speech_export *speech);
-/* No callback comes after this; not from within one. NULL is ignored. */
+/* No callback follows; must not be called from one. Accepts NULL. */
 void speech_export_free(struct speech_export *speech);
 
-/* Writes an export in other threads, a piece at a time, so that the loop stays free for live listeners
- * live: coding a sentence's sound takes tens of milliseconds. What is added comes out in that order. */
+/* Writes an export on other threads, piece by piece, because coding a sentence's sound takes tens of
+ * milliseconds. Output keeps the order of the input. */
 
 struct export_worker;
 
-/* The source is copied. written: more lies in `out`, from whose head the receiver takes what it likes (of a
- * format that does not stream: only when all is done); `segments` more are used up; done: that was all.
- * Returns whether to go on at once; if not, export_worker_go_on does. Comes from the loop, never after
- * export_worker_free, which it may not call. */
+/* Copies the source. written: output is available, which the receiver consumes from the front (for a
+ * format that does not stream, only at the end); `segments` more are consumed; done: it is complete.
+ * Returns whether to continue; if not, call export_worker_go_on. Called from the loop; must not call
+ * export_worker_free. */
 struct export_worker *
 export_worker_open(uv_loop_t *loop, const struct export_format *format, const struct export_source *source,
                    bool (*written)(void *ctx, struct buf *out, size_t segments, bool done), void *ctx);
-void export_worker_add(struct export_worker *s, struct media_segment segment); /* which it owns then */
+void export_worker_add(struct export_worker *s, struct media_segment segment); /* takes ownership */
 void export_worker_warn(struct export_worker *s, const struct error *warning);
-void export_worker_end(struct export_worker *s); /* nothing more will be added */
+void export_worker_end(struct export_worker *s); /* nothing follows */
 void export_worker_go_on(struct export_worker *s);
 void export_worker_free(struct export_worker *s);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The formats in which something can be written down whole. */
+/* The export formats. */
 #ifndef FACCIA_EXPORT_EXPORT_FORMAT_H
 #define FACCIA_EXPORT_EXPORT_FORMAT_H
 
@@ -14,19 +14,19 @@ struct media_segment;
 struct export_format {
     const char *name; /* "wav" */
     const char *content_type;
-    /* Its bytes can leave while the speech is made; otherwise only all at the end. */
+    /* Output is available while speaking; otherwise only at the end. */
     bool streams;
-    /* The samples of a segment up to `to` (of its own); those before x->at have been written. */
+    /* Writes the segment's samples from x->at up to `to`. */
     void (*piece)(struct export *x, const struct media_segment *segment, uint32_t to);
     void (*end)(struct export *x);
-    void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
-    void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
-    /* Of the NDJSON: a frame's member, with a comma before it; the sounds of a speech are visemes. */
+    void (*warning)(struct export *x, const struct error *e); /* NULL = not reported */
+    void (*free)(struct export *x);                           /* frees its coder; NULL = none */
+    /* NDJSON: writes a frame's member with a leading comma; in a speech, phones are written as visemes. */
     void (*member)(struct export *x, const struct fap_frame *frame);
     bool visemes;
 };
 
-/* The formats on offer, ended by a name of NULL. */
+/* Ended by a NULL name. */
 extern const struct export_format export_formats[];
 const struct export_format *export_by_name(const char *name);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The .fapc export: the face as coded packets, each as soon as its frames are there. As in the stream,
- * without FAP 1 and 2, which say again for simple decoders what the others say. */
+/* Binary media. .fapc: coded face packets, each as soon as its frames are complete, without FAP 1 and 2,
+ * which repeat the other FAPs for simple decoders. */
 #include "protocol/fapcfile.h"
 #include "server/base/mem.h"
 #include "server/codec/opus_audio.h"
@@ -11,7 +11,7 @@
 
 struct fapc_coder {
     struct fapcfile_writer writer;
-    size_t count; /* frames that wait for a packet */
+    size_t count; /* frames waiting for a packet */
     struct fap_frame frames[FAPC_FRAMES_MAX];
 };
 
@@ -54,17 +54,16 @@ void export_fapc_free(struct export *x) {
     x->coder = NULL;
 }
 
-/* The Ogg export: Opus in Ogg (RFC 7845), mono, pages end where sentences do. */
+/* Opus in Ogg (RFC 7845), mono; pages end with sentences. */
 
 enum { SERIAL = 1, HEAD_BYTES = 19, BITRATE = 32000 };
 
 struct ogg_coder {
     ogg_stream_state stream;
     struct opus_audio *audio;
-    struct buf
-        packets;       /* each after its length; the last one waits until it is known whether another comes */
-    ogg_int64_t coded; /* samples at 48 kHz in the packets so far */
-    ogg_int64_t count; /* packets */
+    struct buf packets; /* each after its length; the last is held until another follows */
+    ogg_int64_t coded;  /* samples at 48 kHz in packets so far */
+    ogg_int64_t count;  /* number of packets */
 };
 
 static void put_pages(struct export *x, int (*next)(ogg_stream_state *, ogg_page *)) {
@@ -87,7 +86,7 @@ static void put_packet(struct ogg_coder *c, uint8_t *data, size_t size, ogg_int6
     ogg_stream_packetin(&c->stream, &packet);
 }
 
-/* The two headers, each on a page of its own. */
+/* Writes the two headers, each on its own page. */
 static void begin(struct export *x, uint32_t rate) {
     struct ogg_coder *c = x->coder = mem_alloc(sizeof *c);
     uint8_t head[HEAD_BYTES] = "OpusHead\1\1";
@@ -101,12 +100,11 @@ static void begin(struct export *x, uint32_t rate) {
         head[12 + i] = (uint8_t)(rate >> (8 * i));
     put_packet(c, head, sizeof head, 0, false);
     put_pages(x, ogg_stream_flush);
-    put_packet(c, tags, sizeof tags, 0,
-               false); /* with the NUL that ends the string: the fourth byte of a 0 */
+    put_packet(c, tags, sizeof tags, 0, false); /* including the string's NUL: the fourth byte of a 0 */
     put_pages(x, ogg_stream_flush);
 }
 
-/* All packets but the last, or that too: its granule position then says where the sound ends. */
+/* Writes all packets but the last, or that too: its granule position marks the end. */
 static void put_packets(struct export *x, bool end) {
     struct ogg_coder *c = x->coder;
     uint8_t *at = c->packets.data, *limit = at + c->packets.size;
@@ -133,7 +131,7 @@ static void add_silence(struct ogg_coder *c, uint32_t samples) {
     }
 }
 
-/* What is there leaves at once at a segment's beginning and end, otherwise as pages fill. */
+/* Flushes at a segment's start and end, otherwise when pages are full. */
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
     const struct sentence_audio *u = segment->audio;
     if (!x->coder)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The NDJSON export: a line for each event and each frame, in the order of their times, as they are made. The
- * events are those of the stream; a frame has the FAPs that are not 0, or what another format makes of them.
- */
+/* NDJSON: one line per event and frame in order of time, as they are made. The events are those of the
+ * stream; a frame has its non-zero FAPs, or another format's values. */
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
@@ -27,7 +26,7 @@ static double seconds(uint64_t samples, uint32_t rate) {
     return rate ? round((double)samples / rate * 1e6) / 1e6 : 0;
 }
 
-/* What stands at a time of a segment. */
+/* An event or frame of a segment. */
 struct item {
     uint64_t sample; /* of the speech */
     enum { SENTENCE, WORD, PHONE, VISEME, MARK, FRAME } kind;
@@ -66,7 +65,7 @@ static json_t *span(struct export *x, const char *type, const struct item *item,
                      (json_int_t)utf16_offset(&x->utf16, text, to));
 }
 
-/* Written by hand: they are most of the answer. */
+/* Formatted by hand, because frames are most of the output. */
 void export_ndjson_faps(struct export *x, const struct fap_frame *frame) {
     const char *comma = "";
     char text[24]; /* of one parameter */
@@ -137,7 +136,7 @@ static void put_item(struct export *x, const struct media_segment *segment, cons
     }
 }
 
-/* Does what begins at that sample of the segment belong to the piece up to `to`? */
+/* Tells whether what begins at that sample belongs to the piece up to `to`. */
 static bool is_in(const struct export *x, const struct sentence_audio *u, uint32_t sample, uint32_t to) {
     return sample >= x->at && (sample < to || to == u->samples);
 }
@@ -185,16 +184,16 @@ void export_ndjson_warning(struct export *x, const struct error *e) {
                      error_text(e, text, sizeof text)));
 }
 
-/* Curves for other engines: ARKit's 52 shapes in the columns of Live Link Face, and as members of NDJSON
- * frames; visemes as the same. */
+/* Curves for other engines: ARKit's 52 shapes as Live Link Face columns or NDJSON members, and visemes as
+ * NDJSON members. */
 
-/* A weight of less is none: a hundredth of a millimetre. */
+/* Smaller weights count as 0: about a hundredth of a millimetre. */
 #define WEIGHT_LEAST 0.00005
 
-/* Live Link Face has turns as parts of half a turn: -180 to 180 degrees are -1 to 1. */
+/* Live Link Face scales -180..180 degrees to -1..1. */
 #define HALF_TURN 3.14159265358979323846
 
-enum { TURNS = 9, WHOLE = 63 /* FAP 1: all of its first viseme */ };
+enum { TURNS = 9, WHOLE = 63 /* FAP 1: weight of its first viseme */ };
 
 const char *const export_viseme_names[] = {"sil", "PP", "FF", "TH", "DD", "kk", "CH", "SS",
                                            "nn",  "RR", "aa", "E",  "I",  "O",  "U"};
@@ -223,7 +222,7 @@ static void put_header(struct export *x) {
     buf_printf(&x->out, "\r\n");
 }
 
-/* Hours, minutes, seconds, the frame within its second, and thousandths of a frame. */
+/* Hours, minutes, seconds, frame within the second, thousandths of a frame. */
 static void put_time(struct export *x, uint32_t k) {
     double second = floor(k / x->fps + 1e-9), at = fmax(0, k - second * x->fps);
     unsigned whole = (unsigned)second, thousandths = (unsigned)lround(at * 1000);
@@ -231,7 +230,7 @@ static void put_time(struct export *x, uint32_t k) {
                thousandths / 1000, thousandths % 1000);
 }
 
-/* Live Link Face counts a turn to the left, up, and to the left shoulder as positive. */
+/* Live Link Face counts turns to the left, up, and towards the left shoulder as positive. */
 static void put_turns(struct export *x, const struct fap_frame *frame) {
     struct arkit_turns t = arkit_turns_of(frame);
     const double turns[TURNS] = {t.head_yaw,   -t.head_pitch,   -t.head_roll,

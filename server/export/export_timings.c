@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The JSON export: {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}
- * times in seconds. The phones, which are most of it, leave as they come; the other lists wait for their end.
- */
+/* Timings of a speech. JSON:
+ * {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}, times in seconds.
+ * Phones, which are most of it, are written at once; the other lists at the end. */
 #include "server/base/mem.h"
 #include "server/export/export.h"
 #include <jansson.h>
@@ -12,7 +12,7 @@
 
 enum { REAL_DIGITS = 12 };
 
-/* To the microsecond. */
+/* Rounded to a microsecond. */
 static double seconds(uint64_t sample, uint32_t rate) {
     return round((double)sample / rate * 1e6) / 1e6;
 }
@@ -22,14 +22,14 @@ static int append(const char *text, size_t size, void *buf) {
     return 0;
 }
 
-/* Adds the object as the next member of a list, and drops it. */
+/* Appends the object to a list and drops its reference. */
 static void add_member(struct buf *list, bool first, json_t *object) {
     buf_add(list, ",\n  " + first, 4 - first);
     json_dump_callback(object, append, list, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
     json_decref(object);
 }
 
-/* All but the brace that would end the object. */
+/* Writes the object without its closing brace. */
 static void open_object(struct export *x) {
     json_t *head = json_pack("{ss ss ss sf}", "lang", x->source.lang, "voice", x->source.voice, "engine",
                              x->source.engine, "fps", x->fps);
@@ -39,7 +39,7 @@ static void open_object(struct export *x) {
     buf_printf(&x->out, ",\n \"phones\":[");
 }
 
-/* All of the segment with its first piece. */
+/* Writes the whole segment with its first piece. */
 void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
     const struct sentence_audio *u = segment->audio;
     const char *text = x->source.text;
@@ -103,20 +103,19 @@ void export_json_end(struct export *x) {
     buf_printf(&x->out, "],\n \"rate\":%u,\"duration\":%.12g}\n", x->sample_rate, duration);
 }
 
-/* The WebVTT export: a cue for each stretch of a sentence that fits under a face, with a time before each of
- * its words (W3C WebVTT, 2019, 4.2.2: timestamp tags), so that a player can colour them as they are said. */
+/* WebVTT: a cue for each part of a sentence that fits under a face, with a timestamp tag before each word
+ * (W3C WebVTT, 2019, 4.2.2), so that players can highlight words. */
 
-/* Characters: from the first on a cue ends where its text pauses, or its line of verse does; at the second
- * it does in any case. */
+/* Characters: from the first limit on a cue ends at a pause or line break; at the second it always ends. */
 enum { CUE_ENOUGH = 36, CUE_MOST = 84 };
 
 struct cue_text {
     struct export *x;
     const char *text;
-    bool tagged;       /* the text has markup of its own, and its entities */
-    struct buf line;   /* of the cue that is being written */
+    bool tagged;       /* markup: the text contains tags and entities */
+    struct buf line;   /* of the current cue */
     uint64_t start;    /* ms */
-    uint64_t last, to; /* of the word before, ms: where it begins and ends */
+    uint64_t last, to; /* of the previous word, ms: start and end */
     size_t characters;
 };
 
@@ -125,7 +124,7 @@ static void put_time(struct buf *out, uint64_t ms) {
                (unsigned)(ms / 1000 % 60), (unsigned)(ms % 1000));
 }
 
-/* Tags are left out, white space becomes one space, or one newline where there was any. */
+/* Leaves out tags and collapses white space to one space or newline. */
 static void put_text(struct cue_text *c, size_t from, size_t to) {
     bool tag = false;
     for (size_t i = from; i < to; i++) {
@@ -143,7 +142,7 @@ static void put_text(struct cue_text *c, size_t from, size_t to) {
                 *last = '\n';
             continue;
         }
-        /* A text with tags has entities of its own; its bare '>' would make a cue's "-->" (4.1). */
+        /* A text with tags has its own entities; a bare '>' could form "-->" (4.1). */
         const char *entity = sign == '>'   ? "&gt;"
                              : c->tagged   ? NULL
                              : sign == '&' ? "&amp;"
@@ -168,7 +167,7 @@ static void end_cue(struct cue_text *c) {
     c->line.size = c->characters = 0;
 }
 
-/* Does a cue end in that gap between two words, of which the next takes so many bytes? */
+/* Tells whether a cue ends in the gap before a word of `next` bytes. */
 static bool breaks(const struct cue_text *c, size_t from, size_t to, size_t next) {
     const char *gap = c->text + from;
     bool pauses = false;
@@ -177,7 +176,7 @@ static bool breaks(const struct cue_text *c, size_t from, size_t to, size_t next
     return c->characters + next > CUE_MOST || (pauses && c->characters >= CUE_ENOUGH);
 }
 
-/* Where in a gap the old cue ends: behind the sign that belongs to the word before. */
+/* Returns where in the gap the old cue ends: after punctuation of the previous word. */
 static size_t joint(const struct cue_text *c, size_t from, size_t to) {
     while (from < to && !strchr(" \t\r\n", c->text[from]))
         from++;
@@ -240,9 +239,9 @@ void export_vtt_end(struct export *x) {
         put_head(x);
 }
 
-/* The TextGrid export: sentences, words and phones (IPA) as Praat's long text format has them (Praat manual,
- * "TextGrid file formats"). Intervals touch; where nothing is said their text is empty. A tier says first how
- * many there are, so that all is written at the end: some 60 bytes a phone are held until then. */
+/* TextGrid: sentences, words and phones (IPA) in Praat's long text format (Praat manual, "TextGrid file
+ * formats"). Intervals are contiguous, empty where nothing is spoken. A tier starts with its number of
+ * intervals, so everything is written at the end, about 60 bytes per phone. */
 
 enum { TIERS = 3 };
 
@@ -269,7 +268,7 @@ static void put_interval(struct tier *t, uint64_t to, uint32_t rate, const char 
     t->end = to;
 }
 
-/* What lies before the end of the one before is cut; what is left out before it is an interval of silence. */
+/* Adds an interval, clipped to the end of the previous one and preceded by silence if there is a gap. */
 static void add(struct tier *t, uint64_t from, uint64_t to, uint32_t rate, const char *text, size_t size) {
     if (from > t->end)
         put_interval(t, from, rate, "", 0);

@@ -7,11 +7,11 @@
 #include <string.h>
 #include <strings.h>
 
-/* Nothing on a face is faster than this, s: what is bounded in the file bounds the step between frames. */
+/* Minimum time of any movement, s, which limits the step between frames. */
 #define SECONDS_MIN 0.08
 #define SECONDS_MAX 10
 
-/* A number that may be left out. */
+/* An optional number. */
 static int read_number(const struct json_place *at, const char *key, double min, double max, double *out) {
     struct json_place number = json_place_key(at, key);
     return number.json ? json_place_real(&number, min, max, out) : 0;
@@ -22,7 +22,7 @@ struct number {
     double min, max, *out;
 };
 
-/* An object of numbers that may each be left out, as the object itself. The list ends with a key of NULL. */
+/* An optional object of optional numbers. The list ends with a NULL key. */
 static int read_numbers(const struct json_place *up, const char *key, const struct number *numbers) {
     struct json_place at = json_place_key(up, key);
     const char *allowed[8] = {0};
@@ -52,7 +52,7 @@ static int read_pose(const struct json_place *at, struct pose *out) {
         double amount;
         if (!count)
             return json_place_fail(&number, "there is no such FAP");
-        /* Where a FAP itself knows no negative values they take away from what a mixture brings. */
+        /* FAPs without negative values may still subtract within a mixture. */
         if (json_place_real(&number, -fap_table[faps[0]].max, fap_table[faps[0]].max, &amount))
             return -1;
         for (size_t i = 0; i < count; i++)
@@ -121,8 +121,8 @@ void expression_begin(struct expression *x, const char *kind) {
                              .life = {1, 1, 1}};
 }
 
-/* entry.c: fills *x (begun, with its name) from its object, but for what it is mixed from. -1: root's
- * error. *x may be released in any case. */
+/* Fills *x (begun, with its name) from its object, except for its mixture. Returns -1 with the root's
+ * error; *x may be freed in any case. */
 static int entry_read(const struct json_place *at, struct expression *x) {
     static const char *const allowed[] = {"aliases", "basic",     "activation", "evaluation", "mix",
                                           "pose",    "asymmetry", "curve",      "mouth",      "articulation",
@@ -197,7 +197,7 @@ static int sort_names(const struct json_place *root, struct expressions *all) {
     return json_place_fail(&entry, "the name '%s' is there twice", taken->name);
 }
 
-/* What needs the other entries. */
+/* Resolves references to other entries. */
 static int finish_entry(const struct json_place *entry, struct expressions *all, struct expression *x) {
     double asymmetry = 0;
     struct json_place uneven = json_place_key(entry, "asymmetry");
@@ -227,7 +227,7 @@ static int read_all(const struct json_place *root, struct expressions *all) {
         return json_place_fail(root, "there is no entry");
     if (sort_names(root, all))
         return -1;
-    /* Mixtures come before what they are mixed from is completed, outer lips and all. */
+    /* Mixtures are computed before their ingredients are completed with outer lips and gaze. */
     for (int mixed = 1; mixed >= 0; mixed--) {
         for (size_t i = 0; i < all->count; i++) {
             struct expression *x = &all->items[i];
@@ -262,7 +262,7 @@ void expression_free(struct expression *x) {
 }
 
 const struct expressions *expressions_share(const struct expressions *shared) {
-    struct expressions *all = (struct expressions *)shared; /* what it says stays as it is */
+    struct expressions *all = (struct expressions *)shared; /* only the reference count changes */
     if (all)
         atomic_fetch_add(&all->others, 1);
     return shared;

@@ -35,7 +35,7 @@ static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-/* A curve into the keys, which the first one makes. */
+/* Reads a curve into the keys, which the first curve creates. */
 static int read_curve(const struct json_place *at, struct expression *x) {
     int faps[2];
     size_t count = pose_faps_named(at->key, faps), frames = json_array_size(at->json);
@@ -86,8 +86,8 @@ static bool looks(const struct expression *x) {
     return false;
 }
 
-/* Times, ramps from and to rest, and what follows from the curves: outer lips, and eyes that stay on the
- * listener where the gesture does not move them itself. */
+/* Computes times, ramps from and to rest, and derived FAPs: outer lips, and eyes that stay on the listener
+ * unless the gesture moves them. */
 static int finish(const struct json_place *fps, double rate, double in, double out, struct expression *x) {
     double end = (double)(x->key_count - 1) / rate;
     bool own_gaze = looks(x);

@@ -12,15 +12,15 @@
 #define HIGHEST_HZ 7000.0
 #define TAU 6.283185307179586
 
-/* Loudness is the natural logarithm of power. The loudest of late is remembered, and forgotten by 3 dB a
- * second; what is softer than -50 dB of full scale is silence however long it lasts. */
+/* Loudness is the natural logarithm of power. The recent maximum decays by 3 dB a second; anything below
+ * -50 dB of full scale is silence. */
 #define FORGET 0.007
 #define SOFTEST -11.5
 #define FIRST_LOUDNESS -7.0
-/* Bands count down to 43 dB below that. */
+/* Bands are clipped 43 dB below that. */
 #define DEPTH 10.0
-/* The colour (each band's mean) is that of frames that lie at most 22 dB below, over 3 s; it begins as the
- * mean of the voices of the training, for as much as one second. */
+/* The spectral mean per band covers frames at most 22 dB below the maximum, over 3 s; it starts as the
+ * mean of the training voices with the weight of one second. */
 #define LOUD 5.0
 #define COLOUR_FRAMES 300.0
 #define COLOUR_FIRST 100.0
@@ -50,7 +50,7 @@ static double mel(double hz) {
     return 2595 * log10(1 + hz / 700);
 }
 
-/* Triangles that each reach the middles of their neighbours, all of the same height for white noise. */
+/* Triangular bands that reach to their neighbours' centres, normalised for white noise. */
 static void make_bands(struct lip_features *f) {
     double low = mel(LOWEST_HZ), step = (mel(HIGHEST_HZ) - low) / (LIP_BANDS + 1), squares = 0;
     for (int i = 0; i < LIP_WINDOW; i++) {
@@ -132,21 +132,21 @@ void lip_features_write(struct lip_features *f, const float *samples, size_t cou
     }
 }
 
-/* The resampler gets blocks of 10 ms, whatever was written: so it does the same for all. */
+/* The resampler always gets blocks of 10 ms, so that the result does not depend on how sound arrives. */
 enum { BLOCK_MOST = LIP_RATE_MOST / 100, READY_MOST = LIP_RATE / 50 };
 
-/* Of the filter that takes the mean away: down by 3 dB at 38 Hz. */
+/* High-pass filter that removes the mean: -3 dB at 38 Hz. */
 #define KEEP 0.985F
 
 struct lip_input {
     unsigned channels;
     struct mixdown mixdown;
-    soxr_t resampler; /* NULL when the rate is right already */
+    soxr_t resampler; /* NULL if the rate is LIP_RATE */
     void (*take)(void *ctx, const float *samples, size_t count);
     void *ctx;
     float block[BLOCK_MOST];
     size_t block_size, filled;
-    float before, mean_free; /* the filter's last input and output */
+    float before, mean_free; /* last input and output of the filter */
 };
 
 struct lip_input *lip_input_new(unsigned rate, unsigned channels,
@@ -168,7 +168,7 @@ struct lip_input *lip_input_new(unsigned rate, unsigned channels,
         soxr_io_spec_t io = soxr_io_spec(SOXR_FLOAT32_I, SOXR_FLOAT32_I);
         soxr_quality_spec_t quality = soxr_quality_spec(SOXR_LQ, 0);
         soxr_runtime_spec_t runtime = soxr_runtime_spec(1);
-        runtime.log2_min_dft_size = 8; /* it would wait for more sound than anybody may be kept waiting for */
+        runtime.log2_min_dft_size = 8; /* the default would buffer too much and add latency */
         s->resampler = soxr_create(rate, LIP_RATE, 1, &error, &io, &quality, &runtime);
         if (!s->resampler) {
             error_set(e, ERROR_BAD_SOUND, "%u samples a second: %s", rate, error ? error : "no memory");
@@ -196,7 +196,7 @@ static void give(struct lip_input *s, float *samples, size_t count) {
         s->take(s->ctx, samples, count);
 }
 
-/* The block, or the end (count 0). */
+/* Processes a block; count 0 = the end. */
 static void pass_on(struct lip_input *s, size_t count) {
     float ready[READY_MOST];
     size_t used = 0, made;

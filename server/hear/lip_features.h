@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What sound is like, every 10 ms: how much of it is in each of 32 bands of the mel scale, against how loud
- * and of what colour it has been so far. Nothing of what comes later is in it. */
+/* Features of sound every 10 ms: energy in 32 mel bands relative to the loudness and spectrum so far.
+ * Causal: nothing later is used. */
 #ifndef FACCIA_HEAR_LIP_FEATURES_H
 #define FACCIA_HEAR_LIP_FEATURES_H
 
@@ -9,8 +9,8 @@
 #include <stddef.h>
 
 enum {
-    LIP_HOP = 160,    /* samples of LIP_RATE from one frame to the next */
-    LIP_WINDOW = 400, /* 25 ms; frame k is of the samples from k * LIP_HOP on */
+    LIP_HOP = 160,    /* samples of LIP_RATE between frames */
+    LIP_WINDOW = 400, /* 25 ms; frame k covers the samples from k * LIP_HOP on */
     LIP_FFT = 512,
     LIP_BANDS = 32,
     LIP_FEATURES = LIP_BANDS + 1, /* the last is the loudness */
@@ -18,13 +18,13 @@ enum {
 
 struct lip_features;
 
-/* take gets each frame as soon as its last sample is there. */
+/* Calls take for each frame as soon as its last sample has arrived. */
 struct lip_features *lip_features_new(void (*take)(void *ctx, const float frame[LIP_FEATURES]), void *ctx);
 void lip_features_free(struct lip_features *features);
 void lip_features_write(struct lip_features *features, const float *samples, size_t count);
 
-/* Sound of any rate and number of channels, as it comes, brought to what the features want: 16 kHz, mono,
- * without its mean. In what pieces it comes makes no difference to a single bit. */
+/* Converts sound of any rate and channel count to 16 kHz mono without its mean. The result does not depend
+ * on how the sound is split. */
 
 enum {
     LIP_RATE = 16000,
@@ -35,18 +35,18 @@ enum {
 
 struct lip_input;
 
-/* take gets what has become ready, at most 20 ms at a time. NULL with *e (bad-sound) when the rate or the
- * number of channels is out of range. */
+/* Calls take with at most 20 ms at a time. Returns NULL with *e (bad-sound) when the rate or channel count
+ * is out of range. */
 struct lip_input *lip_input_new(unsigned rate, unsigned channels,
                                 void (*take)(void *ctx, const float *samples, size_t count), void *ctx,
                                 struct error *e);
 void lip_input_free(struct lip_input *sound);
 
-/* Samples from -1 to 1, of all channels by turns; frames of one sample each. What is no number counts as
- * silence, what is louder is clipped. */
+/* Interleaved samples, -1..1; frames of one sample per channel. Replaces NaN and infinity with 0 and clips
+ * louder samples. */
 void lip_input_write(struct lip_input *sound, const float *samples, size_t frames);
 
-/* There is no more: gives what is left. */
+/* Ends the sound and passes on the rest. */
 void lip_input_end(struct lip_input *sound);
 
 #endif

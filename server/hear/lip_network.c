@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a network consists of, for its reader and those who run it. */
+/* The network's weights, evaluation and file format. */
 #include "server/hear/lip_network.h"
 #include "server/base/mem.h"
 #include <errno.h>
@@ -12,10 +12,10 @@
 
 enum { LIP_LAYERS = 2, LIP_VOICE_PARTS = 3 };
 
-/* outputs = bias + weight inputs; weight row by row. */
+/* outputs = bias + weight * inputs; row-major. */
 struct lip_affine {
     size_t inputs, outputs;
-    const float *weight, *bias; /* in the network's values */
+    const float *weight, *bias; /* within the network's values */
 };
 
 struct lip_network {
@@ -23,24 +23,23 @@ struct lip_network {
     unsigned delays[LIP_HEADS_MOST];
     struct lip_affine conv, input[LIP_LAYERS], hidden[LIP_LAYERS], heads[LIP_HEADS_MOST],
         mouths[LIP_HEADS_MOST];
-    /* A voice's, a row each: the memory, its running mean, and how far from that it lies of late. Their
-     * products and voice_bias are added. */
+    /* Voice detection weights, a row each: the memory, its running mean, and its recent deviation from it.
+     * The products are added to voice_bias. */
     const float *voice, *voice_bias;
     float *values;
 };
 
-/* How much of the way to what is new the running means go in a frame; at first
- * more. */
+/* Rate of the running means per frame; higher at first. */
 #define VOICE_PACE 0.04F
 
 struct lip_state {
     const struct lip_network *network;
     float *frames;             /* the convolution's last inputs, oldest first */
-    float *middle;             /* what it gives */
+    float *middle;             /* its output */
     float *memory[LIP_LAYERS]; /* of the recurrent layers */
-    float *mean, *off;         /* of the last layer's memory of late, and how far it lies from that */
-    float heard;               /* frames, as far as they count */
-    float *gates, *recurrent;  /* of the step: from the input, from the memory */
+    float *mean, *off;         /* recent mean of the last layer's memory, and the deviation from it */
+    float heard;               /* number of frames, saturating */
+    float *gates, *recurrent;  /* of the current step: from the input, from the memory */
 };
 
 struct lip_state *lip_state_new(const struct lip_network *n) {
@@ -71,7 +70,7 @@ void lip_state_free(struct lip_state *s) {
     free(s);
 }
 
-/* Four sums at a time, which the compiler can keep in one register. */
+/* Sums four products at a time, which compilers vectorise. */
 static float product(const float *a, const float *b, size_t count) {
     float sum[4] = {0}, rest = 0;
     size_t i = 0;
@@ -92,7 +91,7 @@ static float sigmoid(float x) {
     return 1 / (1 + expf(-x));
 }
 
-/* Gates in the order reset, update, new. */
+/* Gate order: reset, update, new. */
 static void recur(struct lip_state *s, int layer, const float *in) {
     size_t size = s->network->size;
     float *h = s->memory[layer];
@@ -178,14 +177,14 @@ static float single_at(const uint8_t *at) {
     return value;
 }
 
-/* A walk through the file's weights; without `to` they are only counted. */
+/* Iterates over the file's weights; with `to` NULL it only counts them. */
 struct walk {
     const uint8_t *at;
     float *to;
     size_t bytes, values;
 };
 
-/* Row by row: what 1 is worth, then whole numbers from -127 to 127. */
+/* Per row: the scale, then integers from -127 to 127. */
 static void walk_matrix(struct walk *w, size_t inputs, size_t outputs) {
     for (size_t row = 0; w->to && row < outputs; row++) {
         const uint8_t *at = w->at + w->bytes + row * (SINGLE_BYTES + inputs);
@@ -232,7 +231,7 @@ static struct lip_affine take(const float **at, size_t inputs, size_t outputs) {
     return a;
 }
 
-/* A recurrent layer's weights stand before its biases, those for the input before those for the memory. */
+/* A recurrent layer has weights before biases, and those for the input before those for the memory. */
 static void take_layer(struct lip_network *n, int layer, size_t inputs, const float **at) {
     size_t gates = 3 * n->size;
     n->input[layer] = (struct lip_affine){inputs, gates, *at, *at + gates * (inputs + n->size)};
@@ -241,7 +240,7 @@ static void take_layer(struct lip_network *n, int layer, size_t inputs, const fl
     *at += gates * (inputs + n->size + 2);
 }
 
-/* Whether the numbers are such as can be. */
+/* Validates the sizes. */
 static bool read_sizes(struct lip_network *n, const uint8_t *data, size_t size) {
     unsigned numbers[FIXED];
     if (size < MAGIC_BYTES + FIXED * NUMBER_BYTES || memcmp(data, magic, MAGIC_BYTES) != 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What can be told apart by looking at a mouth; models/tools/hear/sounds.py says which phones are which. */
+/* Classes of sounds that differ on the lips; models/tools/hear/sounds.py maps phones to them. */
 #ifndef FACCIA_HEAR_LIP_NETWORK_H
 #define FACCIA_HEAR_LIP_NETWORK_H
 
@@ -27,39 +27,39 @@ enum lip_class {
 
 struct lip_class_name {
     const char *name;        /* "closed" */
-    const char *ipa, *sampa; /* the phone that stands for all of them; "" and "_" of silence */
+    const char *ipa, *sampa; /* representative phone; "" and "_" for silence */
 };
 
 extern const struct lip_class_name lip_classes[LIP_CLASSES];
 
-/* A small recurrent network that tells from features, as they come, what a mouth does: a convolution over the
- * last frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), and for each lookahead a
- * head for the sounds and one for the mouth; beside them one that tells voices from music. models/tools/hear
- * trains it; its file is described in models/hear/README.md. */
+/* A small recurrent network that predicts mouth movements from features as they arrive: a convolution over
+ * recent frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), for each lookahead a
+ * head for the classes and one for the mouth, and a voice detector. Trained by models/tools/hear; the file
+ * is described in models/hear/README.md. */
 
 enum { LIP_HEADS_MOST = 8 };
 
-struct lip_network; /* immutable once loaded: many may listen with one */
-struct lip_state;   /* of one who listens */
+struct lip_network; /* immutable once loaded, so it can be shared */
+struct lip_state;   /* of one recogniser */
 
-/* NULL with *e (bad-network) when the file is not as it must be. */
+/* Returns NULL with *e (bad-network) for an invalid file. */
 struct lip_network *lip_network_load(const char *path, struct error *e);
 void lip_network_free(struct lip_network *network);
 
-/* By how many frames each head answers late, rising; returns how many there are. */
+/* Gets the delay of each head in frames, increasing; returns their number. */
 size_t lip_network_delays(const struct lip_network *network, unsigned delays[LIP_HEADS_MOST]);
 
 struct lip_state *lip_state_new(const struct lip_network *network);
 void lip_state_free(struct lip_state *state);
 
-/* What it tells of the instant that lies a head's delay ago. */
+/* Prediction for the instant one head's delay ago. */
 struct lip_answer {
-    float likely[LIP_CLASSES]; /* how likely each class is; they add up to 1 */
-    float mouth[PARAM_COUNT];  /* the articulatory parameters, mm */
-    float voice; /* of now: how likely it is that anybody speaks at all: the logarithm of the odds */
+    float likely[LIP_CLASSES]; /* probability of each class; they add up to 1 */
+    float mouth[PARAM_COUNT];  /* articulatory parameters, mm */
+    float voice;               /* log odds that somebody is speaking now */
 };
 
-/* Takes the next frame. */
+/* Processes the next frame. */
 void lip_state_step(struct lip_state *state, const float frame[LIP_FEATURES], size_t head,
                     struct lip_answer *answer);
 

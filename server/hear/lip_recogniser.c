@@ -20,13 +20,13 @@ const struct lip_class_name lip_classes[LIP_CLASSES] = {
     [LIP_CLOSE] = {"close", "i", "i"},    [LIP_CLOSE_ROUND] = {"close-round", "u", "u"},
 };
 
-/* As long as it is that likely a closure goes on. */
+/* A closure continues while its probability is at least this. */
 #define CLOSED_HOLD 0.3F
-/* What is that likely begins at once, all else once it has lasted so many frames. */
+/* A class this probable starts at once, any other after some frames. */
 #define SURE 0.75F
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
-/* A missed closure is worse than one too many, and teeth on the lip are mostly missed: so much more they
- * count. models/hear/README.md has what was tried. */
+/* Weights of the classes: a missed closure is worse than a false one, and labiodentals are mostly missed.
+ * See models/hear/README.md for the experiments. */
 static const float counts[LIP_CLASSES] = {[LIP_CLOSED] = 1.4F, [LIP_TEETH] = 2};
 
 static bool touches(enum lip_class class) {
@@ -84,17 +84,17 @@ bool lip_decoder_step(struct lip_decoder *d, const float likely[LIP_CLASSES], st
     return ended->end > ended->start;
 }
 
-/* The sentence that is made of them counts milliseconds. */
+/* The sentence made from the phones counts in milliseconds. */
 enum { RATE = 1000, MS = RATE / LIP_FRAMES_A_SECOND };
 
-/* A sound that is being heard goes on for a while: at least so long, and so much longer, ms. */
+/* Assumed length of the current sound: a minimum, and an extension beyond what has been heard, ms. */
 enum { LASTS = 90, GOES_ON = 60, THEN_REST = 400 };
 
 bool lip_face_speaks(const char *engine, const struct speech_pack *pack) {
     return !engine || !strcmp(engine, LIP_ENGINE) || face_engine_speaks(engine, pack);
 }
 
-/* A phone that has ended. */
+/* Adds a finished phone. */
 static void lip_face_add(struct lip_face *f, const struct lip_phone *phone) {
     size_t old = f->count == LIP_FACE_PHONES;
     while (old < f->count && f->phones[old].end + LIP_FACE_REACH < phone->end)
@@ -110,7 +110,7 @@ static void put(struct phone *out, enum lip_class class, uint32_t start, uint32_
     snprintf(out->sampa, sizeof out->sampa, "%s", lip_classes[class].sampa);
 }
 
-/* The mouth at t s, while `now` is being heard and the network tells `mouth` of that instant, mm. */
+/* Computes the mouth at t s, where `now` is the current phone and `mouth` the network's prediction, mm. */
 static void lip_face_sample(struct lip_face *f, const struct lip_phone *now, const double mouth[PARAM_COUNT],
                             double t, struct fap_frame *frame) {
     struct phone phones[LIP_FACE_PHONES + 3];
@@ -136,12 +136,11 @@ static void lip_face_sample(struct lip_face *f, const struct lip_phone *now, con
     face_track_free(track);
 }
 
-/* A frame counts no more than so much; a voice is believed sooner than music. models/hear/README.md has what
- * was tried. */
+/* Limit per frame; voice is accepted faster than music. See models/hear/README.md for the experiments. */
 #define ODDS_MOST 4.0F
 #define FALLS 0.015F
 #define RISES 0.04F
-/* From 1, somebody speaks, to -1; what it has been stays until the evidence is on the other's side. */
+/* From 1 (voice) to -1; the decision changes only when the evidence reaches the other side. */
 #define NONE -0.9F
 #define SOMEBODY -0.5F
 
@@ -155,8 +154,7 @@ void lip_voice_step(struct lip_voice *v, float odds, float silence) {
     v->none = v->none ? v->evidence < SOMEBODY : v->evidence < NONE;
 }
 
-/* In silence, and when nobody speaks, the mouth goes to rest, to the bit: how much of the way it goes in a
- * frame, and back. */
+/* In silence the mouth moves to rest: fraction of the way per frame, and back. */
 #define FALLS_ASLEEP 0.05F
 #define WAKES 0.25F
 
@@ -169,21 +167,21 @@ struct lip_recogniser {
     struct lip_decoder decoder;
     struct lip_face face;
     float mouth[2][PARAM_COUNT]; /* mm, of the last two frames */
-    float awake;                 /* 0: at rest .. 1: as the network tells */
-    struct life_live *life;      /* NULL: the mouth alone */
+    float awake;                 /* 0 at rest .. 1 as predicted */
+    struct life_live *life;      /* NULL = mouth only */
     size_t head;
     unsigned delay;   /* frames */
     uint32_t heard;   /* frames of features */
     uint32_t shown;   /* frames of the face */
     uint64_t written; /* samples of each channel */
-    double end;       /* s, of the sound; infinite until it is known */
+    double end;       /* s; infinite until known */
 };
 
 double hear_seconds(uint32_t frames) {
     return frames ? LIP_FIRST_SECONDS + (double)frames / LIP_FRAMES_A_SECOND : 0;
 }
 
-/* Between the middles of the last two frames. */
+/* Interpolates between the last two frames. */
 static void mouth_at(const struct lip_recogniser *l, double t, double mm[PARAM_COUNT]) {
     double last = hear_seconds(l->decoder.now.end) - 0.5 / LIP_FRAMES_A_SECOND;
     double before = fmax(0, fmin(1, (last - t) * LIP_FRAMES_A_SECOND));
@@ -191,7 +189,7 @@ static void mouth_at(const struct lip_recogniser *l, double t, double mm[PARAM_C
         mm[p] = before * (double)l->mouth[0][p] + (1 - before) * (double)l->mouth[1][p];
 }
 
-/* The face as far as it is known. */
+/* Emits the frames that are known. */
 static void show(struct lip_recogniser *l, double until) {
     struct fap_frame frame;
     double mm[PARAM_COUNT];
@@ -212,7 +210,7 @@ static void take_mouth(struct lip_recogniser *l, const float mouth[PARAM_COUNT])
         l->mouth[1][p] = l->awake * mouth[p];
 }
 
-/* Music is silence as far as a mouth goes. */
+/* Treats music as silence. */
 static void quieten(struct lip_recogniser *l, struct lip_answer *answer) {
     lip_voice_step(&l->voice, answer->voice, answer->likely[LIP_SILENCE]);
     if (!l->voice.none)

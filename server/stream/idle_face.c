@@ -13,9 +13,8 @@ static double smooth(double x) {
     return x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-/* Between two faces that are possible (lids and lips that do not pass through each other) lies a possible
- * one.
- */
+/* Interpolates each FAP: any mixture of two possible faces is possible (lids and lips do not pass through
+ * each other). */
 static void mix(struct fap_frame *frame, const struct fap_frame *from, double mouth, double upper) {
     for (int n = 3; n <= FAP_COUNT; n++) {
         double w = is_mouth(n) ? mouth : upper;
@@ -65,7 +64,7 @@ void face_ease_towards(const struct fap_frame *to, struct fap_frame *frames, dou
     }
 }
 
-#define LONG_AGO 60 /* s: the mood is what it was */
+#define LONG_AGO 60 /* s: enough for any mood change to be complete */
 
 static void forget(struct mood_mix *mix) {
     for (size_t i = 0; i < mix->asked.count; i++)
@@ -87,7 +86,7 @@ void mood_mix_close(struct mood_mix *mix) {
 int mood_mix_set(struct mood_mix *mix, const struct mood_request *asked, double at, struct error *e) {
     if (!mix->mood && asked->count)
         return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "mix.0.name", "there are no expressions");
-    /* after a stop the clock may stand a little before where media had come already */
+    /* after a stop the clock may be slightly before media already sent */
     at = fmax(at, mix->last);
     if (mix->mood && mood_set(mix->mood, asked->names, asked->intensities, asked->count, at, asked->ease, e))
         return -1;
@@ -102,7 +101,7 @@ int mood_mix_set(struct mood_mix *mix, const struct mood_request *asked, double 
 void mood_mix_follow(const struct mood_mix *mix, struct mood *copy, double at) {
     const struct mood_request *asked = &mix->asked;
     struct error e;
-    if (copy) /* these names have been taken before */
+    if (copy) /* the names were freed with the old request */
         mood_set(copy, asked->names, asked->intensities, asked->count, at, asked->ease, &e);
 }
 
@@ -120,7 +119,7 @@ struct idle_face {
     struct idle_options options;
     struct face_placement *face;
     uint64_t begin; /* loop time of the idle clock's 0, ms */
-    bool begun;     /* the first chunk has been made: it is the clock's 0, however late it came */
+    bool begun;     /* the first chunk was made; it defines the clock's 0, however late it came */
 };
 
 struct idle_face *idle_face_new(const struct idle_options *options, const struct mood *mood, uint64_t now) {

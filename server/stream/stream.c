@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Utterances that somebody still has in hand: whose text is being written, who is heard, or that are
- * cancelled by name. */
+/* A stream: its queue of utterances, open and live utterances, pause, rate and jumps. */
 #include "server/stream/stream.h"
 #include "server/base/mem.h"
 #include "server/stream/stream_internal.h"
@@ -84,10 +83,9 @@ unsigned stream_cancel(struct stream *s, const char *id) {
     return count;
 }
 
-/* What is spoken when: the order of a stream's utterances. Of a higher priority come before those of a lower.
- */
+/* Queue order: higher priorities come first. */
 
-/* When an utterance is spoken, as its request says. */
+/* When an utterance is spoken, from its request. */
 struct turn {
     const char *id, *topic; /* or NULL */
     enum speech_mode mode;
@@ -107,12 +105,12 @@ static void forget(struct stream *s, struct utterance **at, const char *reason) 
     utterance_free(t);
 }
 
-/* One that waits is forgotten, and told so. */
+/* Drops a waiting utterance and reports its end. */
 static void stream_forget(struct stream *s, struct utterance **at) {
     forget(s, at, "stopped");
 }
 
-/* Of an earlier stay of that one; 0: of anybody abroad. */
+/* Tells whether it was requested in an earlier session of that node; 0 = by any remote node. */
 static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
     return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
 }
@@ -134,14 +132,14 @@ void stream_go_alone(struct stream *s) {
     stream_forget_earlier(s, 0);
 }
 
-/* Whether it cuts what speaks. */
+/* Tells whether it cuts the current utterance. */
 static bool cuts(const struct stream *s, const struct turn *turn) {
     const struct utterance *speaks = s->queue;
     return speaks && (turn->mode == SPEAK_QUEUE ? speaks->priority < turn->priority
                                                 : speaks->priority <= turn->priority);
 }
 
-/* Whether a later one of the same topic makes this one needless. */
+/* Tells whether a newer one of the same topic replaces it. */
 static bool is_replaced(const struct utterance *t, const struct turn *turn) {
     const struct speech_request *request = utterance_request(t);
     const char *topic = request ? request->topic : NULL;
@@ -166,7 +164,7 @@ static unsigned count_replaced(const struct stream *s, const struct turn *turn) 
     return count;
 }
 
-/* The last that waits, where it has a lower priority than that. */
+/* Returns the end of the waiting utterances of at least that priority. */
 static struct utterance **last_below(struct stream *s, enum speech_priority priority) {
     struct utterance **at = s->queue ? &s->queue->next : &s->queue;
     while (*at && (*at)->next)
@@ -174,7 +172,7 @@ static struct utterance **last_below(struct stream *s, enum speech_priority prio
     return *at && (*at)->priority < priority ? at : NULL;
 }
 
-/* Whether it may come at all: -1 with *e. */
+/* Checks whether it may be queued: -1 with *e. */
 static int may_come(struct stream *s, const struct turn *turn, struct error *e) {
     if (turn->mode == SPEAK_QUIET && s->queue)
         return error_plain(e, ERROR_BUSY), -1;
@@ -189,7 +187,7 @@ static void cut(struct stream *s) {
     stream_forget_unheard(s);
 }
 
-/* Puts it among the queue, in the place that its turn asks for. */
+/* Queues it at the place its priority and mode require. */
 static void enqueue(struct stream *s, struct utterance *t, const struct turn *turn) {
     bool first = !s->queue || cuts(s, turn);
     if (turn->mode == SPEAK_REPLACE && first)
@@ -277,13 +275,13 @@ uint32_t stream_play(struct stream *s, struct recording_source *source,
     return t->number;
 }
 
-/* Directing what speaks already: pause and resume, the rate, jumps to marks. */
+/* Control of the current utterance: pause and resume, rate, jumps. */
 
 static uint64_t now_of(const struct stream *s) {
     return uv_now(s->pipeline->loop);
 }
 
-/* An event of the utterance that is heard, at the place where it stands; of none when none has begun. */
+/* Reports an event at the sample being heard, or without an utterance if none has begun. */
 static void tell(struct stream *s, enum stream_event_kind kind, const char *text) {
     const struct utterance *t = s->queue;
     struct stream_event event = {.kind = kind, .text = text, .idle = -1};
@@ -322,7 +320,7 @@ void stream_resume(struct stream *s) {
         live_voice_catch_up(t->live);
     if (t && t->begun) {
         stream_resume_utterance(s, now);
-    } else if (s->unheard) { /* the end of one that has left whole */
+    } else if (s->unheard) { /* the last one was sent completely */
         stream_go_on_from(s, now);
         s->life += (double)s->unheard / 1000;
         s->played_until = s->spoken_until = now + s->unheard;
@@ -384,7 +382,7 @@ static void on_finished(void *ctx, size_t spoken) {
     struct utterance *t = ctx;
     t->finished = true;
     t->spoken = spoken;
-    if (t->next && t->started)    /* one that could not be read is finished before its turn comes */
+    if (t->next && t->started)    /* an utterance that could not be parsed ends before its turn */
         utterance_start(t->next); /* so that it follows without a gap */
     stream_wake(t->stream, 0);
 }
@@ -445,7 +443,7 @@ void stream_number_above(struct stream *s, uint32_t number) {
         s->utterances = number;
 }
 
-/* e: what is said of each, or NULL. */
+/* e: the error reported for each, or NULL. */
 static void end_all(struct stream *s, const char *reason, const struct error *e) {
     uv_timer_stop(s->timer);
     while (s->queue) {
@@ -469,7 +467,7 @@ void stream_fail(struct stream *s, const struct error *e) {
     end_all(s, "failed", e);
 }
 
-/* Another seed, or more or less of life: for what speaks, too. */
+/* Applies a new seed or strength of life, also to the current utterance. */
 static void live_otherwise(struct stream *s) {
     stream_cut_face(s);
     if (s->queue && s->queue->begun && !utterance_is_apart(s->queue))

@@ -55,7 +55,7 @@ void utterance_unplace(struct utterance *t) {
     t->face = NULL;
 }
 
-/* What lives beside a voice that is heard goes on from one piece of it to the next. */
+/* Keeps the life beside a live voice across its segments. */
 static void drop_segment(struct utterance *t) {
     if (!t->live)
         utterance_unplace(t);
@@ -107,7 +107,7 @@ static struct stream_event place_of(struct utterance *t, enum stream_event_kind 
                                  .text = text + start};
 }
 
-/* What begins before the cut and has not been said. */
+/* Reports what begins before the cut and was not reported yet. */
 static void say_events(struct utterance *t, const struct stream_sink *sink, void *ctx) {
     const struct media_segment *segment = &t->segments[0];
     const struct sentence_audio *u = segment->audio;
@@ -181,7 +181,7 @@ void utterance_seek(struct utterance *t, size_t sentence, const char *mark) {
 }
 
 void utterance_respeak(struct utterance *t) {
-    /* one that is entered in its middle stays: what was asked for is that place */
+    /* keep a segment entered in the middle: it is the requested place */
     size_t held = t->segment_count && (t->sentence_said || t->segments[0].skip);
     uint32_t sample = t->sent;
     size_t next = t->segment_count ? t->segments[0].sentence : synthesis_next(t->synthesis);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One utterance of a stream: a speech, a recording or somebody's own voice that is heard or waits, and the
- * segments of it that are ready. It says its events and cuts its media; the stream decides when. */
+/* An utterance of a stream: a synthesis, a recording or a live voice, with its finished segments. It
+ * reports events and cuts media; the stream decides when. */
 #ifndef FACCIA_STREAM_UTTERANCE_H
 #define FACCIA_STREAM_UTTERANCE_H
 
@@ -12,28 +12,26 @@
 #include "server/synthesis/recording.h"
 #include "server/synthesis/synthesis.h"
 
-/* Cutting a segment into pieces, and finding the words, marks and place that begin in each. */
-
-/* Where one has come in a segment. Begins zeroed. */
+/* Position within a segment. Zero-initialised. */
 struct segment_cut {
     uint32_t at; /* sample of the segment */
     size_t word, mark, phone;
 };
 
-/* The media from cut->at on, at most samples long, with frames of that placement in media->frames (room for
- * CUT_FRAMES). Moves cut->at on. The words and marks from cut->word and cut->mark on that begin before the
- * new cut->at belong to it. */
+/* Cuts the media from cut->at on, at most `samples` long, with the placement's frames in media->frames
+ * (room for CUT_FRAMES), and advances cut->at. Words and marks from cut->word and cut->mark on that begin
+ * before the new cut->at belong to the chunk. */
 enum { CUT_FRAMES = 32 };
 void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
                        struct face_placement *face, double fps, uint32_t samples, struct media *media);
 
-/* Enters the segment where it is to be heard from. */
+/* Enters the segment at its first audible sample. */
 void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment);
 
 struct utterance {
     struct utterance *next;
     struct stream *stream;
-    struct synthesis *synthesis; /* one of the three */
+    struct synthesis *synthesis; /* exactly one of the three sources is set */
     struct recording *recording;
     struct live_voice *live;
     uint32_t number;
@@ -43,69 +41,67 @@ struct utterance {
     struct segment_cut cut;
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
-    uint64_t abroad;             /* as its request (speech_request.h) */
-    uint64_t order;              /* the same */
-    bool spared;                 /* who asked has it spoken again when this daemon cannot */
+    uint64_t abroad;             /* of its request (speech_request.h) */
+    uint64_t order;              /* likewise */
+    bool spared;                 /* another node repeats it if this one cannot */
     bool finished;               /* no further segment comes */
-    size_t spoken;               /* segments that came */
-    uint32_t sent, sample_rate;  /* samples that left */
-    struct face_placement *face; /* of the first segment; NULL: not placed (again) yet */
-    double life_begin;           /* its beginning on the life clock, s; once it has begun */
-    struct fap_frame last;       /* that was given out */
-    struct mood *mood;           /* of an utterance whose seed gives it a clock of its own; else NULL */
+    size_t spoken;               /* segments received */
+    uint32_t sent, sample_rate;  /* samples sent */
+    struct face_placement *face; /* of the first segment; NULL = to be placed */
+    double life_begin;           /* life clock at its beginning, s */
+    struct fap_frame last;       /* last frame sent */
+    struct mood *mood;           /* of an utterance with its own clock, else NULL */
     struct utf16_counter utf16;
 };
 
 void utterance_start(struct utterance *utterance);
 
-/* What was asked for, or NULL: a recording. */
+/* Returns the request, or NULL for a recording. */
 const struct speech_request *utterance_request(const struct utterance *utterance);
 
 double utterance_fps(const struct utterance *utterance);
 
-/* Fills in what every event of the utterance says, and gives it to the sink. */
+/* Completes an event with the utterance's fields and sends it. */
 void utterance_give(const struct utterance *utterance, const struct stream_sink *sink, void *ctx,
                     struct stream_event event);
 
 void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
 
-/* Whether nothing is left to be heard of what is still being written or said; and silence for a while. For so
- * many ms more what has been sent may last before that is wanted; below 0: it was all heard that long ago.
- */
+/* utterance_awaits_text: nothing is left to play of an open or live utterance. utterance_patience: ms that
+ * sent media may last before silence must be inserted; negative = overdue. utterance_wait inserts silence. */
 bool utterance_awaits_text(const struct utterance *utterance);
 int64_t utterance_patience(const struct utterance *utterance);
 void utterance_wait(struct utterance *utterance);
 
-/* The client's own name for it, or NULL. */
+/* The client's id, or NULL. */
 const char *utterance_id(const struct utterance *utterance);
 
-/* Whether its face belongs to no clock but its own: it is the same whenever it is played. */
+/* Tells whether the face uses only its own clock, so that it is the same each time. */
 bool utterance_is_apart(const struct utterance *utterance);
 
-/* Whether its face does not follow from the idle one, nor that from its: it is apart, or has more or less
+/* Tells whether the face does not continue the idle one: it has its own clock, or another strength of
  * life. */
 bool utterance_is_foreign(const struct utterance *utterance);
 
-/* The next media of the first segment; media->frames have room for CUT_FRAMES. What begins in it is said
- * first.
- */
+/* Cuts the next media of the first segment, after reporting what begins in it; media->frames has room for
+ * CUT_FRAMES. */
 void utterance_cut(struct utterance *utterance, const struct stream_sink *sink, void *ctx,
                    struct media *media);
 
-/* The sample that is heard at a moment when so many ms of what was sent are still to be heard. */
+/* Returns the sample being heard while `unheard` ms of sent media are still to be heard. */
 uint32_t utterance_heard(const struct utterance *utterance, uint64_t unheard);
 
-/* Of a speech that has been started. Forgets what is not sent, and goes on from that sentence, entered at its
- * mark of that name (NULL: at its beginning); the samples go on counting. */
+/* Continues a started synthesis at a sentence, entered at its mark of that name (NULL: at its beginning),
+ * dropping what was not sent; the sample count continues. */
 void utterance_seek(struct utterance *utterance, size_t sentence, const char *mark);
 
-/* Has the sentences that are not begun made anew. */
+/* Remakes the sentences not yet started. */
 void utterance_respeak(struct utterance *utterance);
 
-/* Its face is placed anew before it is seen again. */
+/* Places the face anew before it is next shown. */
 void utterance_unplace(struct utterance *utterance);
 
-/* Forgets the first segment when it has been cut to its end. */
+/* Drops the first segment once it is cut completely. */
 void utterance_drop_segment_if_done(struct utterance *utterance);
 
 void utterance_free(struct utterance *utterance);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples beside the one that is read between: one before, two behind. */
+/* Neighbours that interpolation needs: one sample before, two after. */
 enum { BEFORE = 1, BEHIND = 2 };
 
 void jitter_buffer_open(struct jitter_buffer *p, unsigned rate, size_t most) {
@@ -66,7 +66,7 @@ size_t jitter_buffer_catch_up(struct jitter_buffer *p) {
     return out;
 }
 
-/* The samples that wait begin at BEFORE again. */
+/* Moves the waiting samples back to the start of the buffer. */
 static void tidy(struct jitter_buffer *p) {
     if (p->first <= BEFORE)
         return;
@@ -90,7 +90,7 @@ size_t jitter_buffer_add(struct jitter_buffer *p, const int16_t *samples, size_t
     return p->count > p->most ? jitter_buffer_catch_up(p) : 0;
 }
 
-/* Between y[0] and y[1] (Catmull and Rom, 1974). */
+/* Interpolates between y[0] and y[1] (Catmull and Rom, 1974). */
 static int16_t at(const int16_t *y, double x) {
     double a = y[-1], b = y[0], c = y[1], d = y[2];
     double value = b + 0.5 * x * (c - a + x * (2 * a - 5 * b + 4 * c - d + x * (3 * (b - c) + d - a)));

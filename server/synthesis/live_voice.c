@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of a heard voice share. */
 #include "server/synthesis/live_voice.h"
 #include "server/base/mem.h"
 #include "server/base/mixdown.h"
@@ -21,35 +20,35 @@ struct live_voice {
     struct live_audio *sound;
     struct jitter_buffer jitter;
     struct lip_recogniser *recogniser;
-    uv_timer_t *timer;              /* while it is open */
-    uint64_t last;                  /* loop time at which enough had come last (LIVE_MIN_PERCENT), ms */
-    uint64_t fresh;                 /* samples since then */
-    struct live_voice *prev, *next; /* of the pool's */
+    uv_timer_t *timer;              /* NULL once it is closed */
+    uint64_t last;                  /* loop time, ms, when LIVE_MIN_PERCENT of real time was last reached */
+    uint64_t fresh;                 /* samples since `last` */
+    struct live_voice *prev, *next; /* in the pool's list */
     bool started, closed, recognised_all, finished;
-    bool stalled; /* silence has been put in since something came */
+    bool stalled; /* silence was inserted since the last sound */
     bool told_skip, told_bad;
-    int16_t *pcm; /* heard, and not handed on, of which given is the first */
+    int16_t *pcm; /* recognised but not delivered; the first sample is number `given` */
     size_t pcm_count, pcm_cap;
-    struct fap_frame *frames; /* the same, from number first_frame on */
+    struct fap_frame *frames; /* their frames, starting with number first_frame */
     size_t frame_count, frame_cap;
     uint32_t first_frame;
-    uint32_t given; /* samples that have been handed on */
+    uint32_t given; /* samples delivered */
     size_t handed, released;
 };
 
-/* A heard voice becomes segments: sound whose frames are known. */
+/* Makes segments from sound whose frames are known. */
 
 enum { BLOCKS_A_SECOND = 100, AHEAD_BLOCKS = 50 };
 
-/* What the hearing tells. */
+/* Callback of the lip recogniser. */
 static void live_frame(void *ctx, uint32_t k, const struct fap_frame *frame) {
     struct live_voice *h = ctx;
-    (void)k; /* they come in order */
+    (void)k; /* frames come in order */
     h->frames = mem_grow(h->frames, &h->frame_cap, h->frame_count + 1, sizeof *frame);
     h->frames[h->frame_count++] = *frame;
 }
 
-/* Hears these samples. */
+/* Feeds samples to the lip recogniser. */
 static void live_recognise(struct live_voice *h, const int16_t *samples, size_t count) {
     float block[LIVE_RATE_MAX / BLOCKS_A_SECOND];
     h->pcm = mem_grow(h->pcm, &h->pcm_cap, h->pcm_count + count, sizeof *samples);
@@ -60,7 +59,7 @@ static void live_recognise(struct live_voice *h, const int16_t *samples, size_t 
     lip_recogniser_write(h->recogniser, block, count);
 }
 
-/* No more than is soon used up: the rest waits where it can still be left out. */
+/* Recognises only what is needed soon: the rest stays in the jitter buffer, where it can be dropped. */
 static void recognise_ahead(struct live_voice *h) {
     int16_t block[LIVE_RATE_MAX / BLOCKS_A_SECOND];
     size_t size = h->rate / BLOCKS_A_SECOND, count;
@@ -73,7 +72,7 @@ static void recognise_ahead(struct live_voice *h) {
     }
 }
 
-/* How many samples make a piece now; 0 = too few. */
+/* Returns the size of the next segment in samples; 0 = not enough yet. */
 static size_t piece_size(const struct live_voice *h) {
     size_t known = h->pcm_count, most = (size_t)h->rate * LIVE_PIECE_MAX_MS / 1000;
     double end = (double)(h->first_frame + h->frame_count) / h->request.fps * h->rate - h->given;
@@ -88,7 +87,7 @@ static void *copy_of(const void *from, size_t size) {
     return memcpy(mem_alloc(size), from, size);
 }
 
-/* With the frames of its time, and at least one: the last one stays. */
+/* Delivers a segment with its frames, at least one; the last frame is repeated. */
 static void hand_on(struct live_voice *h, size_t size) {
     uint32_t next = frame_from_sample((uint64_t)h->given + size, h->rate, h->request.fps);
     size_t used = next > h->first_frame ? next - h->first_frame : 0;
@@ -125,7 +124,7 @@ static void end(struct live_voice *h) {
     h->callbacks.finished(h->ctx, h->handed);
 }
 
-/* live_segments.c: hears what waits, as far as it is wanted, and hands on what is whole. */
+/* Recognises what is needed and delivers complete segments. */
 static void live_deliver(struct live_voice *h) {
     size_t size = 1;
     if (h->finished || !h->started)
@@ -148,7 +147,7 @@ void live_voice_wait(struct live_voice *h, unsigned ms) {
     live_deliver(h);
 }
 
-/* A packet lasts 120 ms at most (RFC 6716, 2.1.4); one that is lost is taken for 20 ms. */
+/* A packet lasts at most 120 ms (RFC 6716, 2.1.4); a lost one counts as 20 ms. */
 enum { PACKETS_A_SECOND = 50, LONGEST_PACKET = 6, OPUS_CHANNELS_MOST = 2, FRAME_BYTES_MOST = 16 };
 
 const char *const live_codecs[] = {[LIVE_PCM] = "pcm_s16le", [LIVE_OPUS] = "opus", NULL};
@@ -156,10 +155,10 @@ const char *const live_codecs[] = {[LIVE_PCM] = "pcm_s16le", [LIVE_OPUS] = "opus
 struct live_audio {
     unsigned rate, channels;
     struct mixdown mixdown;
-    OpusDecoder *opus; /* NULL: it is PCM */
+    OpusDecoder *opus; /* NULL = PCM */
     uint8_t part[FRAME_BYTES_MOST];
-    size_t part_size; /* of a sample of all channels, of which the rest has not come */
-    size_t bytes;     /* so far */
+    size_t part_size; /* bytes of an incomplete sample of all channels */
+    size_t bytes;     /* received */
 };
 
 int live_codec_find(const char *name, enum live_codec *codec, struct error *e) {
@@ -231,7 +230,7 @@ static void mix(struct live_audio *s, const int16_t *samples, size_t frames, con
     }
 }
 
-/* Whatever was sent in pieces is put together sample by sample. */
+/* Reassembles samples from messages that may be cut anywhere. */
 static void read_pcm(struct live_audio *s, const uint8_t *bytes, size_t size, const struct taker *to) {
     int16_t block[1024];
     const size_t frame = s->channels * sizeof *block;
@@ -312,7 +311,7 @@ static unsigned voices_of(const struct live_pool *pool, uint32_t payer) {
     return count;
 }
 
-/* An engine by letters has nothing to go by: what it stands in for is another's. */
+/* The spelling engine cannot work without text, so its fallback is used. */
 static int open_all(struct live_voice *h, const struct live_request *request, struct error *e) {
     const struct live_pool *pool = h->pipeline->live;
     if (!pool || !pool->network)
@@ -365,7 +364,7 @@ static uint64_t most_silence(const struct live_voice *h) {
     return (uint64_t)h->pipeline->open_seconds * 1000;
 }
 
-/* Those who wait get their turn, too. */
+/* Closes a voice that stays silent, so that waiting utterances get their turn. */
 static void on_timer(uv_timer_t *timer) {
     struct live_voice *h = timer->data;
     uint64_t silent = uv_now(h->pipeline->loop) - h->last;
@@ -425,7 +424,7 @@ void live_voice_catch_up(struct live_voice *h) {
     jitter_buffer_begin(&h->jitter);
 }
 
-/* Said once: who is too fast is so again and again. What waits for its turn is passed over all the same. */
+/* Reported once. Samples that wait for their turn are dropped without a report. */
 static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct live_voice *h = ctx;
     h->fresh += count;
@@ -476,7 +475,7 @@ bool live_voice_is_open(const struct live_voice *h) {
     return !h->closed;
 }
 
-/* The clock counts no further than that. */
+/* The clock cannot count further. */
 bool live_voice_awaits(const struct live_voice *h) {
     return !h->closed && h->given < UINT32_MAX / 2;
 }

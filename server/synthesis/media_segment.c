@@ -49,7 +49,7 @@ uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps) {
     return (uint32_t)((sample * hundredths + per - 1) / per);
 }
 
-/* From a sentence as its voice spoke it to the segment that is handed on. */
+/* Makes a segment from a sentence's audio. */
 
 static void warn(void *ctx, const char *message) {
     struct synthesis *s = ctx;
@@ -59,7 +59,7 @@ static void warn(void *ctx, const char *message) {
         s->callbacks.problem(s->ctx, &e, true);
 }
 
-/* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
+/* Chooses the language pack of the voice for the lips, if there is one for the engine. */
 static const struct speech_pack *pack_of(const struct synthesis *s, const struct sentence_audio *u) {
     const struct speech_pack *own = speech_packs_spoken(s->pipeline->packs, s->pack, u->lang);
     if (u->mixed)

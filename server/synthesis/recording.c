@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Can a recording in a folder have that name? */
+/* Tells whether a recording may have that name. */
 static bool recording_is_name(const char *name) {
     size_t size = strlen(name);
     bool fit = size && size <= RECORDING_NAME_BYTES_MAX && *name != '.' && !strchr(name, '/') &&
@@ -61,7 +61,7 @@ enum { CHANNELS_MAX = 8, BLOCK = 4096 };
 const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "mp3",
                                         "aiff", "aif",  "au",  "caf",  "w64", NULL};
 
-/* The sound file beside a .fap, open, or -1. folder: as in a source. */
+/* Opens the sound file beside a .fap; -1 if there is none. folder: as in a source. */
 static int recording_sound_beside(const char *folder, const char *fap_path) {
     size_t stem = strlen(fap_path);
     int fd = -1;
@@ -77,8 +77,7 @@ static int recording_sound_beside(const char *folder, const char *fap_path) {
     return fd;
 }
 
-/* The source's sound as a file, or -1: it has none, or it cannot be opened, as errno says (0: it has none).
- */
+/* Opens the source's sound as a file. Returns -1 with errno, which is 0 when it has none. */
 static int open_file(struct recording_source *source) {
     int fd = -1;
     errno = 0;
@@ -121,10 +120,10 @@ uint32_t recording_sound_read(struct sound_reader *s, int16_t *pcm, uint32_t cou
 }
 
 enum {
-    SILENT_RATE = 8000, /* of a recording without sound, Hz */
+    SILENT_RATE = 8000, /* assumed without sound, Hz */
 };
 
-/* While `working`, all but `freed` belongs to the other thread. */
+/* While `working`, everything but `freed` belongs to the worker thread. */
 struct recording {
     uv_loop_t *loop;
     struct gated_work work;
@@ -135,18 +134,18 @@ struct recording {
     void *ctx;
     struct recording_source source;
     bool working, opened, ended;
-    atomic_bool freed; /* what the other thread does ends soon */
-    bool delivering;   /* inside callbacks: reads on, and is freed, after them */
+    atomic_bool freed; /* asks the worker thread to stop */
+    bool delivering;   /* inside callbacks: continue, or free it, after them */
     struct fapfile fap;
     double fps;
-    struct sound_reader *sound; /* NULL: there is none, or no more */
+    struct sound_reader *sound; /* NULL = none, or at its end */
     uint32_t rate, at;          /* Hz; samples so far */
-    uint32_t end;               /* of the frames, in samples */
+    uint32_t end;               /* end of the frames, in samples */
     size_t pieces, released;
-    struct sentence_audio *piece; /* read last */
-    struct error error;           /* code NULL: none */
-    struct error note;            /* what of the file was passed over; the same */
-    bool sound_told;              /* that its sound is not whole */
+    struct sentence_audio *piece; /* last piece read */
+    struct error error;           /* code ERROR_NONE = none */
+    struct error note;            /* parts of the file that were ignored; likewise */
+    bool sound_told;              /* damaged sound was reported */
 };
 
 void recording_source_free(struct recording_source *source) {
@@ -174,7 +173,7 @@ int recording_source_in(struct recording_source *source, const char *folder, con
     return 0;
 }
 
-/* The .fap as text, from its file. */
+/* Parses the .fap. */
 static int read_fap(struct recording *r) {
     struct recording_source *source = &r->source;
     int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
@@ -212,7 +211,7 @@ static int open_fap(struct recording *r) {
         error_at_line(&r->note, ERROR_IGNORED, note->line, note->column, "%s", note->message);
     buf_free(text);
     face_high_level_expand(r->high, r->fap.frames, r->fap.count);
-    r->fps = round(r->fap.fps * 100) / 100; /* what the protocol can say */
+    r->fps = round(r->fap.fps * 100) / 100; /* the protocol's precision */
     if (r->fps < 1 || r->fps > RECORDING_FPS_MAX)
         return error_at_line(&r->error, ERROR_BAD_FAP, 1, 1, "the frame rate must be 1 to %d",
                              RECORDING_FPS_MAX);
@@ -229,7 +228,7 @@ static int open_all(struct recording *r) {
     return 0;
 }
 
-/* Sound, and silence where it ends before the frames do. */
+/* Reads sound, or silence where it ends before the frames. */
 static void read_piece(struct recording *r) {
     uint32_t want = r->rate * RECORDING_PIECE_SECONDS, got = 0;
     int16_t *pcm = NULL;
@@ -243,7 +242,8 @@ static void read_piece(struct recording *r) {
     size = size > got ? size : got;
     r->ended = size < want || r->at + size == UINT32_MAX;
     const char *wrong = r->sound ? sound_reader_wrong(r->sound) : NULL;
-    if (wrong && got < want && !r->sound_told) { /* what came before is played, and so are the frames */
+    if (wrong && got < want &&
+        !r->sound_told) { /* what came before the damage is played, and so are the frames */
         r->sound_told = true;
         error_set(&r->note, ERROR_BAD_SOUND, "the sound is not whole: %s", wrong);
     }

@@ -10,12 +10,12 @@ enum { NAMES = 16 };
 
 struct selecting {
     struct score *score;
-    const struct voice *voice; /* the usual one */
+    const struct voice *voice; /* the request's voice */
     struct voice_list voices;
     const struct speech_packs *packs;
 };
 
-/* The voice of that name, or of the first of several names that is there; the first NAMES are looked for. */
+/* Returns the first available voice of a list of names, looking at no more than NAMES of them. */
 static const struct voice *by_names(const struct selecting *c, const char *names) {
     const struct voice *voice = voice_by_name(c->voices, names);
     for (int tried = 0; !voice && *names && tried < NAMES;) {
@@ -33,7 +33,7 @@ static bool has_gender(const struct voice *voice, const char *gender) {
     return !strcmp(voice->gender, gender);
 }
 
-/* 1 for the voice that the pack names first, less for later ones, 0 for others. */
+/* 1 for the pack's first preferred voice, less for later ones, 0 for others. */
 static double preference(const char *const *preferred, const struct voice *voice) {
     for (double rank = 1; preferred && *preferred; preferred++, rank /= 2)
         if (!strcmp(*preferred, voice->id))
@@ -66,7 +66,7 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     const struct score_style *style = item->style;
     const struct voice *base = style->voice ? by_names(c, style->voice) : c->voice;
     if (!base) {
-        /* with what may have been meant */
+        /* with a suggestion */
         struct error e;
         voice_unknown(c->voices, style->voice, &e);
         score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "%s", e.message);
@@ -85,13 +85,12 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     return best && (!speaks || has_gender(best, gender)) ? best : base;
 }
 
-/* voice speaks what asks for nothing else. What cannot be had becomes a warning of the script at its place
- * ("unknown-voice", "unknown-language", "no-sound"), and the voice speaks. sounds: folder, or NULL.
- *
- * A named voice speaks, unless the author gives it another language than its own, or a gender. For a language
- * the voices with the wanted gender come first (the author's, else that of the voice before the change), of
- * these those that the language's pack prefers, and of these those of the same plugin. Any thread may call
- * it. */
+/* Chooses a voice for each text of a score; `voice` is the default. What is not available becomes a warning
+ * of the script at its place ("unknown-voice", "unknown-language", "no-sound"), and the default speaks.
+ * sounds: folder, or NULL. A named voice speaks, unless the author also sets another language or a gender.
+ * For a language, voices of the wanted gender come first (the author's, else that of the voice before the
+ * change), then those preferred by the language pack, then those of the same plugin. Callable from any
+ * thread. */
 static struct voice_selection *select_voices(struct score *score, const struct voice *voice,
                                              struct voice_list voices, const struct speech_packs *packs,
                                              const char *sounds) {
@@ -119,7 +118,7 @@ static struct voice_selection *select_voices(struct score *score, const struct v
     return selection;
 }
 
-/* The best voice for a language of that gender, as above; NULL when there is none of that gender. */
+/* Returns the best voice of a language and gender, or NULL if there is none of that gender. */
 static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
                                                   const struct speech_packs *packs, const char *lang,
                                                   const char *gender, const char *plugin) {
@@ -129,10 +128,9 @@ static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
     return voice && has_gender(voice, gender) ? voice : NULL;
 }
 
-/* Who speaks a text, in which language, and how its script is made of what it says. */
+/* Chooses the voice and language of a text, and prepares its script. */
 
-/* About three seconds of speech. A slow voice makes the first part of a long sentence in about as long, and
- * each further one while the one before is heard. */
+/* About three seconds of speech. A slow voice synthesises each further part while the previous one plays. */
 enum { SLOW_SENTENCE_BYTES = 48 };
 
 bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
@@ -163,8 +161,8 @@ static int no_language(const struct pipeline *pipeline, const char *lang, struct
                           near_text(&near, text));
 }
 
-/* The language and the voice that the request asks for; each may follow from the other. When it fails, the
- * voice that was chosen before stays. */
+/* Chooses the request's language and voice; each may follow from the other. On failure the previous voice
+ * stays. */
 static int choose_voice(struct synthesis *s, struct error *e) {
     const struct speech_packs *packs = s->pipeline->packs;
     const char *lang = s->request.lang;
@@ -198,7 +196,7 @@ static int choose_voice(struct synthesis *s, struct error *e) {
         if (other)
             voice = other;
     }
-    /* the phones are the voice's, so the lips follow its language where there is a pack for it */
+    /* phones come from the voice, so the lips use the pack of its language if there is one */
     const struct speech_pack *own = speech_packs_spoken(packs, pack, voice->lang);
     s->voice = voice;
     s->pack = own ? own : pack;
@@ -225,8 +223,7 @@ int synthesis_choose(struct synthesis *s, struct error *e) {
     return choose_voice(s, e) || check_engine(s, e) ? -1 : 0;
 }
 
-/* Weights belong to the weighted rule: a text that names one is shown by it, unless the request wants the
- * other one. */
+/* Weights need weighted blending: a text that sets one gets it, unless the request asks otherwise. */
 static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
     bool weighted = false;
     for (size_t i = 0; i < score->cue_count; i++) {

@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sentence that seems to have ended, in a text that is still being written: the voice begins with it while
- * the next character is awaited, which says whether it has. What was speculated wrong is forgotten, and
- * nobody has heard it. */
+/* Speculation: when a sentence of an open text seems to have ended, the voice starts on it before the next
+ * character confirms that. A wrong guess is dropped before anybody hears it. */
 #include "server/base/mem.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 
-/* Of one sentence, so that a text full of stops is not spoken again and again. */
+/* Attempts per sentence, so that a text full of full stops is not synthesised repeatedly. */
 enum { GUESSES = 3 };
 
 struct speculation {
-    struct score *score; /* that sentence alone, in places of the whole text */
+    struct score *score; /* of that sentence alone, with places of the whole text */
     struct voice_selection *chosen;
     double rate;
     struct sentence *job; /* while the voice works on it */
     struct sentence_audio *audio;
-    void (*deliver)(struct synthesis *s); /* to the heir */
-    struct slot *heir; /* it was speculated right: who gets the audio; NULL: not known yet */
+    void (*deliver)(struct synthesis *s); /* callback for the heir */
+    struct slot *heir;                    /* the slot that gets the audio, once the sentence is confirmed */
 };
 
 void speculation_drop(struct synthesis *s) {
@@ -63,16 +62,16 @@ static void on_failed(void *ctx, const struct error *e) {
     s->writing->speculation->job = NULL;
     speculation_drop(s);
     if (!heir)
-        return; /* it will be asked for once more, and told then */
+        return; /* the sentence is requested again, which reports the error */
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_FAILED, 1);
     heir->job = NULL;
     heir->failure = *e;
     deliver(s);
 }
 
-/* The piece that there would be if the text ended here, when it is all that is there. */
+/* Returns the piece that would follow if the text ended here and that is the only one. */
 static bool next_piece(const struct synthesis *s, struct open_piece *piece) {
-    struct open_text ahead = s->writing->open; /* plain text has no elements, which would be shared */
+    struct open_text ahead = s->writing->open; /* a shallow copy is safe: plain text has no elements */
     struct markup_rules rules = synthesis_rules(s);
     struct error e;
     if (open_text_next(&ahead, s->request.text, s->request.text_size, OPEN_FLUSHED, &rules, piece, &e) <= 0)
@@ -151,6 +150,6 @@ bool speculation_take(struct synthesis *s, struct slot *slot, void (*deliver)(st
     slot->audio = g->audio;
     g->audio = NULL;
     speculation_drop(s);
-    writing_wake(s, 0); /* nothing else would come that hands it on */
+    writing_wake(s, 0); /* nothing else would deliver it */
     return true;
 }

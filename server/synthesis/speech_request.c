@@ -25,13 +25,13 @@ static const char *const modes[] = {[SPEAK_QUEUE] = "queue",
 static const char *const priorities[] = {
     [PRIORITY_BACKGROUND] = "background", [PRIORITY_CHAT] = "chat", [PRIORITY_ALARM] = "alarm", NULL};
 
-/* The fields that anyone may set, with the limits that protocol/README.md states. */
+/* The fields that clients may set, with the limits of protocol/README.md. */
 static const struct field {
     const char *name;
     enum { TEXT, STRING, TAG, NUMBER, INTEGER, FLAG, CHOICE } type;
     size_t offset;
-    double min, max;          /* of a number; of a string: max = its longest, in bytes */
-    const char *const *words; /* of a choice: in the order of its enum, NULL-terminated */
+    double min, max;          /* of a number; for a string, max is its length in bytes */
+    const char *const *words; /* of a choice, in the order of its enum, NULL-terminated */
 } fields[] = {
     {"text", TEXT, offsetof(struct speech_request, text), 0, 0, NULL},
     {"passage", STRING, offsetof(struct speech_request, passage), 1, 128, NULL},
@@ -145,7 +145,7 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
     return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be true or false");
 }
 
-/* An enum without negative members is an unsigned int to GCC and Clang. */
+/* GCC and Clang use unsigned int for an enum without negative members. */
 _Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
                    sizeof(enum speech_mode) == sizeof(unsigned) &&
                    sizeof(enum speech_priority) == sizeof(unsigned) &&
@@ -175,7 +175,7 @@ const char *request_field(size_t i) {
     return i < sizeof fields / sizeof *fields ? fields[i].name : NULL;
 }
 
-/* A number that is not given is outside its range. */
+/* Numbers that were not given are outside their range. */
 bool request_get(const struct speech_request *request, size_t i, struct request_value *value) {
     const struct field *f = &fields[i];
     const void *member = (const char *)request + f->offset;

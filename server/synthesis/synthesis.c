@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a synthesis can be asked. */
+/* A synthesis: opening, delivery, seeking and queries. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include "server/markup/language_runs.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
+/* Tells whether the whole text has been parsed. */
 static bool synthesis_is_read(const struct synthesis *s) {
     return s->score;
 }
@@ -62,7 +62,7 @@ const struct speech_request *synthesis_request(const struct synthesis *s) {
     return &s->request;
 }
 
-/* From a request to a score with its voices: what can be said of it before anything is spoken. */
+/* Opening: from a request to a score with its voices. */
 
 static int no_markup(const char *name, struct error *e) {
     struct near near = near_to(name);
@@ -73,7 +73,7 @@ static int no_markup(const char *name, struct error *e) {
                           near_text(&near, text));
 }
 
-/* From here on the request's text is what all places count in. */
+/* From here on all places count in the request's text. */
 static int decode_text(struct synthesis *s, struct error *e) {
     char *text;
     size_t size;
@@ -83,7 +83,7 @@ static int decode_text(struct synthesis *s, struct error *e) {
         return no_markup(name, e);
     if (s->request.open) {
         writing_open(s);
-        s->markup = markup_by_name("plain"); /* until it is known better */
+        s->markup = markup_by_name("plain"); /* until the kind is known */
         return 0;
     }
     if (!s->request.text)
@@ -99,7 +99,7 @@ static int decode_text(struct synthesis *s, struct error *e) {
     return 0;
 }
 
-/* In any thread: what is reached from here does not change while texts are read. */
+/* Callable from any thread: nothing reached from here changes while texts are parsed. */
 static void read_text(struct synthesis *s) {
     struct reading_result *r = &s->result;
     struct markup_rules rules = synthesis_rules(s);
@@ -110,7 +110,7 @@ static void read_text(struct synthesis *s) {
     rules.runs = &runs;
     r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
     language_runs_free(&runs);
-    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
+    if (r->document && markup_given_up(&rules)) { /* freeing takes long, so do it on this thread */
         score_free(r->document);
         r->document = NULL;
     }
@@ -134,7 +134,7 @@ static void after_work(uv_work_t *work, int status) {
     struct synthesis *s = work->data;
     s->reading = false;
     take_result(s);
-    if (status) /* it was cancelled before it began */
+    if (status) /* cancelled before it started */
         error_set(&s->result.error, ERROR_CANCELLED, "the text was not read");
     synthesis_go_on(s);
 }
@@ -153,8 +153,8 @@ static int begin_reading(struct synthesis *s, struct error *e) {
     return s->score ? 0 : -1;
 }
 
-/* Whether a plugin that is still starting could not change the choice of voices any more. Marked-up text may
- * name any. */
+/* Tells whether a plugin that is still starting could no longer change the choice of voices. Marked-up
+ * text may name any voice. */
 static bool is_settled(const struct synthesis *s) {
     const struct voice_pool *voices = s->pipeline->voices;
     const char *lang = s->request.lang ? s->request.lang : s->pipeline->default_lang;
@@ -253,7 +253,7 @@ static bool has_sentence(struct synthesis *s, size_t sentence) {
     return sentence < s->score->sentence_count || (s->writing && writing_read(s));
 }
 
-/* What has been spoken already, or is being spoken, is not asked for again. */
+/* Skips sentences already spoken or in progress. */
 void synthesis_submit(struct synthesis *s) {
     if (!s->started || !s->score)
         return;
@@ -283,7 +283,7 @@ static void play(struct synthesis *s, struct slot *slot) {
         s->callbacks.segment(s->ctx, segment);
 }
 
-/* Whether the sentence goes beyond what the utterance's clock can count. */
+/* Tells whether the sentence exceeds the range of the utterance's clock. */
 static bool is_beyond(const struct synthesis *s, const struct sentence_audio *u) {
     return u && u->samples > UINT32_MAX - s->samples;
 }
@@ -293,7 +293,7 @@ static void warn_of_markup(struct synthesis *s) {
         s->callbacks.problem(s->ctx, &s->score->warnings[s->warned++], true);
 }
 
-/* What is wrong with a text that is being written. */
+/* Reports an error in an open text. */
 static void complain_of_writing(struct synthesis *s) {
     struct writing *w = s->writing;
     if (!w || w->told || s->freed || w->error.code == ERROR_NONE)
@@ -314,7 +314,7 @@ static void drop_audio(struct slot *slot) {
     slot->track = NULL;
 }
 
-/* Hands on, in order, what is ready. */
+/* Delivers finished segments in order. */
 void synthesis_deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
         return;
@@ -369,7 +369,7 @@ static void refuse(struct synthesis *s) {
     s->busy = false;
 }
 
-/* synthesis.c: the text has been read, or cannot be. */
+/* Continues after parsing, successful or not. */
 static void synthesis_go_on(struct synthesis *s) {
     if (!s->freed && !s->score)
         refuse(s);
@@ -383,8 +383,7 @@ void synthesis_keep(struct synthesis *s) {
     s->keeps = true;
 }
 
-/* What the voices work on, and what waits to be handed on, but for the sentences from `first` to `last` (not
- * included) as they are to be spoken now. */
+/* Drops work in progress and finished sentences, except those in [first, last) that are still valid. */
 static void forget_pending(struct synthesis *s, size_t first, size_t last) {
     for (size_t i = 0; i < WINDOW; i++) {
         struct slot *slot = &s->slots[i];
@@ -397,7 +396,7 @@ static void forget_pending(struct synthesis *s, size_t first, size_t last) {
     }
 }
 
-/* What a long text was read into takes long to free, too. */
+/* The parse result of a long text, freed on another thread. */
 struct rest {
     uv_work_t work;
     struct voice_selection *chosen;
@@ -412,7 +411,7 @@ static void free_rest(uv_work_t *work) {
 }
 
 static void after_rest(uv_work_t *work, int status) {
-    if (status) /* the other thread never came to it */
+    if (status) /* the thread never ran */
         free_rest(work);
     free(work->data);
 }
@@ -438,7 +437,7 @@ void synthesis_free(struct synthesis *s) {
     s->freed = true;
     if (s->reading) {
         atomic_store(&s->given_up, true);
-        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends soon */
+        uv_cancel((uv_req_t *)&s->work); /* if it is running, it stops soon */
     }
     if (s->busy || s->reading)
         return;
@@ -477,7 +476,7 @@ void synthesis_set_rate(struct synthesis *s, double rate) {
     s->request.rate = rate;
 }
 
-/* Of a track: six curves with a segment for each phone. */
+/* Estimate for a track: six curves with a segment per phone. */
 enum { BYTES_PER_PHONE = 1024 };
 
 static size_t size_of(const struct kept_sentence *k) {

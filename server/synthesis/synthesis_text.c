@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A text that is still being written is read piece by piece, as far as it is needed, into a score that grows.
- */
+/* Open texts: parsing piece by piece into a growing score, and timing of writes. */
 #include "server/base/mem.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
@@ -46,7 +45,7 @@ static size_t place(const void *piece, size_t byte) {
     return open_piece_byte(piece, byte);
 }
 
-/* The first piece may say which language it is in. */
+/* Detects the kind from the first piece. */
 static int learn_kind(struct synthesis *s, struct error *e) {
     if (s->markup == s->writing->open.kind)
         return 0;
@@ -63,7 +62,7 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
     rules = synthesis_rules(s);
     rules.markdown = s->writing->open.markdown;
     rules.paused = s->writing->paused;
-    /* what comes behind a broken element could not be told from it any more: it is an error */
+    /* text after a broken element could not be attributed, so it is an error */
     rules.lenient = rules.lenient && s->markup == markup_by_name("plain");
     r.document = markup_read(s->markup, piece->text, piece->size, &rules, e);
     if (!r.document && e->code == ERROR_EMPTY_TEXT)
@@ -89,7 +88,7 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
     return 0;
 }
 
-/* 1: a piece was read; 0: nothing more is known; -1: it cannot be read. */
+/* Returns 1 when a piece was parsed, 0 when more text is needed, -1 on error. */
 static int read_on(struct synthesis *s, struct error *e) {
     struct writing *w = s->writing;
     struct markup_rules rules = synthesis_rules(s);
@@ -121,21 +120,19 @@ bool writing_read(struct synthesis *s) {
         w->read = w->closed = true;
         if (!result && !s->score->sentence_count)
             error_set(&w->error, ERROR_EMPTY_TEXT, "there is nothing to speak");
-        writing_wake(s, 0); /* to say so */
+        writing_wake(s, 0); /* to report it */
     }
     if (s->score->warning_count > s->warned)
         writing_wake(s, 0);
     return s->score->sentence_count > sentences;
 }
 
-/* A text that is still being written: what its writer does, and does not do in time. */
-
-/* What looks like a sentence's end, and is followed by nothing for so long, is one: people and programs pause
- * there. Between two words of a language model that is slow lie 50 ms. */
+/* A likely sentence end followed by this much silence is one: people and programs pause there. A slow
+ * language model takes about 50 ms between words. */
 enum { SETTLE_MS = 200 };
 
-/* The same where it can hardly be anything else, and a program writes, not a person letter by letter: such
- * write a token in less than BRISK_MS on average. */
+/* The same for an almost certain end in a text written by a program, recognised by an average below
+ * BRISK_MS between writes. */
 enum { SURE_MS = 13, BRISK_MS = 80 };
 
 static void on_timer(uv_timer_t *timer);
@@ -160,7 +157,8 @@ void writing_open(struct synthesis *s) {
     writing_wake(s, SETTLE_MS);
 }
 
-/* While the voices are still starting (no score), the language's rules are not known: nothing is read yet. */
+/* Without a score the voices are still starting and the language's rules are unknown, so nothing is
+ * parsed. */
 static bool surely_ended(const struct synthesis *s) {
     if (!s->score)
         return false;
@@ -233,10 +231,10 @@ bool synthesis_is_open(const struct synthesis *s) {
 
 bool synthesis_awaits_text(const struct synthesis *s) {
     return synthesis_is_open(s) && s->score && s->delivered == s->score->sentence_count &&
-           s->samples < UINT32_MAX / 2; /* what is said later needs the clock, too */
+           s->samples < UINT32_MAX / 2; /* later speech needs the clock, too */
 }
 
-/* Nobody has written for long: what there is is spoken, and those who wait get their turn. */
+/* Closes a text that was idle for too long, so that others get their turn. */
 static void give_up(struct synthesis *s) {
     struct error e;
     error_set(&e, ERROR_UNFINISHED, "nothing was written for %u s: the text is taken as it is",
