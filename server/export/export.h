@@ -6,12 +6,37 @@
 #define FACCIA_EXPORT_EXPORT_H
 
 #include "server/base/buf.h"
+#include "server/base/error.h"
 #include "server/base/utf8.h"
-#include "server/export/export_format.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/speech_request.h"
 #include "server/synthesis/synthesis.h"
 #include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+struct export;
+struct fap_frame;
+struct media_segment;
+
+struct export_format {
+    const char *name; /* "wav" */
+    const char *content_type;
+    /* Output is available while speaking; otherwise only at the end. */
+    bool streams;
+    /* Writes the segment's samples from x->at up to `to`. */
+    void (*piece)(struct export *x, const struct media_segment *segment, uint32_t to);
+    void (*end)(struct export *x);
+    void (*warning)(struct export *x, const struct error *e); /* NULL = not reported */
+    void (*free)(struct export *x);                           /* frees its coder; NULL = none */
+    /* NDJSON: writes a frame's member with a leading comma; in a speech, phones are written as visemes. */
+    void (*member)(struct export *x, const struct fap_frame *frame);
+    bool visemes;
+};
+
+/* Ended by a NULL name. */
+extern const struct export_format export_formats[];
+const struct export_format *export_by_name(const char *name);
 
 /* Metadata of the segments' source. Borrowed. */
 struct export_source {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a face track consists of, for those who play it. */
+/* The contents of a face track, shared with placements. */
 #include "server/face/track.h"
 #include "server/base/mem.h"
 #include "server/face/engines/contact.h"
@@ -24,7 +24,7 @@ struct face_track {
     struct openings openings;
     struct visemes visemes;
     bool still;
-    struct sentence_expression expression; /* of nothing when still */
+    struct sentence_expression expression; /* empty when still */
 };
 
 static const struct phone *first_sound(const struct sentence_audio *u) {
@@ -44,7 +44,7 @@ uint32_t lead_in_missing(const struct speech_pack *pack, const struct sentence_a
     return found.count && found.match[0].phone->contact.kind ? needed - first->start : 0;
 }
 
-/* Upper and lower lid meet after IRISD in all: 1024 FAP units. */
+/* The lids meet after IRISD in total: 1024 FAP units. */
 #define LIDS_MEET 1024
 
 static const struct speech_fapu fapu_of_models = {.irisd = 11.7, .es = 62, .ens = 42, .mns = 21, .mw = 50};
@@ -60,7 +60,7 @@ void face_limits_apply(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1
     part_lids(faps);
     for (int n = 3; n <= FAP_COUNT; n++) {
         frame->value[n] = 0;
-        if (faps[n] == 0) /* many, and always within the limits */
+        if (faps[n] == 0) /* common, and always within limits */
             continue;
         double value = faps[n] < fap_table[n].min   ? fap_table[n].min
                        : faps[n] > fap_table[n].max ? fap_table[n].max
@@ -73,20 +73,20 @@ void face_limits_apply(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1
 }
 
 struct face_placement {
-    const struct face_track *track; /* of the idle face: nothing's */
+    const struct face_track *track; /* NULL for the idle face */
     struct face_track *shared;
     bool expresses;
-    struct face_layer life; /* none when still */
-    double liveliness;      /* of it; 0 = none */
+    struct face_layer life; /* empty when still */
+    double liveliness;      /* strength of the life; 0 = none */
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct speech_cursor speech_cursor;
     size_t contact_cursor, opening_cursor, viseme_cursor;
-    const double *mouth; /* mm of the parameters, in place of the engine's; NULL = the engine's */
+    const double *mouth; /* parameters in mm that replace the engine's; NULL = the engine's */
     struct expression_layer express;
 };
 
-/* All but the expressions' memory, which is large and set when it is used. */
+/* Initialises everything but the expressions' cache, which is large and set on use. */
 static void begin(struct face_placement *p, const struct face_track *track) {
     static const struct face_track nobody;
     memset(p, 0, offsetof(struct face_placement, express));
@@ -136,8 +136,8 @@ void face_placement_add(struct face_placement *p, struct face_layer layer) {
     p->layers[p->layer_count++] = layer;
 }
 
-/* Adds life. Lids that meet have moved by IRISD, 1024 FAP units, together; a blink closes the eyes whatever
- * the expression made of the lids: as far as it closes them it replaces that. */
+/* Adds life. The lids together move by IRISD, 1024 FAP units, to meet. A blink closes the eyes whatever
+ * the expression does: it replaces the expression's lids in proportion. */
 static void add_life(const struct face_layer *layer, double t, double faps[FAP_COUNT + 1]) {
     double expressed[4];
     memcpy(expressed, faps + 19, sizeof expressed);
@@ -174,7 +174,7 @@ void face_placement_sample(struct face_placement *p, double t, struct fap_frame 
         p->layers[i].add(p->layers[i].self, t, faps);
     if (p->life.add)
         add_life(&p->life, t, faps);
-    /* After all layers, so that none of them can open a closure or close a vowel. */
+    /* after all layers, so that none can open a closure or close a vowel */
     if (speaks) {
         openings_show(&track->openings, t, &p->opening_cursor, fapu, faps);
         fapmap_touch(fapu, demand, faps);
@@ -190,12 +190,12 @@ static bool is_of_mouth(int n) {
 enum { CORNERS = 4 };
 static const int corners[CORNERS] = {12, 13, 59, 60};
 
-/* What two have the lids do: the one that closes them takes the other's part away. */
+/* Combines two movements of the lids: the one that closes them replaces the other. */
 static double lids_of(double a, double b, double shut) {
     return b > 0 ? b + a * (1 - fmin(1, b / shut)) : a + b * (1 - fmin(1, fmax(0, a) / shut));
 }
 
-/* Eyes that somebody else moves give up where life looks, and keep their target while its head moves. */
+/* Replaces life's gaze by a given one, which keeps its target while the head moves. */
 static void add_heard(const struct fap_frame *heard, double strength, const struct fap_frame *lives,
                       double faps[FAP_COUNT + 1]) {
     for (int n = 19; n <= FAP_COUNT && strength > 0; n++) {

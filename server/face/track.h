@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a mouth needs before a sentence is heard. */
+/* The face of a sentence: tracks, their placement on a clock, limits, and the silence needed before a
+ * sentence. */
 #ifndef FACCIA_FACE_TRACK_H
 #define FACCIA_FACE_TRACK_H
 
@@ -14,117 +15,108 @@
 
 struct face_track;
 
-/* Lips that are to meet in the first sound have to be on their way before it: to the contact that one frame
- * of 25 a second shows, wherever it falls (CONTACT_MIN_SECONDS), s. People close theirs before they voice a
- * /b/, too. */
+/* Time for lips to reach a contact in the first sound, s, early enough for the one frame at 25 fps that
+ * shows it (CONTACT_MIN_SECONDS). People also close their lips before voicing a /b/. */
 #define LEAD_IN_SECONDS 0.06
 
-/* How many samples of silence are missing before the sentence, so that its first sound, where that is a
- * bilabial or a labiodental, has LEAD_IN_SECONDS before it; else 0. Asks the pack alone: sound and times are
- * the same for every engine. */
+/* Returns how many samples of silence are missing before the sentence, so that a bilabial or labiodental
+ * as its first sound has LEAD_IN_SECONDS; else 0. Depends only on the pack, so sound and times are the
+ * same for every engine. */
 uint32_t lead_in_missing(const struct speech_pack *pack, const struct sentence_audio *u);
 
-/* From the sum of all layers to a frame: what flesh cannot do is taken back. */
+/* Limits of the face, applied to the sum of all layers. */
 
 struct speech_fapu;
 
-/* Keeps lips and lids from passing through each other, rounds and limits; sets FAPs 3 to 68 of the frame. */
+/* Keeps lips and lids from passing through each other, rounds and clips; sets FAPs 3 to 68 of the frame. */
 void face_limits_apply(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1], struct fap_frame *frame);
 
-/* The FAPUs of a face that does not speak: those of the speakers on whom the languages were modelled. */
+/* FAPUs of a silent face: those of the modelled speakers. */
 extern const struct speech_fapu *const face_idle_fapu;
 
-/* What a face track is made with, and what it is played with. */
-
-/* Of a face track: what is said, and how the author wants it shown. */
+/* Options of a track: how the author wants the sentence shown. */
 struct face_options {
-    const char
-        *engine; /* NULL = the default one, which also stands in for one that does not speak the pack */
-    bool still;  /* lips only: no expressions */
+    const char *engine; /* NULL = the default, which also replaces an engine that does not support the pack */
+    bool still;         /* lips only, no expressions */
     enum face_blend blend;
     enum face_contacts contacts;
-    const struct expressions *expressions; /* the track takes a share; NULL = cues are not shown */
+    const struct expressions *expressions; /* the track takes a reference; NULL = ignore cues */
 };
 
-/* Of a placement: when it is played, and by whom. */
+/* Options of a placement: when and how it is played. */
 struct placement_options {
     bool still;              /* no life and no mood */
-    double life;             /* strength of the life layer, 0..2; 1 = as people are, 0 = none */
-    uint64_t seed;           /* of the life layer: the same seed gives the same face */
-    double begin;            /* time of the sentence's start on the life layer's clock, s */
-    const struct mood *mood; /* borrowed, may change while the placement is used; NULL = neutral */
+    double life;             /* strength of the life layer, 0..2; 1 = natural, 0 = none */
+    uint64_t seed;           /* of the life layer: equal seeds give equal faces */
+    double begin;            /* time of the sentence's start on the life clock, s */
+    const struct mood *mood; /* borrowed, may change during use; NULL = neutral */
 };
 
-/* A placement: a face track as it is played once, on a life clock, with a life and a mood
- * of its own; or the face while nobody speaks. What is played again, later or by another is placed anew, and
- * nothing is made twice but this. */
+/* A placement: one playback of a track on a life clock with its life and mood, or the face while nobody
+ * speaks. Each playback has its own placement of the shared track. */
 
 struct face_placement;
 
-/* The track is shared; u is the sentence that it was made of, which may be freed afterwards. Track and u =
- * NULL: nobody speaks, without an end, and times are on the life clock. */
+/* Takes a reference to the track; u is its sentence, which may be freed afterwards. Track and u NULL:
+ * nobody speaks, without an end, with times on the life clock. */
 struct face_placement *face_placement_new(struct face_track *track, const struct sentence_audio *u,
                                           const struct placement_options *options);
 void face_placement_free(struct face_placement *placement);
 
-/* Adds a layer; the placement owns it. */
+/* Adds a layer, which the placement owns. */
 void face_placement_add(struct face_placement *placement, struct face_layer layer);
 
-/* The face at t seconds (any t: before 0 and after the end it is at rest), clamped to the FAP ranges, rounded
- * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the sentence's length. */
+/* Computes the face at t seconds (at rest before 0 and after the end), clipped to the FAP ranges and
+ * rounded. Fastest with increasing t; the cost does not depend on the sentence's length. */
 void face_placement_sample(struct face_placement *placement, double t, struct fap_frame *frame);
 
-/* Around a mouth that somebody else moves: its jaw, lips and tongue are those of that frame, but that the
- * mood draws the corners up or down, which opens and closes nothing. What the rest of that frame does is
- * added to life, as strong as life is; where it has the eyes (FAPs 23 to 26 of its mask) they look where it
- * says. */
+/* The same around a mouth from another source: jaw, lips and tongue are those of the frame, except that
+ * the mood moves the corners vertically. Its other FAPs are added to life, scaled by life's strength; if
+ * its mask has FAPs 23 to 26, they set the gaze. */
 void face_placement_sample_around(struct face_placement *placement, double t, const struct fap_frame *heard,
                                   struct fap_frame *frame);
 
-/* The face track: what follows from a sentence alone, over the time from its own zero: the mouth, what lips
- * must touch, the cues' expressions, FAP 1. Immutable, so that it can be kept, shared and played again;
- * placement.h plays it. */
+/* The face track: everything that follows from a sentence alone, from its own time 0: mouth, contacts, the
+ * cues' expressions, FAP 1. Immutable, so that it can be cached, shared and replayed by placements. */
 
 struct face_track;
 
-/* Builds the track. Phones that the pack cannot map are reported through warn (may be NULL) and get the
- * nearest phone's targets. Never fails: a pack that loaded can serve any sentence. The sentence may be
- * freed afterwards; the pack must outlive the track. */
+/* Builds the track; never fails. Phones that the pack cannot map are reported through warn (may be NULL)
+ * and use the nearest phone's targets. The sentence may be freed afterwards; the pack must outlive the
+ * track. */
 struct face_track *face_track_new(const struct speech_pack *pack, const struct sentence_audio *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx);
 
-/* One more owner, in any thread. Each calls face_track_free. */
+/* Adds an owner, from any thread. Each owner calls face_track_free. */
 struct face_track *face_track_share(struct face_track *track);
 void face_track_free(struct face_track *track);
 
-/* The track alone at t seconds, as a placement without life and mood has it (placement.h, which is cheaper
- * for many frames). */
+/* Computes the track at t seconds without life and mood. (A placement is faster for many frames.) */
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame);
 
-/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and
- * openings hold for it, too. */
+/* The same with a given mouth in place of the engine's, or NULL; contacts and openings still apply. */
 void face_track_sample_mouth(const struct face_track *track, double t, const double mm[PARAM_COUNT],
                              struct fap_frame *frame);
 
-/* What the parameters are in a frame of a still track, mm of the speaker that the pack models. */
+/* Recovers the parameters from a frame of a still track, mm of the pack's modelled speaker. */
 void face_track_read(const struct face_track *track, const struct fap_frame *frame, double mm[PARAM_COUNT]);
 
-/* What FAP 1 shows, sound by sound, in order; the first and the last are no sounds. They are the track's. */
+/* The keys of FAP 1 in order, owned by the track; the first and last are no sounds. */
 struct viseme_key;
 const struct viseme_key *face_track_visemes(const struct face_track *track, size_t *count);
 
-/* The engines that face_options.engine may name, NULL-terminated. */
+/* Names for face_options.engine, NULL-terminated. */
 const char *const *face_engines(void);
 
-/* The default engine with a part left out, for measuring: faccia eval names them, requests cannot. */
+/* Ablations of the default engine, for faccia eval; requests cannot use them. */
 const char *const *face_engine_ablations(void);
 
-/* Whether there is an engine of that name (NULL = the default one, which speaks all languages) and the pack
- * has what it needs. */
+/* Tells whether the engine exists (NULL = the default, which supports all languages) and the pack has what
+ * it needs. */
 bool face_engine_speaks(const char *name, const struct speech_pack *pack);
 
-/* Whether a track of that engine (NULL = the default one) has the layer of contacts. */
+/* Tells whether a track of that engine (NULL = the default) applies contacts. */
 bool face_engine_contacts(const char *name, enum face_contacts contacts);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/stream/utterance.h"
+#include "server/stream/stream_internal.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
 #include <string.h>

@@ -35,8 +35,8 @@ const char *const *engine_names(void) {
     return names;
 }
 
-/* Visemes that depend on their context, each reached in the middle of its phone, and a smooth way between
- * them: no dominance, no look-ahead beyond two sounds. */
+/* Context engine: visemes that depend on context, each reached in the middle of its phone, with smooth
+ * interpolation: no dominance, and a look-ahead of two sounds. */
 
 static size_t sound_at(const struct context_table *table, const struct phone_segments *g, size_t i,
                        long offset) {
@@ -45,8 +45,7 @@ static size_t sound_at(const struct context_table *table, const struct phone_seg
                                           : context_sound(table, g->items[at].phone);
 }
 
-/* A pause that is long enough for it holds the rest, so that the mouth does not wait half the pause to close.
- */
+/* A long pause holds the rest position, so that the mouth does not take half the pause to close. */
 static void add_pause(struct morph *morph, const struct phone_segment *g, const struct speech_rest *rest,
                       const double *faps) {
     if (g->end - g->start > rest->reach + rest->leave) {
@@ -86,8 +85,7 @@ static bool context_speaks(const struct speech_pack *pack) {
 
 const struct face_engine engine_context = {"context", true, context_speaks, context_layer};
 
-/* The engines that have one curve for each articulatory parameter: the default one, and what it is compared
- * with. */
+/* Engines with one curve per articulatory parameter: the default, and what it is compared with. */
 
 _Static_assert((int)PARAM_COUNT <= (int)SPEECH_CURSORS, "a cursor for each curve");
 
@@ -114,7 +112,7 @@ static void articulation_free(void *self) {
     free(mouth);
 }
 
-/* Any pack will do. */
+/* supports any pack */
 static bool articulation_speaks(const struct speech_pack *pack) {
     return pack != NULL;
 }
@@ -127,24 +125,22 @@ static struct speech_layer articulation_layer(const struct speech_pack *pack, co
     return (struct speech_layer){add, articulation_free, mouth};
 }
 
-/* One dominance curve for each articulatory parameter. */
+/* One dominance curve per articulatory parameter. */
 static struct speech_layer dominance(const struct speech_pack *pack, const struct sentence_audio *u,
                                      struct phone_segments *g) {
     (void)u;
     return articulation_layer(pack, g, TARGETS_LOOK_AHEAD);
 }
 
-/* The baseline: the function of Cohen and Massaro (1993) as it was, with the same targets and coefficients.
- * No segment is confined by its neighbours and nothing looks after the closures, so fast speech loses them.
- */
+/* Baseline: the original function of Cohen and Massaro (1993) with the same targets and coefficients.
+ * Neighbours do not confine a segment and closures are not enforced, so fast speech loses them. */
 static struct speech_layer original(const struct speech_pack *pack, const struct sentence_audio *u,
                                     struct phone_segments *g) {
     (void)u;
     return articulation_layer(pack, g, TARGETS_ORIGINAL);
 }
 
-/* The default engine with a part of its function left out, for measuring what that part does. Nobody can ask
- * for them but faccia eval. */
+/* The default engine with a part of its function removed, for measurements (faccia eval only). */
 static struct speech_layer without_shape(const struct speech_pack *pack, const struct sentence_audio *u,
                                          struct phone_segments *g) {
     (void)u;
@@ -164,9 +160,9 @@ const struct face_engine engine_without_shape = {"dominance-no-shape", true, art
 const struct face_engine engine_without_resistance = {"dominance-no-resistance", true, articulation_speaks,
                                                       without_resistance};
 
-/* The simplest baseline: a table with one target for each phone and parameter, reached in the phone's middle,
- * and half a cosine from one to the next. No context, no dominance, no look-ahead: what a better engine adds
- * has to be seen beside this. The targets are those of the pack, each the mean over the phone's contexts. */
+/* Table engine, the simplest baseline: one target per phone and parameter, the mean of the pack's targets
+ * over all contexts, reached in the phone's middle with cosine interpolation. No context, dominance or
+ * look-ahead. */
 
 struct table_key {
     double at; /* s */
@@ -175,7 +171,7 @@ struct table_key {
 
 struct table {
     struct speech_fapu fapu;
-    struct table_key *keys; /* at rises strictly; the first and the last are at rest */
+    struct table_key *keys; /* strictly increasing in `at`; rest at both ends */
     size_t count, cap;
 };
 
@@ -206,7 +202,7 @@ static void phone_targets(const struct speech_pack *pack, const struct phone_seg
 static void table_add(const void *self, double t, struct speech_cursor *cursor, double faps[FAP_COUNT + 1]) {
     const struct table *table = self;
     (void)cursor;
-    size_t low = 0, high = table->count - 1; /* the last key at or before t lies from low to before high */
+    size_t low = 0, high = table->count - 1; /* bisection: the last key at or before t is in low..high - 1 */
     while (low + 1 < high) {
         size_t middle = (low + high) / 2;
         if (table->keys[middle].at <= t)
@@ -244,7 +240,7 @@ static struct speech_layer table_layer(const struct speech_pack *pack, const str
             phone_targets(pack, item, mm);
             add_key(table, (item->start + item->end) / 2, mm);
         } else if (length >
-                   pack->rest.reach + pack->rest.leave) { /* it does not wait half the pause to close */
+                   pack->rest.reach + pack->rest.leave) { /* so that closing does not take half the pause */
             add_key(table, item->start + pack->rest.reach, rest);
             add_key(table, item->end - pack->rest.leave, rest);
         } else {
@@ -261,17 +257,17 @@ static bool table_speaks(const struct speech_pack *pack) {
 
 const struct face_engine engine_table = {"table", false, table_speaks, table_layer};
 
-/* Words are not drawn out more than this, as a multiple of the table: the rest of the time is a pause. */
+/* Maximum stretch of words relative to the table; the rest becomes a pause. */
 #define MAX_STRETCH 2.0
-/* Nor more than the sentence's usual word by this factor. */
+/* Maximum stretch relative to the sentence's usual word. */
 #define MAX_UNEVEN 1.5
-/* A shorter gap is a part of the word before it. */
+/* Shorter gaps belong to the previous word. */
 #define MIN_PAUSE 0.04
 
 struct room {
-    double start, end; /* s: to the next word or the end of the audio */
-    double said;       /* s: the word's end if the voice knows it, else 0 */
-    double table;      /* s: by the table */
+    double start, end; /* s: until the next word or the end of the audio */
+    double said;       /* s: the word's end if the voice reports it, else 0 */
+    double table;      /* s: duration by the table */
     struct spelled *letters;
     size_t count;
 };
@@ -281,7 +277,7 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* How much longer than in the table the usual word is: the median, so that pauses do not count. */
+/* Median stretch of the words, so that pauses do not count. */
 static double pace_of(const struct room *rooms, size_t count) {
     double *ratios = mem_alloc((count + 1) * sizeof *ratios), pace = 1;
     size_t used = 0;
@@ -349,12 +345,12 @@ void spelling_segments(const struct spelling *spelling, const struct sentence_au
     free(rooms);
 }
 
-/* One shape for each letter, chosen with the vowel of its syllable, and a straight way from one to the next
- * (E. Akagündüz, METU 2004, chapter 5): while a letter sounds, its shape turns into the next one's. The
- * letters come from the voice's phones, so that numbers and abbreviations are shown as they are said; from
- * the words' text only when the voice gives no phones. */
+/* Syllable engine: one shape per letter, chosen with the vowel of its syllable, linearly interpolated (E.
+ * Akagündüz, METU 2004, chapter 5): during a letter its shape changes into the next. Letters come from the
+ * voice's phones, so that numbers and abbreviations are shown as spoken; only without phones from the
+ * words' text. */
 
-/* A word may begin within a phone that the voice gave to both. */
+/* Tolerance for a word that begins within a phone reported for both words. */
 #define WORD_SLACK 0.001
 
 static bool has_phones(const struct phone_segments *g) {
@@ -364,8 +360,7 @@ static bool has_phones(const struct phone_segments *g) {
     return false;
 }
 
-/* The segments from i on that are one word: up to a pause or where the voice says that the next word begins.
- */
+/* Counts the segments from i on that form one word: up to a pause or the next word's start. */
 static size_t word_length(const struct sentence_audio *u, const struct phone_segments *g, size_t i,
                           size_t *word) {
     double rate = u->sample_rate ? u->sample_rate : 1;
@@ -385,7 +380,7 @@ static void add_word(struct morph *morph, const struct spelling *spelling, const
         letters[i].letter = spelling_of_phone(spelling, items[i].phone);
     spelling_syllables(letters, n);
     for (size_t i = 0; i < n; i++) {
-        /* The mouth cannot have its first shape the moment it begins: it gets half of the sound for it. */
+        /* the mouth needs time for its first shape: half of the sound */
         double at = items[i].start > 0 ? items[i].start : items[i].end / 2;
         morph_add(morph, at, spelling->common.shapes.items[spelling_shape(spelling, &letters[i])].faps);
     }

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4,
- * and a lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
+/* Opening half-way to the corner relative to the middle: a parabola gives 3/4, but the lower lip is a
+ * little fuller; a narrow mouth is round, so its sides close earlier. */
 #define SIDE_OPENING 0.8
 #define SIDE_PER_MM 0.03
 #define SIDE_MIN 0.55
@@ -20,29 +20,29 @@
 #define CORNER_PER_SPREAD 0.12 /* and rise a little as they spread */
 #define CHIN_PER_PRESS 0.5     /* the chin muscle lifts a pressing lower lip */
 #define CHIN_PER_PUSH 0.2      /* and a protruding one */
-#define CHEEK_PER_JAW (-0.06)  /* cheeks get hollow as the jaw sinks */
-#define CHEEK_PER_PUSH (-0.15) /* and as the lips are pushed forward */
+#define CHEEK_PER_JAW (-0.06)  /* cheeks hollow as the jaw sinks */
+#define CHEEK_PER_PUSH (-0.15) /* and as the lips protrude */
 #define CHEEK_PER_PRESS 0.2    /* air is held behind closed lips */
 #define LIFT_PER_SPREAD 0.12   /* spreading lifts the cheeks */
 #define OUTER_PER_INNER 0.85   /* the outer contour moves less than the inner one */
 
-/* How much of the chin's way down the tongue's tip and body are carried, and how far they sink into the floor
- * of the mouth, mm. */
+/* Share of the jaw's movement that carries the tongue's tip and body, and how far they can sink into the
+ * floor of the mouth, mm. */
 #define TIP_PER_JAW 0.8
 #define BODY_PER_JAW 0.5
 #define TIP_FLOOR (-1.0)
 #define BODY_FLOOR (-2.0)
 
-/* Pressed lips get thin: their outer contours come so much nearer, mm per mm of the press. */
+/* Pressed lips become thin: approach of the outer contours, mm per mm of press. */
 #define THIN_PER_PRESS 5.0
 
-/* How two lips share the way to each other. */
+/* The lower lip's share in closing the lips. */
 #define LOWER_SHARE 0.7
 
 enum { MIDDLE, LEFT, RIGHT, PAIRS };
 
-/* FAPs of the upper and the lower lip that face each other. Upper ones are positive downwards, lower ones
- * upwards: they touch where their sum is 0 and are pressed where it is positive. */
+/* Opposite FAPs of the lips. Upper ones are positive downwards, lower ones upwards: they touch where the
+ * sum is 0 and press where it is positive. */
 static const struct {
     int upper, lower, upper_outer, lower_outer;
 } pairs[PAIRS] = {{4, 5, 51, 52}, {8, 10, 55, 57}, {9, 11, 56, 58}};
@@ -53,7 +53,7 @@ static double positive(double x) {
 
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
     double mns = 1024 / fapu->mns, mw = 1024 / fapu->mw, es = 1024 / fapu->es, ens = 1024 / fapu->ens;
-    double spread = mm[PARAM_AR] / 2; /* each corner's part */
+    double spread = mm[PARAM_AR] / 2; /* per corner */
     double press = positive(-mm[PARAM_LI]), push = positive((mm[PARAM_PI] + mm[PARAM_PS]) / 2),
            jaw = positive(mm[PARAM_EM]);
     double corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
@@ -63,7 +63,7 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
         double up = (part * mm[PARAM_LS] + at_corner) * mns, down = (part * mm[PARAM_LI] - at_corner) * mns;
         faps[pairs[i].upper] -= up;
         faps[pairs[i].lower] -= down;
-        /* An opening mouth thins its lips; a closing one is left to fapmap_part_lips. */
+        /* Opening thins the lips; closing is handled by fapmap_part_lips. */
         faps[pairs[i].upper_outer] -= up > 0 ? OUTER_PER_INNER * up : up;
         faps[pairs[i].lower_outer] -= down > 0 ? OUTER_PER_INNER * down : down;
     }
@@ -157,10 +157,10 @@ void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, 
     mm[PARAM_TB] = v[46] * mns - BODY_PER_JAW * jaw;
 }
 
-/* How far into a pause the mouth still comes from or already goes to its neighbour, s. */
+/* Transition into and out of a pause, s. */
 #define PAUSE_EDGE 0.1
 
-enum { BLEND_WHOLE = 63 }; /* blend: all of select1 */
+enum { BLEND_WHOLE = 63 }; /* blend: only select1 */
 
 void visemes_from(const struct phone_segments *g, struct visemes *out) {
     out->keys = mem_alloc((g->count + 2) * sizeof *out->keys);
@@ -222,7 +222,7 @@ void morph_add(struct morph *morph, double at, const double *faps) {
 static size_t seek(const struct morph *morph, double t, size_t next) {
     if (next && morph->keys[next - 1].at > t)
         next = 0;
-    /* A short walk in the usual case; from the start or far ahead, halving. */
+    /* Steps linearly first, then by bisection. */
     for (int step = 0; step < 4; step++) {
         if (next == morph->count || morph->keys[next].at > t)
             return next;
@@ -239,7 +239,7 @@ static size_t seek(const struct morph *morph, double t, size_t next) {
     return next;
 }
 
-/* cursor->at[0]: the first key that comes later than the last instant */
+/* cursor->at[0]: the first key later than the last instant */
 static void add(const void *self, double t, struct speech_cursor *cursor, double faps[FAP_COUNT + 1]) {
     const struct morph *m = self;
     if (!m->count)
@@ -272,7 +272,7 @@ struct face_high_level {
     double basics[BASIC_COUNT + 1][FAP_COUNT + 1];
 };
 
-/* One phone of each viseme's examples: p, f, th, t, k, sh, s, n, r, and the five vowels. */
+/* One example phone for each viseme: p, f, th, t, k, sh, s, n, r, and the five vowels. */
 static const char *const phones[VISEMES + 1] = {NULL, "p", "f", "θ", "t", "k", "ʃ", "s",
                                                 "n",  "r", "a", "e", "i", "o", "u"};
 

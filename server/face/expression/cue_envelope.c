@@ -5,17 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* E. Akagunduz 2004, eq. 5.4: expressions cross-fade while one letter goes over into the next. A pause counts
- * for this much, s, of that way. */
+/* E. Akagunduz 2004, eq. 5.4: expressions cross-fade while one letter changes into the next. A pause
+ * counts for this many seconds of the transition. */
 #define PAUSE_REACH 0.15
-/* The emotion's weight in that rule when the author gives none (the same, chapter 5.2). */
+/* Default weight of an emotion in that rule (the same, chapter 5.2). */
 #define WEIGHT_DEFAULT 0.2
 
 static double clamp(double x, double min, double max) {
     return fmax(min, fmin(max, x));
 }
 
-/* The middles of the phones before and after an instant: the letter transition that it lies in. */
+/* Returns the middles of the phones around an instant, which bound the letter transition. */
 static void transition(const struct sentence_audio *u, double at, double *from, double *to) {
     double rate = u->sample_rate;
     *from = at - CUE_FASTEST / 2;
@@ -33,7 +33,7 @@ static void transition(const struct sentence_audio *u, double at, double *from, 
     }
 }
 
-/* Fits rise and fall into the time there is. */
+/* Fits rise and fall into the available time. */
 static void squeeze(struct cue_envelope *s) {
     double rise = s->full - s->begin, fall = s->end - s->fall, room = s->end - s->begin;
     if (rise + fall <= room)
@@ -46,7 +46,7 @@ static void squeeze(struct cue_envelope *s) {
 static void time_pose(const struct cue *cue, const struct sentence_audio *u, double end,
                       struct cue_envelope *s) {
     const struct envelope *curve = &s->expression->curve;
-    bool early = cue->onset < 0 && cue->delay <= 0; /* a face moves before the voice does */
+    bool early = cue->onset < 0 && cue->delay <= 0; /* faces move before the voice */
     double rise = fmax(CUE_FASTEST, cue->onset >= 0 ? cue->onset : curve->attack);
     double fall = fmax(CUE_FASTEST, cue->offset >= 0 ? cue->offset : curve->decay);
     s->begin = fmax(0, s->from - (early ? rise / 2 : 0));
@@ -57,7 +57,7 @@ static void time_pose(const struct cue *cue, const struct sentence_audio *u, dou
         transition(u, s->from, &s->begin, &s->full);
     if (s->straight && cue->offset < 0)
         transition(u, s->to, &s->fall, &s->end);
-    if (s->begin < 0) { /* speech from the very first sample */
+    if (s->begin < 0) { /* speech from the first sample */
         s->full -= s->begin;
         s->begin = 0;
     }
@@ -101,7 +101,7 @@ static void time_gesture(const struct cue *cue, double end, struct cue_envelope 
         return;
     double begin = x->keys[0].at, length = x->keys[x->key_count - 1].at - begin;
     s->pace = fmin(1, end / length);
-    /* What has to be hurried over is also smaller. */
+    /* hurried gestures are also smaller */
     s->reach = fmin(1, 2 * s->pace) * s->intensity;
     double start = clamp((at_end ? s->to : s->from) + begin, 0, end - length * s->pace);
     s->gesture = start - begin * s->pace;
@@ -200,22 +200,21 @@ bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, d
     return true;
 }
 
-/* Empowering constant of eq. 5.2. Weights above 1/3 would show more than the whole expression: that much is
- * let through, no more. */
+/* Empowering constant of eq. 5.2. Weights above 1/3 would exaggerate the expression and are clipped there. */
 #define RHO 3
 #define SHOWN_MAX 1.25
 
-/* Speech moves by so much less or more at most, whatever is asked. */
+/* Limits of the change of articulation. */
 #define ARTICULATION_MIN 0.75
 #define ARTICULATION_MAX 1.3
 
-/* Regions: while she speaks, an expression may add no more than this, FAP units: lips and jaw (1.5 mm of the
- * modelled speaker), corners up and down, and sideways. */
+/* Regions: limits of an expression during speech, FAP units: lips and jaw (1.5 mm of the modelled
+ * speaker), corners vertically, and sideways. */
 #define LIPS_MAX 75
 #define CORNER_HEIGHT_MAX 190
 #define CORNER_WIDTH_MAX 80
-/* Rounded lips are not pulled apart: of what an expression adds to the width at most so much is taken away,
- * in full when the corners have come in by ROUND. */
+/* Rounded lips are not pulled apart: share of an expression's width that is removed, in full when the
+ * corners have come in by ROUND. */
 #define ROUND_SHARE 0.8
 #define ROUND 100
 
@@ -236,7 +235,7 @@ static const uint8_t part_of[FAP_COUNT + 1] = {
 };
 /* clang-format on */
 
-/* Adds w times the pose: the mouth's part to b->mouth, in shares by part, the rest to the face. */
+/* Adds w times the pose: the mouth's part to b->mouth, scaled by part, the rest to the face. */
 static void add(struct blend *b, const struct pose *pose, double w, const double shares[]) {
     for (size_t i = 0; i < pose->count; i++) {
         const struct pose_fap *p = &pose->faps[i];
@@ -268,7 +267,7 @@ static double limit(double value, double max) {
     return value > max ? max : value < -max ? -max : value;
 }
 
-/* (1 - omega) speech. The published rule lets lips open in closures; here it gives way to them. */
+/* (1 - omega) speech. The published rule lets lips open in closures; here closures win. */
 static void weaken(const struct blend *b, double omega) {
     double lips_left = 1 - omega * (1 - b->contact);
     for (int n = 3; n <= FAP_COUNT; n++)
@@ -285,7 +284,7 @@ void blend_speech(const struct blend *b, double articulation, double omega) {
         weaken(b, limit(omega, 1));
 }
 
-/* Adds FAPs of the mouth: what stays within max while she speaks and is free in pauses. */
+/* Adds FAPs of the mouth, limited to max during speech and unlimited in pauses. */
 static void join(const struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
     for (size_t i = 0; i < count; i++) {
         double value = b->mouth[faps[i]];
@@ -294,7 +293,7 @@ static void join(const struct blend *b, const uint8_t *faps, size_t count, doubl
 }
 
 void blend_join(const struct blend *b) {
-    /* Where the mouth has to be closed, or the lip at the teeth, speech has it alone. */
+    /* contacts exclude expressions from the mouth */
     double free = 1 - b->contact, width = 1;
     bool bounded = b->rule == BLEND_REGIONS;
     if (bounded && b->mouth[6] + b->mouth[7] > 0)

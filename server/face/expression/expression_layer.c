@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What begins at the sentence's very first sample rises within it. */
+/* Rise time of cues at the sentence's first sample. */
 #define EDGE 0.1
 
 static void activity_from(const struct phone_segments *g, struct activity *out) {
@@ -40,7 +40,7 @@ static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-/* 0..1, continuous in value and slope. *cursor begins as 0 and is kept between calls. */
+/* Returns 0..1, continuous in value and slope. *cursor is zero-initialised and kept between calls. */
 static double activity_at(const struct activity *activity, double t, size_t *cursor) {
     size_t i = *cursor;
     while (i > 0 && t < activity->runs[i - 1].fall)
@@ -53,7 +53,7 @@ static double activity_at(const struct activity *activity, double t, size_t *cur
     const struct activity_run *run = &activity->runs[i];
     if (t <= run->rise)
         return 0;
-    /* A product, so that a run of less than two edges does not jump. */
+    /* a product, so that runs shorter than two edges do not jump */
     return smooth((t - run->rise) / (run->begin - run->rise)) *
            smooth((run->fall - t) / (run->fall - run->end));
 }
@@ -73,7 +73,7 @@ void sentence_expression_free(struct sentence_expression *expression) {
     activity_free(&expression->activity);
 }
 
-/* How far a pose is from rest, each FAP against its range. */
+/* Size of a pose: each FAP relative to its range. */
 static double size(const struct pose *pose) {
     double sum = 0;
     for (size_t i = 0; i < pose->count; i++)
@@ -101,7 +101,7 @@ void still_expression(const struct expressions *expressions, size_t index, doubl
     face_limits_apply(face_idle_fapu, faps, frame);
 }
 
-/* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
+/* Weight with which a mood in the weighted rule looks as on a silent face: rho times this is 1. */
 #define MOOD_WEIGHT (1 / 3.0)
 
 void expression_layer_begin(struct expression_layer *x, const struct sentence_expression *sentence,
@@ -122,13 +122,13 @@ static bool is_weighted(const struct expression_layer *x, const struct seen_expr
     return x->sentence->rule == BLEND_WEIGHTED && is_affect(seen);
 }
 
-/* Whether the two stand side by side: over the same words they are a mixture; and by the weighted rule two
- * that follow each other cross-fade of themselves, each in its own straight line. */
+/* Tells whether two cues are combined instead of the newer displacing the older: over the same words they
+ * are a mixture, and in the weighted rule successive ones cross-fade linearly by themselves. */
 static bool is_beside(const struct cue_envelope *old, const struct cue_envelope *new) {
     return (old->from == new->from && old->to == new->to) || (new->straight && old->to <= new->from);
 }
 
-/* An emotion that comes drives out those before it. */
+/* A new emotion displaces earlier ones. */
 static void give_way(struct expression_layer *x, const struct cue_envelope *to, double level) {
     for (size_t i = 0; i < x->seen_count; i++) {
         struct seen_expression *old = &x->seen[i];
@@ -152,7 +152,7 @@ static void look_at_show(struct expression_layer *x, const struct cue_envelope *
     x->seen[x->seen_count++] = seen;
 }
 
-/* What there is to be seen at t. */
+/* Collects the visible expressions at t. */
 static void look(struct expression_layer *x, double t) {
     x->at = t;
     x->seen_count = 0;

@@ -9,24 +9,24 @@
 #define INTERVAL_DEVIATION 0.65
 #define INTERVAL_SHORTEST 0.6
 
-/* Of the durations, whose medians are those of life_eyes.h. */
+/* Deviation of the durations whose medians are in life_internal.h. */
 #define DURATION_DEVIATION 0.2
 #define SLOWEST 1.8
 #define FASTEST 0.6
 
-/* Incomplete blinks (M. Doughty, Optom. Vis. Sci. 79, 2002) and double ones: probabilities. */
+/* Probabilities of incomplete (M. Doughty, Optom. Vis. Sci. 79, 2002) and double blinks. */
 #define INCOMPLETE 0.12
 #define SHALLOWEST 0.5
 #define TWICE 0.06
 #define TWICE_AFTER 0.38
 #define LAG 0.002
 
-/* Blinks with gaze shifts: the larger, the surer (C. Evinger et al., Exp. Brain Res. 100, 1994). */
+/* Blinks with gaze shifts: more likely with larger shifts (C. Evinger et al., Exp. Brain Res. 100, 1994). */
 #define EVOKED_FROM 8.0
 #define EVOKED_SURE 33.0
 
-/* In speech: how far, s, a blink is moved to the end of a phrase and how well it hits it; what is kept of
- * those that are too far; probability of an added one at the end of a phrase, and within it each so many
+/* In speech: maximum shift of a blink to the end of a phrase, s, and its accuracy; share kept of those too
+ * far away; probability of an additional one at the end of a phrase, and within it per interval in
  * seconds. */
 #define MOVE_MOST 0.7
 #define PAUSE_SCATTER 0.07
@@ -63,7 +63,7 @@ static int by_time(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* Puts the blinks from index `first` on in order and drops those that come too soon after another. */
+/* Sorts the blinks from index `first` on and drops those too close to another. */
 static void tidy(struct blinks *blinks, size_t first) {
     if (blinks->count <= first)
         return;
@@ -82,16 +82,16 @@ void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const 
     struct dice d = dice_of(seed, DICE_BLINKS, block);
     double from = life_edge(seed, block), end = life_edge(seed, block + 1) - BLINK_LONGEST, last = from;
     size_t first = blinks->count;
-    /* the first interval has been running for a while */
+    /* the first interval started earlier */
     double at = from + dice_roll(&d) * dice_log_normal(&d, INTERVAL_MEDIAN, INTERVAL_DEVIATION);
     while (at < end) {
         float mark = add(blinks, &d, at)->mark;
         if (dice_roll(&d) < TWICE && at + TWICE_AFTER < end) {
             struct blink *twin = add(blinks, &d, at + TWICE_AFTER);
             twin->twin = true;
-            twin->mark = mark; /* comes and goes with the first one */
+            twin->mark = mark; /* depends on the same rate factor as the first */
         }
-        double spare = dice_between(&d, last, at); /* some blink more than others */
+        double spare = dice_between(&d, last, at); /* optional blinks for a higher rate */
         if (at - last > 2 * INTERVAL_SHORTEST)
             add(blinks, &d, life_clip(spare, last + INTERVAL_SHORTEST, at - INTERVAL_SHORTEST))->mark += 1;
         last = at;
@@ -108,14 +108,14 @@ void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const 
     tidy(blinks, first);
 }
 
-/* The phrase that ends nearest to t on the sentence's clock, seen from the one found before. */
+/* Returns the phrase end nearest to t on the sentence's clock, searching from the previous result. */
 static size_t nearest_end(const struct prosody *p, size_t from, double t) {
     while (from + 1 < p->phrase_count && fabs(p->phrases[from + 1].to - t) <= fabs(p->phrases[from].to - t))
         from++;
     return from;
 }
 
-/* When it is over, however slow it is made. */
+/* Latest end of a blink, even at the slowest. */
 static double over(const struct blink *b) {
     return b->at + SLOWEST * (double)(b->closing + b->closed + b->opening) + fabs((double)b->lag);
 }
@@ -125,7 +125,7 @@ static void keep(struct blinks *blinks, const struct blink *b) {
     blinks->items[blinks->count++] = *b;
 }
 
-/* Adds one within from..to, with all that is to be seen of it; later ones are put back. */
+/* Adds a blink that is completely within from..to and postpones later ones. */
 static void add_within(struct blinks *blinks, struct dice *d, double at, double from, double to) {
     struct blink *b = add(blinks, d, at);
     b->at -= fmax(0, over(b) - to);
@@ -171,7 +171,7 @@ void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody
     tidy(&merged, first ? first - 1 : 0);
     while (i < blinks->count && merged.count > first &&
            merged.items[merged.count - 1].at > blinks->items[i].at - INTERVAL_SHORTEST)
-        merged.count--; /* what follows cannot give way */
+        merged.count--; /* those outside cannot move */
     for (; i < blinks->count; i++)
         keep(&merged, &blinks->items[i]);
     blinks_free(blinks);
@@ -211,11 +211,11 @@ void blinks_at(struct blinks *blinks, double clock,
     }
 }
 
-/* Where she looks. S. P. Lee, J. B. Badler and N. I. Badler, "Eyes Alive", ACM Trans. Graphics 21 (2002):
- * directions, sizes and durations of glances in talking and listening; who looks away when: A. Kendon, Acta
+/* Gaze. Directions, sizes and durations of glances in talking and listening: S. P. Lee, J. B. Badler and
+ * N. I. Badler, "Eyes Alive", ACM Trans. Graphics 21 (2002); when people look away: A. Kendon, Acta
  * Psychologica 26 (1967); M. Argyle and M. Cook, "Gaze and Mutual Gaze" (1976). */
 
-/* Glances away: seconds at the listener and away, median and deviation of the logarithm. */
+/* Glances: seconds at the listener and away, median and deviation of the logarithm. */
 #define LISTENER_MEDIAN 3.7
 #define LISTENER_DEVIATION 0.6
 #define LISTENER_SHORTEST 1.2
@@ -223,33 +223,33 @@ void blinks_at(struct blinks *blinks, double clock,
 #define AWAY_DEVIATION 0.5
 #define AWAY_SHORTEST 0.35
 #define AWAY_LONGEST 2.5
-/* Their size falls off exponentially (A = -6.9 log(P / 15.7)); the smallest counts as looking away. */
+/* Exponentially distributed size (A = -6.9 log(P / 15.7)), with the minimum that counts as looking away. */
 #define AWAY_DEGREES 6.9
 #define AWAY_SMALLEST 5.0
 #define AWAY_LARGEST 20.0
 #define AWAY_UP 9.0
 #define AWAY_DOWN 12.0
 
-/* Fixations of the listener's eyes, nose and mouth, seen from a metre away. */
+/* Fixations on the listener's eyes, nose and mouth at a distance of one metre. */
 #define FIXATION_MEDIAN 0.75
 #define FIXATION_DEVIATION 0.6
 #define FIXATION_SHORTEST 0.2
 #define FIXATION_LONGEST 3.0
 #define FIXATION_SCATTER 0.25
 
-/* A saccade takes 21 ms and 2.2 ms for each degree (R. Carpenter, "Movements of the Eyes", 1988). */
+/* A saccade takes 21 ms plus 2.2 ms per degree (R. Carpenter, "Movements of the Eyes", 1988). */
 #define SACCADE_SECONDS 0.021
 #define SACCADE_PER_DEGREE 0.0022
 
-/* The head joins in where eyes alone would have to go far (J. Stahl, Exp. Brain Res. 126, 1999). */
+/* The head joins large gaze shifts (J. Stahl, Exp. Brain Res. 126, 1999). */
 #define HEAD_FROM 7.0
 #define HEAD_SHARE 0.55
 #define TURN_SECONDS 0.4
 #define TURN_PER_DEGREE 0.03
 #define ROLL_PER_YAW (-0.15)
 
-/* While speaking: probabilities of a glance away at the start of a sentence, for each second that it lasts,
- * and before a phrase, by the length of the pause and of the phrase. */
+/* While speaking: probability of a glance away at the start of a sentence, per second of its length, and
+ * before a phrase by the length of pause and phrase. */
 #define PLAN_SHORTEST 1.6
 #define START_PER_SECOND 0.2
 #define START_MOST 0.8
@@ -297,7 +297,7 @@ static void look_away(struct shifts *glances, struct dice *d, double at) {
     int i = 0;
     while (i < 7 && (roll -= directions[i].percent) > 0)
         i++;
-    /* nobody looks exactly up, down or sideways */
+    /* glances are rarely exactly vertical or horizontal */
     double aside = 0.25 * dice_normal(d);
     double yaw = size * (directions[i].yaw + aside * directions[i].pitch);
     double pitch = size * (directions[i].pitch - aside * directions[i].yaw);
@@ -313,7 +313,7 @@ static double away(struct dice *d) {
     return life_clip(dice_log_normal(d, AWAY_MEDIAN, AWAY_DEVIATION), AWAY_SHORTEST, AWAY_LONGEST);
 }
 
-/* Fixations of the listener from..to. */
+/* Adds fixations of the listener in from..to. */
 static void listen(struct shifts *glances, struct dice *d, double from, double to) {
     for (double at = from; at < to; at += fixation(d))
         look_at_listener(glances, d, at);
@@ -339,7 +339,7 @@ void glances_of_block(struct shifts *glances, uint64_t seed, int64_t block) {
     look(glances, end, 0, 0);
 }
 
-/* Seconds to look away from the beginning of a phrase (0 = does not), and how long before it she begins. */
+/* Duration of a glance away at the beginning of a phrase (0 = none), and how long before it starts. */
 static double shyness(const struct prosody *p, size_t i, struct dice *d, double *before) {
     const struct phrase *phrase = &p->phrases[i];
     double length = phrase->to - phrase->from, pause = i ? phrase->from - phrase[-1].to : 0, chance;
@@ -354,7 +354,7 @@ static double shyness(const struct prosody *p, size_t i, struct dice *d, double 
     return roll < chance ? fmin(gone, *before + 0.75 * length) : 0;
 }
 
-/* The plan: glances from the time `from` on, on the clock, all done by `to`. */
+/* Plans glances from `from` on, all finished by `to`, on the clock. */
 static void plan(struct shifts *out, struct dice *d, const struct prosody *p, double begin, double from,
                  double to) {
     double at = from;
@@ -372,7 +372,7 @@ static void plan(struct shifts *out, struct dice *d, const struct prosody *p, do
 
 void glances_of_speech(struct shifts *glances, uint64_t seed, const struct prosody *prosody, double from,
                        double to) {
-    /* Saccades and turns of the plan are over when the sentence is. */
+    /* all movements end with the sentence */
     double take = from + 0.05, back = to - SHIFT_TURN - 0.05;
     if (to - from < PLAN_SHORTEST)
         return;

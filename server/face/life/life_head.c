@@ -7,7 +7,7 @@
 #define BLOCK_SECONDS 20.0
 #define EDGE_SPREAD 8.0
 
-/* Posture: how often it changes and how far it goes, degrees (standard deviations). */
+/* Posture: interval and size of changes, degrees (standard deviations). */
 #define POSE_MEDIAN 5.5
 #define POSE_DEVIATION 0.6
 #define POSE_PITCH 0.8
@@ -34,7 +34,7 @@ size_t shifts_find(struct shifts *shifts, double clock) {
     return shifts->cursor = i;
 }
 
-/* What is still to be gone of the way that began `since` seconds ago. */
+/* Remaining fraction of a movement that started `since` seconds ago. */
 static double rest(double since, double length) {
     return since < length ? 1 - life_smooth(since / length) : 0;
 }
@@ -85,15 +85,15 @@ void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block) {
     }
 }
 
-/* Head and brows move with the voice: nods and brow raises with prominent words (H. Graf et al., "Visual
+/* Head and brows move with the voice: nods and brow raises on prominent words (H. Graf et al., "Visual
  * prosody", FG 2002; K. Munhall et al., Psychological Science 15, 2004), a new posture with a new phrase
- * (U. Hadar et al., Human Movement Science 2, 1983). Amounts are modest ones of theirs. */
+ * (U. Hadar et al., Human Movement Science 2, 1983). Amounts are at the lower end of theirs. */
 
-/* Nods, degrees: for the least and for the most prominent; factor for each semitone. */
+/* Nods, degrees: for the least and the most prominent; factor per semitone. */
 #define NOD_LEAST 0.8
 #define NOD_MOST 3.4
 #define NOD_PER_SEMITONE 0.06
-#define BEAT 0.5 /* of the accents that do not stand out */
+#define BEAT 0.5 /* for accents that are not prominent */
 #define NOD_RISE 0.2
 #define NOD_FALL 0.34
 #define NOD_EARLY 0.05
@@ -105,7 +105,7 @@ void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block) {
 #define BROW_MOST 95
 #define BROW_UNEVEN 0.15
 
-/* Postures of phrases, degrees (standard deviations), and how long one lasts at most, s. */
+/* Postures of phrases, degrees (standard deviations), and their maximum duration, s. */
 #define PHRASE_PITCH 0.6
 #define PHRASE_YAW 1.2
 #define PHRASE_ROLL 1.0
@@ -113,12 +113,12 @@ void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block) {
 #define PHRASE_RISE 0.7
 #define PHRASE_FALL 0.7
 
-/* A question: from this rise on, semitones, within the last phone. */
+/* A question: minimum rise in semitones within the last phone. */
 #define QUESTION_RISE 1.2
 #define QUESTION_ROLL 3.0
 #define QUESTION_BROW 70
 
-/* A breath: pauses this long, s, with some time left for the lips to come and go. */
+/* A breath: minimum pause, s, with time for the lips to move. */
 #define BREATH_PAUSE 0.24
 #define BREATH_AFTER 0.09
 #define BREATH_BEFORE 0.08
@@ -133,7 +133,7 @@ void life_gestures_free(struct life_gestures *gestures) {
     *gestures = (struct life_gestures){0};
 }
 
-/* Adds it when it fits into 0..end; a fall that does not is shortened. NULL when it was left out. */
+/* Adds a gesture that fits into 0..end, shortening its fall if needed. Returns NULL if it does not fit. */
 static struct gesture_curve *add(struct gesture_curves *curves, double end, double at, double rise,
                                  double hold, double fall) {
     double room = end - at - rise - hold;
@@ -171,7 +171,7 @@ static void nod(struct gesture_curves *out, const struct accent *a, struct dice 
         raise_brows(g, d, BROW_LEAST + (BROW_MOST - BROW_LEAST) * amount);
 }
 
-/* Postures from..to, each held until the next one is taken. */
+/* Adds postures in from..to, each held until the next. */
 static void keep_turned(struct gesture_curves *out, struct dice *d, double from, double to, double end) {
     while (from < to) {
         double length = fmin(to - from, PHRASE_SECONDS * dice_between(d, 0.6, 1));
@@ -197,7 +197,7 @@ static void breathe(struct gesture_curves *out, struct dice *d, double from, dou
     struct gesture_curve *g = add(out, end, from + BREATH_AFTER, 0.55 * length, 0, 0.45 * length);
     if (!g)
         return;
-    /* what is short must be small, or it would be a twitch */
+    /* short movements must be small, or they look like twitches */
     size *= fmin(1, length / 0.35);
     g->amount[GESTURE_LIPS] = (float)(BREATH_LIPS * size);
     g->amount[GESTURE_NOSTRILS] = (float)(BREATH_NOSTRILS * size);
@@ -234,7 +234,7 @@ void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestur
         breathe(&out->quick, &d, i ? phrase[-1].to : 0, phrase->from, p->end);
         keep_turned(&out->slow, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
         for (size_t k = phrase->first; k < phrase->first + phrase->count; k++) {
-            /* its own dice, so that no accent changes with what the others do */
+            /* own random numbers, so that accents do not affect each other */
             struct dice own = dice_of(seed, DICE_NODS, p->name + (int64_t)k);
             nod(&out->quick, &p->accents[k], &own, p->end);
         }

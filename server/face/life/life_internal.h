@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chance for the life layer: numbers that depend on nothing but the seed, what they are for, and which one of
- * it. Private to life*.c, as are the curves. */
+/* Private to the life layer. Random numbers depend only on the seed, their purpose and their index. */
 #ifndef FACCIA_FACE_LIFE_INTERNAL_H
 #define FACCIA_FACE_LIFE_INTERNAL_H
 
@@ -55,13 +54,13 @@ static inline double dice_between(struct dice *d, double low, double high) {
     return low + (high - low) * dice_roll(d);
 }
 
-/* Mean 0, deviation 1, never beyond 3: the sum of three even numbers. */
+/* Mean 0, deviation 1, never beyond 3: the sum of three uniform numbers. */
 static inline double dice_normal(struct dice *d) {
     uint64_t bits = dice_bits(d), mask = 0x1FFFFF;
     return (double)((bits & mask) + ((bits >> 21) & mask) + ((bits >> 42) & mask)) * 0x1p-20 - 3;
 }
 
-/* The logarithm is normal: median, and deviation of the logarithm. */
+/* Log-normal: median, and deviation of the logarithm. */
 static inline double dice_log_normal(struct dice *d, double median, double deviation) {
     return median * exp(deviation * dice_normal(d));
 }
@@ -70,35 +69,35 @@ static inline double life_clip(double x, double low, double high) {
     return x < low ? low : x > high ? high : x;
 }
 
-/* 0..1 with no speed and no acceleration at its ends. */
+/* 0..1 with zero speed and acceleration at both ends. */
 static inline double life_smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * x * (x * (x * 6 - 15) + 10);
 }
 
-/* What never rests: sway of the head, drift of the eyes, breath. Private to life*.c. */
+/* Continuous movements: sway of the head, drift of the eyes, breath. */
 
 enum { NOISE_CHANNELS = 5 };
 
-/* Smooth noise in some channels at one frequency; keeps the slopes of the period that was asked for last. */
+/* Smooth noise in several channels at one frequency; caches the slopes of the last period. */
 struct noise {
     uint64_t seed;
     double hz;
-    double whole; /* of the phase; below 0: none yet */
+    double whole; /* period of the phase; negative = none */
     double a[NOISE_CHANNELS], b[NOISE_CHANNELS];
 };
 
-/* Breaths of somebody at rest, 14 a minute, none like the other. */
+/* Breathing at rest, 14 a minute, with variation. */
 struct breath {
     uint64_t seed;
     double whole, start, in, out, depth;
 };
 
-/* Figures of eyes, lids and head. Private to what makes the face live. */
+/* Constants of eyes, lids and head. */
 
 #define DEGREE 1745.33 /* in FAP angle units, 1e-5 rad */
 
-/* Upper and lower lid meet after IRISD in all: 1024 FAP units. They follow the eye up and down, the upper one
- * nearly as far (on an eyeball of twice the iris's diameter, 1 degree is 1024 * pi / 180 units). */
+/* The lids meet after IRISD in total: 1024 FAP units. They follow the eye vertically, the upper one nearly
+ * fully (on an eyeball of twice the iris's diameter, 1 degree is 1024 * pi / 180 units). */
 #define LID_UPPER 940
 #define LID_LOWER 84
 #define LID_UPPER_FOLLOWS 15.0 /* FAP units per degree */
@@ -110,20 +109,20 @@ struct breath {
 #define BLINK_CLOSED 0.025
 #define BLINK_OPENING 0.165
 
-/* Blinks. Private to life*.c. */
+/* Blinks. */
 
-/* The longest that a blink takes, s, also when it is slowed down. */
+/* Maximum duration of a blink, s, including slowed ones. */
 #define BLINK_LONGEST 1.2
 
 struct blink {
     double at; /* s on the layer's clock */
     float closing, closed, opening;
-    float depth;    /* 1: the lids meet */
-    float lag;      /* s that the right eye is behind the left one */
-    float mark;     /* it happens when the blink rate's factor is above this */
-    bool twin;      /* follows another at once */
-    bool decided;   /* whether it happens, and how slowly, is known */
-    float slowness; /* 0: does not happen */
+    float depth;    /* 1 = the lids meet */
+    float lag;      /* s by which the right eye lags behind the left */
+    float mark;     /* occurs if the blink rate's factor is above this */
+    bool twin;      /* second of a double blink */
+    bool decided;   /* occurrence and slowness are decided */
+    float slowness; /* 0 = does not occur */
 };
 
 struct blinks {
@@ -133,17 +132,17 @@ struct blinks {
 
 void blinks_free(struct blinks *blinks);
 
-/* Appends a block's blinks while nobody speaks: 17 a minute (A. R. Bentivoglio et al., Movement Disorders 12,
- * 1997), some of them with the large ones among the glances. */
+/* Appends a block's blinks while nobody speaks: 17 a minute (A. R. Bentivoglio et al., Movement Disorders
+ * 12, 1997), some with large glances. */
 void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const struct shifts *glances);
 
-/* Moves blinks within the sentence (from..to on the clock) into its pauses and adds as many as make up the
- * 26 a minute of conversation. What can be seen outside stays. */
+/* Moves blinks within the sentence (from..to on the clock) into its pauses and adds some to reach the 26 a
+ * minute of conversation. Movements visible outside stay unchanged. */
 void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody *prosody, double from,
                       double to);
 
-/* How far the lids are closed, 0..1, left and right. decide says how a blink that begins at that time is to
- * be: factors of the rate and of the length. It is asked once for each. */
+/* Returns how far the lids are closed, 0..1, left and right. decide returns factors of rate and length for
+ * a blink that begins at that time; called once for each. */
 struct blink_factors {
     double rate, length;
 };
@@ -151,26 +150,25 @@ void blinks_at(struct blinks *blinks, double clock,
                struct blink_factors (*decide)(const void *ctx, double clock), const void *ctx,
                double closed[2]);
 
-/* Shifts of gaze and of posture: at certain times the eyes jump and the head turns to a new place, where they
- * stay. Private to life*.c. Angles in degrees, signs as the FAPs': yaw to the subject's left, pitch down,
- * roll to the right. */
+/* Shifts of gaze and posture: at certain times eyes and head move to a new position and stay there. Angles
+ * in degrees with the FAPs' signs: yaw to the subject's left, pitch down, roll to the right. */
 
 enum { GAZE_YAW, GAZE_PITCH, HEAD_PITCH, HEAD_YAW, HEAD_ROLL, SHIFT_CHANNELS };
-enum { SHIFT_EYES = HEAD_PITCH }; /* channels below this one belong to the eyes */
+enum { SHIFT_EYES = HEAD_PITCH }; /* lower channels belong to the eyes */
 
-/* The longest that a shift takes, s. */
+/* Maximum duration of a shift, s. */
 #define SHIFT_LONGEST 1.7
 
-/* What a head turn for a glance takes at most, s. */
+/* Maximum duration of a head turn for a glance, s. */
 #define SHIFT_TURN 0.75
 
 struct shift {
     double at;                /* s on the layer's clock */
-    float to[SHIFT_CHANNELS]; /* where the eyes look in space, where the head points */
-    float fast, slow;         /* s that eyes and head take; slow = 0: the head does not move */
+    float to[SHIFT_CHANNELS]; /* gaze direction in space, head orientation */
+    float fast, slow;         /* duration for eyes and head, s; slow = 0: the head does not move */
 };
 
-/* In order of time. The first one is the state from which the others start. */
+/* Sorted by time. The first is the initial state. */
 struct shifts {
     struct shift *items;
     size_t count, cap, cursor;
@@ -179,31 +177,31 @@ struct shifts {
 void shifts_add(struct shifts *shifts, const struct shift *shift);
 void shifts_free(struct shifts *shifts);
 
-/* Index of the last shift that has begun at that time. */
+/* Returns the index of the last shift begun at that time. */
 size_t shifts_find(struct shifts *shifts, double clock);
 
-/* Adds to out. Shifts that overlap add up, so the head's way stays smooth. */
+/* Adds to out. Overlapping shifts are summed, so the head moves smoothly. */
 void shifts_at(struct shifts *shifts, double clock, double out[SHIFT_CHANNELS]);
 
-/* A block is a stretch of the clock that begins and ends with all at home (0), so that each can be made
- * without the others. Its bounds. */
+/* Blocks are stretches of the clock that begin and end at the neutral position (0), so that each can be
+ * computed independently. Returns a block's start. */
 double life_edge(uint64_t seed, int64_t block);
 int64_t life_block(uint64_t seed, double clock);
 
-/* Appends the shifts of gaze, and of posture, that a block has while nobody speaks. */
+/* Appends a block's shifts of gaze and posture while nobody speaks. */
 void glances_of_block(struct shifts *glances, uint64_t seed, int64_t block);
 void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block);
 
 struct prosody;
 
-/* Replaces the glances within the sentence (from..to on the clock) by those of somebody who speaks: at the
- * listener, away at the beginning of what takes thought, back at the ends of phrases. Everything outside, and
- * what can be seen outside, stays. */
+/* Replaces the glances within the sentence (from..to on the clock) by those of a speaker: at the listener,
+ * away at the beginning of demanding phrases, back at their ends. Movements visible outside stay
+ * unchanged. */
 void glances_of_speech(struct shifts *glances, uint64_t seed, const struct prosody *prosody, double from,
                        double to);
 
-/* Gestures of a sentence: nods, tilts, brows, a breath taken in a pause. Each begins and ends at nothing
- * within the sentence. Private to life*.c. */
+/* Gestures of a sentence: nods, tilts, brows, a breath in a pause. Each begins and ends at 0 within the
+ * sentence. */
 
 enum {
     GESTURE_PITCH, /* of the head, degrees, signs as the FAPs' */
@@ -213,7 +211,7 @@ enum {
     GESTURE_BROW_RIGHT,
     GESTURE_NOSTRILS,     /* widened, FAP units */
     GESTURE_LIPS,         /* parted, FAP units */
-    GESTURE_CHANNELS = 8, /* a whole number of vectors */
+    GESTURE_CHANNELS = 8, /* padded for vectorisation */
 };
 
 struct gesture_curve {
@@ -222,7 +220,7 @@ struct gesture_curve {
     float amount[GESTURE_CHANNELS];
 };
 
-/* How much of its amount there is at t, 0..1. */
+/* Level at t, 0..1. */
 double gesture_curve_at(const struct gesture_curve *curve, double t);
 
 struct gesture_curves {
@@ -231,7 +229,7 @@ struct gesture_curves {
     double longest; /* s */
 };
 
-/* Short ones and long ones apart, so that at any time only a few have to be looked at. */
+/* Short and long gestures are kept apart, so that only a few must be examined at any time. */
 struct life_gestures {
     struct gesture_curves quick, slow;
 };

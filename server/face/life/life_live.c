@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Louder, higher and faster than usual are what voices of high activation have in common (R. Banse and
- * K. Scherer, J. Personality and Social Psychology 70, 1996); whether it is joy or anger they do not tell. */
+/* High activation makes voices louder, higher and faster (R. Banse and K. Scherer, J. Personality and
+ * Social Psychology 70, 1996), whether joy or anger. */
 #include "server/face/life/life_live.h"
 #include "server/base/mem.h"
 #include "server/face/life/life_internal.h"
@@ -8,15 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How somebody speaks, from his sound alone, while he does: when he begins and pauses, which syllables stand
- * out, how lively he is against how he has been. Nothing of what comes later is in it. Private to life. */
+/* Prosody of a live voice from its sound so far: beginnings and pauses, prominent syllables, and
+ * liveliness relative to earlier speech. Causal. */
 enum {
     PROSODY_RATE = LIFE_LIVE_RATE,
     PROSODY_STEP = LIFE_LIVE_STEP,
-    PROSODY_WINDOW = 640, /* what pitch is looked for in */
+    PROSODY_WINDOW = 640, /* window for pitch detection */
 };
 
-/* Means over the last so many, of those few that there are at the beginning. */
+/* Running mean over a limited number of values, exact at the beginning. */
 struct running_mean {
     double value, count;
 };
@@ -25,27 +25,28 @@ struct live_prosody {
     int16_t pcm[PROSODY_WINDOW];
     double power, loudest, floor; /* of the sound; dB */
     bool speaks;
-    unsigned loud, quiet, phrase, silence; /* steps: in a row; since he began; before that */
-    bool rises;                            /* towards a syllable's loudest moment */
-    double peak, pitch, dip;               /* dB, Hz, dB */
+    unsigned loud, quiet, phrase,
+        silence;             /* steps: loud or quiet in a row; since the voice began; silence before that */
+    bool rises;              /* rising towards a syllable's peak */
+    double peak, pitch, dip; /* dB, Hz, dB */
     unsigned since_peak, since_syllable, since_accent;
     unsigned syllables;
     struct running_mean usual_loudness, loudness, usual_pitch, height, usual_gap, gap;
 };
 
-/* What a step has brought. */
+/* Result of a step. */
 struct live_moment {
-    bool begins, ends; /* he speaks; a phrase is over, PROSODY_PAUSE_STEPS ago */
+    bool begins, ends; /* the voice begins; a phrase ended PROSODY_PAUSE_STEPS ago */
     double seconds;    /* of silence before it; of the phrase */
-    bool stands_out;   /* a syllable did, some 30 to 80 ms ago */
+    bool stands_out;   /* a syllable did, about 30 to 80 ms ago */
     double weight;     /* how much, 0..1 */
-    double semitones;  /* how far its pitch lay above his usual one */
+    double semitones;  /* pitch above the usual one */
 };
 
 enum { PROSODY_PAUSE_STEPS = 25 };
 
-/* dB: what lies so far below the loudest of late, or not so far above the quietest, is silence, and all below
- * that. The loudest is forgotten, the quietest rises by so much a step. */
+/* dB: sound this far below the recent maximum, or less than this above the minimum, is silence, and
+ * anything below the last limit. The maximum decays and the minimum rises by these amounts per step. */
 #define BELOW_LOUDEST 25.0
 #define ABOVE_FLOOR 10.0
 #define SILENT (-55.0)
@@ -54,12 +55,12 @@ enum { PROSODY_PAUSE_STEPS = 25 };
 #define FLOOR_FALL 0.1
 #define SMOOTH 0.5 /* of the power, each step */
 
-/* Steps: until he is taken to speak; syllables lie apart by at least, are over after, and what stands out
- * (PROSODY_MAJOR_GAP). */
+/* Steps: until a voice counts as speaking; minimum distance of syllables; until a syllable is over;
+ * minimum distance of prominent ones (PROSODY_MAJOR_GAP). */
 enum { BEGIN_STEPS = 4, SYLLABLE_GAP = 10, PEAK_STEPS = 8, ACCENT_GAP = 75, LONG_GAP = 60 };
 #define SYLLABLE_DIP 2.0 /* dB between two syllables */
 
-/* Prominence, as of a text's accents, but that nobody knows the stressed ones. */
+/* Prominence as for accents of a text, but without known stress. */
 #define WEIGHT 0.4
 #define PER_LOUDNESS 0.5
 #define PER_SEMITONE 0.06
@@ -67,7 +68,7 @@ enum { BEGIN_STEPS = 4, SYLLABLE_GAP = 10, PEAK_STEPS = 8, ACCENT_GAP = 75, LONG
 #define STANDS_OUT 0.55
 #define MISHEARD 9.0
 
-/* Syllables: of the means; before anything stands out; before anything is unusual. */
+/* Numbers of syllables: for the means; before any is prominent; before any is unusual. */
 enum { FEW = 5, MANY = 40, KNOWN = 4, WELL_KNOWN = 12 };
 #define UNUSUAL_LOUDNESS 6.0 /* dB */
 #define UNUSUAL_PITCH 4.0    /* semitones */
@@ -129,7 +130,7 @@ static double pitch(const struct live_prosody *p) {
     return prosody_pitch(&heard, PROSODY_WINDOW / 2);
 }
 
-/* A syllable is over. */
+/* Handles the end of a syllable. */
 static void syllable(struct live_prosody *p, struct live_moment *m) {
     double height = 12 * log2(p->pitch), above = height - p->usual_pitch.value;
     double loud = pow(10, (p->peak - p->usual_loudness.value) / 20) - 1;
@@ -192,7 +193,7 @@ static struct live_moment live_prosody_step(struct live_prosody *p, const float 
     return m;
 }
 
-/* How much louder, higher and faster he is than usual, -1..1; 0 until enough has been heard. */
+/* Returns how much louder, higher and faster than usual the voice is, -1..1; 0 until enough was heard. */
 static double live_prosody_arousal(const struct live_prosody *p) {
     if (p->syllables < WELL_KNOWN || p->usual_gap.count < FEW)
         return 0;
@@ -202,9 +203,9 @@ static double live_prosody_arousal(const struct live_prosody *p) {
     return life_clip((life_clip(loud, -1, 1) + life_clip(high, -1, 1) + life_clip(fast, -1, 1)) / 2, -1, 1);
 }
 
-/* Rules as in life_gesture.c, life_gaze.c and life_blink.c, as far as they can be followed without knowing
- * what comes: H. Graf et al. 2002 (nods, brows), A. Kendon 1967 (gaze at the ends of turns), A. Bentivoglio
- * et al. 1997 (blinks). What is known too late to be in time begins at once. */
+/* The rules of life_head.c and life_eyes.c as far as they do not need later speech: H. Graf et al. 2002
+ * (nods, brows), A. Kendon 1967 (gaze at the ends of turns), A. Bentivoglio et al. 1997 (blinks). Events
+ * detected late begin at once. */
 
 /* Nods, degrees, s. */
 #define NOD_LEAST 0.8
@@ -213,16 +214,16 @@ static double live_prosody_arousal(const struct live_prosody *p) {
 #define NOD_RISE 0.18
 #define NOD_FALL 0.36
 #define LAST_NOD 1.8
-#define NODS_AFTER 0.8 /* s that a phrase lasts at least */
+#define NODS_AFTER 0.8 /* minimum duration of a phrase, s */
 
-/* Brows, FAP units; how likely, and from which height on surely. */
+/* Brows: FAP units; probability, and height from which it is certain. */
 #define BROW_CHANCE 0.7
 #define BROW_LEAST 45
 #define BROW_MOST 95
 #define BROW_HOLD 0.08
 #define HIGH 3.0
 
-/* A turn begins after so much silence; s and degrees of the glance aside. */
+/* Silence before a new turn; duration and angles of the glance aside. */
 #define TURN_SILENCE 1.0
 #define ASIDE_CHANCE 0.6
 #define ASIDE_LEAST 0.5
@@ -230,14 +231,14 @@ static double live_prosody_arousal(const struct live_prosody *p) {
 #define ASIDE_YAW 9.0
 #define ASIDE_PITCH 5.0
 #define HEAD_SHARE 0.3
-/* At the listener, s: after a phrase, and on into the next. */
+/* Gaze at the listener, s: after a phrase, and into the next. */
 #define LISTENER_AFTER 1.6
 #define LISTENER_ON 0.3
 
 #define BLINK_CHANCE 0.6
 #define BLINK_GAP 1.2
 
-/* Of the liveliest voice, FAP units; how fast it comes, each step; how much more it nods. */
+/* For the liveliest voice, FAP units; rate per step; increase of nods. */
 #define WIDE_BROWS 40
 #define WIDE_LIDS 55
 #define WAKE 0.02
@@ -254,13 +255,13 @@ struct life_live {
     float *waiting;
     size_t count, cap;
     uint32_t steps;
-    double shown; /* s, of the frame before */
+    double shown; /* s, of the previous frame */
     struct dice dice;
     struct gesture_curve curves[CURVES];
     size_t curve_count;
     struct look looks[GLANCES];
     size_t look_count;
-    double blink; /* when it began */
+    double blink; /* its beginning */
     double arousal, eased;
 };
 
@@ -284,7 +285,7 @@ void life_live_write(struct life_live *l, const float *samples, size_t count) {
     l->count += count;
 }
 
-/* The oldest gives way: it is over, or there are too many. */
+/* Replaces the oldest gesture if all slots are in use. */
 static struct gesture_curve *gesture(struct life_live *l, double at, double rise, double hold, double fall) {
     if (l->curve_count == CURVES)
         memmove(l->curves, l->curves + 1, --l->curve_count * sizeof *l->curves);
@@ -305,7 +306,7 @@ static void nod(struct life_live *l, double at, double degrees) {
     gesture(l, at, NOD_RISE, 0, NOD_FALL)->amount[GESTURE_PITCH] = (float)(degrees * lively);
 }
 
-/* Looks aside while what is to be said is being thought of. */
+/* Looks aside at the beginning of a turn. */
 static void begin_turn(struct life_live *l, double at) {
     double roll = dice_roll(&l->dice), side = dice_roll(&l->dice) < 0.5 ? -1 : 1;
     double yaw = side * ASIDE_YAW * dice_between(&l->dice, 0.6, 1.2);
@@ -361,7 +362,7 @@ void life_live_step(struct life_live *l) {
         end_phrase(l, now, m.seconds);
     if (m.stands_out)
         stress(l, now - 0.08, &m);
-    /* twice, so that it neither begins nor ends with a jerk */
+    /* filtered twice, so that it starts and ends smoothly */
     double goal = l->prosody.speaks ? live_prosody_arousal(&l->prosody) : 0;
     l->arousal += WAKE * (goal - l->arousal);
     l->eased += WAKE * (l->arousal - l->eased);
@@ -381,7 +382,7 @@ static void gestures_at(struct life_live *l, double t, double out[GESTURE_CHANNE
     l->curve_count = kept;
 }
 
-/* NULL: the eyes are free. */
+/* Returns the current glance, or NULL if the eyes are free. */
 static const struct look *look_at(const struct life_live *l, double t) {
     const struct look *found = NULL;
     for (size_t i = 0; i < l->look_count; i++)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* First the names, so that all else can refer to them. */
+/* Reads the names first, because everything else refers to them. */
 static int read_group_names(struct context_table *table, const struct json_place *at) {
     static const char *const kinds[] = {"consonant", "vowel", NULL};
     if (json_place_object(at))
@@ -203,7 +203,7 @@ static uint64_t kind_of_sounds(const struct context_table *table, bool vowels) {
     return set;
 }
 
-/* The index of a group, or -1. */
+/* Returns the index of a group, or -1. */
 static long context_find_group(const struct context_table *table, const char *name, size_t bytes) {
     for (size_t i = 0; i < table->group_count; i++)
         if (strlen(table->groups[i].name) == bytes && !memcmp(table->groups[i].name, name, bytes))
@@ -240,7 +240,7 @@ static int read_set(const struct context_table *table, const struct json_place *
     return 0;
 }
 
-/* An array of group names as a set of sounds; everything when it is missing. */
+/* Reads an array of group names as a set of sounds; all sounds if it is missing. */
 static int context_read_groups_named(const struct context_table *table, const struct json_place *at,
                                      uint64_t *set) {
     *set = everything(table);
@@ -292,7 +292,7 @@ static int read_source(const struct context_table *table, const struct json_plac
     return 0;
 }
 
-/* A rule's own place must hold a vowel whenever the rule fits, so that it always has an answer. */
+/* The referenced place must hold a vowel whenever the rule matches, so that it always has a value. */
 static int check_place(const struct context_table *table, const struct json_place *at,
                        const struct context_rule *rule, const struct context_source *source) {
     if (source->kind == CONTEXT_FROM_BEFORE || source->kind == CONTEXT_FROM_AFTER)
@@ -340,7 +340,7 @@ static int context_read_rules(struct context_table *table, const struct json_pla
     return 0;
 }
 
-/* The last choice must always be there. */
+/* The last choice must always be available. */
 static int read_choices(const struct context_table *table, const struct json_place *at, bool may_be_none,
                         struct context_source *out, size_t *count) {
     if (json_place_array(at))
@@ -360,7 +360,7 @@ static int read_choices(const struct context_table *table, const struct json_pla
     return 0;
 }
 
-/* The rules, and what counts where none fits. After the groups. */
+/* Reads the fallbacks for when no rule matches. Call after the groups. */
 static int context_read_otherwise(struct context_table *table, const struct json_place *at) {
     static const char *const sides[] = {"left", "right", NULL};
     struct json_place left = json_place_key(at, "left"), right = json_place_key(at, "right");
@@ -398,7 +398,7 @@ long context_sound_named(const struct context_table *table, const char *name) {
     return phone ? (long)phone->sound : -1;
 }
 
-/* 1 + class of the vowel at a place, or NOT_THERE. */
+/* Returns 1 + class of the vowel at a place, or NOT_THERE. */
 static size_t vowel_at(const struct context_table *table, const size_t *sounds, size_t place) {
     const struct context_group *group = group_of(table, sounds[place]);
     return group && group->vowel ? 1 + group->class : NOT_THERE;

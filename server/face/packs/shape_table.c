@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* By the visemes of FAP 1, whose examples are p f th t k sh s n r and the vowels a e i o u. */
+/* Indexed by the visemes of FAP 1, whose examples are p f th t k sh s n r and the vowels a e i o u. */
 static const uint8_t of_viseme[] = {0, 21, 18, 17, 19, 20, 16, 15, 19, 13, 2, 4, 6, 8, 7};
 
 uint8_t viseme_id_of(const struct speech_phone *phone) {
@@ -30,7 +30,7 @@ static const struct speech_phone *read_phone(const struct json_place *at, const 
     return phone && phone->group ? phone : NULL;
 }
 
-/* Which contexts count, as a set of bits. */
+/* Reads the set of contexts to average, as bits. */
 static int read_beside(const struct json_place *at, char *const *contexts, size_t count, unsigned *set) {
     *set = (1u << count) - 1;
     if (!at->json)
@@ -129,10 +129,9 @@ static int shapes_read(const struct json_place *at, const struct speech_pack *pa
     return 0;
 }
 
-/* An object from names to shapes. {} is the mouth at rest; otherwise {"phone": IPA key of the pack, "beside":
- * contexts of the pack whose mean counts (all when left out), "stress": 0..1 (0), "gain", "shift": as in a
- * pack's phone}. The phone's targets become FAPs by fapmap.h; what it must touch, touches. -1 with the root's
- * error filled. */
+/* Shapes are an object from names to shapes. {} is the mouth at rest; otherwise {"phone": IPA key of the
+ * pack, "beside": contexts of the pack to average (default: all), "stress": 0..1 (0), "gain", "shift": as
+ * in a pack's phone}. The phone's targets are converted by fapmap.h, with its contact applied. */
 static void shapes_free(struct shapes *shapes) {
     for (size_t i = 0; i < shapes->count; i++)
         free(shapes->items[i].name);
@@ -150,7 +149,7 @@ int shapes_choose(const struct json_place *at, const struct shapes *shapes, size
     return json_place_fail(at, "there is no shape \"%s\"", name);
 }
 
-/* The number of the entry that shows the pack's phone of that name, or -1. */
+/* Returns the number of the entry for that phone, or -1. */
 static long find_shown(const struct json_place *entries, const char *ipa) {
     const char *key;
     json_t *value, *name;

@@ -35,7 +35,7 @@ static const struct {
 };
 enum { MEMBERS = sizeof members / sizeof *members, TARGET_MEMBERS = 2 };
 
-/* Overwrites those coefficients that the object names; with_target allows t and T. */
+/* Overwrites the coefficients that the object names; with_target allows t and T. */
 static int speech_read_coefficients(const struct json_place *at, bool with_target, struct coefficients *out) {
     const char *allowed[MEMBERS + 1] = {0};
     size_t first = with_target ? 0 : TARGET_MEMBERS;
@@ -190,7 +190,7 @@ void speech_packs_free(struct speech_packs *packs) {
     *packs = (struct speech_packs){0};
 }
 
-/* BCP 47: "-x-" and what follows is private use. */
+/* In BCP 47 everything from "-x-" on is private use. */
 static bool is_private(const char *tag) {
     return strstr(tag, "-x-") != NULL;
 }
@@ -373,7 +373,7 @@ static int read_alphabet(struct speech_pack *pack, const struct json_place *at, 
     return pack->alphabet ? 0 : json_place_fail_in(at, name, &inner);
 }
 
-/* What a pack says that inherits from nothing. */
+/* Reads what a pack without "inherits" must define. */
 static int read_foundations(struct speech_pack *pack, const struct json_place *root, const char *path) {
     static const char *const keys[] = {"vowels", "consonants", NULL};
     struct json_place alphabet = json_place_key(root, "alphabet"), fapu = json_place_key(root, "fapu"),
@@ -420,7 +420,7 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
     return 0;
 }
 
-/* What an engine needs besides the pack: a file of a folder beside it, or nothing. */
+/* Loads an optional file for an engine from a folder beside the pack. */
 static int read_extra(struct speech_pack *pack, const struct json_place *at, const char *folder,
                       const char *path,
                       bool (*load_it)(struct speech_pack *pack, const char *file, struct error *e)) {

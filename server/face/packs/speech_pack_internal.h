@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parts of reading a speech pack; speech.c puts them together. All return 0, or -1 with the root's error
- * filled. */
+/* Private to the reader of speech packs. Functions return 0, or -1 with the root's error filled. */
 #ifndef FACCIA_FACE_SPEECH_PACK_INTERNAL_H
 #define FACCIA_FACE_SPEECH_PACK_INTERNAL_H
 
@@ -12,11 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* An object from parameter names to coefficients: overwrites what it names. Nothing to do when it is missing.
- */
+/* Reads an object from parameter names to coefficients, overwriting what it names; optional. */
 int speech_read_parameters(const struct json_place *at, struct coefficients out[PARAM_COUNT]);
 
-/* What "gain" and "shift" beside at's other keys make of the targets of each parameter: gain T + shift. */
+/* "gain" and "shift" of an object for each parameter: target = gain T + shift. */
 struct target_change {
     double gain, shift;
 };
@@ -27,22 +25,19 @@ const struct speech_group *speech_find_group(const struct speech_pack *pack, con
 int speech_read_phones(struct speech_pack *pack, const struct json_place *at);
 void speech_phone_free(struct speech_phone *phone);
 
-/* {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]; notes in
- * seen (may be NULL) which entries were given. */
+/* Reads {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]
+ * and marks in seen (may be NULL) which entries were given. */
 int speech_read_targets(const struct json_place *at, char *const *contexts, struct coefficients *table,
                         bool *seen);
 
-/* The parts of reading a table of context-dependent visemes; context_read.c puts them together. Those that
- * return an int return 0, or -1 with the root's error filled. */
-
-/* A phonetic alphabet: its letters with their articulatory features (models/speech/alphabets/), to find what
- * a phone that a pack lacks looks most like. */
+/* A phonetic alphabet with articulatory features (models/speech/alphabets/), used to find the most similar
+ * phone of a pack. */
 
 struct letter {
     uint32_t code; /* Unicode */
     bool vowel;
-    /* vowel: height 0 close..1 open, depth 0 front..1 back, rounded 0 or 1.
-     * consonant: place and manner as indices of the lists in alphabet.c, voiced 0 or 1. */
+    /* vowel: height 0 close..1 open, depth 0 front..1 back, rounded 0 or 1. consonant: place and manner as
+     * indices of the lists in transcription.c, voiced 0 or 1. */
     double height, depth, rounded;
     size_t place, manner;
     double voiced;
@@ -53,7 +48,7 @@ struct alphabet {
     size_t count;
 };
 
-/* NULL with *e (field = JSON path) when the file is not as it must be. */
+/* Returns NULL with *e (field = JSON path) for an invalid file. */
 struct alphabet *alphabet_load(const char *path, struct error *e);
 void alphabet_free(struct alphabet *alphabet);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables of a phone: targets and coefficients in every context, and what has to touch. */
+/* Phones of a pack: targets and coefficients in every context, and contacts. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/face/packs/speech_pack_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the tables of a vowel or a consonant. */
+/* Number of contexts of a vowel or a consonant. */
 static size_t speech_context_count(const struct speech_pack *pack, bool vowel) {
     return vowel ? pack->vowel_context_count : pack->consonant_context_count;
 }
@@ -74,7 +74,7 @@ static void apply_parameters(struct coefficients *table, size_t count,
     }
 }
 
-/* "coefficients" of the phone: those it names replace the table's, in every context. */
+/* Reads the phone's "coefficients", which replace the table's in every context. */
 static int read_own_coefficients(const struct json_place *at, struct speech_phone *phone, size_t count) {
     for (size_t i = 0; i < count && at->json; i += PARAM_COUNT)
         if (speech_read_parameters(at, phone->plain + i) || speech_read_parameters(at, phone->stressed + i))
@@ -82,8 +82,7 @@ static int read_own_coefficients(const struct json_place *at, struct speech_phon
     return 0;
 }
 
-/* What the phone says of its own tables: coefficients, gain, shift, targets. is_like: they are filled
- * already. */
+/* Reads the phone's own coefficients, gain, shift and targets. is_like: the tables are already filled. */
 static int speech_read_tables(const struct speech_pack *pack, const struct json_place *at,
                               struct speech_phone *phone, size_t count, bool is_like) {
     struct json_place targets = json_place_key(at, "targets"), stressed = json_place_key(at, "stressed"),
@@ -111,7 +110,7 @@ static int speech_read_tables(const struct speech_pack *pack, const struct json_
                                : json_place_fail(&stressed, "is for vowels only");
 }
 
-/* The group that is named there, its coefficients in the phone's tables, which have count entries. */
+/* Finds the named group and copies its coefficients to the phone's tables of `count` entries. */
 static int speech_read_group_of(const struct speech_pack *pack, const struct json_place *at,
                                 struct speech_phone *phone, size_t *count) {
     const char *name;
@@ -134,11 +133,11 @@ static int speech_read_group_of(const struct speech_pack *pack, const struct jso
     return 0;
 }
 
-/* Phones may be described by others of the same file, in any order: each is read when it is first needed. */
+/* Phones may refer to others of the same file in any order, so each is read on first use. */
 struct phone_reader {
     struct speech_pack *pack;
     const struct json_place *at; /* the object "phones" */
-    struct speech_phone **read;  /* by order in the file; NULL until it is read */
+    struct speech_phone **read;  /* in file order; NULL until it is read */
     bool *busy;
 };
 
@@ -155,7 +154,7 @@ void speech_phone_free(struct speech_phone *phone) {
     free(phone);
 }
 
-/* The phone that another one names: of this file, else of the pack that it inherits from. */
+/* Finds a referenced phone in this file, else in the inherited pack. */
 static const struct speech_phone *named(struct phone_reader *r, const struct json_place *at, const char *name,
                                         const char *self) {
     if (strcmp(name, self) != 0 && json_object_get(r->at->json, name))
@@ -187,8 +186,8 @@ static int mix_in(struct speech_phone *phone, const struct json_place *at, const
     return 0;
 }
 
-/* "like": "e" or {"i": 0.6, "e": 0.4}: the weighted mean of other phones. Group and contact are those of the
- * heaviest. */
+/* Reads "like": "e" or {"i": 0.6, "e": 0.4}, the weighted mean of other phones. Group and contact are
+ * those of the heaviest. */
 static int read_like(struct phone_reader *r, const struct json_place *at, struct speech_phone *phone,
                      size_t *count) {
     const struct speech_phone *models[8];

@@ -39,7 +39,7 @@ static int read_vowel(const struct spelling *s, const struct json_place *at, str
                : 0;
 }
 
-/* The first phone that a letter shows is the one that it stands for. */
+/* The first phone of a letter is the one it represents. */
 static int read_own_phone(const struct json_place *at, const struct speech_pack *pack,
                           struct spelling_letter *l) {
     struct json_place first = json_place_item(at, 0);
@@ -157,7 +157,7 @@ struct list {
     size_t count, cap;
 };
 
-/* folded: the text is itself a fold's. */
+/* folded: the text is the result of a fold. */
 static void read(const struct spelling *spelling, const char *text, bool folded, struct list *list) {
     size_t n = strlen(text), step;
     for (size_t i = 0; i < n; i += step) {
@@ -187,10 +187,10 @@ size_t spelling_read(const struct spelling *spelling, const char *word, struct s
 
 void spelling_syllables(struct spelled *letters, size_t count) {
     const struct spelling_letter *vowel = NULL;
-    size_t begin = 0, syllable = 0; /* of the syllable that is open */
+    size_t begin = 0, syllable = 0; /* of the open syllable */
     for (size_t i = 0; i < count; i++) {
         if (letters[i].letter->vowel) {
-            if (vowel) { /* the next syllable: with the consonant before it, if there is one */
+            if (vowel) { /* starts the next syllable, with the consonant before the vowel */
                 size_t first = letters[i - 1].letter->vowel ? i : i - 1;
                 for (size_t k = begin; k < first; k++) {
                     letters[k].vowel = vowel;
@@ -212,7 +212,7 @@ size_t spelling_shape(const struct spelling *spelling, const struct spelled *let
     const struct spelling_letter *l = letter->letter;
     if (l->vowel)
         return l->shapes[0];
-    if (!letter->vowel) /* a word without vowels: the first class stands for all */
+    if (!letter->vowel) /* a word without vowels uses the first class */
         return l->like_vowel ? spelling->common.rest : l->shapes[0];
     return l->like_vowel ? letter->vowel->shapes[0] : l->shapes[letter->vowel->class];
 }

@@ -19,7 +19,7 @@ static const char *const voices[] = {"voiceless", "voiced", NULL};
 static const char *const manners[] = {"plosive",   "nasal",       "trill",   "tap",
                                       "fricative", "approximant", "lateral", NULL};
 
-/* What an onlooker sees of a place of articulation. Places with different looks are far apart. */
+/* Visible appearance of places of articulation. Places that look different are far apart. */
 enum look { LOOK_LIPS, LOOK_TEETH, LOOK_TONGUE_TIP, LOOK_PUCKER, LOOK_ROUND, LOOK_BACK };
 
 static const char *const places[] = {
@@ -112,8 +112,8 @@ const struct letter *alphabet_find(const struct alphabet *alphabet, uint32_t cod
     return bsearch(&key, alphabet->letters, alphabet->count, sizeof key, by_code);
 }
 
-/* How unlike two letters look and, less, sound: 0 for the same. A difference in what the lips do weighs most.
- */
+/* Visual and, less, acoustic distance of two letters; 0 for equal ones. Differences on the lips weigh
+ * most. */
 static double letter_distance(const struct letter *a, const struct letter *b) {
     if (a->vowel != b->vowel)
         return 100;
@@ -125,8 +125,8 @@ static double letter_distance(const struct letter *a, const struct letter *b) {
            (a->manner != b->manner ? 1 : 0) + 0.3 * fabs(a->voiced - b->voiced);
 }
 
-/* Marks that modify the letter beside them or join letters: combining diacritics (U+0300..U+036F, ties among
- * them, U+1DC0..U+1DFF), spacing modifier letters (U+02B0..U+02FF: length, aspiration, stress, tones...) and
+/* Marks that modify or join letters: combining diacritics (U+0300..U+036F, including ties,
+ * U+1DC0..U+1DFF), spacing modifier letters (U+02B0..U+02FF: length, aspiration, stress, tones...) and
  * raised ones (U+1D2C..U+1D6A, U+2070..U+209F: prenasalised and the like). */
 static bool alphabet_is_modifier(uint32_t code) {
     return (code >= 0x2B0 && code <= 0x36F) || (code >= 0x1D2C && code <= 0x1D6A) ||
@@ -170,7 +170,7 @@ const struct speech_phone *speech_pack_phone(const struct speech_pack *pack, con
     return phone ? phone : find_sampa(pack, key, bytes);
 }
 
-/* Nasal vowels may come as one character: their letter, which a tilde follows. */
+/* Splits precomposed nasal vowels: returns the letter before the tilde. */
 static uint32_t without_tilde(uint32_t code) {
     static const uint32_t letters[][2] = {{0xE3, 'a'},  {0xF5, 'o'},   {0x129, 'i'},
                                           {0x169, 'u'}, {0x1EBD, 'e'}, {0x1EF9, 'y'}};
@@ -180,7 +180,7 @@ static uint32_t without_tilde(uint32_t code) {
     return 0;
 }
 
-/* Copies without ties and stress marks, which keys do not have, and with tildes set apart. */
+/* Copies without ties and stress marks, which keys do not contain, and with tildes separate. */
 static size_t clean(const char *ipa, char out[NAME_BYTES]) {
     size_t n = strlen(ipa), used = 0, step;
     for (size_t i = 0; i < n; i += step) {
@@ -297,7 +297,7 @@ struct transcription_reader {
     const struct speech_pack *pack;
     struct sentence_audio *u;
     size_t cap, line;
-    unsigned long index; /* 1 + the last line's; 0 = there was none */
+    unsigned long index; /* 1 + the last line's index; 0 = none */
     bool ended;
     struct error *e;
 };
@@ -345,7 +345,7 @@ static int read_symbol(struct transcription_reader *r, const char *symbol, struc
     return 0;
 }
 
-/* Phones touch and cover the sound from its first sample on: what comes before the first one is a pause. */
+/* Phones are adjacent and cover the sound from its first sample: a pause precedes the first one. */
 static void add_phone(struct transcription_reader *r, const struct phone *p, uint32_t start) {
     struct sentence_audio *u = r->u;
     if (!u->phone_count && start && *p->ipa)

@@ -10,7 +10,7 @@
 
 enum { VOICES_MAX = 256, WORDS_MAX = 64 };
 
-/* Where a complaint goes. */
+/* Destination of error messages. */
 struct check {
     size_t voice;
     char *message;
@@ -22,7 +22,7 @@ static int wrong(const struct check *c, const char *field, const char *what) {
     return -1;
 }
 
-/* A text that must be there, unless there is a default. NULL after a complaint. */
+/* Reads a string, required unless there is a default. Returns NULL after an error. */
 static const char *text(const struct check *c, const json_t *object, const char *key, const char *otherwise) {
     const json_t *value = json_object_get(object, key);
     if (!value && otherwise)
@@ -34,7 +34,7 @@ static const char *text(const struct check *c, const json_t *object, const char 
     return json_string_value(value);
 }
 
-/* A number in its range. False after a complaint. */
+/* Reads a number in its range. Returns false after an error. */
 static bool number(const struct check *c, const json_t *object, const char *key, double otherwise, double min,
                    double max, double *out) {
     const json_t *value = json_object_get(object, key);
@@ -66,7 +66,7 @@ static int check_keys(const struct check *c, const json_t *object) {
     return 0;
 }
 
-/* Does any of the words hold the placeholder? */
+/* Tells whether a word contains the placeholder. */
 static bool mentions(const json_t *argv, const char *placeholder) {
     for (size_t i = 0; i < json_array_size(argv); i++)
         if (strstr(json_string_value(json_array_get(argv, i)), placeholder))
@@ -96,7 +96,7 @@ static int read_argv(const struct check *c, const json_t *object, struct cm_voic
     return 0;
 }
 
-/* The setting "times". -1 with the field in it that is wrong, and what is wrong. */
+/* Reads the setting "times". Returns -1 with the invalid field and the reason. */
 static int read_times(struct cm_timing *timing, const json_t *setting, const char **field,
                       const char **what) {
     const char *format = json_string_value(json_object_get(setting, "format")), *name;

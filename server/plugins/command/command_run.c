@@ -24,7 +24,7 @@ void cm_aligner_close(struct cm_aligner *aligner) {
     reference_close(aligner->slot.reference);
 }
 
-/* Pieces' words are bytes of the text. */
+/* Words of a piece are byte ranges of the text. */
 static void take(struct times *times, const struct long_alignment_piece *piece, const char *text) {
     times->phones = mem_grow(times->phones, &times->phone_cap, times->phone_count + piece->phone_count,
                              sizeof *times->phones);
@@ -44,9 +44,9 @@ static void take(struct times *times, const struct long_alignment_piece *piece, 
     }
 }
 
-/* -1 with a sentence in message when there is no voice of that language to align to, or the sound is far too
- * short for the text; then the mouth stays closed. Whether it is that of the text is not asked: the program
- * was given it, and of a short sentence the distances would tell too little. */
+/* Returns -1 with a message when there is no reference voice for the language or the sound is far too
+ * short for the text; the mouth then stays closed. Whether sound and text match is not checked: the
+ * program was given the text, and for short sentences the distances are inconclusive. */
 static int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const char *text,
                     const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
                     char *message, size_t cap) {
@@ -69,11 +69,11 @@ static int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, co
     return found;
 }
 
-/* What programs are told, and what they answer. */
+/* Input and output of programs. */
 
 #define RATE_USUAL 170
 
-/* What a placeholder stands for, into out, or NULL when it is none. */
+/* Writes a placeholder's value to out; returns NULL for an unknown one. */
 static const char *value_of(const struct cm_speaking *s, const struct faccia_span *span, const char *name,
                             size_t length, char out[32]) {
     const struct faccia_voice_info *info = &s->voice->info;
@@ -97,7 +97,7 @@ static const char *value_of(const struct cm_speaking *s, const struct faccia_spa
     return NULL;
 }
 
-/* A word of argv with its placeholders filled in. The caller frees it. */
+/* Fills in the placeholders of an argv word. The caller frees the result. */
 static char *fill_in(const struct cm_speaking *s, const struct faccia_span *span, const char *word) {
     struct buf b = {0};
     char number[32];
@@ -149,10 +149,10 @@ int cm_take_file(const struct cm_speaking *s, const char *path, struct buf *out)
     return -1;
 }
 
-/* What the sink is given: sound, phones, words. */
+/* Delivery to the sink: sound, phones, words. */
 
 #define BREAK_MAX 600.0
-#define PAST 0.25 /* seconds; programs round, and may count a last pause that is not in the sound */
+#define PAST 0.25 /* seconds: programs round, and may count a final pause missing in the sound */
 
 enum cm_result cm_give_silence(struct cm_speaking *s, double seconds) {
     static const int16_t silence[4096];
@@ -180,7 +180,7 @@ static int give_phones(const struct cm_speaking *s, const struct times *times) {
     return stop;
 }
 
-/* Words are looked for in the span's text, one after the other; those that are not found are not told. */
+/* Finds the words in the span's text in order; those not found are skipped. */
 static int give_words(const struct cm_speaking *s, uint32_t span, const struct times *times) {
     const char *text = s->sentence->spans[span].text;
     size_t at = 0;
@@ -198,7 +198,7 @@ static int give_words(const struct cm_speaking *s, uint32_t span, const struct t
     return stop;
 }
 
-/* The times that the program tells. */
+/* Reads the times that the program reports. */
 static enum cm_result told_times(const struct cm_speaking *s, const struct faccia_span *span,
                                  struct times *times) {
     struct buf written = {0};
@@ -221,7 +221,7 @@ static enum cm_result told_times(const struct cm_speaking *s, const struct facci
     return result;
 }
 
-/* Told times are believed unless they run past the sound: then a program counted wrongly. */
+/* Rejects times that run past the sound, because the program miscounted. */
 static bool fits(const struct times *times, const struct cm_sound *sound) {
     return !times->phone_count || times->phones[times->phone_count - 1].end * sound->rate <
                                       (double)sound->count + PAST * sound->rate;
@@ -234,7 +234,7 @@ static void align(const struct cm_speaking *s, const char *text, const struct cm
         s->sink->warning(s->sink->ctx, why);
 }
 
-/* Words of a program that tells its phones only. A sound in which they are not found goes without. */
+/* Finds words for a program that reports only phones, by alignment, if possible. */
 static void find_words(const struct cm_speaking *s, const char *text, const struct cm_sound *sound,
                        struct times *times) {
     struct times found = {0};
@@ -314,7 +314,7 @@ void cm_stop_now(struct cm_stop *stop) {
     const uint64_t one = 1;
     atomic_store(&stop->stopped, true);
     if (write(stop->wake, &one, sizeof one) < 0)
-        return; /* it is full: woken already */
+        return; /* full: already signalled */
 }
 
 void cm_stop_reset(struct cm_stop *stop) {
@@ -324,12 +324,12 @@ void cm_stop_reset(struct cm_stop *stop) {
     atomic_store(&stop->stopped, false);
 }
 
-/* The program and the three pipes to it. */
+/* A program and its three pipes. */
 struct child {
     pid_t pid;
     int in, out, complaints;
-    char complaint[160]; /* its last whole line */
-    char line[160];      /* the one that it is writing */
+    char complaint[160]; /* last complete line */
+    char line[160];      /* line in progress */
     size_t length;
 };
 
@@ -373,7 +373,7 @@ static bool start(struct child *child, const struct cm_run *run) {
     child->in = pipes[0][1], child->out = pipes[1][0], child->complaints = pipes[2][0];
     if (child->pid < 0)
         return false;
-    setpgid(child->pid, child->pid); /* the child does it, too: either may come first */
+    setpgid(child->pid, child->pid); /* the child does the same: either may be first */
     fcntl(child->in, F_SETFL, O_NONBLOCK);
     return true;
 }
@@ -404,11 +404,11 @@ static void feed(struct child *child, const char **input) {
     ssize_t n = write(child->in, *input, strlen(*input));
     if (n > 0)
         *input += n;
-    if (!**input || (n < 0 && errno != EAGAIN && errno != EINTR)) /* a program need not read all */
+    if (!**input || (n < 0 && errno != EAGAIN && errno != EINTR)) /* the program need not read all input */
         shut(&child->in);
 }
 
-/* Until the program has closed both of its ends. NULL, or what went wrong. */
+/* Exchanges data until the program has closed both outputs. Returns NULL, or an error. */
 static const char *converse(struct child *child, const struct cm_run *run, struct cm_stop *stop,
                             struct buf *out) {
     const double deadline = now() + run->seconds;
@@ -444,7 +444,7 @@ static const char *converse(struct child *child, const struct cm_run *run, struc
     return NULL;
 }
 
-/* Waits for the end of a program that has nothing to say any more. */
+/* Waits for a program that has closed its outputs. */
 static const char *await_end(struct child *child, double deadline, struct cm_stop *stop, int *status) {
     while (waitpid(child->pid, status, WNOHANG) == 0) {
         if (atomic_load(&stop->stopped))
@@ -457,8 +457,8 @@ static const char *await_end(struct child *child, double deadline, struct cm_sto
     return NULL;
 }
 
-/* Standard output goes to *out. CM_FAILED with a sentence in message, which ends with the program's last
- * complaint. */
+/* Standard output goes to *out. Returns CM_FAILED with a message that ends with the program's last line of
+ * errors. */
 static enum cm_result cm_run(const struct cm_run *run, struct cm_stop *stop, struct buf *out, char *message,
                              size_t cap) {
     struct child child = {.in = -1, .out = -1, .complaints = -1};

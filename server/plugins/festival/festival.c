@@ -73,8 +73,8 @@ static void fe_voices_free(struct fe_voices *voices) {
     *voices = (struct fe_voices){0};
 }
 
-/* Reads the table. datadir is Festival's. With a sentence in message: 1 when none of its
- * voices is installed, -1 when the table is wrong. */
+/* The Festival voice plugin. Festival runs as a separate program, because it crashes on some texts; the
+ * sentence is then retried in plainer form. */
 static const struct fe_voice *fe_voices_find(const struct fe_voices *voices, const char *id) {
     for (size_t i = 0; i < voices->count; i++)
         if (!strcmp(voices->list[i].info.id, id))
@@ -82,15 +82,12 @@ static const struct fe_voice *fe_voices_find(const struct fe_voices *voices, con
     return NULL;
 }
 
-/* The Festival voice plugin. Festival runs as a program of its own: it crashes on some texts, and when it
- * does so the sentence can be given to another one in plainer form. */
-
-/* Seconds of silence: before a sentence, after it, and where it is cut for a break or for its length. */
+/* Seconds of silence: before and after a sentence, and where it is cut for a break or for its length. */
 #define LEAD 0.05
 #define TRAIL 0.3
 #define SEAM 0.02
 
-/* Words that Festival is given at once; it is cut after a punctuation mark from half of that on. */
+/* Maximum words per request; cut after punctuation from half of that on. */
 enum { PIECE_WORDS = 80 };
 
 #define BREAK_MAX 600.0
@@ -103,7 +100,7 @@ struct festival {
 
 enum outcome { SPOKEN, STOPPED, FAILED };
 
-/* One sentence on its way. */
+/* A sentence being spoken. */
 struct speaking {
     struct festival *self;
     struct fe_piece piece;
@@ -124,8 +121,8 @@ static enum fe_result ask(struct speaking *s, const struct buf *request, bool *r
     return result == FE_OK ? fe_piece_answer(&s->piece, child, refused) : result;
 }
 
-/* Asks for the tokens [from, to), and once more in plain form when Festival refuses them or dies of them; as
- * they were if somebody has killed it. *theirs: they are to blame, not Festival's state. */
+/* Requests the tokens [from, to), again in plain form if Festival refuses them or crashes, and unchanged
+ * if it was killed from outside. *theirs: the tokens are to blame, not Festival's state. */
 static enum outcome try_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail,
                                bool *theirs) {
     struct fe_child *child = &s->self->child;
@@ -153,8 +150,7 @@ static enum outcome try_tokens(struct speaking *s, size_t from, size_t to, doubl
     return FAILED;
 }
 
-/* Speaks the tokens [from, to). Of those that cannot be spoken together halves are tried, down to the word
- * that is left out. */
+/* Speaks the tokens [from, to). On failure it bisects them, down to the word that must be skipped. */
 static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail) {
     bool theirs = false;
     enum outcome outcome = try_tokens(s, from, to, lead, trail, &theirs);
@@ -172,8 +168,8 @@ static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, dou
     return outcome == SPOKEN ? speak_tokens(s, middle, to, SEAM, trail) : outcome;
 }
 
-/* Speaks what has been collected, and then the silence. Long stretches go in pieces, so that the first sound
- * comes early and Festival's heap is enough. */
+/* Speaks the collected tokens and then silence. Long stretches are split, so that sound starts early and
+ * Festival's heap suffices. */
 static enum outcome speak_collected(struct speaking *s, double trail, double silence) {
     size_t count = s->piece.tokens.count;
     for (size_t from = 0, to; from < count; from = to) {
@@ -261,7 +257,7 @@ static void fe_close(void *ctx) {
     free(self);
 }
 
-/* The full path of a program, or NULL. */
+/* Returns the full path of a program, or NULL. */
 static char *find_program(const char *name) {
     char full[PATH_MAX];
     const char *path = getenv("PATH");
@@ -276,9 +272,9 @@ static char *find_program(const char *name) {
     return NULL;
 }
 
-extern const struct faccia_voice faccia_voice; /* the table below */
+extern const struct faccia_voice faccia_voice; /* defined below */
 
-/* A file that lies beside the plugin. */
+/* Returns the path of a file beside the plugin. */
 static char *beside(const char *name) {
     Dl_info info;
     char real[PATH_MAX], full[PATH_MAX + 32];
@@ -294,8 +290,8 @@ static const char *setting(const json_t *config, const char *key, const char *ot
     return value ? value : otherwise;
 }
 
-/* {"program": Festival's program, "datadir": its folder of data, "table": a file like festival.json}, all
- * with defaults. Festival itself is started with the first sentence. */
+/* {"program": Festival's program, "datadir": its data folder, "table": a file like festival.json}, all
+ * optional. Festival is started with the first sentence. */
 static int fe_open(const char *text, void **out, char *message, size_t cap) {
     json_t *config = json_loads(text, 0, NULL);
     const char *program = setting(config, "program", "festival");

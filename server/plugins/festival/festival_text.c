@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/festival/festival_text.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/plugins/festival/festival_piece.h"
 #include <ctype.h>
 #include <iconv.h>
 #include <math.h>
@@ -15,7 +15,7 @@
 #define FACTOR_MAX 4.0
 #define RAMP_SECONDS 0.004 /* time constant */
 
-/* Samples above KNEE are bent so that none passes LIMIT. */
+/* Samples above KNEE are compressed to stay below LIMIT. */
 #define KNEE 24000.0
 #define LIMIT 32000.0
 
@@ -63,7 +63,7 @@ struct fe_reader {
     uint32_t span;
     const char *text;
     bool spell;
-    struct fe_token token; /* that is being made; no word yet = only what stands before it */
+    struct fe_token token; /* token being built; without a word yet, only what precedes it */
     size_t used;           /* bytes of its word */
     bool spaced;           /* white space since the last word */
 };
@@ -79,7 +79,7 @@ static bool is_space(uint32_t c) {
            (c >= 0x2028 && c <= 0x202F) || c == 0x3000 || c == 0xFEFF;
 }
 
-/* The word that was read becomes a token. */
+/* Completes the token. */
 static void end_word(struct fe_reader *r) {
     if (!r->used)
         return;
@@ -90,7 +90,7 @@ static void end_word(struct fe_reader *r) {
     r->used = 0;
 }
 
-/* One character of the word that stands at text[at..at + bytes). */
+/* Adds a character of the word, from text[at..at + bytes). */
 static void add_letter(struct fe_reader *r, char c, size_t at, size_t bytes) {
     if (r->used == FE_WORD_BYTES - 1 || (r->spell && r->used))
         end_word(r);
@@ -101,7 +101,7 @@ static void add_letter(struct fe_reader *r, char c, size_t at, size_t bytes) {
     r->token.bytes = at + bytes - r->token.offset;
 }
 
-/* It is the last word's, even after a space (a dash), unless it opens the next one. */
+/* Belongs to the previous word, even after a space (a dash), unless it opens the next one. */
 static void add_punctuation(struct fe_reader *r, char c) {
     const char s[2] = {c, '\0'};
     end_word(r);
@@ -111,7 +111,7 @@ static void add_punctuation(struct fe_reader *r, char c) {
         append(r->out->list[r->out->count - 1].after, FE_PUNCTUATION_BYTES, s);
 }
 
-/* An accent that follows its vowel as a character of its own (Unicode's form D): grave 0x300, acute 0x301. */
+/* A combining accent after its vowel (Unicode form D): grave 0x300, acute 0x301. */
 static void add_accent(struct fe_reader *r, uint32_t accent, size_t at, size_t length) {
     static const char vowels[] = "aeiouAEIOU";
     static const unsigned char grave[] = {0xE0, 0xE8, 0xEC, 0xF2, 0xF9, 0xC0, 0xC8, 0xCC, 0xD2, 0xD9};
@@ -124,7 +124,7 @@ static void add_accent(struct fe_reader *r, uint32_t accent, size_t at, size_t l
     r->token.bytes = at + length - r->token.offset;
 }
 
-/* Words that stand for one character of the text. */
+/* Adds words that replace one character of the text. */
 static void add_words(struct fe_reader *r, const char *words, size_t at, size_t bytes);
 
 static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
@@ -134,7 +134,7 @@ static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
         append(out->unread, sizeof out->unread, c);
 }
 
-/* Is the ASCII character at that place part of a word? */
+/* Tells whether an ASCII character is part of a word. */
 static bool joins(const struct fe_reader *r, const char *at) {
     unsigned char before = at > r->text ? (unsigned char)at[-1] : ' ', after = (unsigned char)at[1];
     if (*at == '\'') /* l'amica, po' */
@@ -153,7 +153,7 @@ static void add_ascii(struct fe_reader *r, const char *at, size_t place, size_t 
         end_word(r);
 }
 
-/* A character that Festival is not to see as it is: near ones in ASCII (the C library's transliteration). */
+/* Replaces a character unknown to Festival by similar ASCII ones (the C library's transliteration). */
 static void add_foreign(struct fe_reader *r, const char *s, size_t length, size_t place) {
     char ascii[16] = "", *in = (char *)s, *out = ascii;
     size_t in_left = length, out_left = sizeof ascii - 1;

