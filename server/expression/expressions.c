@@ -152,7 +152,7 @@ static int entry_read(const struct json_place *at, struct expression *x) {
         read_numbers(at, "mouth", mouth) || read_numbers(at, "voice", voice) ||
         read_numbers(at, "life", life))
         return -1;
-    return mix.json && x->basic ? json_place_fail(&mix, "a basic emotion is no mixture") : 0;
+    return mix.json && x->basic ? json_place_fail(&mix, "a basic emotion cannot be a mixture") : 0;
 }
 
 #define ASYMMETRY_MAX 0.5
@@ -194,7 +194,7 @@ static int sort_names(const struct json_place *root, struct expressions *all) {
         return 0;
     struct json_place kind = json_place_key(root, taken->kind),
                       entry = json_place_key(&kind, all->items[taken->index].name);
-    return json_place_fail(&entry, "the name '%s' is there twice", taken->name);
+    return json_place_fail(&entry, "the name '%s' occurs twice", taken->name);
 }
 
 /* Resolves references to other entries. */

@@ -26,7 +26,8 @@ static int read_name(const struct json_place *at, char **out) {
         return -1;
     size_t length = strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-");
     if (name[length] || length > GESTURE_NAME_MAX || *name == '-')
-        return json_place_fail(at, "must be 1 to %d small letters, figures and hyphens", GESTURE_NAME_MAX);
+        return json_place_fail(at, "must be 1 to %d lower-case letters, digits and hyphens",
+                               GESTURE_NAME_MAX);
     *out = mem_strdup(name);
     return 0;
 }

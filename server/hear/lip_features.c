@@ -153,12 +153,12 @@ struct lip_input *lip_input_new(unsigned rate, unsigned channels,
                                 void (*take)(void *ctx, const float *samples, size_t count), void *ctx,
                                 struct error *e) {
     if (rate < LIP_RATE_LEAST || rate > LIP_RATE_MOST) {
-        error_set(e, ERROR_BAD_SOUND, "%u samples a second, from %d to %d can be heard", rate, LIP_RATE_LEAST,
+        error_set(e, ERROR_BAD_SOUND, "%u samples a second; %d to %d are supported", rate, LIP_RATE_LEAST,
                   LIP_RATE_MOST);
         return NULL;
     }
     if (channels < 1 || channels > LIP_CHANNELS_MOST) {
-        error_set(e, ERROR_BAD_SOUND, "%u channels, at most %d can be heard", channels, LIP_CHANNELS_MOST);
+        error_set(e, ERROR_BAD_SOUND, "%u channels; at most %d are supported", channels, LIP_CHANNELS_MOST);
         return NULL;
     }
     struct lip_input *s = mem_alloc(sizeof *s);

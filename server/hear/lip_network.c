@@ -278,7 +278,7 @@ static int read_all(struct lip_network *n, const uint8_t *data, size_t size, str
     walk_all(n, &reading);
     for (size_t i = 0; i < all.values; i++)
         if (!isfinite(n->values[i]))
-            return error_set(e, ERROR_BAD_NETWORK, "weight %zu is no number", i);
+            return error_set(e, ERROR_BAD_NETWORK, "weight %zu is not a number", i);
     const float *at = n->values;
     n->conv = take(&at, n->taps * LIP_FEATURES, n->middle);
     take_layer(n, 0, n->middle, &at);

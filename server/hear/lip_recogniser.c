@@ -253,7 +253,7 @@ static int choose_head(struct lip_recogniser *l, unsigned lookahead, struct erro
             l->delay = delays[l->head];
             return 0;
         }
-    return error_in_field(e, ERROR_BAD_FIELD, "lookahead", "there is none of %u ms", lookahead);
+    return error_in_field(e, ERROR_BAD_FIELD, "lookahead", "there is no lookahead of %u ms", lookahead);
 }
 
 struct lip_recogniser *lip_recogniser_new(const struct lip_recogniser_options *options, struct error *e) {

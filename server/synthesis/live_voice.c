@@ -261,7 +261,7 @@ static int read_opus(struct live_audio *s, const uint8_t *bytes, size_t size, co
                                            : OPUS_INVALID_PACKET;
     if (frames < 0) {
         failed =
-            error_at_byte(e, ERROR_BAD_SOUND, s->bytes, "this is no Opus packet: %s", opus_strerror(frames));
+            error_at_byte(e, ERROR_BAD_SOUND, s->bytes, "invalid Opus packet: %s", opus_strerror(frames));
         frames = opus_decode(s->opus, NULL, 0, samples, lost, 0);
     }
     if (frames > 0)
@@ -319,10 +319,10 @@ static int open_all(struct live_voice *h, const struct live_request *request, st
     if (live_request_check(request, e) || choose(h, e))
         return -1;
     if (pool->count >= pool->most)
-        return error_set(e, ERROR_TOO_MANY_VOICES, "%u voices are heard already", pool->count);
+        return error_set(e, ERROR_TOO_MANY_VOICES, "%u live voices are open already", pool->count);
     if (pool->payer_most && voices_of(pool, h->request.payer) >= pool->payer_most)
-        return error_set(e, ERROR_TOO_MANY_VOICES, "%u voices of one address or subject are heard already",
-                         pool->payer_most);
+        return error_set(e, ERROR_TOO_MANY_VOICES,
+                         "%u live voices of one address or subject are open already", pool->payer_most);
     const struct lip_recogniser_options options = {.network = pool->network,
                                                    .pack = h->pack,
                                                    .engine = h->request.engine,
@@ -374,7 +374,7 @@ static void on_timer(uv_timer_t *timer) {
         return;
     }
     error_set(&e, ERROR_UNFINISHED,
-              h->fresh ? "too little was heard of it in %u s" : "nothing was heard of it for %u s",
+              h->fresh ? "too little sound arrived in %u s" : "no sound arrived for %u s",
               h->pipeline->open_seconds);
     problem(h, &e, true);
     live_voice_close(h);
@@ -439,7 +439,7 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     if (!out || !h->started || h->told_skip)
         return;
     h->told_skip = true;
-    error_set(&e, ERROR_SKIPPED, "it comes faster than it can be heard: more than %u s of it waited",
+    error_set(&e, ERROR_SKIPPED, "sound arrives faster than real time: more than %u s was waiting",
               h->pipeline->live->seconds);
     problem(h, &e, true);
 }

@@ -232,7 +232,7 @@ static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
         weighted = true;
         if (asked == SPEAK_BLEND_REGIONS)
             score_warn(score, score->cues[i].at, ERROR_IGNORED,
-                       "the weight is not acted on: the request wants blend regions");
+                       "the weight is ignored: the request sets blend to regions");
     }
     return asked == SPEAK_BLEND_WEIGHTED || (asked == SPEAK_BLEND_AUTO && weighted) ? BLEND_WEIGHTED
                                                                                     : BLEND_REGIONS;

@@ -100,9 +100,8 @@ static int set_string(char **string, const struct field *f, const struct request
         return error_in_field(e, ERROR_BAD_FIELD, f->name, "must have %.0f to %.0f bytes", f->min, f->max);
     if (f->type == TAG) {
         if (!lang_read(value, size, tag, &bad))
-            return error_in_field(
-                e, ERROR_BAD_FIELD, f->name,
-                "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", bad);
+            return error_in_field(e, ERROR_BAD_FIELD, f->name,
+                                  "is not a language tag (BCP 47, such as pt-BR): byte %zu is invalid", bad);
         value = tag;
         size = strlen(tag);
     }

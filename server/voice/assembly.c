@@ -77,7 +77,7 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
         return error_set(e, ERROR_VOICE_FAILED, "changed its sample rate from %u to %u Hz", u->sample_rate,
                          rate);
     if (u->samples + count > a->seconds_max * rate)
-        return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence that makes more than %u s of sound",
+        return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence with more than %u s of sound",
                          (unsigned)a->seconds_max);
     u->sample_rate = rate;
     if (!a->pcm_cap) /* avoid copying while it grows: enough for most voices */
@@ -98,7 +98,7 @@ static void take_name(struct assembly *a, char out[PHONE_NAME_BYTES], const char
     while (fit > 0 && fit < good && ((unsigned char)name[fit] & 0xC0) == 0x80)
         fit--;
     if (fit < length)
-        assembly_warn(a, "the voice named a phone by %zu bytes that cannot be kept", length);
+        assembly_warn(a, "the voice named a phone with %zu bytes, which are too many or invalid", length);
     memcpy(out, name, fit);
     out[fit] = '\0';
 }
@@ -184,7 +184,7 @@ static uint32_t assembly_time(struct assembly *a, uint64_t t, uint32_t from, con
         t = a->u->samples;
     }
     if (t < from) {
-        assembly_warn(a, "the voice put a %s before the one that it follows", what);
+        assembly_warn(a, "the voice put a %s before the previous one", what);
         t = from;
     }
     return (uint32_t)t;

@@ -180,13 +180,13 @@ static int add_listed(struct allowed_paths *a, const json_t *config, const char 
     json_t *path;
     size_t i;
     if (list && !json_is_array(list)) {
-        snprintf(message, cap, "%s: wanted is a list of absolute paths", member);
+        snprintf(message, cap, "%s: must be a list of absolute paths", member);
         return -1;
     }
     json_array_foreach(list, i, path) {
         const char *text = json_string_value(path);
         if (!text || *text != '/') {
-            snprintf(message, cap, "%s[%zu]: wanted is an absolute path", member, i);
+            snprintf(message, cap, "%s[%zu]: must be an absolute path", member, i);
             return -1;
         }
         add(a, mem_strdup(text), write);
@@ -245,7 +245,7 @@ static const char *complaint(const struct faccia_voice *api, char *out, size_t c
     }
     if (!api->name || !api->version || !api->licence || !api->open || !api->list || !api->speak ||
         !api->close)
-        return "the plugin's table has gaps";
+        return "the plugin's table is incomplete";
     return NULL;
 }
 
@@ -262,14 +262,13 @@ int loaded_plugin_load(struct loaded_plugin *loaded, const char *path, uint32_t 
     }
     loaded->api = dlsym(loaded->library, FACCIA_VOICE_SYMBOL);
     if (!loaded->api)
-        return fail(message, cap, path, "no voice plugin: it does not export \"" FACCIA_VOICE_SYMBOL "\"");
+        return fail(message, cap, path, "not a voice plugin: it does not export \"" FACCIA_VOICE_SYMBOL "\"");
     const char *bad = complaint(loaded->api, why, sizeof why);
     if (bad)
         return fail(message, cap, path, bad);
     loaded->capabilities = needs_of_version(loaded->api->abi, loaded->api->capabilities);
     if (loaded->capabilities & NEEDS & ~capabilities)
-        return fail(message, cap, path,
-                    "the plugin's table is not what its file says: it must be a constant");
+        return fail(message, cap, path, "the plugin's table differs from its file: it must be a constant");
     return 0;
 }
 

@@ -204,14 +204,14 @@ static struct plugin *plugin_of_queue(struct voice_pool *pool, const struct work
 }
 
 static void remote_up(struct plugin *plugin) {
-    log_info("the voice %s is spoken by workers elsewhere", plugin->name);
+    log_info("the voice %s is served by remote workers", plugin->name);
     plugin->available = true;
     for (size_t i = 0; i < plugin->seat_count; i++)
         worker_remote_up(&plugin->workers[i]);
 }
 
 static void remote_down(struct plugin *plugin) {
-    static const char why[] = "has no worker any more";
+    static const char why[] = "has no remote worker left";
     log_warn("the voice %s %s", plugin->name, why);
     plugin->available = plugin->listed = false;
     if (!plugin->removed.count)

@@ -315,7 +315,7 @@ static int sandbox_calls(uint32_t capabilities, pid_t daemon, char *why, size_t 
         seccomp_release(filter);
     if (!result)
         return 0;
-    snprintf(why, cap, "no filter of system calls (%s)", strerror(-result));
+    snprintf(why, cap, "no system call filter (%s)", strerror(-result));
     return -1;
 }
 
@@ -323,7 +323,7 @@ static int sandbox_calls(uint32_t capabilities, pid_t daemon, char *why, size_t 
 
 int sandbox_calls(uint32_t capabilities, pid_t daemon, char *why, size_t cap) {
     (void)capabilities, (void)daemon;
-    snprintf(why, cap, "no filter of system calls (built without libseccomp)");
+    snprintf(why, cap, "no system call filter (built without libseccomp)");
     return -1;
 }
 
@@ -504,7 +504,7 @@ static int sandbox_files(const struct sandbox *s, char *why, size_t cap) {
     const uint32_t capabilities = s->needs->capabilities;
     long version = syscall(CALL_CREATE, NULL, 0, VERSION_ASKED);
     if (version < 1) {
-        snprintf(why, cap, "no rules for files (%s)", strerror(errno));
+        snprintf(why, cap, "no file restrictions (%s)", strerror(errno));
         return -1;
     }
     const struct ruleset set = ruleset_of((int)version, capabilities);
@@ -515,7 +515,7 @@ static int sandbox_files(const struct sandbox *s, char *why, size_t cap) {
         allow_what_it_needs(&rules, s);
     long result = rules.fd < 0 ? -1 : syscall(CALL_RESTRICT, rules.fd, 0);
     if (result)
-        snprintf(why, cap, "no rules for files (%s)", strerror(errno));
+        snprintf(why, cap, "no file restrictions (%s)", strerror(errno));
     if (rules.fd >= 0)
         close(rules.fd);
     return result ? -1 : 0;
@@ -576,7 +576,7 @@ static int sandbox_spaces(uint32_t capabilities, char *why, size_t cap) {
     if (!error && enter(network))
         error = errno;
     if (error)
-        snprintf(why, cap, "no namespaces of their own (%s)", strerror(error));
+        snprintf(why, cap, "no namespaces (%s)", strerror(error));
     else
         limit_tasks();
     return error ? -1 : 0;

@@ -205,11 +205,11 @@ char *sound_find(const char *folder, const char *src, struct error *e) {
     char root[PATH_MAX], file[PATH_MAX], path[PATH_MAX];
     struct stat status;
     if (!folder || !*folder) {
-        error_set(e, ERROR_NO_SOUND, "no folder of sounds is set up: \"%.80s\" is left out", src);
+        error_set(e, ERROR_NO_SOUND, "no sounds folder is configured: \"%.80s\" is skipped", src);
         return NULL;
     }
     if (!is_plain(src)) {
-        error_set(e, ERROR_NO_SOUND, "\"%.80s\" is no path below the folder of sounds", src);
+        error_set(e, ERROR_NO_SOUND, "\"%.80s\" is not a path inside the sounds folder", src);
         return NULL;
     }
     /* symbolic links must not lead out of the folder */

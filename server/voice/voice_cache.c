@@ -35,7 +35,7 @@ static const char *complaint(const char *file) {
     if (n == 0)
         return NULL;
     if (n != HEADER_BYTES || memcmp(header, magic, sizeof magic) != 0)
-        return "is no cache of sentences";
+        return "is not a sentence cache";
     uint32_t id = (uint32_t)header[ID_AT] << 24 | (uint32_t)header[ID_AT + 1] << 16 |
                   (uint32_t)header[ID_AT + 2] << 8 | header[ID_AT + 3];
     return id == CACHE_FILE_ID ? NULL : "is a database of something else";
@@ -44,7 +44,8 @@ static const char *complaint(const char *file) {
 int cache_file_check(const char *file, struct error *e) {
     const char *why = complaint(file);
     return why ? error_in_field(e, ERROR_BAD_CACHE, "--cache-file",
-                                "%.120s %s; it stays as it is: name another file, or remove it", file, why)
+                                "%.120s %s; it is left unchanged: choose another file or remove it", file,
+                                why)
                : 0;
 }
 
@@ -159,11 +160,10 @@ static bool cache_database_is_damage(int result) {
 static int cache_database_recreate(struct cache_database *db) {
     cache_database_close(db);
     if (!is_same(db)) {
-        log_warn("there is another file in the place of the cache %s; nothing more is kept on disk",
-                 db->file);
+        log_warn("another file has replaced the cache %s; the disk cache is disabled", db->file);
         return SQLITE_CANTOPEN;
     }
-    log_warn("the cache %s is damaged or of another version; it is begun anew", db->file);
+    log_warn("the cache %s is damaged or has another version; recreating it", db->file);
     remove_file(db->file);
     return open_database(db);
 }
@@ -213,7 +213,7 @@ static void destroy(struct cache_disk *disk) {
 static struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t bytes) {
     struct error e;
     if (cache_file_check(file, &e)) {
-        log_warn("no cache on disk: %s", e.message);
+        log_warn("the disk cache is disabled: %s", e.message);
         return NULL;
     }
     struct cache_disk *disk = mem_alloc(sizeof *disk);
@@ -221,7 +221,7 @@ static struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uin
     disk->db.file = disk->file;
     int result = cache_database_open(&disk->db);
     if (result != SQLITE_OK) {
-        log_warn("no cache on disk: %s: %s", file, sqlite3_errstr(result));
+        log_warn("the disk cache is disabled: %s: %s", file, sqlite3_errstr(result));
         destroy(disk);
         return NULL;
     }
@@ -291,7 +291,7 @@ static void on_written(uv_work_t *work, int status) {
     struct cache_disk *disk = work->data;
     disk->damaged |= cache_database_is_damage(disk->result);
     if (!status && disk->result != SQLITE_OK && !disk->complained && !disk->damaged) {
-        log_warn("the cache on disk takes no more: %s", sqlite3_errstr(disk->result));
+        log_warn("cannot write to the disk cache: %s", sqlite3_errstr(disk->result));
         disk->complained = true;
     }
     free_write(disk->writing);

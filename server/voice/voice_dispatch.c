@@ -366,7 +366,7 @@ struct voice_job *voice_pool_speak_frames(struct voice_pool *pool, size_t index,
     free(spans);
     if (!voice) {
         error_set(e, well ? ERROR_UNKNOWN_VOICE : ERROR_VOICE_FAILED,
-                  well ? "there is no such voice" : "was asked for what is no sentence");
+                  well ? "there is no such voice" : "received an invalid sentence");
         return NULL;
     }
     const struct sentence_request options = {.priority = priority};

@@ -76,7 +76,7 @@ static void plugins_log_absent(const struct voice_pool *pool) {
             buf_printf(&text, "%s%s: %s", text.size ? "; " : "", pool->plugins[i].name,
                        pool->plugins[i].absence);
     if (text.size && !pool->quiet)
-        log_info("voices that are not there: %.*s", (int)text.size, (const char *)text.data);
+        log_info("unavailable voices: %.*s", (int)text.size, (const char *)text.data);
     buf_free(&text);
 }
 
@@ -88,8 +88,8 @@ void plugins_log_gaps(struct voice_pool *pool, const char *description) {
     json_unpack(root, "{s{ssssss}}", "gaps", "spaces", &spaces, "files", &files, "calls", &calls);
     pool->gaps_logged = true;
     if (*calls || *files)
-        log_warn("voice plugins are confined less than they could be: %s%s%s", calls,
-                 *calls && *files ? ", " : "", files);
+        log_warn("the sandbox of voice plugins is incomplete: %s%s%s", calls, *calls && *files ? ", " : "",
+                 files);
     if (*spaces)
         log_info("voice plugins run with %s", spaces);
     json_decref(root);
@@ -154,7 +154,7 @@ static void on_late(uv_timer_t *timer) {
         struct plugin *plugin = &pool->plugins[i];
         if (plugin->settled)
             continue;
-        log_warn("the voice %s takes long to start; it is done without until it comes", plugin->name);
+        log_warn("the voice %s is slow to start; continuing without it", plugin->name);
         plugin->settled = true;
         plugin_settled(plugin);
     }
@@ -255,7 +255,7 @@ static void on_callback_timer(uv_timer_t *timer) {
     /* not 0: all due timers run before other events */
     if (pool->cached.first && !pool->closing)
         uv_timer_start(timer, on_callback_timer, 1, 0);
-    queue_fail(&pool->rejected, ERROR_VOICE_FAILED, "does not run, or not for a sentence as long as this");
+    queue_fail(&pool->rejected, ERROR_VOICE_FAILED, "does not run, or the sentence is too long");
     pool_call_waits(pool);
 }
 

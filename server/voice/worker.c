@@ -64,7 +64,7 @@ void plugin_start_spare(struct plugin *plugin) {
     }
     if (!spare || active >= plugin->worker_count + plugin->spare_count)
         return;
-    log_info("the voice %s is held up by a sentence; a spare worker is started", plugin->name);
+    log_info("the voice %s is stuck or busy with a long sentence; starting a spare worker", plugin->name);
     start(spare);
 }
 
@@ -105,7 +105,7 @@ static void remote_failed(const struct worker *w, uint32_t code, const char *mes
 }
 
 static int error_too_long(struct error *e) {
-    return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence makes more sound than one may have: it is left out");
+    return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence exceeds the maximum duration and is skipped");
 }
 
 static void worker_set_state(struct worker *w, enum worker_state state, uint64_t ms);
@@ -136,7 +136,7 @@ static void done(struct worker *w, struct wire_reader *r) {
         remote_failed(w, failed, message ? message : "", &e);
     else if (failed)
         error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
-                  message && *message ? message : "it does not say why");
+                  message && *message ? message : "no reason given");
     else {
         u = job_assemble(job);
         job_store(job);
@@ -156,7 +156,7 @@ static void extend_deadline(struct worker *w) {
 static void recover(struct worker *w, const struct wire_frame *frame) {
     if (frame->type != WIRE_DONE)
         return;
-    log_info("the voice %s: the worker that fell silent has come back", w->plugin->name);
+    log_info("the voice %s: the stuck worker has recovered", w->plugin->name);
     worker_set_state(w, WORKER_IDLE, 0);
     worker_take_next(w);
 }
@@ -316,7 +316,7 @@ static void give_up(struct worker *w, const char *why) {
     if (w->absent && !plugin->settled && !plugin->absence)
         plugin->absence = mem_strdup(why);
     if (!w->given_up && !w->absent)
-        log_error("the voice %s does not start: %s; it will be tried again every %.0f s", plugin->name, why,
+        log_error("the voice %s does not start: %s; retrying every %.0f s", plugin->name, why,
                   plugin->pool->retry_after);
     w->given_up = true;
     worker_set_state(w, WORKER_BACKOFF, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
@@ -356,7 +356,7 @@ static void worker_fail(struct worker *w, enum error_code code, const char *why,
     w->process = NULL;
     error_set(&e, w->job && w->job->preempted ? ERROR_CANCELLED : code, "the voice %s %s", plugin->name, why);
     if (state == WORKER_IDLE || state == WORKER_SPEAKING || state == WORKER_STUCK)
-        log_warn("the voice %s %s; it is started again", plugin->name, why);
+        log_warn("the voice %s %s; restarting it", plugin->name, why);
     w->state = WORKER_BACKOFF;
     if (state == WORKER_IDLE || state == WORKER_STARTING || state == WORKER_BACKOFF)
         back_off(w, why, hopeless);
@@ -382,7 +382,7 @@ static void on_time(uv_timer_t *timer) {
         worker_fail(w, ERROR_VOICE_TIMEOUT, "did not stop", false);
         break;
     case WORKER_STUCK:
-        worker_fail(w, ERROR_VOICE_TIMEOUT, "did not come back", false);
+        worker_fail(w, ERROR_VOICE_TIMEOUT, "did not recover", false);
         break;
     case WORKER_BACKOFF:
         start(w);

@@ -139,7 +139,7 @@ static void *listen_to_daemon(void *ctx) {
             at += used;
         }
         if (found < 0) {
-            log_error("a voice worker was sent something that it does not understand");
+            log_error("a voice worker received an invalid frame");
             end(m);
         }
         buf_consume(&in, at);
@@ -418,7 +418,7 @@ static int serve(struct worker_io *m, struct loaded_plugin *host) {
         }
         free(spans);
         if (!understood) {
-            log_error("a voice worker was asked for something that it does not understand");
+            log_error("a voice worker received an unknown request");
             return 1;
         }
     }
@@ -522,7 +522,7 @@ int main(int argc, char **argv) {
     int status = 0;
     if (read_opening(&opening)) {
         if (!opening.config)
-            log_error("a voice worker was not told its configuration");
+            log_error("a voice worker received no configuration");
         status = opening.config ? run(&opening, argv[1]) : 1;
     }
     buf_free(&opening.bytes);

@@ -105,7 +105,7 @@ static bool whole(const json_t *config, const char *key, long min, long max, lon
     const json_t *value = json_object_get(config, key);
     json_int_t number = value ? json_integer_value(value) : usual;
     if ((value && !json_is_integer(value)) || number < min || number > max) {
-        snprintf(message, cap, "%s: wanted is a whole number from %ld to %ld", key, min, max);
+        snprintf(message, cap, "%s: must be an integer from %ld to %ld", key, min, max);
         return false;
     }
     *out = (unsigned)number;

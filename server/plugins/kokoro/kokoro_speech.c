@@ -231,7 +231,7 @@ bool ko_speaker_speak(struct ko_speaker *speaker, const struct ko_voice *voice,
     atomic_store(&speaker->cancelled, false);
     ko_model_resume(speaker->model);
     if (is_slow_or_fast(sentence, voice->info.rate))
-        warn((void *)sink, "the voice speaks at half its rate at least, and twice at most");
+        warn((void *)sink, "the voice's rate is limited to half to twice its own");
     for (size_t i = 0, end; i < sentence->span_count && !s.stopped; i = end) {
         const struct faccia_span *spans = sentence->spans;
         for (end = i; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)

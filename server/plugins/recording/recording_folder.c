@@ -116,7 +116,7 @@ static bool text_of(const json_t *root, const char *key, const char *otherwise, 
                     struct error *e) {
     const json_t *value = json_object_get(root, key);
     if (value && !json_string_length(value)) {
-        error_set(e, CODE, "%.160s: %s: wanted is a text", path, key);
+        error_set(e, CODE, "%.160s: %s: must be a string", path, key);
         return false;
     }
     *out = mem_strdup(value ? json_string_value(value) : otherwise);
@@ -133,13 +133,13 @@ static int describe(struct recorded *r, const char *path, const char *lang, stru
     if (!root)
         error_set(e, CODE, "%.160s:%d:%d: %.60s", path, why.line, why.column, why.text);
     else if (!well)
-        error_set(e, CODE, "%.160s: wanted is an object", path);
+        error_set(e, CODE, "%.160s: must be an object", path);
     json_object_foreach(root, key, value) {
         const char *const *k = known;
         while (*k && strcmp(*k, key) != 0)
             k++;
         if (!*k && well) {
-            error_set(e, CODE, "%.160s: %.40s: there is no such setting", path, key);
+            error_set(e, CODE, "%.160s: %.40s: unknown setting", path, key);
             well = false;
         }
     }
@@ -152,7 +152,7 @@ static int describe(struct recorded *r, const char *path, const char *lang, stru
         r->names = json_incref(json_object_get(root, "names"));
         well = json_is_object(r->names);
         if (!well)
-            error_set(e, CODE, "%.160s: names: wanted is an object with an IPA text for each name", path);
+            error_set(e, CODE, "%.160s: names: must be an object with an IPA string for each name", path);
     }
     json_decref(root);
     return well ? 0 : -1;

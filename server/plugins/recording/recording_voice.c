@@ -26,7 +26,7 @@ static void warn(const struct faccia_sentence *sentence, const struct faccia_sin
                                   s->phones || s->emotion);
     }
     if (changed)
-        sink->warning(sink->ctx, "a recording is heard as it was spoken: its pitch, volume and words stay");
+        sink->warning(sink->ctx, "recordings keep their pitch, volume and words");
     if (paused)
         sink->warning(sink->ctx, "a recording pauses where the speaker paused");
 }
@@ -49,7 +49,7 @@ static void choose_tempo(struct tempo *tempo, const struct match *m, const struc
             tempo_add(tempo, (uint32_t)at, speed_of(&m->sentence->spans[m->spans[i]], r, &bounded));
         }
     if (bounded)
-        sink->warning(sink->ctx, "a recording is heard at a quarter to four times its own rate");
+        sink->warning(sink->ctx, "a recording plays at a quarter to four times its own rate");
 }
 
 /* Delivers sound, phones, words and marks of the matched words, and warnings. pause: maximum silence kept
@@ -249,7 +249,7 @@ static bool number(const json_t *config, const char *key, double otherwise, doub
     *out = value ? json_number_value(value) : otherwise;
     if (!value || (json_is_number(value) && *out >= 0 && *out <= max))
         return true;
-    snprintf(message, cap, "%s: wanted is a number from 0 to %g", key, max);
+    snprintf(message, cap, "%s: must be a number from 0 to %g", key, max);
     return false;
 }
 
@@ -268,7 +268,7 @@ static int configure(struct recordings *self, const json_t *config, char *messag
             i++;
         bool known = i < 3 || !strcmp(key, "seconds") || !strcmp(key, "pause");
         if (!known || (i < 3 && !json_string_length(value))) {
-            snprintf(message, cap, "%s: %s", key, known ? "wanted is a text" : "there is no such setting");
+            snprintf(message, cap, "%s: %s", key, known ? "must be a string" : "unknown setting");
             return -1;
         }
         if (i < 3)
