@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/high_level.h"
 #include "server/app/stages.h"
 #include "server/expression/gestures.h"
 #include "server/hear/lip_network.h"

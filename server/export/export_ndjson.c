@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
-#include "server/face/engines/fapmap.h"
+#include "server/face/high_level.h"
 #include <ctype.h>
 #include <jansson.h>
 #include <math.h>

@@ -24,16 +24,6 @@ struct face_track;
  * same for every engine. */
 uint32_t lead_in_missing(const struct speech_pack *pack, const struct sentence_audio *u);
 
-/* Limits of the face, applied to the sum of all layers. */
-
-struct speech_fapu;
-
-/* Keeps lips and lids from passing through each other, rounds and clips; sets FAPs 3 to 68 of the frame. */
-void face_limits_apply(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1], struct fap_frame *frame);
-
-/* FAPUs of a silent face: those of the modelled speakers. */
-extern const struct speech_fapu *const face_idle_fapu;
-
 /* Options of a track: how the author wants the sentence shown. */
 struct face_options {
     const char *engine; /* NULL = the default, which also replaces an engine that does not support the pack */

@@ -2,7 +2,7 @@
 /* /v1/speech: a text is asked for, the answer is its sound, its FAPs or its timing. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
-#include "server/export/export.h"
+#include "server/export/speech_export.h"
 #include "server/net/net_internal.h"
 #include "server/net/post_text.h"
 #include <stdlib.h>

@@ -53,14 +53,6 @@ void face_ease_towards(const struct fap_frame *to, struct fap_frame *frames, dou
 /* The stream's mood: the last requested mixture of affects, on the stream's life clock and on the clocks
  * of utterances that have their own. */
 
-/* A request, as for mood_set. Strings are borrowed. */
-struct mood_request {
-    const char *names[MOOD_MIX];
-    double intensities[MOOD_MIX]; /* 0..1 */
-    size_t count;
-    double ease; /* s */
-};
-
 struct mood_mix {
     const struct expressions *expressions; /* NULL = no expressions */
     struct mood *mood;                     /* on the stream's clock; NULL = no expressions */

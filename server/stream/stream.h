@@ -4,14 +4,12 @@
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
-#include "server/stream/idle_face.h"
+#include "server/expression/expressions.h"
 #include "server/stream/media.h"
-#include "server/synthesis/live_voice.h"
+#include "server/synthesis/live_request.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"
-
-struct mood_request;
 
 enum {
     STREAM_CHUNK_MS = 200, /* duration of a chunk */
@@ -19,6 +17,14 @@ enum {
     STREAM_LEAD_MS = 400,  /* maximum lead of sent media over real time */
     STREAM_WAIT_MS = 100,  /* of silence while an open text waits for its writer */
     STREAM_QUEUE = 32,     /* default limit of waiting utterances */
+};
+
+/* A mixture of affects, as for mood_set. Strings are borrowed. */
+struct mood_request {
+    const char *names[MOOD_MIX];
+    double intensities[MOOD_MIX]; /* 0..1 */
+    size_t count;
+    double ease; /* s */
 };
 
 /* Idle motion while nobody speaks. */

@@ -23,11 +23,6 @@ struct segment_cut {
  * (room for CUT_FRAMES), and advances cut->at. Words and marks from cut->word and cut->mark on that begin
  * before the new cut->at belong to the chunk. */
 enum { CUT_FRAMES = 32 };
-void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
-                       struct face_placement *face, double fps, uint32_t samples, struct media *media);
-
-/* Enters the segment at its first audible sample. */
-void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment);
 
 struct utterance {
     struct utterance *next;

@@ -3,32 +3,8 @@
 #ifndef FACCIA_SYNTHESIS_LIVE_VOICE_H
 #define FACCIA_SYNTHESIS_LIVE_VOICE_H
 
-#include "server/synthesis/speech_request.h"
+#include "server/synthesis/live_request.h"
 #include "server/synthesis/synthesis.h"
-
-enum {
-    LIVE_RATE_MIN = 8000,
-    LIVE_RATE_MAX = 96000,
-    LIVE_CHANNELS_MAX = 8,
-    LIVE_LOOKAHEAD = 80, /* default, ms */
-};
-
-enum live_codec { LIVE_PCM, LIVE_OPUS };
-
-/* "pcm_s16le" and "opus", in the order of the enum, NULL-terminated. */
-extern const char *const live_codecs[];
-
-struct live_request {
-    const struct speech_request *speech; /* its fields other than those of a text */
-    enum live_codec codec;
-    unsigned rate, channels, lookahead; /* Hz; ms */
-};
-
-/* Returns -1 with *e ("unknown-codec", field "codec"). Accepts "pcm" too. */
-int live_codec_find(const char *name, enum live_codec *codec, struct error *e);
-
-/* Checks the sound format. Returns -1 with *e ("bad-field"). */
-int live_request_check(const struct live_request *request, struct error *e);
 
 /* Decodes a client's messages to mono samples. */
 

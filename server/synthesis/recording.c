@@ -6,6 +6,7 @@
 #include "server/base/sound_reader.h"
 #include "server/base/utf8.h"
 #include "server/base/work_gate.h"
+#include "server/face/high_level.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
 #include <dirent.h>

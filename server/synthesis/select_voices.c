@@ -259,3 +259,11 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r) {
     for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
         normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
 }
+
+const char *synthesis_lang(const struct synthesis *s) {
+    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
+}
+
+const char *synthesis_engine(const struct synthesis *s) {
+    return s->request.engine ? s->request.engine : face_engines()[0];
+}

@@ -46,14 +46,6 @@ const struct voice *synthesis_voice(const struct synthesis *s) {
     return s->voice;
 }
 
-const char *synthesis_lang(const struct synthesis *s) {
-    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
-}
-
-const char *synthesis_engine(const struct synthesis *s) {
-    return s->request.engine ? s->request.engine : face_engines()[0];
-}
-
 const char *synthesis_markup(const struct synthesis *s) {
     return s->markup->name;
 }
@@ -72,6 +64,8 @@ static int no_markup(const char *name, struct error *e) {
     return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
                           near_text(&near, text));
 }
+
+static void writing_open(struct synthesis *s);
 
 /* From here on all places count in the request's text. */
 static int decode_text(struct synthesis *s, struct error *e) {
@@ -210,6 +204,8 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
     return s;
 }
 
+static void synthesis_deliver(struct synthesis *s);
+
 static void on_done(void *ctx, struct sentence_audio *audio) {
     struct slot *slot = ctx;
     slot->job = NULL;
@@ -254,7 +250,7 @@ static bool has_sentence(struct synthesis *s, size_t sentence) {
 }
 
 /* Skips sentences already spoken or in progress. */
-void synthesis_submit(struct synthesis *s) {
+static void synthesis_submit(struct synthesis *s) {
     if (!s->started || !s->score)
         return;
     for (; s->submitted < s->released + WINDOW && has_sentence(s, s->submitted); s->submitted++) {
@@ -315,7 +311,7 @@ static void drop_audio(struct slot *slot) {
 }
 
 /* Delivers finished segments in order. */
-void synthesis_deliver(struct synthesis *s) {
+static void synthesis_deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
         return;
     s->busy = true;
@@ -476,48 +472,145 @@ void synthesis_set_rate(struct synthesis *s, double rate) {
     s->request.rate = rate;
 }
 
-/* Estimate for a track: six curves with a segment per phone. */
-enum { BYTES_PER_PHONE = 1024 };
+/* A likely sentence end followed by this much silence is one: people and programs pause there. A slow
+ * language model takes about 50 ms between words. */
+enum { SETTLE_MS = 200 };
 
-static size_t size_of(const struct kept_sentence *k) {
-    return (size_t)k->audio->samples * 2 + k->audio->phone_count * BYTES_PER_PHONE;
+/* The same for an almost certain end in a text written by a program, recognised by an average below
+ * BRISK_MS between writes. */
+enum { SURE_MS = 13, BRISK_MS = 80 };
+
+static void on_timer(uv_timer_t *timer);
+
+static uint64_t now_of(const struct synthesis *s) {
+    return uv_now(s->pipeline->loop);
 }
 
-static void drop(struct kept_speech *kept, size_t i) {
-    struct kept_sentence *k = &kept->items[i];
-    kept->bytes -= size_of(k);
-    sentence_audio_free(k->audio);
-    face_track_free(k->track);
-    memmove(k, k + 1, (--kept->count - i) * sizeof *k);
+/* synthesis_text.c */
+static void writing_open(struct synthesis *s) {
+    struct writing *w = s->writing = mem_alloc(sizeof *w);
+    w->open.kind = markup_by_name(s->request.markup ? s->request.markup : "auto");
+    w->timer = mem_alloc(sizeof *w->timer);
+    uv_timer_init(s->pipeline->loop, w->timer);
+    w->timer->data = s;
+    w->look = on_timer;
+    w->last = now_of(s);
+    w->settle = SETTLE_MS;
+    w->text_cap = s->request.text ? s->request.text_size + 1 : 0;
+    size_t bad = s->request.text ? utf8_feed(&w->utf8, s->request.text, s->request.text_size) : 0;
+    if (bad < s->request.text_size)
+        error_at_byte(&w->error, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
+    writing_wake(s, SETTLE_MS);
 }
 
-void kept_speech_add(struct kept_speech *kept, const struct kept_sentence *sentence) {
-    for (size_t i = 0; i < kept->count; i++)
-        if (kept->items[i].sentence == sentence->sentence) {
-            drop(kept, i);
-            break;
-        }
-    if (size_of(sentence) > KEPT_SPEECH_BYTES)
+/* Without a score the voices are still starting and the language's rules are unknown, so nothing is
+ * parsed. */
+static bool surely_ended(const struct synthesis *s) {
+    if (!s->score)
+        return false;
+    struct markup_rules rules = synthesis_rules(s);
+    return open_text_surely_ended(&s->writing->open, s->request.text, s->request.text_size, &rules);
+}
+
+static void wrote(struct synthesis *s) {
+    struct writing *w = s->writing;
+    w->last = now_of(s);
+    w->first = w->writes++ ? w->first : w->last;
+    bool brisk = w->writes > 2 && w->last - w->first < BRISK_MS * (w->writes - 1);
+    w->settle = brisk && surely_ended(s) ? SURE_MS : SETTLE_MS;
+    writing_wake(s, w->settle);
+}
+
+int synthesis_write(struct synthesis *s, const char *text, size_t size, size_t most, struct error *e) {
+    struct writing *w = s->writing;
+    if (!w || w->closed || w->error.code != ERROR_NONE)
+        return 0;
+    size_t before = s->request.text_size;
+    if (size > most || before > most - size)
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %zu bytes", most);
+    const char *nul = memchr(text, '\0', size);
+    if (nul)
+        return error_at_byte(e, ERROR_NUL, before + (size_t)(nul - text), "the text holds a NUL character");
+    struct utf8_reader utf8 = w->utf8;
+    size_t bad = utf8_feed(&utf8, text, size);
+    if (bad < size)
+        return error_at_byte(e, ERROR_BAD_UTF8, before + bad, "the text is not UTF-8");
+    w->utf8 = utf8;
+    s->request.text = mem_grow(s->request.text, &w->text_cap, before + size + 1, 1);
+    memcpy(s->request.text + before, text, size);
+    s->request.text_size = before + size;
+    s->request.text[s->request.text_size] = '\0';
+    wrote(s);
+    synthesis_submit(s);
+    speculation_check(s);
+    return 0;
+}
+
+static void flush(struct synthesis *s) {
+    struct writing *w = s->writing;
+    size_t size = s->request.text_size;
+    if (!size || (w->flush_count && w->flushes[w->flush_count - 1] == size))
         return;
-    while (kept->bytes + size_of(sentence) > KEPT_SPEECH_BYTES)
-        drop(kept, 0);
-    kept->items = mem_grow(kept->items, &kept->cap, kept->count + 1, sizeof *kept->items);
-    kept->items[kept->count++] = (struct kept_sentence){.sentence = sentence->sentence,
-                                                        .audio = sentence_audio_share(sentence->audio),
-                                                        .track = face_track_share(sentence->track)};
-    kept->bytes += size_of(sentence);
+    w->flushes = mem_grow(w->flushes, &w->flush_cap, w->flush_count + 1, sizeof *w->flushes);
+    w->flushes[w->flush_count++] = size;
+    synthesis_submit(s);
 }
 
-const struct kept_sentence *kept_speech_find(const struct kept_speech *kept, size_t sentence) {
-    for (size_t i = 0; i < kept->count; i++)
-        if (kept->items[i].sentence == sentence)
-            return &kept->items[i];
-    return NULL;
+void synthesis_flush(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->last = now_of(s);
+    flush(s);
 }
 
-void kept_speech_clear(struct kept_speech *kept) {
-    while (kept->count)
-        drop(kept, kept->count - 1);
-    free(kept->items);
-    *kept = (struct kept_speech){0};
+void synthesis_close(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->closed = true;
+    writing_wake(s, 0);
+    synthesis_submit(s);
+}
+
+bool synthesis_is_open(const struct synthesis *s) {
+    return s->writing && !s->writing->closed;
+}
+
+bool synthesis_awaits_text(const struct synthesis *s) {
+    return synthesis_is_open(s) && s->score && s->delivered == s->score->sentence_count &&
+           s->samples < UINT32_MAX / 2; /* later speech needs the clock, too */
+}
+
+/* Closes a text that was idle for too long, so that others get their turn. */
+static void give_up(struct synthesis *s) {
+    struct error e;
+    error_set(&e, ERROR_UNFINISHED, "nothing was written for %u s: the text is taken as it is",
+              s->pipeline->open_seconds);
+    s->busy = true;
+    s->callbacks.problem(s->ctx, &e, true);
+    s->busy = false;
+    if (!s->freed)
+        synthesis_close(s);
+}
+
+static void on_timer(uv_timer_t *timer) {
+    struct synthesis *s = timer->data;
+    struct writing *w = s->writing;
+    uint64_t silent = now_of(s) - w->last, most = (uint64_t)s->pipeline->open_seconds * 1000;
+    struct markup_rules rules;
+    if (s->freed)
+        return;
+    if (!w->closed && most && silent >= most)
+        give_up(s);
+    if (s->freed) {
+        synthesis_free(s);
+        return;
+    }
+    if (!w->closed && silent >= w->settle && s->score && s->request.text) {
+        rules = synthesis_rules(s);
+        if (open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules))
+            flush(s);
+    }
+    if (!w->closed && (silent < w->settle || most))
+        writing_wake(s, silent < w->settle ? w->settle - silent : most - silent);
+    synthesis_deliver(s);
 }

@@ -111,10 +111,6 @@ struct synthesis {
     bool busy, freed;        /* inside a callback; freed when it returns */
 };
 
-/* Requests sentences within the window, and delivers finished ones in order. */
-void synthesis_submit(struct synthesis *synthesis);
-void synthesis_deliver(struct synthesis *synthesis);
-
 /* Completes a sentence's audio; makes its segment with its track from the slot, taking both, and counts
  * its samples. */
 void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio *audio);
@@ -138,9 +134,6 @@ bool speculation_take(struct synthesis *synthesis, struct slot *slot,
 /* Detaches the slot from the speculation. Returns false if it was not attached. */
 bool speculation_cancel(struct synthesis *synthesis, const struct slot *heir);
 void speculation_drop(struct synthesis *synthesis);
-
-/* synthesis_text.c */
-void writing_open(struct synthesis *synthesis);
 
 void writing_free(struct synthesis *synthesis);
 void writing_wake(struct synthesis *synthesis, uint64_t ms); /* calls `look` after ms */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
-#include "server/face/packs/transcription.h"
+#include "server/face/packs/phone_match.h"
 #include "server/face/packs/speech_pack.h"
 #include <jansson.h>
 #include <setjmp.h>

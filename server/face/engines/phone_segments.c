@@ -2,7 +2,7 @@
 #include "server/face/engines/phone_segments.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/face/packs/transcription.h"
+#include "server/face/packs/phone_match.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/expression/expression_layer.h"
 #include "server/base/mem.h"
+#include "server/face/engines/fapmap.h"
 #include "server/face/expression/cue_envelope.h"
 #include "server/face/track.h"
 #include <math.h>

@@ -20,15 +20,9 @@ struct target_change {
 };
 int speech_read_changes(const struct json_place *at, struct target_change out[PARAM_COUNT]);
 
-const struct speech_group *speech_find_group(const struct speech_pack *pack, const char *name);
-
+int speech_read_groups(struct speech_pack *pack, const struct json_place *at);
 int speech_read_phones(struct speech_pack *pack, const struct json_place *at);
 void speech_phone_free(struct speech_phone *phone);
-
-/* Reads {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]
- * and marks in seen (may be NULL) which entries were given. */
-int speech_read_targets(const struct json_place *at, char *const *contexts, struct coefficients *table,
-                        bool *seen);
 
 /* A phonetic alphabet with articulatory features (models/speech/alphabets/), used to find the most similar
  * phone of a pack. */
