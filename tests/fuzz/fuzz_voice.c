@@ -86,14 +86,14 @@ static void read_all(struct fuzz_input in, struct live_audio *sound, bool whole,
 static void hear(struct fuzz_input in, const struct live_request *request, struct heard *h) {
     struct error e = {0};
     const struct lip_recogniser_options options = {.network = network(),
-                                            .pack = speech_packs_find(packs(), "it"),
-                                            .rate = request->rate,
-                                            .channels = 1,
-                                            .lookahead = request->lookahead,
-                                            .fps = 25,
-                                            .lives = true,
-                                            .frame = on_frame,
-                                            .ctx = h};
+                                                   .pack = speech_packs_find(packs(), "it"),
+                                                   .rate = request->rate,
+                                                   .channels = 1,
+                                                   .lookahead = request->lookahead,
+                                                   .fps = 25,
+                                                   .lives = true,
+                                                   .frame = on_frame,
+                                                   .ctx = h};
     struct live_audio *sound = live_audio_new(request, &e);
     h->recogniser = lip_recogniser_new(&options, &e);
     FUZZ_CHECK(sound && (h->recogniser || e.code == ERROR_BAD_FIELD));

@@ -2,8 +2,8 @@
 /* The Kokoro plugin's parts without engines: the change to the model, tokens, pieces, times. */
 #include "server/base/mem.h"
 #include "server/plugins/kokoro/kokoro_onnx.h"
-#include "server/plugins/kokoro/kokoro_tokens.h"
 #include "server/plugins/kokoro/kokoro_timing.h"
+#include "server/plugins/kokoro/kokoro_tokens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,6 +2,7 @@
 #include "server/base/utf8.h"
 #include "server/face/packs/phone_match.h"
 #include "server/face/packs/speech_pack.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>
