@@ -34,7 +34,7 @@ struct reference_speech {
 struct reference;
 
 /* Where a reference comes from. All zero is right in a plugin: its worker was given one that starts others
- * (worker_keeper.h), and the plugin is espeak, beside it. The variable FACCIA_SANDBOX says off, or it
+ * (server/voice/wire.h), and the plugin is espeak, beside it. The variable FACCIA_SANDBOX says off, or it
  * is confined. */
 struct reference_slot {
     char worker[4096], path[4096]; /* the program faccia-voice; the plugin */
@@ -47,7 +47,7 @@ struct reference *reference_get(struct reference_slot *slot, struct error *e); /
 struct reference *reference_open(const struct reference_slot *from, struct error *e);
 void reference_close(struct reference *reference);
 
-/* The process that speaks; 0 while none is known, as one that a keeper started. */
+/* The process that speaks; 0 while none is known, as one that the spawner started. */
 pid_t reference_process(const struct reference *reference);
 
 /* The best voice of that language and gender ("female", "male"), "" when there is none for the language, or

@@ -35,8 +35,8 @@ static int spawn(pid_t *pid, int fd, const char *program, const char *plugin) {
     return result;
 }
 
-/* Gives the keeper the other end of the socket. */
-static int ask_keeper(int fd) {
+/* Sends the spawner the other end of the socket. */
+static int ask_spawner(int fd) {
     union {
         struct cmsghdr header;
         char room[CMSG_SPACE(sizeof fd)];
@@ -50,7 +50,7 @@ static int ask_keeper(int fd) {
     part->cmsg_type = SCM_RIGHTS;
     part->cmsg_len = CMSG_LEN(sizeof fd);
     memcpy(CMSG_DATA(part), &fd, sizeof fd);
-    return sendmsg(WIRE_KEEPER_FD, &message, MSG_NOSIGNAL) < 0 ? errno : 0;
+    return sendmsg(WIRE_SPAWNER_FD, &message, MSG_NOSIGNAL) < 0 ? errno : 0;
 }
 
 int reference_worker_start(struct reference_worker *w, const char *program, const char *plugin,
@@ -59,7 +59,7 @@ int reference_worker_start(struct reference_worker *w, const char *program, cons
     *w = (struct reference_worker){.fd = -1};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
         return error_set(e, CODE, "no voice to align to: no socket (%s)", strerror(errno));
-    int result = *program ? spawn(&w->pid, ends[1], program, plugin) : ask_keeper(ends[1]);
+    int result = *program ? spawn(&w->pid, ends[1], program, plugin) : ask_spawner(ends[1]);
     close(ends[1]);
     if (!result) {
         w->fd = ends[0];

@@ -16,7 +16,7 @@ struct reference_worker {
 };
 
 /* Starts `program plugin`; with an empty program asks for a worker on the descriptor that a plugin's worker
- * has for that (worker_keeper.h). -1 with *e ("no-reference"). */
+ * has for that (server/voice/wire.h). -1 with *e ("no-reference"). */
 int reference_worker_start(struct reference_worker *w, const char *program, const char *plugin,
                            struct error *e);
 /* It may end in peace, and is gone afterwards. */

@@ -144,17 +144,17 @@ static void read_number(const json_t *message, const char *name, unsigned *numbe
         *number = (unsigned)json_number_value(value);
 }
 
-static int read_voice(struct heard_request *request, const json_t *message, struct error *e) {
+static int read_voice(struct live_request *request, const json_t *message, struct error *e) {
     const char *codec = json_string_value(json_object_get(message, "codec"));
-    if (codec && heard_codec_find(codec, &request->codec, e))
+    if (codec && live_codec_find(codec, &request->codec, e))
         return -1;
-    if (!json_object_get(message, "rate") && request->codec == HEARD_PCM)
+    if (!json_object_get(message, "rate") && request->codec == LIVE_PCM)
         return error_in_field(e, ERROR_MISSING_FIELD, "rate",
                               "how many samples a second does the sound have?");
     read_number(message, "rate", &request->rate);
     read_number(message, "channels", &request->channels);
     read_number(message, "lookahead", &request->lookahead);
-    return heard_request_check(request, e);
+    return live_request_check(request, e);
 }
 
 /* There is one at a time: sound does not say whose it is. */
@@ -170,7 +170,7 @@ static int may_begin(struct client *c, struct error *e) {
     return c->api->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
 }
 
-static int begin(struct client *c, struct heard_request *request, struct speech_request *speech,
+static int begin(struct client *c, struct live_request *request, struct speech_request *speech,
                  const json_t *message, struct error *e) {
     if (client_message_request("voice", message, speech, e) || read_voice(request, message, e) ||
         may_begin(c, e))
@@ -185,8 +185,8 @@ static int begin(struct client *c, struct heard_request *request, struct speech_
 
 void client_voice_begin(struct client *c, const json_t *message) {
     struct speech_request speech;
-    struct heard_request request = {
-        .speech = &speech, .rate = 48000, .channels = 1, .lookahead = HEARD_LOOKAHEAD};
+    struct live_request request = {
+        .speech = &speech, .rate = 48000, .channels = 1, .lookahead = LIVE_LOOKAHEAD};
     struct error e = {0};
     request_copy(&speech, &c->defaults);
     if (begin(c, &request, &speech, message, &e)) {

@@ -206,7 +206,7 @@ static int run(struct aligner_run *a) {
 
 /* Its folder it may write to, its sound read; nothing else, and no programs. */
 static void confine(const struct aligner_run *a, const char *plugin) {
-    const struct needs needs = {.capabilities = FACCIA_VOICE_FILES};
+    const struct plugin_needs needs = {.capabilities = FACCIA_VOICE_FILES};
     const struct sandbox_path paths[] = {{a->folder, true}, {a->sound, false}};
     const struct sandbox sandbox = {plugin, &needs, paths, 2, getppid()};
     struct sandbox_gaps gaps;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/aligner_pace.h"
-#include "server/voice/memory_limit.h"
+#include "server/voice/sandbox.h"
 #include <math.h>
 #include <sched.h>
 #include <signal.h>

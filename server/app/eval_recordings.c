@@ -6,7 +6,7 @@
 #include "server/app/phone_times.h"
 #include "server/app/stages.h"
 #include "server/base/mem.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
 #include <math.h>
 #include <stdlib.h>
 

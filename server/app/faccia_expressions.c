@@ -3,7 +3,7 @@
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
 #include "server/expression/expressions.h"
-#include "server/face/expression/still_expression.h"
+#include "server/face/expression/expression_layer.h"
 #include <errno.h>
 #include <getopt.h>
 #include <jansson.h>

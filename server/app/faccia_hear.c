@@ -46,7 +46,7 @@ struct hear {
 
 /* How many frames have been read; 0 at the end. */
 static size_t read_block(const struct hear *h, float *samples) {
-    int16_t raw[BLOCK * HEAR_CHANNELS_MOST];
+    int16_t raw[BLOCK * LIP_CHANNELS_MOST];
     if (h->file) {
         sf_count_t got = sf_readf_float(h->file, samples, BLOCK);
         return got > 0 ? (size_t)got : 0;
@@ -57,12 +57,12 @@ static size_t read_block(const struct hear *h, float *samples) {
     return got;
 }
 
-static int hear_all(struct hear *h, struct hearing *hearing) {
+static int hear_all(struct hear *h, struct lip_recogniser *recogniser) {
     float *samples = mem_alloc(sizeof *samples * BLOCK * CHANNELS_READ);
     size_t heard = 0;
     int status = 0;
     for (size_t got; !status && (got = read_block(h, samples)); heard += got) {
-        hearing_write(hearing, samples, got);
+        lip_recogniser_write(recogniser, samples, got);
         status = hear_write_flush(&h->write);
     }
     free(samples);
@@ -70,7 +70,7 @@ static int hear_all(struct hear *h, struct hearing *hearing) {
         cli_complain("%s: there is no sound in it", h->sound);
         return -1;
     }
-    hearing_end(hearing);
+    lip_recogniser_end(recogniser);
     return status ? status : hear_write_end(&h->write);
 }
 
@@ -92,43 +92,43 @@ static int run(struct hear *h, const struct stages *stages, const struct setting
     struct error e;
     char path[4096], text[400];
     const struct speech_pack *pack = speech_packs_find(&stages->packs, h->lang);
-    if (!pack || !hear_face_speaks(h->engine, pack)) {
+    if (!pack || !lip_face_speaks(h->engine, pack)) {
         cli_complain(pack ? "engine: no engine '%s'" : "lang: no language '%s'", pack ? h->engine : h->lang);
         return EXIT_USAGE;
     }
     snprintf(path, sizeof path, "%s/hear/network.bin", settings->models);
-    struct hear_network *network = hear_network_load(path, &e);
+    struct lip_network *network = lip_network_load(path, &e);
     if (!network) {
         cli_complain("%s: %s", path, error_text(&e, text, sizeof text));
         return EXIT_FAILED;
     }
     int status = EXIT_FAILED;
     if (!open_sound(h)) {
-        const struct hearing_options options = {.network = network,
-                                                .pack = pack,
-                                                .engine = h->engine,
-                                                .rate = (unsigned)h->raw,
-                                                .channels = (unsigned)h->channels,
-                                                .lookahead = (unsigned)h->lookahead,
-                                                .fps = h->fps,
-                                                .frame = hear_write_frame,
-                                                .phone = hear_write_phone,
-                                                .ctx = &h->write};
-        struct hearing *hearing = hearing_new(&options, &e);
+        const struct lip_recogniser_options options = {.network = network,
+                                                       .pack = pack,
+                                                       .engine = h->engine,
+                                                       .rate = (unsigned)h->raw,
+                                                       .channels = (unsigned)h->channels,
+                                                       .lookahead = (unsigned)h->lookahead,
+                                                       .fps = h->fps,
+                                                       .frame = hear_write_frame,
+                                                       .phone = hear_write_phone,
+                                                       .ctx = &h->write};
+        struct lip_recogniser *recogniser = lip_recogniser_new(&options, &e);
         bool well = false;
-        if (!hearing) {
+        if (!recogniser) {
             cli_complain("%s: %s", h->sound, error_text(&e, text, sizeof text));
             status = e.code == ERROR_BAD_FIELD ? EXIT_USAGE : EXIT_FAILED;
         } else if (!hear_write_begin(&h->write, speech_pack_lang(pack), h->fps, h->lookahead)) {
-            well = !hear_all(h, hearing);
+            well = !hear_all(h, recogniser);
         }
         if (!hear_write_close(&h->write, well) && well)
             status = EXIT_DONE;
-        hearing_free(hearing);
+        lip_recogniser_free(recogniser);
     }
     if (h->file)
         sf_close(h->file);
-    hear_network_free(network);
+    lip_network_free(network);
     return status;
 }
 
@@ -144,8 +144,8 @@ int hear_main(int argc, char **argv, const struct settings *settings) {
     struct hear h = {.lang = "it", .lookahead = 80, .channels = 1, .fps = 25};
     const struct cli_option options[] = {{"lang", 'l', CLI_TEXT, .out = &h.lang},
                                          {"lookahead", 0, CLI_WHOLE, &h.lookahead, 0, 1000, NULL},
-                                         {"raw", 0, CLI_WHOLE, &h.raw, HEAR_RATE_LEAST, HEAR_RATE_MOST, NULL},
-                                         {"channels", 0, CLI_WHOLE, &h.channels, 1, HEAR_CHANNELS_MOST, NULL},
+                                         {"raw", 0, CLI_WHOLE, &h.raw, LIP_RATE_LEAST, LIP_RATE_MOST, NULL},
+                                         {"channels", 0, CLI_WHOLE, &h.channels, 1, LIP_CHANNELS_MOST, NULL},
                                          {"fps", 0, CLI_NUMBER, &h.fps, 1, 120, NULL},
                                          {"engine", 'e', CLI_TEXT, .out = &h.engine},
                                          {"fap", 0, CLI_TEXT, .out = &h.write.fap.path},

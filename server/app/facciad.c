@@ -16,7 +16,7 @@
 #include "server/base/log.h"
 #include "server/base/program.h"
 #include "server/base/work_gate.h"
-#include "server/codec/codec_load.h"
+#include "server/codec/coder_pool.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -141,9 +141,9 @@ static void reload(struct daemon *d) {
         d->access = access;
         struct api_options options = net_options_of(d);
         api_change(d->api, &options);
-        d->stages.heard.most = settings.heard_most;
-        d->stages.heard.payer_most = settings.heard_address;
-        d->stages.heard.seconds = settings.heard_seconds;
+        d->stages.live.most = settings.heard_most;
+        d->stages.live.payer_most = settings.heard_address;
+        d->stages.live.seconds = settings.heard_seconds;
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(

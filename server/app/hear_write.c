@@ -8,7 +8,7 @@
 /* A class that was less likely over a sound is left out. */
 #define LEAST_LIKELY 0.005
 
-static struct hear_output *const *outputs_of(struct hear_write *w, struct hear_output *list[3]) {
+static struct lip_output *const *outputs_of(struct hear_write *w, struct lip_output *list[3]) {
     list[0] = &w->fap;
     list[1] = &w->json;
     list[2] = &w->lines;
@@ -16,7 +16,7 @@ static struct hear_output *const *outputs_of(struct hear_write *w, struct hear_o
 }
 
 int hear_write_begin(struct hear_write *w, const char *lang, double fps, int lookahead) {
-    struct hear_output *list[3];
+    struct lip_output *list[3];
     int standard = 0;
     if (!w->fap.path && !w->json.path && !w->lines.path)
         w->lines.path = "-";
@@ -62,19 +62,19 @@ void hear_write_frame(void *ctx, uint32_t k, const struct fap_frame *frame) {
     fputs("}}\n", out);
 }
 
-void hear_write_phone(void *ctx, const struct hear_phone *p) {
+void hear_write_phone(void *ctx, const struct lip_phone *p) {
     struct hear_write *w = ctx;
     char text[600];
     int size =
         snprintf(text, sizeof text,
                  "\"class\":\"%s\",\"ipa\":\"%s\",\"start\":%.4f,\"end\":%.4f,\"sure\":%.2f,\"likely\":{",
-                 hear_classes[p->class].name, hear_classes[p->class].ipa, hear_seconds(p->start),
+                 lip_classes[p->class].name, lip_classes[p->class].ipa, hear_seconds(p->start),
                  hear_seconds(p->end), p->likely[p->class] / (p->end - p->start));
-    for (int i = 0, any = 0; i < HEAR_CLASSES; i++) {
+    for (int i = 0, any = 0; i < LIP_CLASSES; i++) {
         double mean = p->likely[i] / (p->end - p->start);
         if (mean >= LEAST_LIKELY)
             size += snprintf(text + size, sizeof text - (size_t)size, "%s\"%s\":%.2f", any++ ? "," : "",
-                             hear_classes[i].name, mean);
+                             lip_classes[i].name, mean);
     }
     snprintf(text + size, sizeof text - (size_t)size, "}}");
     if (w->json.path)
@@ -85,7 +85,7 @@ void hear_write_phone(void *ctx, const struct hear_phone *p) {
 }
 
 int hear_write_flush(struct hear_write *w) {
-    struct hear_output *list[3];
+    struct lip_output *list[3];
     outputs_of(w, list);
     for (int i = 0; i < 3; i++)
         if (list[i]->path && (fflush(list[i]->file.file) || ferror(list[i]->file.file))) {
@@ -116,7 +116,7 @@ int hear_write_end(struct hear_write *w) {
 }
 
 int hear_write_close(struct hear_write *w, bool well) {
-    struct hear_output *list[3];
+    struct lip_output *list[3];
     int status = 0;
     outputs_of(w, list);
     for (int i = 0; i < 3; i++)

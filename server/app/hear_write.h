@@ -4,17 +4,17 @@
 #define FACCIA_APP_HEAR_WRITE_H
 
 #include "server/app/cli_file.h"
-#include "server/hear/hear_sound.h"
-#include "server/hear/hearing.h"
+#include "server/hear/lip_features.h"
+#include "server/hear/lip_recogniser.h"
 
-struct hear_output {
+struct lip_output {
     const char *path; /* NULL: not asked for */
     struct cli_file file;
 };
 
 /* Begins with the paths alone. */
 struct hear_write {
-    struct hear_output fap, json, lines;
+    struct lip_output fap, json, lines;
     FILE *frames; /* those of the .fap, whose first line tells how many there are */
     uint32_t frame_count;
     double fps;
@@ -29,6 +29,6 @@ int hear_write_close(struct hear_write *write, bool well);
 
 /* Of a hearing; ctx is the hear_write. */
 void hear_write_frame(void *ctx, uint32_t k, const struct fap_frame *frame);
-void hear_write_phone(void *ctx, const struct hear_phone *phone);
+void hear_write_phone(void *ctx, const struct lip_phone *phone);
 
 #endif

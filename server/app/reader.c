@@ -5,7 +5,6 @@
 #include "server/base/program.h"
 #include "server/base/sound_reader.h"
 #include "server/library/work_apart.h"
-#include "server/voice/memory_limit.h"
 #include "server/voice/sandbox.h"
 #include <signal.h>
 #include <stdio.h>
@@ -30,7 +29,7 @@ static void limit(const char *seconds, const char *megabytes) {
 
 /* No file at all: the input has come with the process. */
 static void confine(const char *program) {
-    const struct needs needs = {.capabilities = 0};
+    const struct plugin_needs needs = {.capabilities = 0};
     const struct sandbox sandbox = {program, &needs, NULL, 0, getppid()};
     struct sandbox_gaps gaps;
     sandbox_enter(&sandbox, &gaps);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/stages.h"
 #include "server/expression/gestures.h"
-#include "server/hear/hear_network.h"
+#include "server/face/high_level.h"
+#include "server/hear/lip_network.h"
 #include <stdio.h>
 #include <unistd.h>
 
@@ -44,14 +45,14 @@ static int load_boundaries(struct stages *s, const char *path, struct error *e) 
 static int load_hearing(struct stages *s, const struct settings *settings, const char *path,
                         struct error *e) {
     struct error inner = {0};
-    s->heard = (struct heard_pool){.most = settings->heard_most,
-                                   .payer_most = settings->heard_address,
-                                   .seconds = settings->heard_seconds};
-    s->pipeline.heard = &s->heard;
+    s->live = (struct live_pool){.most = settings->heard_most,
+                                 .payer_most = settings->heard_address,
+                                 .seconds = settings->heard_seconds};
+    s->pipeline.live = &s->live;
     if (access(path, F_OK))
         return 0;
-    s->heard.network = hear_network_load(path, &inner);
-    return s->heard.network ? 0 : fail_in(path, &inner, e);
+    s->live.network = lip_network_load(path, &inner);
+    return s->live.network ? 0 : fail_in(path, &inner, e);
 }
 
 int stages_load(struct stages *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
@@ -102,6 +103,6 @@ void stages_free(struct stages *s) {
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
     boundary_table_free(s->boundaries);
-    hear_network_free(s->heard.network);
+    lip_network_free(s->live.network);
     *s = (struct stages){0};
 }

@@ -5,7 +5,7 @@
 #define FACCIA_APP_STAGES_H
 
 #include "server/app/settings.h"
-#include "server/synthesis/heard_voice.h"
+#include "server/synthesis/live_voice.h"
 #include "server/synthesis/synthesis.h"
 
 /* What is wanted of them. */
@@ -24,7 +24,7 @@ struct stages {
     struct face_high_level *high_level;
     struct normalizers normalizers;
     struct boundary_table *boundaries;
-    struct heard_pool heard;
+    struct live_pool live;
     struct pipeline
         pipeline; /* all of that, and the expressions; what else it has is for the caller to fill in */
 };

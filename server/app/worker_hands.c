@@ -140,7 +140,8 @@ static void on_failed(void *ctx, const struct error *e) {
 
 static void on_taken(void *ctx, struct work_item *item) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    static const enum voice_turn turns[WORK_TURNS] = {VOICE_TURN_URGENT, VOICE_TURN_USUAL, VOICE_TURN_AHEAD};
+    static const enum voice_priority turns[WORK_TURNS] = {VOICE_PRIORITY_URGENT, VOICE_PRIORITY_NORMAL,
+                                                          VOICE_PRIORITY_BACKGROUND};
     struct worker_hands *w = ctx;
     struct error e;
     struct sentence *s = mem_alloc(sizeof *s);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* ARKit's face shapes as FAPs: models/shapes/arkit.json, made into a table while building. */
+/* ARKit's face shapes as FAPs, generated from models/shapes/arkit.json at build time. */
 #ifndef FACCIA_CODEC_ARKIT_TABLE_H
 #define FACCIA_CODEC_ARKIT_TABLE_H
 
 #include "protocol/fap.h"
 #include <stdbool.h>
 
-/* Some of their places, which make-arkit-table.py holds against the file. */
+/* Indices that make-arkit-table.py checks against the file. */
 enum {
     ARKIT_EYE_BLINK_LEFT = 0,
     ARKIT_EYE_BLINK_RIGHT = 7,
@@ -18,7 +18,7 @@ enum {
 
 struct arkit_shape {
     const char *name;            /* "eyeBlinkLeft" */
-    bool rare;                   /* not for traces */
+    bool rare;                   /* used only for strong movements */
     int32_t faps[FAP_COUNT + 1]; /* at weight 1, FAP units */
 };
 

@@ -1,33 +1,143 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/arkit_weights.h"
 #include "server/base/mem.h"
-#include "server/codec/box_squares.h"
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* Of shapes that move alike few are taken: a shape has to explain more than so many mm. And where several
- * answers are as good, the smallest: mm^2 for a whole weight, beside the 20 to 400 that shapes have. */
+enum { STEPS_EACH = 10 };
+
+/* Relative size below which a gradient counts as 0. */
+#define NEGLIGIBLE 1e-11
+
+void box_squares_begin(struct box_squares *s) {
+    memset(s->x, 0, sizeof s->x);
+    memset(s->at, -1, sizeof s->at);
+}
+
+static double gradient(const struct box_squares *s, const double *right, size_t i) {
+    double sum = -right[i];
+    for (size_t k = 0; k < s->count; k++)
+        sum += s->gram[i][k] * s->x[k];
+    return sum;
+}
+
+/* Solves for the free variables without bounds, by Cholesky, with the others fixed. */
+static void solve_free(struct box_squares *s, const double *right, const size_t *free, size_t n,
+                       double *out) {
+    for (size_t i = 0; i < n; i++) {
+        double rest = right[free[i]];
+        for (size_t k = 0; k < s->count; k++)
+            if (s->at[k] > 0)
+                rest -= s->gram[free[i]][k] * s->most[k];
+        for (size_t j = 0; j <= i; j++) {
+            double sum = s->gram[free[i]][free[j]];
+            for (size_t k = 0; k < j; k++)
+                sum -= s->factor[i][k] * s->factor[j][k];
+            s->factor[i][j] = i == j ? sqrt(sum) : sum / s->factor[j][j];
+        }
+        for (size_t k = 0; k < i; k++)
+            rest -= s->factor[i][k] * out[k];
+        out[i] = rest / s->factor[i][i];
+    }
+    for (size_t i = n; i-- > 0;) {
+        for (size_t k = i + 1; k < n; k++)
+            out[i] -= s->factor[k][i] * out[k];
+        out[i] /= s->factor[i][i];
+    }
+}
+
+/* Moves towards the unconstrained solution until a bound is hit, and fixes that variable. Returns whether
+ * it got there. */
+static bool go(struct box_squares *s, const double *right) {
+    size_t free[BOX_SQUARES_MAX] = {0}, n = 0, stop = 0;
+    double wanted[BOX_SQUARES_MAX] = {0}, way = 1;
+    for (size_t i = 0; i < s->count; i++)
+        if (!s->at[i])
+            free[n++] = i;
+    solve_free(s, right, free, n, wanted);
+    for (size_t i = 0; i < n; i++) {
+        double from = s->x[free[i]], bound = wanted[i] < 0 ? 0 : s->most[free[i]];
+        if ((wanted[i] >= 0 && wanted[i] <= bound) || wanted[i] == from)
+            continue;
+        double part = (bound - from) / (wanted[i] - from);
+        if (part < way) {
+            way = part;
+            stop = i;
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        s->x[free[i]] += way * (wanted[i] - s->x[free[i]]);
+    if (way == 1)
+        return true;
+    s->at[free[stop]] = wanted[stop] < 0 ? -1 : 1;
+    s->x[free[stop]] = wanted[stop] < 0 ? 0 : s->most[free[stop]];
+    return false;
+}
+
+/* Gain from releasing a fixed variable into the box; 0 or less = none. */
+static double pull(const struct box_squares *s, const double *right, size_t i) {
+    double weight = s->gram[i][i] * s->most[i];
+    return s->at[i] ? s->at[i] * gradient(s, right, i) / weight - NEGLIGIBLE : 0;
+}
+
+size_t box_squares_solve(struct box_squares *s, const double *right) {
+    size_t steps = 1, most = STEPS_EACH * s->count;
+    for (;; steps++) {
+        while (!go(s, right) && steps < most)
+            steps++;
+        size_t best = s->count;
+        double strongest = 0;
+        for (size_t i = 0; i < s->count; i++) {
+            double here = pull(s, right, i);
+            if (here > strongest) {
+                strongest = here;
+                best = i;
+            }
+        }
+        if (best == s->count || steps >= most)
+            return steps;
+        s->at[best] = 0;
+    }
+}
+
+double box_squares_violation(const struct box_squares *s, const double *right) {
+    double worst = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        double g = gradient(s, right, i) / (s->gram[i][i] * s->most[i]);
+        bool low = s->x[i] <= 0, high = s->x[i] >= s->most[i];
+        double here = low ? -g : high ? g : fabs(g);
+        worst = fmax(worst, here);
+    }
+    return worst;
+}
+
+/* Ridge in mm: a shape must explain more than this, so that few of several similar shapes are used; among
+ * equal solutions the smallest wins. mm^2 for weight 1, where shapes have 20 to 400. */
 #define FEW 0.02
 #define FEW_RARE 0.15
 #define RIDGE 0.001
 
-/* What a mm of a gap between lips or lids weighs against a mm of anything else. */
+/* Weight of 1 mm of gap between lips or lids relative to other errors. */
 #define GAP_WEIGHT 5.0
 
-/* The tongue's tip as FAP 45 has it: up to 3 mm forward it is at the teeth and not out. */
+/* Up to 3 mm forward, FAP 45 leaves the tip of the tongue at the teeth. */
 #define TIP_AT_TEETH 61.0
 
-/* From here on a blink is drawn to 1, which it is when the lids meet. */
+/* A blink is rounded to 1 from the value at which the lids meet. */
 #define LIDS_MEET 1024.0
 #define NEARLY_SHUT 0.85
 
 enum { PAIRS = 3, LIDS = 2 };
 
-/* FAPs of lips and lids that face each other: they touch where a sum is 0, or LIDS_MEET. */
+/* Opposite FAPs of lips and lids, which touch where their sum is 0 or LIDS_MEET. */
 static const int lips[PAIRS][2] = {{4, 5}, {8, 10}, {9, 11}};
 static const int lids[LIDS][2] = {{19, 21}, {20, 22}};
 
-/* mm of one FAP unit: the face that arkit.json is meant on; an eyeball's turn shows 12 mm from its centre. */
+/* mm per FAP unit on the face for which arkit.json is made; the surface of an eyeball is 12 mm from its
+ * centre. */
 static double length_of(int fap) {
     static const double units[] = {[FAP_UNIT_IRISD] = 11.7,
                                    [FAP_UNIT_ES] = 62,
@@ -37,8 +147,8 @@ static double length_of(int fap) {
     return fap_table[fap].unit == FAP_UNIT_AU ? 12e-5 : units[fap_table[fap].unit] / 1024;
 }
 
-/* How much a mm of it counts. Outer contours follow the inner ones, cheeks follow the mouth; what no shape
- * moves does not count, nor does the tongue, whose one shape stands by itself. */
+/* Weight of 1 mm. Outer contours follow inner ones and cheeks follow the mouth; FAPs that no shape moves
+ * have none, nor has the tongue, whose single shape is computed apart. */
 static double importance(int fap) {
     if (fap >= 51 && fap <= 60)
         return 0.3;
@@ -49,15 +159,15 @@ static double importance(int fap) {
     return (fap >= 43 && fap <= 50) || (fap >= 27 && fap <= 30) || fap < 3 || fap > 63 ? 0 : 1;
 }
 
-/* The solver's unknowns are the weights, but for two: instead of jawOpen it has how far the jaw is open with
- * the lips open, and instead of mouthClose how far with the lips closed. So mouthClose <= jawOpen, always. */
+/* Two unknowns are not weights: jawOpen is replaced by the jaw opening with open lips, and mouthClose by
+ * that with closed lips, which ensures mouthClose <= jawOpen. */
 struct arkit_solver {
     struct box_squares squares;
-    double columns[ARKIT_SHAPES][FAP_COUNT + 1]; /* what an unknown moves, FAP units */
-    double right[ARKIT_SHAPES][FAP_COUNT + 1];   /* A'b from a frame's values */
+    double columns[ARKIT_SHAPES][FAP_COUNT + 1]; /* effect of an unknown, FAP units */
+    double right[ARKIT_SHAPES][FAP_COUNT + 1];   /* A'b per FAP of a frame */
 };
 
-/* The row of the metric for that FAP, applied to a column. */
+/* Applies the metric's row for a FAP to a column. */
 static double weigh(const double *column, int fap) {
     double size = importance(fap) * length_of(fap), sum = size * size * column[fap];
     for (int i = 0; i < PAIRS + LIDS; i++) {
@@ -99,7 +209,7 @@ static double value_of(const struct fap_frame *frame, int fap) {
     return fap_frame_has(frame, fap) ? frame->value[fap] : 0;
 }
 
-/* The gap that one shape leaves between a pair of lips. */
+/* Gap between a pair of lips caused by one shape. */
 static double opens(const int32_t *faps, int pair) {
     return -(double)(faps[lips[pair][0]] + faps[lips[pair][1]]);
 }
@@ -115,7 +225,8 @@ static bool touch(const struct fap_frame *frame, int pair) {
     return value_of(frame, lips[pair][0]) + value_of(frame, lips[pair][1]) >= 0;
 }
 
-/* Where the frame's lips touch and the weights' do not yet, all that opens them gives way; the jaw stays. */
+/* Where lips touch in the frame but not yet with the weights, scales down everything that opens them,
+ * except the jaw. */
 static void close_lips(const struct fap_frame *frame, double w[ARKIT_SHAPES]) {
     double keep = 1;
     if (!touch(frame, 0))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/opus_audio.h"
 #include "server/base/mem.h"
-#include "server/codec/codec_load.h"
+#include "server/codec/coder_pool.h"
 #include <opus/opus.h>
 #include <soxr.h>
 #include <stdlib.h>
@@ -13,16 +13,16 @@ struct opus_audio {
     OpusEncoder *encoder;
     soxr_t resampler; /* NULL when the sound has the coder's rate */
     uint32_t rate;    /* of the coder */
-    size_t packet;    /* samples in one, at that rate */
+    size_t packet;    /* samples per packet, at that rate */
     int skip;         /* also at that rate */
     unsigned level, bitrate;
     int16_t waiting[OPUS_PACKET_SAMPLES];
     size_t waiting_count;
-    uint64_t in, coded; /* samples at the coder's rate that came in, and that are in packets */
+    uint64_t in, coded; /* samples at the coder's rate: received, and in packets */
 };
 
-/* The lowest rate of those that Opus takes which leaves nothing of the sound out that the bits suffice for:
- * what lies above costs time, and bits. */
+/* Returns the lowest rate of Opus that keeps everything the bit rate can code: higher frequencies cost
+ * time and bits. */
 static uint32_t coder_rate(uint32_t sample_rate, unsigned bitrate) {
     return sample_rate <= 8000                                     ? 8000
            : sample_rate <= 16000 || bitrate <= OPUS_BITRATE_VOICE ? 16000
@@ -81,12 +81,12 @@ void opus_audio_set_level(struct opus_audio *o, unsigned level) {
     if (level == o->level)
         return;
     o->level = level;
-    /* who wants few bits gets no more when many speak: CELT is poor at them */
+    /* never raise a low bit rate: CELT is poor at those */
     bool transform = l->transform && o->bitrate >= OPUS_BITRATE_VOICE;
     unsigned bitrate = transform && o->bitrate < OPUS_BITRATE_MOST ? OPUS_BITRATE_MOST : o->bitrate;
     opus_encoder_ctl(o->encoder, OPUS_SET_COMPLEXITY(l->transform && !transform ? 0 : l->complexity));
     opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)bitrate));
-    /* for music, libopus takes CELT at these bit rates */
+    /* at these bit rates libopus uses CELT for music */
     opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(transform ? OPUS_SIGNAL_MUSIC : OPUS_SIGNAL_VOICE));
 }
 
@@ -98,7 +98,7 @@ static void put_packet(struct opus_audio *o, struct buf *out) {
     uint8_t *at = buf_reserve(out, 2 + OPUS_PACKET_BYTES), packet[OPUS_PACKET_BYTES];
     int size = opus_encode(o->encoder, o->waiting, (int)o->packet, packet, OPUS_PACKET_BYTES);
     if (size < 0)
-        size = 0; /* an empty packet: the decoder conceals it */
+        size = 0; /* empty: the decoder conceals it */
     int length = 1;
     at[0] = (uint8_t)size;
     if (size >= 252) {
@@ -112,7 +112,7 @@ static void put_packet(struct opus_audio *o, struct buf *out) {
     o->waiting_count = 0;
 }
 
-/* Samples at the coder's rate. */
+/* Takes samples at the coder's rate. */
 static unsigned fill(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
     unsigned packets = 0;
     while (count) {
@@ -129,7 +129,7 @@ static unsigned fill(struct opus_audio *o, const int16_t *pcm, size_t count, str
     return packets;
 }
 
-/* pcm NULL = no more comes: what the filter still holds. */
+/* pcm NULL = flush the filter. */
 static unsigned resample(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
     int16_t block[BLOCK];
     unsigned packets = 0;

@@ -10,7 +10,7 @@ static void put32(struct buf *b, uint32_t value) {
     buf_add(b, bytes, sizeof bytes);
 }
 
-/* With one to four zeros behind it, so that it fills words. */
+/* Pads with one to four zeros to a multiple of four bytes. */
 static void put_text(struct buf *b, const char *text) {
     size_t length = strlen(text);
     buf_add(b, text, length);
@@ -41,7 +41,7 @@ static void put_message(struct buf *b, const char *name, double weight) {
 static void begin_bundle(struct buf *b) {
     put_text(b, "#bundle");
     put32(b, 0);
-    put32(b, 1); /* at once */
+    put32(b, 1); /* immediately */
 }
 
 void osc_frame(const double weights[ARKIT_SHAPES], struct osc_packets *packets) {

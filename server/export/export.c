@@ -1,7 +1,266 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/export/export.h"
 #include "protocol/fapfile.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
 #include <string.h>
+
+struct speech_export {
+    const struct pipeline *pipeline;
+    const struct export_format *format;
+    const struct speech_export_callbacks *callbacks;
+    void *ctx;
+    const struct error *warnings;
+    size_t warning_count;
+    struct synthesis *synthesis;
+    struct export_worker *worker; /* created when the voice is known, which may start late */
+    struct error failure;         /* the last failed sentence */
+    bool failed;
+    size_t owed; /* consumed segments not yet released */
+    bool full;   /* output is full */
+    bool spoken; /* a segment came */
+};
+
+static void release(struct speech_export *s) {
+    for (; s->owed && !s->full; s->owed--)
+        synthesis_release(s->synthesis);
+}
+
+/* Warnings alone are not output: all sentences may still fail. */
+static bool on_written(void *ctx, struct buf *out, size_t segments, bool done) {
+    struct speech_export *s = ctx;
+    if (s->spoken)
+        s->full = !s->callbacks->written(s->ctx, out, done);
+    s->owed += segments;
+    release(s);
+    return !s->full;
+}
+
+static void open_worker(struct speech_export *s) {
+    if (s->worker || !synthesis_voice(s->synthesis))
+        return;
+    const struct export_source source = export_source_of(s->synthesis);
+    s->worker = export_worker_open(s->pipeline->loop, s->format, &source, on_written, s);
+    for (size_t i = 0; i < s->warning_count; i++)
+        export_worker_warn(s->worker, &s->warnings[i]);
+}
+
+static void on_segment(void *ctx, struct media_segment segment) {
+    struct speech_export *s = ctx;
+    const struct sentence_audio *audio = segment.audio;
+    open_worker(s);
+    metrics_add(s->pipeline->metrics, METRIC_SPEECH_SECONDS, (double)audio->samples / audio->sample_rate);
+    s->spoken = true;
+    export_worker_add(s->worker, segment);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    struct speech_export *s = ctx;
+    open_worker(s);
+    if (s->worker)
+        export_worker_warn(s->worker, e);
+    if (warning)
+        return;
+    s->failure = *e;
+    s->failed = true;
+}
+
+static void on_finished(void *ctx, size_t spoken) {
+    struct speech_export *s = ctx;
+    if (spoken) {
+        export_worker_end(s->worker);
+        return;
+    }
+    if (!s->failed)
+        error_set(&s->failure, ERROR_EMPTY_TEXT, "there is nothing to speak");
+    s->callbacks->failed(s->ctx, &s->failure);
+}
+
+struct speech_export *
+speech_export_open(const struct pipeline *pipeline, const struct speech_request *request,
+                   const struct export_format *format, const struct error *warnings, size_t warning_count,
+                   const struct speech_export_callbacks *callbacks, void *ctx, struct error *e) {
+    static const struct synthesis_callbacks from_synthesis = {on_segment, on_problem, on_finished};
+    struct speech_export *s = mem_alloc(sizeof *s);
+    *s = (struct speech_export){.pipeline = pipeline,
+                                .format = format,
+                                .callbacks = callbacks,
+                                .ctx = ctx,
+                                .warnings = warnings,
+                                .warning_count = warning_count};
+    s->synthesis = synthesis_open(pipeline, request, &from_synthesis, s, e);
+    if (!s->synthesis) {
+        free(s);
+        return NULL;
+    }
+    open_worker(s);
+    synthesis_start(s->synthesis);
+    return s;
+}
+
+int speech_export_write(struct speech_export *s, const char *text, size_t size, size_t most,
+                        struct error *e) {
+    return synthesis_write(s->synthesis, text, size, most, e);
+}
+
+void speech_export_close(struct speech_export *s) {
+    synthesis_close(s->synthesis);
+}
+
+void speech_export_go_on(struct speech_export *s) {
+    s->full = false;
+    release(s);
+    if (s->worker)
+        export_worker_go_on(s->worker);
+}
+
+void speech_export_free(struct speech_export *s) {
+    if (!s)
+        return;
+    synthesis_free(s->synthesis);
+    export_worker_free(s->worker);
+    free(s);
+}
+
+/* A thread writes for about this long before it hands over its output. */
+enum { TURN_US = 200 };
+
+struct item {
+    enum { SEGMENT, WARNING, END } kind;
+    struct media_segment segment;
+    struct error warning;
+};
+
+struct export_worker {
+    uv_loop_t *loop;
+    uv_work_t work;
+    struct export x;
+    char *names[6]; /* strings of its source */
+    bool (*receive)(void *ctx, struct buf *out, size_t segments, bool done);
+    void *ctx;
+    struct item *items; /* queue */
+    size_t count, cap;
+    struct item item; /* being written; owned by the thread while it runs, like x */
+    bool busy;        /* there is such */
+    bool written;     /* wholly */
+    bool working, held, freed;
+};
+
+struct export_worker *
+export_worker_open(uv_loop_t *loop, const struct export_format *format, const struct export_source *source,
+                   bool (*written)(void *ctx, struct buf *out, size_t segments, bool done), void *ctx) {
+    struct export_worker *s = mem_alloc(sizeof *s);
+    struct export_source own = *source;
+    const char **members[] = {&own.text, &own.lang, &own.voice, &own.engine, &own.markup, &own.play};
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++)
+        if (*members[i])
+            *members[i] = s->names[i] = mem_strdup(*members[i]);
+    s->loop = loop;
+    s->work.data = s;
+    s->receive = written;
+    s->ctx = ctx;
+    export_begin(&s->x, format, &own);
+    return s;
+}
+
+static void drop(struct item *item) {
+    if (item->kind == SEGMENT)
+        media_segment_free(&item->segment);
+}
+
+static void destroy(struct export_worker *s) {
+    if (s->busy)
+        drop(&s->item);
+    for (size_t i = 0; i < s->count; i++)
+        drop(&s->items[i]);
+    free(s->items);
+    for (size_t i = 0; i < sizeof s->names / sizeof *s->names; i++)
+        free(s->names[i]);
+    export_free(&s->x);
+    free(s);
+}
+
+void export_worker_free(struct export_worker *s) {
+    if (!s)
+        return;
+    s->freed = true;
+    if (!s->working)
+        destroy(s);
+}
+
+static bool export_piece(struct export *x, const struct media_segment *segment);
+
+static void in_thread(uv_work_t *work) {
+    struct export_worker *s = work->data;
+    uint64_t begin = uv_hrtime();
+    s->written = true;
+    if (s->item.kind == WARNING)
+        export_warning(&s->x, &s->item.warning);
+    else if (s->item.kind == END)
+        export_end(&s->x);
+    else
+        do
+            s->written = export_piece(&s->x, &s->item.segment);
+        while (!s->written && uv_hrtime() - begin < TURN_US * 1000);
+}
+
+static void go_on(struct export_worker *s);
+
+static void after(uv_work_t *work, int status) {
+    struct export_worker *s = work->data;
+    (void)status; /* never cancelled */
+    s->working = false;
+    if (s->freed) {
+        destroy(s);
+        return;
+    }
+    size_t segments = s->written && s->item.kind == SEGMENT;
+    bool done = s->written && s->item.kind == END;
+    if (s->written) {
+        drop(&s->item);
+        s->busy = false;
+    }
+    s->held = true; /* otherwise it would start while the bytes are taken */
+    if (s->receive(s->ctx, &s->x.out, segments, done))
+        go_on(s);
+}
+
+static void go_on(struct export_worker *s) {
+    s->held = false;
+    if (s->working || (!s->busy && !s->count))
+        return;
+    if (!s->busy) {
+        s->item = s->items[0];
+        s->count--;
+        memmove(s->items, s->items + 1, s->count * sizeof *s->items);
+    }
+    s->busy = s->working = true;
+    uv_queue_work(s->loop, &s->work, in_thread, after);
+}
+
+static void add(struct export_worker *s, struct item item) {
+    s->items = mem_grow(s->items, &s->cap, s->count + 1, sizeof *s->items);
+    s->items[s->count++] = item;
+    if (!s->held)
+        go_on(s);
+}
+
+void export_worker_add(struct export_worker *s, struct media_segment segment) {
+    add(s, (struct item){.kind = SEGMENT, .segment = segment});
+}
+
+void export_worker_warn(struct export_worker *s, const struct error *warning) {
+    add(s, (struct item){.kind = WARNING, .warning = *warning});
+}
+
+void export_worker_end(struct export_worker *s) {
+    add(s, (struct item){.kind = END});
+}
+
+void export_worker_go_on(struct export_worker *s) {
+    if (s->held)
+        go_on(s);
+}
 
 static void put32(uint8_t *at, uint32_t value) {
     for (int i = 0; i < 4; i++)
@@ -69,7 +328,7 @@ static void fap_piece(struct export *x, const struct media_segment *segment, uin
     }
 }
 
-/* The header tells the number of frames: unless that was known, it comes last and is put in front. */
+/* The header contains the number of frames: unless it was known, it is written last and put in front. */
 static void fap_end(struct export *x) {
     if (!x->source.frames)
         fap_header(x, x->frames);
@@ -122,7 +381,7 @@ void export_warning(struct export *x, const struct error *e) {
         x->format->warning(x, e);
 }
 
-bool export_piece(struct export *x, const struct media_segment *segment) {
+static bool export_piece(struct export *x, const struct media_segment *segment) {
     const struct sentence_audio *u = segment->audio;
     uint32_t most = u->sample_rate * EXPORT_PIECE_MS / 1000, left = u->samples - x->at;
     uint32_t to = x->at + (left < most ? left : most);

@@ -1,72 +1,73 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fapc),
- * as curves for other engines (ARKit, visemes), as its timing (JSON, WebVTT, TextGrid; of speech only), or as
- * all that happens in it (NDJSON). For files and HTTP answers. */
+/* Exports a whole speech or recording: sound (WAV, Opus in Ogg), face animation (.fap, .fapc), curves for
+ * other engines (ARKit, visemes), timings (JSON, WebVTT, TextGrid; speech only), or all events (NDJSON).
+ * For files and HTTP responses. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
 #include "server/base/buf.h"
+#include "server/base/error.h"
 #include "server/base/utf8.h"
-#include "server/export/export_format.h"
+#include "server/export/speech_export.h"
 #include "server/synthesis/synthesis.h"
 #include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
 
-/* What is written down about where the segments come from. Borrowed. */
+/* Metadata of the segments' source. Borrowed. */
 struct export_source {
     const char *text, *lang, *voice, *engine, *markup; /* of a speech */
-    const char *play;                                  /* the name of a recording, else NULL */
+    const char *play;                                  /* name of a recording, else NULL */
     double fps;
-    uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
-    bool aligned;    /* of a recording: how sure each word is counts */
+    uint32_t frames; /* expected number; 0 = unknown. If known, faces can be streamed */
+    bool aligned;    /* of a recording: include the confidence of each word */
 };
 
-/* That of a speech, which must outlive it. */
+/* The synthesis must outlive the result. */
 struct export_source export_source_of(const struct synthesis *synthesis);
 
-/* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
+/* State of an export. Output collects in `out`, and the owner consumes it from the front. */
 struct export {
     const struct export_format *format;
     struct buf out;
-    void *coder; /* the format's own */
+    void *coder; /* the format's coder */
     struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
-    uint32_t at;                           /* samples of the segment that is being written */
-    size_t segments;                       /* that are written */
+    uint32_t at;                           /* samples of the current segment written */
+    size_t segments;                       /* number written */
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
-    struct buf sentences;                  /* the same, of an aligned recording */
+    struct buf sentences;                  /* likewise, for an aligned recording */
     struct utf16_counter utf16;
-    struct face_placement *face; /* of the segment; NULL: not asked for yet */
+    struct face_placement *face; /* of the segment; NULL = not placed yet */
 };
 
-/* The fps of a recording may be set later, before its first segment. */
+/* A recording's fps may be set later, before its first segment. */
 void export_begin(struct export *x, const struct export_format *format, const struct export_source *source);
 
-/* Writes the next piece of a segment, of EXPORT_PIECE_MS. True: it was the last. */
+/* Writes the next EXPORT_PIECE_MS of a segment. Returns true at its end. */
 enum { EXPORT_PIECE_MS = 250 };
-bool export_piece(struct export *x, const struct media_segment *segment);
-/* All pieces of it. */
+/* Writes a whole segment. */
 void export_segment(struct export *x, const struct media_segment *segment);
 void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);
 void export_free(struct export *x);
 
-/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet.
- */
+/* Writes a WAV header for mono 16-bit sound; samples = UINT32_MAX if unknown. */
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
 
-/* A frame of the segment, of the speech by itself. */
+/* Computes a frame of the segment, played on its own. */
 void export_frame(struct export *x, const struct media_segment *segment, uint32_t k, struct fap_frame *frame);
 
-/* The frames that there are up to that sample of the segment. */
+/* Number of frames up to that sample of the segment. */
 uint32_t export_frames_until(const struct export *x, const struct media_segment *segment, uint32_t to);
 
 void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_json_end(struct export *x);
 void export_json_warning(struct export *x, const struct error *e);
-void export_json_sentence(struct export *x, json_t *sentence); /* which it drops */
+void export_json_sentence(struct export *x, json_t *sentence); /* takes the reference */
 
 void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ndjson_end(struct export *x);
@@ -74,14 +75,13 @@ void export_ndjson_warning(struct export *x, const struct error *e);
 
 void export_ndjson_faps(struct export *x, const struct fap_frame *frame);
 
-/* The columns of Live Link Face, a row for each frame; the same weights, and visemes, as members of an
- * NDJSON. */
+/* Live Link Face's columns, one row per frame; the same weights, and visemes, as members of NDJSON. */
 void export_arkit_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_arkit_end(struct export *x);
 void export_arkit_free(struct export *x);
 void export_arkit_weights(struct export *x, const struct fap_frame *frame);
 void export_viseme_weights(struct export *x, const struct fap_frame *frame);
-/* "PP": a viseme of FAP 1, 0..14, by the name that avatars have for it. */
+/* "PP": names that avatars use for the visemes of FAP 1, 0..14. */
 extern const char *const export_viseme_names[];
 
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
@@ -98,5 +98,23 @@ void export_textgrid_free(struct export *x);
 void export_fapc_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_fapc_end(struct export *x);
 void export_fapc_free(struct export *x);
+
+/* Writes an export on other threads, piece by piece, because coding a sentence's sound takes tens of
+ * milliseconds. Output keeps the order of the input. */
+
+struct export_worker;
+
+/* Copies the source. written: output is available, which the receiver consumes from the front (for a
+ * format that does not stream, only at the end); `segments` more are consumed; done: it is complete.
+ * Returns whether to continue; if not, call export_worker_go_on. Called from the loop; must not call
+ * export_worker_free. */
+struct export_worker *
+export_worker_open(uv_loop_t *loop, const struct export_format *format, const struct export_source *source,
+                   bool (*written)(void *ctx, struct buf *out, size_t segments, bool done), void *ctx);
+void export_worker_add(struct export_worker *s, struct media_segment segment); /* takes ownership */
+void export_worker_warn(struct export_worker *s, const struct error *warning);
+void export_worker_end(struct export_worker *s); /* nothing follows */
+void export_worker_go_on(struct export_worker *s);
+void export_worker_free(struct export_worker *s);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The NDJSON export: a line for each event and each frame, in the order of their times, as they are made. The
- * events are those of the stream; a frame has the FAPs that are not 0, or what another format makes of them.
- */
+/* NDJSON: one line per event and frame in order of time, as they are made. The events are those of the
+ * stream; a frame has its non-zero FAPs, or another format's values. */
 #include "server/base/mem.h"
+#include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
-#include "server/face/engines/viseme.h"
+#include "server/face/high_level.h"
+#include <ctype.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,7 @@ static double seconds(uint64_t samples, uint32_t rate) {
     return rate ? round((double)samples / rate * 1e6) / 1e6 : 0;
 }
 
-/* What stands at a time of a segment. */
+/* An event or frame of a segment. */
 struct item {
     uint64_t sample; /* of the speech */
     enum { SENTENCE, WORD, PHONE, VISEME, MARK, FRAME } kind;
@@ -64,7 +65,7 @@ static json_t *span(struct export *x, const char *type, const struct item *item,
                      (json_int_t)utf16_offset(&x->utf16, text, to));
 }
 
-/* Written by hand: they are most of the answer. */
+/* Formatted by hand, because frames are most of the output. */
 void export_ndjson_faps(struct export *x, const struct fap_frame *frame) {
     const char *comma = "";
     char text[24]; /* of one parameter */
@@ -135,7 +136,7 @@ static void put_item(struct export *x, const struct media_segment *segment, cons
     }
 }
 
-/* Does what begins at that sample of the segment belong to the piece up to `to`? */
+/* Tells whether what begins at that sample belongs to the piece up to `to`. */
 static bool is_in(const struct export *x, const struct sentence_audio *u, uint32_t sample, uint32_t to) {
     return sample >= x->at && (sample < to || to == u->samples);
 }
@@ -181,4 +182,121 @@ void export_ndjson_warning(struct export *x, const struct error *e) {
     char text[400];
     put(x, json_pack("{ss ss ss}", "type", "warning", "code", error_name(e->code), "message",
                      error_text(e, text, sizeof text)));
+}
+
+/* Curves for other engines: ARKit's 52 shapes as Live Link Face columns or NDJSON members, and visemes as
+ * NDJSON members. */
+
+/* Smaller weights count as 0: about a hundredth of a millimetre. */
+#define WEIGHT_LEAST 0.00005
+
+/* Live Link Face scales -180..180 degrees to -1..1. */
+#define HALF_TURN 3.14159265358979323846
+
+enum { TURNS = 9, WHOLE = 63 /* FAP 1: weight of its first viseme */ };
+
+const char *const export_viseme_names[] = {"sil", "PP", "FF", "TH", "DD", "kk", "CH", "SS",
+                                           "nn",  "RR", "aa", "E",  "I",  "O",  "U"};
+enum { VISEMES = sizeof export_viseme_names / sizeof *export_viseme_names };
+
+static struct arkit_solver *solver_of(struct export *x) {
+    if (!x->coder)
+        x->coder = arkit_solver_new();
+    return x->coder;
+}
+
+void export_arkit_free(struct export *x) {
+    arkit_solver_free(x->coder);
+    x->coder = NULL;
+}
+
+static void put_header(struct export *x) {
+    static const char *const turns[TURNS] = {"HeadYaw",     "HeadPitch",     "HeadRoll",
+                                             "LeftEyeYaw",  "LeftEyePitch",  "LeftEyeRoll",
+                                             "RightEyeYaw", "RightEyePitch", "RightEyeRoll"};
+    buf_printf(&x->out, "Timecode,BlendShapeCount");
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        buf_printf(&x->out, ",%c%s", toupper(arkit_table[i].name[0]), arkit_table[i].name + 1);
+    for (int i = 0; i < TURNS; i++)
+        buf_printf(&x->out, ",%s", turns[i]);
+    buf_printf(&x->out, "\r\n");
+}
+
+/* Hours, minutes, seconds, frame within the second, thousandths of a frame. */
+static void put_time(struct export *x, uint32_t k) {
+    double second = floor(k / x->fps + 1e-9), at = fmax(0, k - second * x->fps);
+    unsigned whole = (unsigned)second, thousandths = (unsigned)lround(at * 1000);
+    buf_printf(&x->out, "%02u:%02u:%02u:%02u.%03u", whole / 3600, whole / 60 % 60, whole % 60,
+               thousandths / 1000, thousandths % 1000);
+}
+
+/* Live Link Face counts turns to the left, up, and towards the left shoulder as positive. */
+static void put_turns(struct export *x, const struct fap_frame *frame) {
+    struct arkit_turns t = arkit_turns_of(frame);
+    const double turns[TURNS] = {t.head_yaw,   -t.head_pitch,   -t.head_roll,
+                                 t.eye_yaw[0], -t.eye_pitch[0], 0,
+                                 t.eye_yaw[1], -t.eye_pitch[1], 0};
+    for (int i = 0; i < TURNS; i++)
+        buf_printf(&x->out, ",%.6f", turns[i] / HALF_TURN + 0.0);
+}
+
+static void put_row(struct export *x, const struct fap_frame *frame, uint32_t k) {
+    double weights[ARKIT_SHAPES];
+    arkit_weights(solver_of(x), frame, weights);
+    put_time(x, k);
+    buf_printf(&x->out, ",%d", ARKIT_SHAPES + TURNS);
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        buf_printf(&x->out, ",%.6f", weights[i]);
+    put_turns(x, frame);
+    buf_printf(&x->out, "\r\n");
+}
+
+void export_arkit_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    uint32_t end = export_frames_until(x, segment, to);
+    if (!x->segments && !x->at)
+        put_header(x);
+    for (; x->frames < end; x->frames++) {
+        struct fap_frame frame;
+        export_frame(x, segment, x->frames, &frame);
+        put_row(x, &frame, x->frames);
+    }
+}
+
+void export_arkit_end(struct export *x) {
+    (void)x;
+}
+
+static void put_weight(struct export *x, const char **comma, const char *name, double weight) {
+    char text[64];
+    if (weight < WEIGHT_LEAST)
+        return;
+    buf_add(&x->out, text, (size_t)snprintf(text, sizeof text, "%s\"%s\":%.5g", *comma, name, weight));
+    *comma = ",";
+}
+
+void export_arkit_weights(struct export *x, const struct fap_frame *frame) {
+    struct arkit_turns t = arkit_turns_of(frame);
+    const char *comma = "";
+    double weights[ARKIT_SHAPES];
+    arkit_weights(solver_of(x), frame, weights);
+    buf_printf(&x->out, ",\"arkit\":{");
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        put_weight(x, &comma, arkit_table[i].name, weights[i]);
+    buf_printf(&x->out, "},\"head\":[%.5g,%.5g,%.5g]", t.head_yaw, t.head_pitch, t.head_roll);
+}
+
+void export_viseme_weights(struct export *x, const struct fap_frame *frame) {
+    double weights[VISEMES] = {0};
+    const struct fap_viseme *v = &frame->viseme;
+    const char *comma = "";
+    if (fap_frame_has(frame, 1)) {
+        weights[v->select1 < VISEMES ? v->select1 : 0] += fmin(v->blend, WHOLE) / WHOLE;
+        weights[v->select2 < VISEMES ? v->select2 : 0] += 1 - fmin(v->blend, WHOLE) / WHOLE;
+    } else {
+        weights[0] = 1;
+    }
+    buf_printf(&x->out, ",\"visemes\":{");
+    for (int i = 0; i < VISEMES; i++)
+        put_weight(x, &comma, export_viseme_names[i], weights[i]);
+    buf_printf(&x->out, "}");
 }

@@ -1,38 +1,66 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A text spoken and written down in a format, while it is spoken: a request goes in, bytes come out. */
+/* The export formats, and the export of a text while it is spoken. */
 #ifndef FACCIA_EXPORT_SPEECH_EXPORT_H
 #define FACCIA_EXPORT_SPEECH_EXPORT_H
 
 #include "server/base/buf.h"
-#include "server/export/export_format.h"
+#include "server/base/error.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/speech_request.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+struct export;
+struct fap_frame;
+struct media_segment;
+
+struct export_format {
+    const char *name; /* "wav" */
+    const char *content_type;
+    /* Output is available while speaking; otherwise only at the end. */
+    bool streams;
+    /* Writes the segment's samples from x->at up to `to`. */
+    void (*piece)(struct export *x, const struct media_segment *segment, uint32_t to);
+    void (*end)(struct export *x);
+    void (*warning)(struct export *x, const struct error *e); /* NULL = not reported */
+    void (*free)(struct export *x);                           /* frees its coder; NULL = none */
+    /* NDJSON: writes a frame's member with a leading comma; in a speech, phones are written as visemes. */
+    void (*member)(struct export *x, const struct fap_frame *frame);
+    bool visemes;
+};
+
+/* Ended by a NULL name. */
+extern const struct export_format export_formats[];
+
+const struct export_format *export_by_name(const char *name);
+
+/* Speaks a text and exports it at the same time. */
 
 struct speech_export;
 
-/* From the loop, never from within speech_export_open. */
+/* Called from the loop, never within speech_export_open. */
 struct speech_export_callbacks {
-    /* More lies in `out`, from whose head the receiver takes what it likes (of a format that does not stream:
-     * only when all is done); done: that was all. Returns whether more may come; if not, no further sentence
-     * is taken until speech_export_go_on. */
+    /* Output is available; the receiver consumes it from the front (for a format that does not stream,
+     * only at the end). done: it is complete. Returns whether to continue; if not, speech_export_go_on
+     * must be called. */
     bool (*written)(void *ctx, struct buf *out, bool done);
-    /* Instead of all that: nothing could be spoken. */
+    /* Called instead if nothing could be spoken. */
     void (*failed)(void *ctx, const struct error *e);
 };
 
-/* warnings: what was found before, which the format may tell too; borrowed. NULL with *e as synthesis_open.
- */
+/* warnings: found earlier, for formats that report them; borrowed. Returns NULL with *e like
+ * synthesis_open. */
 struct speech_export *
 speech_export_open(const struct pipeline *pipeline, const struct speech_request *request,
                    const struct export_format *format, const struct error *warnings, size_t warning_count,
                    const struct speech_export_callbacks *callbacks, void *ctx, struct error *e);
-/* Of a request whose text is still being written: see synthesis_write, synthesis_close. */
+/* For open texts: see synthesis_write, synthesis_close. */
 int speech_export_write(struct speech_export *speech, const char *text, size_t size, size_t most,
                         struct error *e);
 void speech_export_close(struct speech_export *speech);
 
 void speech_export_go_on(struct speech_export *speech);
-/* No callback comes after this; not from within one. NULL is ignored. */
+/* No callback follows; must not be called from one. Accepts NULL. */
 void speech_export_free(struct speech_export *speech);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions file, models/expressions.json: how affects, performatives, accents and the other cues of a
- * score look and sound. Immutable once loaded: what is changed is loaded anew, beside those that are in use.
- */
+/* The expressions file, models/expressions.json: how affects, performatives, accents and the other cues of
+ * a score look and sound. Immutable once loaded; a reload makes a new one beside those in use. */
 #ifndef FACCIA_EXPRESSION_EXPRESSIONS_H
 #define FACCIA_EXPRESSION_EXPRESSIONS_H
 
@@ -13,59 +12,57 @@
 
 struct expressions;
 
-/* How expressions share the mouth with speech. */
+/* How expressions and speech share the mouth. */
 enum face_blend {
-    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
+    BLEND_REGIONS,  /* full control of the upper face, limited offsets of the mouth */
     BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
 };
 
-/* Whether lips that must touch do so whatever the engine made (face/engines/contact.h). */
+/* Whether lips close where they must, whatever the engine produces (face/engines/contact.h). */
 enum face_contacts {
-    CONTACTS_ENGINE, /* as the engine has it */
+    CONTACTS_ENGINE, /* the engine's default */
     CONTACTS_ON,
     CONTACTS_OFF,
 };
 
-/* One entry, as lists show it. */
+/* An entry as listed. */
 struct expression_info {
     const char *kind, *name;
     double activation, evaluation; /* -1..1, place on the emotion disc; only of kind "affect" */
     bool basic;                    /* one of the six basic emotions */
 };
 
-/* NULL with *e (field = JSON path) when the file is not as it must be. */
+/* Returns NULL with *e (field = JSON path) for an invalid file. */
 struct expressions *expressions_load(const char *path, struct error *e);
-/* The same once more: each share is freed by itself, in any thread. NULL is fine. */
+/* Adds a reference, which is freed separately, from any thread. Accepts NULL. */
 const struct expressions *expressions_share(const struct expressions *expressions);
 void expressions_free(const struct expressions *expressions);
 
 size_t expressions_count(const struct expressions *expressions);
 struct expression_info expressions_info(const struct expressions *expressions, size_t index);
 
-/* Index of the entry that a cue means, also by an alias ("worried", "angry"); a signal counts as a gesture
- * where no gesture has its name. -1 when there is none. */
+/* Returns the index of the entry for a cue, also by alias ("worried", "angry"), or -1. A signal matches a
+ * gesture if no gesture entry has its name. */
 int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
 
-/* For a name that is not found: those of that kind that come near. */
+/* Suggestions for an unknown name of that kind. */
 struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
 
-/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's
- * factors for rate, pitch, range and volume at its intensity, and names the affect in style.emotion. A cue
- * that the file does not know is removed with a warning at its place. */
+/* Applies the expressions to the voice: multiplies the styles under each cue by its factors for rate,
+ * pitch, range and volume at its intensity, and sets style.emotion to the affect. Unknown cues are removed
+ * with a warning. */
 void expressions_direct(const struct expressions *expressions, struct score *script);
 
-/* A mixture of affects that somebody sets from outside (an emotion disc) and that holds until it is set anew.
- * It changes smoothly: `ease` seconds from what is shown to what is asked. Times are the life layer's clock.
- */
+/* A mixture of affects set by a client (an emotion disc), which lasts until it is changed. Changes take
+ * `ease` seconds. Times are on the life clock. */
 enum { MOOD_MIX = 4 };
 struct mood;
 struct mood *mood_new(const struct expressions *expressions);
 void mood_free(struct mood *mood);
-/* names[i] with intensities[i] 0..1, count <= MOOD_MIX, from time `at` on; together they count as one whole
- * face at most. `at` is not before that of the time before, and not before times that have been shown
- * already. A face needs 0.1 s at least; but the first mixture of all, with ease 0, has been there all along.
- * -1 with *e
- * ("unknown-expression", field "mix.I.name"; "bad-value", field "mix", when they are too many). */
+/* Sets names[i] to intensities[i] 0..1, count <= MOOD_MIX, from time `at` on; a sum above 1 is scaled
+ * down. `at` must not be before the previous call or before times already shown. A change takes at least
+ * 0.1 s, except that the first mixture with ease 0 applies from the start. Returns -1 with *e
+ * ("unknown-expression", field "mix.I.name"; "bad-value", field "mix", when there are too many). */
 int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
              double ease, struct error *e);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voice's part of the expressions. */
+/* Applies expressions to the voice. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include "server/expression/expressions.h"
@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* However many cues lie over each other, a voice stays one that can be understood. */
+/* Limits that keep a voice intelligible when cues overlap. */
 static const struct voice_factors lowest = {0.6, 0.6, 0.3, 0.4}, highest = {1.6, 1.7, 2.5, 1.8};
 
-/* What the cues over some items do to the voice. */
+/* Effect of the cues over some items. */
 struct voice_change {
     struct voice_factors voice;
-    const char *emotion; /* of the last affect, which is the innermost; NULL = none */
+    const char *emotion; /* of the innermost affect; NULL = none */
     double intensity;
     size_t order; /* of its cue, from 1; 0 = none */
     bool changes;
@@ -68,9 +68,8 @@ static void style_item(struct score *score, struct score_item *item, const struc
     item->style = score_keep_style(score, &style);
 }
 
-/* A cue over many items is written on the few nodes of a binary tree that stand for them all, so that cues
- * over each other cost no more than their number: node i stands for what 2i and 2i + 1 do, and count + i for
- * item i. */
+/* A segment tree: a cue over many items is stored in the few nodes that cover them, so overlapping cues
+ * cost only their number. Node i covers nodes 2i and 2i + 1; count + i is item i. */
 static void apply_to_items(struct voice_change *tree, size_t count, size_t first, size_t last,
                            const struct voice_change *change) {
     for (size_t a = first + count, b = last + count; a < b; a /= 2, b /= 2) {
@@ -88,7 +87,7 @@ static void hand_down(struct voice_change *tree, size_t count) {
     }
 }
 
-/* The index of what the cue means; -1, with a warning, when it is not known. */
+/* Returns the index of the cue's entry, or -1 with a warning. */
 static int find(const struct expressions *expressions, struct score *score, const struct score_cue *cue) {
     int found = expressions_find(expressions, cue->kind, cue->name);
     if (found < 0) {

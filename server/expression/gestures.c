@@ -26,7 +26,8 @@ static int read_name(const struct json_place *at, char **out) {
         return -1;
     size_t length = strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-");
     if (name[length] || length > GESTURE_NAME_MAX || *name == '-')
-        return json_place_fail(at, "must be 1 to %d small letters, figures and hyphens", GESTURE_NAME_MAX);
+        return json_place_fail(at, "must be 1 to %d lower-case letters, digits and hyphens",
+                               GESTURE_NAME_MAX);
     *out = mem_strdup(name);
     return 0;
 }
@@ -35,7 +36,7 @@ static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-/* A curve into the keys, which the first one makes. */
+/* Reads a curve into the keys, which the first curve creates. */
 static int read_curve(const struct json_place *at, struct expression *x) {
     int faps[2];
     size_t count = pose_faps_named(at->key, faps), frames = json_array_size(at->json);
@@ -86,8 +87,8 @@ static bool looks(const struct expression *x) {
     return false;
 }
 
-/* Times, ramps from and to rest, and what follows from the curves: outer lips, and eyes that stay on the
- * listener where the gesture does not move them itself. */
+/* Computes times, ramps from and to rest, and derived FAPs: outer lips, and eyes that stay on the listener
+ * unless the gesture moves them. */
 static int finish(const struct json_place *fps, double rate, double in, double out, struct expression *x) {
     double end = (double)(x->key_count - 1) / rate;
     bool own_gaze = looks(x);

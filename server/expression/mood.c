@@ -8,24 +8,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A face needs this long for any change, s. */
+/* Minimum time of any change, s. */
 #define EASE_MIN 0.1
 #define EASE_MAX 60
 
-/* What was under way when the mood was set anew runs out within this time, s, and over this way at most. */
+/* A previous change still in progress ends within this time, s, and this distance. */
 #define RUN_OUT 0.25
 #define RUN_OUT_WAY 0.05
 
-/* Askings that are remembered, so that times a little before the last one can still be asked for. */
+/* Changes kept, so that times slightly before the last one can be evaluated. */
 enum { CHANGES = 16 };
 
-/* An affect's way from what was shown to what was asked. */
+/* An affect's change from the shown to the requested intensity. */
 struct way {
     size_t affect;
     double from, speed, to;
 };
 
-/* Those of one asking, in the order of the affects; of the others nothing is or was shown. */
+/* The affects of one change, in order; all others are 0 before and after. */
 struct mood_change {
     double at, ease;
     size_t count;
@@ -36,7 +36,7 @@ struct mood {
     const struct expressions *expressions;
     size_t affects;
     struct mood_change *changes[CHANGES];
-    size_t count; /* of all changes ever; the last CHANGES are there, change k at k % CHANGES */
+    size_t count; /* of all changes ever; change k is at k % CHANGES, the last CHANGES are kept */
 };
 
 struct mood *mood_new(const struct expressions *expressions) {
@@ -63,8 +63,7 @@ static const struct mood_change *change_at(const struct mood *mood, double clock
     return mood->changes[(k - 1) % CHANGES];
 }
 
-/* The way that a speed still makes before it has run out: a cubic that leaves with that speed and comes back
- * to 0, at rest. */
+/* Displacement left by a change in progress: a cubic that starts with its speed and returns to 0 at rest. */
 static double run_out(double speed, double since, double *slope) {
     double time = fmin(RUN_OUT, RUN_OUT_WAY / (fabs(speed) * 4 / 27 + 1e-9)), x = since / time;
     *slope = 0;
@@ -86,7 +85,7 @@ static double value_at(const struct mood_change *change, const struct way *w, do
     return fmin(1, fmax(0, value));
 }
 
-/* An affect's value at a time, and how fast it changes. */
+/* Returns an affect's value at a time, and its slope. */
 static double shown(const struct mood *mood, size_t affect, double clock, double *slope) {
     const struct mood_change *change = change_at(mood, clock);
     *slope = 0;
@@ -97,7 +96,7 @@ static double shown(const struct mood *mood, size_t affect, double clock, double
 }
 
 static double amount(double intensity) {
-    return intensity > 0 ? fmin(1, intensity) : 0; /* also what is not a number */
+    return intensity > 0 ? fmin(1, intensity) : 0; /* also replaces NaN */
 }
 
 int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
@@ -122,12 +121,12 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
     struct way ways[AFFECTS_MAX];
     size_t used = 0;
     for (size_t i = 0; i < mood->affects; i++) {
-        /* More than the whole face there is not. */
+        /* intensities add up to at most 1 */
         struct way way = {.affect = i, .to = to[i] / fmax(1, sum)};
         if (mood->count)
             way.from = shown(mood, i, at, &way.speed);
         else if (ease <= 0)
-            way.from = way.to; /* it has been so all along */
+            way.from = way.to; /* in effect from the start */
         if (way.to > 0 || way.from > 0)
             ways[used++] = way;
     }

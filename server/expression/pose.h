@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Poses: some FAPs with their values. */
+/* Poses: sets of FAP values. */
 #ifndef FACCIA_EXPRESSION_POSE_H
 #define FACCIA_EXPRESSION_POSE_H
 
@@ -8,18 +8,17 @@
 
 /* Adds value to FAP fap. */
 void pose_add(struct pose *pose, int fap, double value);
-double pose_value(const struct pose *pose, int fap); /* 0 when it is not in the pose */
 void pose_free(struct pose *pose);
 
-/* The FAPs of a name: one of MPEG-4's ("open_jaw", "raise_l_cornerlip"), or one without its side for both
- * ("raise_cornerlip", "lower_t_lip_m"). Returns how many, 0 when there is none. */
+/* Finds the FAPs of an MPEG-4 name ("open_jaw", "raise_l_cornerlip"), or of a name without its side for
+ * both ("raise_cornerlip", "lower_t_lip_m"). Returns their number, 0 if unknown. */
 size_t pose_faps_named(const char *name, int out[2]);
 
-/* The outer contour of the lips follows the inner one where it is not given, and the eyes make up for what
- * the head does, unless the pose has a gaze of its own. */
+/* Lets outer lips follow inner ones where not given, and eyes compensate head rotation unless the pose has
+ * its own gaze. */
 void pose_complete(struct pose *pose, bool own_gaze);
 
-/* Strengthens the left side by asymmetry, -1..1, and weakens the right one. */
+/* Strengthens the left side by asymmetry, -1..1, and weakens the right. */
 void pose_unbalance(struct pose *pose, double asymmetry);
 
 #endif

@@ -1,12 +1,63 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* FAP 1 and 2: visemes and their blend for simple decoders, and their expansion to other FAPs. */
 #include "server/face/high_level.h"
 #include "server/base/mem.h"
-#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
-#include "server/face/packs/shape.h"
+#include "server/face/packs/shape_table.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Transition into and out of a pause, s. */
+#define PAUSE_EDGE 0.1
+
+enum { BLEND_WHOLE = 63 }; /* blend: only select1 */
+
+void visemes_from(const struct phone_segments *g, struct visemes *out) {
+    out->keys = mem_alloc((g->count + 2) * sizeof *out->keys);
+    out->count = 0;
+    out->keys[out->count++] = (struct viseme_key){.begin = -1, .end = 0};
+    for (size_t i = 0; i < g->count; i++) {
+        const struct phone_segment *item = &g->items[i];
+        double middle = (item->start + item->end) / 2;
+        struct viseme_key key = {.begin = middle, .end = middle, .from = item->start, .to = item->end};
+        key.id = viseme_id_of(item->phone);
+        if (item->phone) {
+            key.viseme = item->phone->viseme;
+            snprintf(key.ipa, sizeof key.ipa, "%s", item->phone->ipa);
+        } else {
+            key.begin = fmin(middle, item->start + PAUSE_EDGE);
+            key.end = fmax(middle, item->end - PAUSE_EDGE);
+        }
+        out->keys[out->count++] = key;
+    }
+    out->keys[out->count++] = (struct viseme_key){.begin = g->end, .end = g->end + 1};
+}
+
+void visemes_free(struct visemes *visemes) {
+    free(visemes->keys);
+    *visemes = (struct visemes){0};
+}
+
+struct fap_viseme visemes_at(const struct visemes *visemes, double t, size_t *cursor) {
+    const struct viseme_key *keys = visemes->keys;
+    size_t i = *cursor;
+    if (!visemes->count) /* nobody speaks */
+        return (struct fap_viseme){.blend = BLEND_WHOLE};
+    while (i > 0 && t < keys[i].begin)
+        i--;
+    while (i + 1 < visemes->count && t >= keys[i + 1].begin)
+        i++;
+    *cursor = i;
+    struct fap_viseme out = {.select1 = keys[i].viseme, .select2 = keys[i].viseme, .blend = BLEND_WHOLE};
+    if (i + 1 == visemes->count)
+        return out;
+    out.select2 = keys[i + 1].viseme;
+    double x = (t - keys[i].end) / (keys[i + 1].begin - keys[i].end);
+    if (x > 0)
+        out.blend = (uint8_t)lround(BLEND_WHOLE * (1 - x * x * (3 - 2 * x)));
+    return out;
+}
 
 enum { VISEMES = 14, WHOLE = 63 };
 
@@ -15,7 +66,7 @@ struct face_high_level {
     double basics[BASIC_COUNT + 1][FAP_COUNT + 1];
 };
 
-/* One phone of each viseme's examples: p, f, th, t, k, sh, s, n, r, and the five vowels. */
+/* One example phone for each viseme: p, f, th, t, k, sh, s, n, r, and the five vowels. */
 static const char *const phones[VISEMES + 1] = {NULL, "p", "f", "θ", "t", "k", "ʃ", "s",
                                                 "n",  "r", "a", "e", "i", "o", "u"};
 

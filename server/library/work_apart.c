@@ -295,7 +295,7 @@ static void get_meta(struct wire_reader *r, struct work_meta *m) {
     m->format = get_one_of(r, formats);
 }
 
-struct hearing {
+struct lip_recogniser {
     struct reader_process process;
     const struct work_sink *sink; /* NULL: no sections and problems are expected */
     struct work_meta *meta;
@@ -305,7 +305,7 @@ struct hearing {
 };
 
 /* 1: go on; 0: that was the last one, *result; -1: garbage. */
-static int take_frame(struct hearing *h, uint32_t kind, const struct buf *payload, int *result) {
+static int take_frame(struct lip_recogniser *h, uint32_t kind, const struct buf *payload, int *result) {
     struct wire_reader r = {.at = payload->data, .end = payload->data + payload->size};
     if (kind == FRAME_SECTION && h->sink) {
         struct section section = {.level = 1};
@@ -337,7 +337,7 @@ static int take_frame(struct hearing *h, uint32_t kind, const struct buf *payloa
     return r.bad ? -1 : !h->stopped;
 }
 
-static int hear(struct hearing *h) {
+static int hear(struct lip_recogniser *h) {
     struct buf payload = {0};
     uint32_t header[2];
     int result = -1, more = 1;
@@ -370,7 +370,7 @@ static struct reader_limits limits_of(uint64_t bytes, unsigned most) {
 int work_read_apart(const struct reader *reader, const char *folder, const char *path, struct work_meta *meta,
                     const struct work_sink *sink, const atomic_bool *given_up, struct error *e) {
     struct stat info = {0};
-    struct hearing h = {.sink = sink, .meta = meta, .error = e};
+    struct lip_recogniser h = {.sink = sink, .meta = meta, .error = e};
     if (!reader || !reader->program || !*reader->program)
         return work_read(folder, path, meta, sink, e);
     FILE *file = work_open(folder, path, e);
@@ -387,7 +387,7 @@ int work_read_apart(const struct reader *reader, const char *folder, const char 
 int work_check_apart(const struct reader *reader, const char *name, const void *data, size_t size,
                      const atomic_bool *given_up, struct error *e) {
     struct work_meta meta = {0};
-    struct hearing h = {.meta = &meta, .error = e};
+    struct lip_recogniser h = {.meta = &meta, .error = e};
     if (!reader || !reader->program || !*reader->program)
         return work_check(name, data, size, e);
     const char *const args[] = {"check", name, NULL};

@@ -2,7 +2,7 @@
 #include "server/publish/recital_rate.h"
 #include "server/base/mem.h"
 #include "server/publish/recital.h"
-#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The library's works, spoken by one voice before anybody asks, so that the voices' cache has their
- * sentences: section after section, while the voice has nothing else to do (VOICE_TURN_AHEAD). */
+ * sentences: section after section, while the voice has nothing else to do (VOICE_PRIORITY_BACKGROUND). */
 #ifndef FACCIA_PUBLISH_SPEAK_AHEAD_H
 #define FACCIA_PUBLISH_SPEAK_AHEAD_H
 

@@ -114,7 +114,7 @@ static void put_begin(struct buf *out, const struct stream_event *e) {
     put_text(out, "markup", e->markup);
     if (e->again)
         put(out, ",\"again\":true");
-    if (e->heard) {
+    if (e->live) {
         put_count(out, "lookahead", e->lookahead);
         put_member(out, "captions");
         put(out, "false");

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What drives a stream: media go out as they are due, those of the first turn or of idling. */
+/* Playout: cuts segments into chunks and sends them on time, from the first utterance or from idling. */
+#include "server/stream/media.h"
 #include "server/stream/stream_internal.h"
+#include "server/synthesis/media_segment.h"
 #include <string.h>
 
-/* Asked again this soon when the sink is not ready, ms. */
+/* Delay before retrying when the sink is not ready, ms. */
 enum { RETRY_MS = 20 };
 
 static uint64_t later(uint64_t a, uint64_t b) {
     return a > b ? a : b;
 }
 
-/* What the life clock shows at a loop time. */
+/* Converts loop time to the life clock. */
 static double life_at(const struct stream *s, uint64_t at) {
     return s->life + ((double)at - (double)s->played_until) / 1000;
 }
@@ -28,8 +30,8 @@ void stream_cut_face(struct stream *s) {
     face_ease_cut(&s->ease, NULL, uv_now(s->pipeline->loop));
 }
 
-/* Places the face of the segment that is heard next: on the stream's clock, with its life and its mood, or on
- * the utterance's own. */
+/* Places the face of the next segment: on the stream's clock, with its life and mood, or on the
+ * utterance's own. */
 static void place(struct utterance *t) {
     struct stream *s = t->stream;
     struct placement_options options = t->segments[0].alone;
@@ -56,7 +58,8 @@ static void say_begin(struct utterance *t) {
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    if (!t->heard && (!t->synthesis || !synthesis_request(t->synthesis)->open)) /* its writer may take long */
+    if (!t->live && (!t->synthesis ||
+                     !synthesis_request(t->synthesis)->open)) /* the writer of an open text may be slow */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {.kind = STREAM_BEGIN,
@@ -65,11 +68,11 @@ static void say_begin(struct utterance *t) {
                                  .again = t->spared};
     if (t->recording) {
         begin.play = recording_name(t->recording);
-    } else if (t->heard) {
-        begin.heard = true;
-        begin.lookahead = heard_voice_lookahead(t->heard);
-        begin.lang = heard_voice_lang(t->heard);
-        begin.engine = heard_voice_engine(t->heard);
+    } else if (t->live) {
+        begin.live = true;
+        begin.lookahead = live_voice_lookahead(t->live);
+        begin.lang = live_voice_lang(t->live);
+        begin.engine = live_voice_engine(t->live);
     } else {
         begin.voice = synthesis_voice(t->synthesis)->id;
         begin.lang = synthesis_lang(t->synthesis);
@@ -92,7 +95,7 @@ static void send_speech(struct utterance *t) {
     face_ease_frames(&s->ease, utterance_is_apart(t) ? EASE_NOTHING : EASE_FACE, now, media.fps, frames,
                      media.frame_count);
     t->last = s->ease.last;
-    /* late media hold the life clock up: it is theirs */
+    /* late media delay the life clock with them */
     s->played_until = later(s->played_until, now) + (uint64_t)media.samples * 1000 / media.sample_rate;
     s->spoken_until = s->played_until;
     s->life = t->life_begin + (double)t->sent / media.sample_rate;
@@ -100,8 +103,8 @@ static void send_speech(struct utterance *t) {
     utterance_drop_segment_if_done(t);
 }
 
-/* The next piece of idling; towards != NULL: of `whole` pieces the one with number `piece`, that all together
- * end in that face. */
+/* Sends the next idle chunk. If towards is set, it is number `piece` of `whole` chunks that end in that
+ * face. */
 static void send_idle(struct stream *s, const struct fap_frame *towards, size_t piece, size_t whole) {
     struct fap_frame frames[IDLE_FRAMES];
     struct media media = {.frames = frames};
@@ -116,15 +119,15 @@ static void send_idle(struct stream *s, const struct fap_frame *towards, size_t 
     s->sink.media(s->ctx, &media);
 }
 
-/* Of idling, in which the face comes back to where the utterance was paused: for those who show the frames as
- * they come. Who shows them by their clock has gone back to the utterance by then. */
+/* Chunks of idling that return the face to where the utterance was paused, for clients that show frames on
+ * arrival. Clients with a clock have switched to the utterance by then. */
 enum { WAY_BACK = 3 };
 
 void stream_resume_utterance(struct stream *s, uint64_t at) {
     struct utterance *t = s->queue;
     double sent = (double)t->sent / t->sample_rate, ahead = (double)s->unheard / 1000;
     if (!s->idle) {
-        /* the clock has stood still, too */
+        /* the clock stood still, too */
         s->life = t->life_begin + sent;
         if (!s->unheard)
             stream_cut_face(s);
@@ -170,7 +173,7 @@ void stream_forget_unheard(struct stream *s) {
     s->unheard = 0;
 }
 
-/* Sends what may be sent now, and sees to it that it is called again when more may. */
+/* Sends what is due and schedules the next call. */
 static void pump(struct stream *s) {
     for (;;) {
         struct utterance *t = s->paused ? NULL : s->queue;

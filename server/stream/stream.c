@@ -1,8 +1,366 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A stream: its queue of utterances, open and live utterances, pause, rate and jumps. */
 #include "server/stream/stream.h"
 #include "server/base/mem.h"
 #include "server/stream/stream_internal.h"
 #include <stdlib.h>
+#include <string.h>
+
+static struct utterance *numbered(const struct stream *s, uint32_t number) {
+    struct utterance *t = s->queue;
+    while (t && t->number != number)
+        t = t->next;
+    return t;
+}
+
+static struct utterance *find(const struct stream *s, uint32_t number) {
+    struct utterance *t = numbered(s, number);
+    return t && t->synthesis ? t : NULL;
+}
+
+static bool is_open(const struct utterance *t) {
+    return t && (t->live ? live_voice_is_open(t->live) : t->synthesis && synthesis_is_open(t->synthesis));
+}
+
+bool stream_is_open(const struct stream *s, uint32_t number) {
+    return is_open(numbered(s, number));
+}
+
+void stream_sound(struct stream *s, uint32_t number, const uint8_t *bytes, size_t size) {
+    struct utterance *t = numbered(s, number);
+    if (t && t->live)
+        live_voice_write(t->live, bytes, size);
+}
+
+int stream_write(struct stream *s, uint32_t number, const char *text, size_t size, size_t most,
+                 struct error *e) {
+    struct utterance *t = find(s, number);
+    return t ? synthesis_write(t->synthesis, text, size, most, e) : 0;
+}
+
+void stream_flush(struct stream *s, uint32_t number) {
+    struct utterance *t = find(s, number);
+    if (t)
+        synthesis_flush(t->synthesis);
+}
+
+void stream_close(struct stream *s, uint32_t number, const struct error *why) {
+    struct utterance *t = numbered(s, number);
+    if (!is_open(t))
+        return;
+    if (why)
+        utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_WARNING, .error = why});
+    if (t->live)
+        live_voice_close(t->live);
+    else
+        synthesis_close(t->synthesis);
+}
+
+static void stream_forget(struct stream *s, struct utterance **at);
+
+unsigned stream_cancel(struct stream *s, const char *id) {
+    unsigned count = 0;
+    bool first = false;
+    for (struct utterance **at = &s->queue; *at;) {
+        const char *own = utterance_id(*at);
+        if (!own || strcmp(own, id)) {
+            at = &(*at)->next;
+            continue;
+        }
+        count++;
+        first |= at == &s->queue;
+        if (at == &s->queue)
+            stream_end_utterance(s, "stopped");
+        else
+            stream_forget(s, at);
+    }
+    if (!first)
+        return count;
+    stream_forget_unheard(s);
+    if (s->queue)
+        utterance_start(s->queue);
+    stream_wake(s, 0);
+    return count;
+}
+
+/* Queue order: higher priorities come first. */
+
+/* When an utterance is spoken, from its request. */
+struct turn {
+    const char *id, *topic; /* or NULL */
+    enum speech_mode mode;
+    enum speech_priority priority;
+};
+
+static struct turn turn_of(const struct speech_request *request) {
+    return (struct turn){request->id, request->topic, request->mode, request->priority};
+}
+
+static void forget(struct stream *s, struct utterance **at, const char *reason) {
+    struct utterance *t = *at;
+    *at = t->next;
+    s->waiting--;
+    utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_END, .reason = reason});
+    metrics_add(s->pipeline->metrics, METRIC_UTTERANCES_STOPPED, 1);
+    utterance_free(t);
+}
+
+/* Drops a waiting utterance and reports its end. */
+static void stream_forget(struct stream *s, struct utterance **at) {
+    forget(s, at, "stopped");
+}
+
+/* Tells whether it was requested in an earlier session of that node; 0 = by any remote node. */
+static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
+    return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
+}
+
+uint32_t stream_forget_earlier(struct stream *s, uint64_t abroad) {
+    for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
+        if (is_of_earlier(*at, abroad))
+            forget(s, at, (*at)->spared ? NULL : "failed");
+        else
+            at = &(*at)->next;
+    }
+    if (!s->queue || !is_of_earlier(s->queue, abroad))
+        return 0;
+    s->queue->spared = false;
+    return s->queue->number;
+}
+
+void stream_go_alone(struct stream *s) {
+    stream_forget_earlier(s, 0);
+}
+
+/* Tells whether it cuts the current utterance. */
+static bool cuts(const struct stream *s, const struct turn *turn) {
+    const struct utterance *speaks = s->queue;
+    return speaks && (turn->mode == SPEAK_QUEUE ? speaks->priority < turn->priority
+                                                : speaks->priority <= turn->priority);
+}
+
+/* Tells whether a newer one of the same topic replaces it. */
+static bool is_replaced(const struct utterance *t, const struct turn *turn) {
+    const struct speech_request *request = utterance_request(t);
+    const char *topic = request ? request->topic : NULL;
+    return (turn->topic && topic && !strcmp(topic, turn->topic)) ||
+           (turn->mode == SPEAK_REPLACE && t->priority <= turn->priority);
+}
+
+static void forget_replaced(struct stream *s, const struct turn *turn) {
+    struct utterance **at = s->queue ? &s->queue->next : &s->queue;
+    while (*at) {
+        if (is_replaced(*at, turn))
+            stream_forget(s, at);
+        else
+            at = &(*at)->next;
+    }
+}
+
+static unsigned count_replaced(const struct stream *s, const struct turn *turn) {
+    unsigned count = 0;
+    for (const struct utterance *t = s->queue ? s->queue->next : NULL; t; t = t->next)
+        count += is_replaced(t, turn);
+    return count;
+}
+
+/* Returns the end of the waiting utterances of at least that priority. */
+static struct utterance **last_below(struct stream *s, enum speech_priority priority) {
+    struct utterance **at = s->queue ? &s->queue->next : &s->queue;
+    while (*at && (*at)->next)
+        at = &(*at)->next;
+    return *at && (*at)->priority < priority ? at : NULL;
+}
+
+/* Checks whether it may be queued: -1 with *e. */
+static int may_come(struct stream *s, const struct turn *turn, struct error *e) {
+    if (turn->mode == SPEAK_QUIET && s->queue)
+        return error_plain(e, ERROR_BUSY), -1;
+    if (!s->queue || cuts(s, turn) || s->waiting - count_replaced(s, turn) < s->queue_limit ||
+        last_below(s, turn->priority))
+        return 0;
+    return error_set(e, ERROR_QUEUE_FULL, "%u utterances wait already", s->waiting);
+}
+
+static void cut(struct stream *s) {
+    stream_end_utterance(s, "stopped");
+    stream_forget_unheard(s);
+}
+
+/* Queues it at the place its priority and mode require. */
+static void enqueue(struct stream *s, struct utterance *t, const struct turn *turn) {
+    bool first = !s->queue || cuts(s, turn);
+    if (turn->mode == SPEAK_REPLACE && first)
+        stream_stop(s);
+    forget_replaced(s, turn);
+    if (first && s->queue)
+        cut(s);
+    if (first && (turn->mode == SPEAK_INTERRUPT || turn->priority == PRIORITY_ALARM))
+        stream_resume(s);
+    if (!first && s->waiting >= s->queue_limit)
+        stream_forget(s, last_below(s, turn->priority));
+    struct utterance **at = &s->queue;
+    while (!first && *at &&
+           ((*at)->priority > turn->priority || at == &s->queue ||
+            (turn->mode == SPEAK_QUEUE && (*at)->priority == turn->priority)))
+        at = &(*at)->next;
+    t->priority = turn->priority;
+    t->number = ++s->utterances;
+    t->next = *at;
+    *at = t;
+    s->waiting += s->queue->next != NULL;
+    if (t == s->queue)
+        utterance_start(t);
+}
+
+static struct utterance *utterance_new(struct stream *s) {
+    struct utterance *t = mem_alloc(sizeof *t);
+    t->stream = s;
+    t->asked = uv_hrtime();
+    return t;
+}
+
+uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {
+    struct turn turn = turn_of(request);
+    struct utterance *t = NULL;
+    struct error e;
+    if (!may_come(s, &turn, &e)) {
+        t = utterance_new(s);
+        t->synthesis = synthesis_open(s->pipeline, request, &utterance_callbacks, t, &e);
+    }
+    if (!t || !t->synthesis) {
+        free(t);
+        stream_refuse(s, request->id, request->order, &e);
+        if (why)
+            *why = e;
+        return 0;
+    }
+    t->abroad = request->abroad;
+    t->order = request->order;
+    t->spared = request->abroad != 0 && request->again;
+    synthesis_keep(t->synthesis);
+    enqueue(s, t, &turn);
+    return t->number;
+}
+
+uint32_t stream_hear(struct stream *s, const struct live_request *request) {
+    struct turn turn = turn_of(request->speech);
+    struct utterance *t = NULL;
+    struct error e;
+    if (!may_come(s, &turn, &e)) {
+        t = utterance_new(s);
+        t->live = live_voice_open(s->pipeline, request, &utterance_callbacks, t, &e);
+    }
+    if (!t || !t->live) {
+        free(t);
+        stream_refuse(s, request->speech->id, 0, &e);
+        return 0;
+    }
+    enqueue(s, t, &turn);
+    return t->number;
+}
+
+uint32_t stream_play(struct stream *s, struct recording_source *source,
+                     const struct speech_request *request) {
+    struct turn turn = turn_of(request);
+    struct error e;
+    if (may_come(s, &turn, &e)) {
+        stream_refuse(s, source->id, request->order, &e);
+        recording_source_free(source);
+        return 0;
+    }
+    struct utterance *t = utterance_new(s);
+    t->recording = recording_open(s->pipeline->loop, s->pipeline->high_level, s->pipeline->reader,
+                                  s->pipeline->gate, source, &utterance_callbacks, t);
+    t->order = request->order;
+    enqueue(s, t, &turn);
+    return t->number;
+}
+
+/* Control of the current utterance: pause and resume, rate, jumps. */
+
+static uint64_t now_of(const struct stream *s) {
+    return uv_now(s->pipeline->loop);
+}
+
+/* Reports an event at the sample being heard, or without an utterance if none has begun. */
+static void tell(struct stream *s, enum stream_event_kind kind, const char *text) {
+    const struct utterance *t = s->queue;
+    struct stream_event event = {.kind = kind, .text = text, .idle = -1};
+    if (kind == STREAM_RESUMED)
+        event.idle = stream_idle_time(s, now_of(s));
+    if (!t || (!t->begun && kind != STREAM_JUMPED)) {
+        s->sink.event(s->ctx, &event);
+        return;
+    }
+    event.sample = utterance_heard(t, kind == STREAM_JUMPED ? 0 : s->unheard);
+    utterance_give(t, &s->sink, s->ctx, event);
+}
+
+void stream_pause(struct stream *s) {
+    uint64_t now = now_of(s);
+    if (s->paused)
+        return;
+    s->unheard = s->spoken_until > now ? s->spoken_until - now : 0;
+    if (s->unheard)
+        stream_go_on_from(s, now);
+    s->spoken_until = 0;
+    s->paused = true;
+    if (s->unheard || (s->queue && s->queue->begun))
+        stream_cut_face(s);
+    tell(s, STREAM_PAUSED, NULL);
+    stream_wake(s, 0);
+}
+
+void stream_resume(struct stream *s) {
+    struct utterance *t = s->queue;
+    uint64_t now = now_of(s);
+    if (!s->paused)
+        return;
+    s->paused = false;
+    if (t && t->live)
+        live_voice_catch_up(t->live);
+    if (t && t->begun) {
+        stream_resume_utterance(s, now);
+    } else if (s->unheard) { /* the last one was sent completely */
+        stream_go_on_from(s, now);
+        s->life += (double)s->unheard / 1000;
+        s->played_until = s->spoken_until = now + s->unheard;
+    }
+    tell(s, STREAM_RESUMED, NULL);
+    s->unheard = 0;
+    stream_wake(s, 0);
+}
+
+void stream_rate(struct stream *s, double rate) {
+    for (struct utterance *t = s->queue; t; t = t->next) {
+        if (!t->synthesis)
+            continue;
+        synthesis_set_rate(t->synthesis, rate);
+        if (t->started)
+            utterance_respeak(t);
+    }
+}
+
+int stream_jump(struct stream *s, const char *mark, struct error *e) {
+    struct utterance *t = s->queue;
+    size_t sentence;
+    if (!t)
+        return error_set(e, ERROR_NOT_SPEAKING, "nothing is spoken");
+    if (!t->synthesis || !synthesis_find_mark(t->synthesis, mark, &sentence)) {
+        struct near near = near_to(mark);
+        char text[NEAR_TEXT];
+        if (t->synthesis)
+            synthesis_near_marks(t->synthesis, &near);
+        return error_in_field(e, ERROR_UNKNOWN_MARK, "mark", "the utterance has no mark '%.80s'%s", mark,
+                              near_text(&near, text));
+    }
+    stream_forget_unheard(s);
+    utterance_seek(t, sentence, mark);
+    stream_cut_face(s);
+    tell(s, STREAM_JUMPED, mark);
+    return 0;
+}
 
 static void give(const struct utterance *t, struct stream_event event) {
     utterance_give(t, &t->stream->sink, t->stream->ctx, event);
@@ -22,7 +380,7 @@ static void on_finished(void *ctx, size_t spoken) {
     struct utterance *t = ctx;
     t->finished = true;
     t->spoken = spoken;
-    if (t->next && t->started)    /* one that could not be read is finished before its turn comes */
+    if (t->next && t->started)    /* an utterance that could not be parsed ends before its turn */
         utterance_start(t->next); /* so that it follows without a gap */
     stream_wake(t->stream, 0);
 }
@@ -83,7 +441,7 @@ void stream_number_above(struct stream *s, uint32_t number) {
         s->utterances = number;
 }
 
-/* e: what is said of each, or NULL. */
+/* e: the error reported for each, or NULL. */
 static void end_all(struct stream *s, const char *reason, const struct error *e) {
     uv_timer_stop(s->timer);
     while (s->queue) {
@@ -107,7 +465,7 @@ void stream_fail(struct stream *s, const struct error *e) {
     end_all(s, "failed", e);
 }
 
-/* Another seed, or more or less of life: for what speaks, too. */
+/* Applies a new seed or strength of life, also to the current utterance. */
 static void live_otherwise(struct stream *s) {
     stream_cut_face(s);
     if (s->queue && s->queue->begun && !utterance_is_apart(s->queue))

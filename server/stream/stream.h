@@ -1,31 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stream stage: a queue of speeches becomes events and media chunks, paced to real time with a small
- * lead. One stream for each listener; it knows nothing of how they travel. */
+/* The stream stage: turns a queue of utterances into events and media chunks, paced to real time with a
+ * small lead. There is one stream per listener; transport is separate. */
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
+#include "server/expression/expressions.h"
 #include "server/stream/media.h"
-#include "server/stream/mood_mix.h"
-#include "server/synthesis/heard_request.h"
+#include "server/synthesis/live_request.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"
 
 enum {
-    STREAM_CHUNK_MS = 200, /* media in one chunk */
-    STREAM_FIRST_MS = 60,  /* in the first of an utterance, which somebody waits for */
-    STREAM_LEAD_MS = 400,  /* media are sent when those sent before last no longer than this */
-    STREAM_WAIT_MS =
-        100,           /* of silence, while the text of an utterance is being written: what is heard then */
-    STREAM_QUEUE = 32, /* default of utterances that may wait */
+    STREAM_CHUNK_MS = 200, /* duration of a chunk */
+    STREAM_FIRST_MS = 60,  /* duration of an utterance's first chunk, for low latency */
+    STREAM_LEAD_MS = 400,  /* maximum lead of sent media over real time */
+    STREAM_WAIT_MS = 100,  /* of silence while an open text waits for its writer */
+    STREAM_QUEUE = 32,     /* default limit of waiting utterances */
 };
 
-/* How the face lives while nobody speaks. */
+/* A mixture of affects, as for mood_set. Strings are borrowed. */
+struct mood_request {
+    const char *names[MOOD_MIX];
+    double intensities[MOOD_MIX]; /* 0..1 */
+    size_t count;
+    double ease; /* s */
+};
+
+/* Idle motion while nobody speaks. */
 struct idle_options {
     double life;   /* strength, 0..2 */
     uint64_t seed; /* of the life layer */
     double fps;    /* 1..120 */
-    bool still;    /* a face that does not move */
+    bool still;    /* no motion */
 };
 
 enum stream_event_kind {
@@ -42,33 +49,31 @@ enum stream_event_kind {
     STREAM_END,
 };
 
-/* Pointers are good during the call only. */
+/* Pointers are valid during the call. */
 struct stream_event {
     enum stream_event_kind kind;
-    uint32_t utterance;                        /* 0: of none (PAUSED, RESUMED) */
-    const char *id;                            /* the client's, or NULL */
-    uint64_t order;                            /* as its request (speech_request.h) */
-    uint32_t sample_rate, sample, duration;    /* of all with a time; END: duration of all, samples */
-    size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
-    const char *text;          /* WORD: end - start bytes that stand there; MARK, JUMPED: its name;
-                                  PHONE: its IPA */
+    uint32_t utterance;                        /* 0 = none (PAUSED, RESUMED) */
+    const char *id;                            /* the client's id, or NULL */
+    uint64_t order;                            /* of its request (speech_request.h) */
+    uint32_t sample_rate, sample, duration;    /* for events with a time; END: total duration, in samples */
+    size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: range in the text, end exclusive */
+    const char *text;          /* WORD: end - start bytes of text; MARK, JUMPED: name; PHONE: IPA */
     const struct error *error; /* WARNING, ERROR */
-    const char *reason;        /* END: "done", "stopped", "failed"; NULL: it is spoken again elsewhere,
-                                  nobody is told of an end */
-    bool blocked;              /* END: the sound of all who listened was blocked */
+    const char *reason; /* END: "done", "stopped", "failed"; NULL = continued on another node, not reported */
+    bool blocked;       /* END: the sound was blocked for all listeners */
     const char *voice, *lang, *engine, *markup; /* BEGIN */
     double fps;                                 /* BEGIN */
-    bool again;                                 /* BEGIN: it is spoken again when it is lost */
+    bool again;                                 /* BEGIN: repeated if it is lost */
     const char *play;                           /* BEGIN of a recording: its name, else NULL */
-    bool heard;                                 /* BEGIN: somebody's own voice, whose words nobody knows */
-    unsigned lookahead;                         /* the same: ms */
-    double idle; /* BEGIN, RESUMED: when that is on the idle clock, s; negative: nobody idles */
+    bool live;                                  /* BEGIN: a live voice, without text */
+    unsigned lookahead;                         /* BEGIN of a live voice: ms */
+    double idle; /* BEGIN, RESUMED: its time on the idle clock, s; negative = no idling */
 };
 
 struct stream_sink {
     void (*event)(void *ctx, const struct stream_event *event);
     void (*media)(void *ctx, const struct media *media);
-    /* May more media come now? While not, the stream waits (and asks again). */
+    /* Tells whether more media may be sent; while false, the stream polls. */
     bool (*ready)(void *ctx);
 };
 
@@ -77,87 +82,86 @@ struct stream;
 struct stream *stream_new(const struct pipeline *pipeline, const struct stream_sink *sink, void *ctx,
                           unsigned queue);
 
-/* No callback comes after this. */
+/* No callback follows. */
 void stream_free(struct stream *stream);
 
-/* Takes the request under the next utterance number; its mode, priority and topic say when it is spoken. When
- * it is refused (also "queue-full", "busy"), its ERROR and END events come at once, and nothing else changes.
- * Returns the number, or 0 when it is refused, with *why, which may be NULL. */
+/* Queues the request under the next utterance number; mode, priority and topic decide when it is spoken.
+ * Returns the number, or 0 if refused (also "queue-full", "busy"): then its ERROR and END events come at
+ * once, *why (may be NULL) says why, and nothing else changes. */
 uint32_t stream_speak(struct stream *stream, const struct speech_request *request, struct error *why);
 
-/* The utterance of that number, whose text is still being written (synthesis.h): is it there, and open? */
+/* Tells whether the utterance exists and its text is still open (synthesis.h). */
 bool stream_is_open(const struct stream *stream, uint32_t utterance);
 
-/* Adds to its text, up to `most` bytes in all; -1 with *e as synthesis_write. What is written to one that has
- * ended is passed over. */
+/* Appends to its text, at most `most` bytes in all. Returns -1 with *e like synthesis_write. Ignores
+ * utterances that have ended. */
 int stream_write(struct stream *stream, uint32_t utterance, const char *text, size_t size, size_t most,
                  struct error *e);
 void stream_flush(struct stream *stream, uint32_t utterance);
 
-/* The same of one whose speaker is heard: a message of his with sound (heard_sound.h). */
+/* Adds a message with sound to a live utterance (live_voice.h). */
 void stream_sound(struct stream *stream, uint32_t utterance, const uint8_t *bytes, size_t size);
 
-/* why: a warning that goes with it, or NULL. */
+/* Closes an open text or a live utterance. why: a warning to report, or NULL. */
 void stream_close(struct stream *stream, uint32_t utterance, const struct error *why);
 
-/* As stream_speak, of somebody who speaks himself: stream_sound follows, and stream_close. */
-uint32_t stream_hear(struct stream *stream, const struct heard_request *request);
+/* Queues a live voice, like stream_speak; stream_sound and stream_close follow. */
+uint32_t stream_hear(struct stream *stream, const struct live_request *request);
 
-/* Cuts the utterances of that id, or forgets them when they wait. Returns how many there were. */
+/* Cuts or drops the utterances of that id. Returns how many there were. */
 unsigned stream_cancel(struct stream *stream, const char *id);
 
-/* The same for a recording, of whose request the id, mode and priority count; it is opened when its turn
- * comes: what is wrong with it is said then. */
+/* Queues a recording; of its request id, mode and priority are used. It is opened when its turn comes, and
+ * errors are reported then. */
 uint32_t stream_play(struct stream *stream, struct recording_source *source,
                      const struct speech_request *request);
 
-/* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END.
- * order: as in speech_request.h. */
+/* Reports a request that was rejected earlier: assigns a number and sends ERROR and END. order: as in
+ * speech_request.h. */
 void stream_refuse(struct stream *stream, const char *id, uint64_t order, const struct error *e);
 
-/* Has the face idle while nothing is spoken: silent chunks of utterance 0. options = NULL: no longer. The
- * life layer's clock runs on through idling, utterances and pauses, so the face does not jump between them;
- * only an utterance with a seed of its own has a clock of its own. Where one is cut, or a clock changes, the
- * face goes over (face_ease.h). An utterance takes the place of the idle media that lie beyond its beginning.
- */
+/* Sends idle motion while nothing is spoken, as silent chunks of utterance 0; NULL = off. The life clock
+ * runs through idling, utterances and pauses, so the face does not jump between them; only an utterance
+ * with its own seed has its own clock. Cuts and clock changes are eased (idle_face.h). An utterance
+ * replaces idle media beyond its beginning. */
 void stream_idle(struct stream *stream, const struct idle_options *options);
 
-/* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
+/* Sets the stream's mood from the next media on. Returns -1 with *e like mood_set. */
 int stream_express(struct stream *stream, const struct mood_request *mix, struct error *e);
 
-/* The number of the last utterance; and the next one has a higher number than that. */
+/* Get and raise the number of the last utterance. */
 uint32_t stream_number(const struct stream *stream);
 void stream_number_above(struct stream *stream, uint32_t number);
 
-/* All that speaks and waits gets its ERROR and its END, "failed"; what is spared (speech_request.h) a WARNING
- * if it has begun. Ends a pause. */
+/* Fails the current and waiting utterances with ERROR and END "failed"; those that another node repeats
+ * (speech_request.h) get a WARNING if they have begun. Ends a pause. */
 void stream_fail(struct stream *stream, const struct error *e);
 
-/* The daemons that asked for something have told its end by now: what waits of it is forgotten, and what
- * speaks is this one's alone. */
+/* Detaches from the nodes that asked, which have reported the end already: drops their waiting utterances
+ * and keeps the current one. */
 void stream_go_alone(struct stream *stream);
 
-/* The same of what that daemon asked for when it followed before (0: of what any has). The number of what
- * speaks, where that is of it; else 0. */
+/* The same for utterances of a node's earlier session; 0 = of any remote node. Returns the number of the
+ * current utterance if it is one of them, else 0. */
 uint32_t stream_forget_earlier(struct stream *stream, uint64_t abroad);
 
-/* Does it speak, or does anything wait? */
+/* Tells whether an utterance is playing or waiting. */
 bool stream_busy(const struct stream *stream);
 
-/* Cuts the utterance that speaks and forgets those that wait; each gets its END. Ends a pause. */
+/* Cuts the current utterance and drops the waiting ones; each gets its END. Ends a pause. */
 void stream_stop(struct stream *stream);
 
-/* No media of utterances leave, and their clock stands still where they are heard now, until stream_resume;
- * listeners halt there, too. Idle media go on meanwhile. What is asked for waits. */
+/* Halts utterances and their clock at the sample being heard until stream_resume, also for listeners. Idle
+ * media continue; new requests wait. */
 void stream_pause(struct stream *stream);
 void stream_resume(struct stream *stream);
 
-/* The words per minute of all sentences that have not begun, 40..500, of the utterance that speaks and of
- * those that wait. */
+/* Sets words per minute, 40..500, for all sentences not yet started, in the current and waiting
+ * utterances. */
 void stream_rate(struct stream *stream, double rate);
 
-/* The utterance that speaks goes on from its first mark of that name. What was sent and has not been heard is
- * to be forgotten: see JUMPED. -1 with *e: "not-speaking", "unknown-mark". */
+/* Continues the current utterance at its first mark of that name. Listeners drop what was sent but not
+ * heard: see JUMPED. Returns -1 with *e: "not-speaking", "unknown-mark". */
 int stream_jump(struct stream *stream, const char *mark, struct error *e);
 
 #endif

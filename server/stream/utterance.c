@@ -1,11 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/stream/utterance.h"
 #include "server/base/mem.h"
+#include "server/stream/stream_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
+static void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
+                              struct face_placement *face, double fps, uint32_t samples,
+                              struct media *media) {
+    const struct sentence_audio *u = segment->audio;
+    if (samples > u->samples - cut->at)
+        samples = u->samples - cut->at;
+    uint64_t start = (uint64_t)(segment->start + cut->at);
+    uint32_t first = frame_from_sample(start, u->sample_rate, fps);
+    uint32_t end = frame_from_sample(start + samples, u->sample_rate, fps);
+    for (uint32_t k = first; k < end; k++)
+        media_segment_frame(segment, face, fps, k, &media->frames[k - first]);
+    *media = (struct media){.sample_rate = u->sample_rate,
+                            .fps = fps,
+                            .start = (uint32_t)start,
+                            .samples = samples,
+                            .pcm = u->pcm ? u->pcm + cut->at : NULL,
+                            .first_frame = first,
+                            .frame_count = end - first,
+                            .frames = media->frames};
+    cut->at += samples;
+}
+
+/* Enters the segment at its first audible sample. */
+static void segment_cut_enter(struct segment_cut *cut, const struct media_segment *segment) {
+    const struct sentence_audio *u = segment->audio;
+    *cut = (struct segment_cut){.at = segment->skip};
+    while (cut->word < u->word_count && u->words[cut->word].start < cut->at)
+        cut->word++;
+    while (cut->mark < u->mark_count && u->marks[cut->mark].at < cut->at)
+        cut->mark++;
+    while (cut->phone < u->phone_count && u->phones[cut->phone].start < cut->at)
+        cut->phone++;
+}
+
 const struct speech_request *utterance_request(const struct utterance *t) {
-    return t->recording ? NULL : t->heard ? heard_voice_request(t->heard) : synthesis_request(t->synthesis);
+    return t->recording ? NULL : t->live ? live_voice_request(t->live) : synthesis_request(t->synthesis);
 }
 
 void utterance_start(struct utterance *t) {
@@ -14,8 +48,8 @@ void utterance_start(struct utterance *t) {
     t->started = true;
     if (t->recording)
         recording_start(t->recording);
-    else if (t->heard)
-        heard_voice_start(t->heard);
+    else if (t->live)
+        live_voice_start(t->live);
     else
         synthesis_start(t->synthesis);
 }
@@ -31,7 +65,7 @@ const char *utterance_id(const struct utterance *t) {
 void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,
                     struct stream_event event) {
     event.utterance = t->number;
-    event.id = t->synthesis || t->recording || t->heard ? utterance_id(t) : event.id;
+    event.id = t->synthesis || t->recording || t->live ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
     event.order = t->order;
     sink->event(ctx, &event);
@@ -47,7 +81,7 @@ bool utterance_is_apart(const struct utterance *t) {
 }
 
 bool utterance_is_foreign(const struct utterance *t) {
-    return utterance_is_apart(t) || t->heard || synthesis_request(t->synthesis)->life >= 0;
+    return utterance_is_apart(t) || t->live || synthesis_request(t->synthesis)->life >= 0;
 }
 
 void utterance_unplace(struct utterance *t) {
@@ -55,9 +89,9 @@ void utterance_unplace(struct utterance *t) {
     t->face = NULL;
 }
 
-/* What lives beside a voice that is heard goes on from one piece of it to the next. */
+/* Keeps the life beside a live voice across its segments. */
 static void drop_segment(struct utterance *t) {
-    if (!t->heard)
+    if (!t->live)
         utterance_unplace(t);
     media_segment_free(&t->segments[0]);
     t->segment_count--;
@@ -75,8 +109,8 @@ void utterance_drop_segment_if_done(struct utterance *t) {
         return;
     if (t->recording)
         recording_release(t->recording);
-    else if (t->heard)
-        heard_voice_release(t->heard);
+    else if (t->live)
+        live_voice_release(t->live);
     else
         synthesis_release(t->synthesis);
 }
@@ -87,7 +121,7 @@ void utterance_free(struct utterance *t) {
     utterance_unplace(t);
     synthesis_free(t->synthesis);
     recording_free(t->recording);
-    heard_voice_free(t->heard);
+    live_voice_free(t->live);
     mood_free(t->mood);
     free(t->segments);
     free(t);
@@ -107,7 +141,7 @@ static struct stream_event place_of(struct utterance *t, enum stream_event_kind 
                                  .text = text + start};
 }
 
-/* What begins before the cut and has not been said. */
+/* Reports what begins before the cut and was not reported yet. */
 static void say_events(struct utterance *t, const struct stream_sink *sink, void *ctx) {
     const struct media_segment *segment = &t->segments[0];
     const struct sentence_audio *u = segment->audio;
@@ -154,16 +188,16 @@ void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ct
 bool utterance_awaits_text(const struct utterance *t) {
     if (!t->begun || t->segment_count)
         return false;
-    return t->heard ? heard_voice_awaits(t->heard) : t->synthesis && synthesis_awaits_text(t->synthesis);
+    return t->live ? live_voice_awaits(t->live) : t->synthesis && synthesis_awaits_text(t->synthesis);
 }
 
 int64_t utterance_patience(const struct utterance *t) {
-    return t->heard && !heard_voice_stalls(t->heard) ? -HEARD_STALL_MS : STREAM_WAIT_MS;
+    return t->live && !live_voice_stalls(t->live) ? -LIVE_STALL_MS : STREAM_WAIT_MS;
 }
 
 void utterance_wait(struct utterance *t) {
-    if (t->heard)
-        heard_voice_wait(t->heard, STREAM_WAIT_MS);
+    if (t->live)
+        live_voice_wait(t->live, STREAM_WAIT_MS);
     else
         utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
 }
@@ -181,7 +215,7 @@ void utterance_seek(struct utterance *t, size_t sentence, const char *mark) {
 }
 
 void utterance_respeak(struct utterance *t) {
-    /* one that is entered in its middle stays: what was asked for is that place */
+    /* keep a segment entered in the middle: it is the requested place */
     size_t held = t->segment_count && (t->sentence_said || t->segments[0].skip);
     uint32_t sample = t->sent;
     size_t next = t->segment_count ? t->segments[0].sentence : synthesis_next(t->synthesis);

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What all syntheses share, as it is handed from room to room: a stage that only hands it on needs to know
- * none of it.
- */
+/* Components shared by all syntheses. Declared apart, so that code can pass it on without knowing them. */
 #ifndef FACCIA_SYNTHESIS_PIPELINE_H
 #define FACCIA_SYNTHESIS_PIPELINE_H
 
@@ -18,29 +16,28 @@ struct speech_packs;
 struct expressions;
 struct face_high_level;
 struct normalizers;
-struct heard_pool;
+struct live_pool;
 
-/* Borrowed. */
+/* All borrowed. */
 struct pipeline {
     uv_loop_t *loop;
     struct voice_pool *voices;
     const struct speech_packs *packs;
-    const struct expressions *expressions;    /* others may take their place: who keeps them takes a share */
-    const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
-    const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
+    const struct expressions *expressions;    /* may be replaced by a reload: holders take a reference */
+    const struct face_high_level *high_level; /* NULL = ignore FAP 1 and 2 of recordings */
+    const struct normalizers *normalizers;    /* NULL = leave say-as to the voices */
     const char *default_lang;
-    enum face_contacts default_contacts; /* of requests that say "engine" */
-    const struct reader *reader;         /* decodes sound that may be damaged (sound_reader.h); NULL = nobody
-                                            else does */
-    struct work_gate *gate;              /* so many sounds are decoded at a time; NULL = any number */
-    const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
-    struct metrics *metrics;             /* NULL = nobody counts */
-    struct codec_load *codec_load;       /* of the sound; NULL = the best */
-    struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
-    /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
+    enum face_contacts default_contacts; /* for requests that say "engine" */
+    const struct reader *reader;         /* decodes untrusted sound (sound_reader.h); NULL = none */
+    struct work_gate *gate;              /* limits concurrent decoding; NULL = no limit */
+    const char *sounds;                  /* folder of sound files for texts; NULL = none */
+    struct metrics *metrics;             /* NULL = no metrics */
+    struct codec_load *codec_load;       /* load of the sound coders; NULL = best quality */
+    struct coder_pool *coders;           /* coding threads; NULL = code on the loop */
+    /* Texts of at least this many bytes are parsed on another thread; 0 = never. */
     size_t long_text;
-    struct heard_pool *heard; /* people's own voices; NULL = none can be heard */
-    unsigned open_seconds;    /* a text that is being written, and is not for so long, is closed; 0 = never */
+    struct live_pool *live; /* live voices; NULL = disabled */
+    unsigned open_seconds;  /* an open text is closed after this many idle seconds; 0 = never */
 };
 
 #endif

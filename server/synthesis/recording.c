@@ -3,9 +3,13 @@
 #include "protocol/fapfile.h"
 #include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/sound_reader.h"
+#include "server/base/utf8.h"
 #include "server/base/work_gate.h"
+#include "server/face/high_level.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -15,11 +19,136 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-    SILENT_RATE = 8000, /* of a recording without sound, Hz */
+/* Tells whether a recording may have that name. */
+static bool recording_is_name(const char *name) {
+    size_t size = strlen(name);
+    bool fit = size && size <= RECORDING_NAME_BYTES_MAX && *name != '.' && !strchr(name, '/') &&
+               utf8_check(name, size) == size;
+    for (const char *c = name; *c; c++)
+        fit &= (unsigned char)*c >= ' ';
+    return fit;
+}
+
+struct names {
+    char **names;
+    size_t count, cap;
 };
 
-/* While `working`, all but `freed` belongs to the other thread. */
+static int compare(const void *a, const void *b) {
+    return strcoll(*(char *const *)a, *(char *const *)b);
+}
+
+/* The names that end in ".fap", in order. */
+static void find(struct names *n, const char *folder, struct work_limit *limit) {
+    DIR *dir = opendir(folder);
+    while (dir && !work_limit_over(limit)) {
+        const struct dirent *entry = readdir(dir);
+        size_t size = entry ? strlen(entry->d_name) : 0;
+        if (!entry)
+            break;
+        if (size <= 4 || strcmp(entry->d_name + size - 4, ".fap") != 0)
+            continue;
+        n->names = mem_grow(n->names, &n->cap, n->count + 1, sizeof *n->names);
+        n->names[n->count++] = mem_strdup(entry->d_name);
+    }
+    if (dir)
+        closedir(dir);
+    if (n->count && !work_limit_over(limit))
+        qsort(n->names, n->count, sizeof *n->names, compare);
+}
+
+static int recording_sound_beside(const char *folder, const char *fap_path);
+
+bool recording_list(const char *folder, struct work_limit *limit,
+                    void (*each)(void *ctx, const char *name, bool sound), void *ctx) {
+    struct names n = {0};
+    find(&n, folder, limit);
+    for (size_t i = 0; i < n.count; i++) {
+        char *name = n.names[i];
+        bool wanted = !work_limit_over(limit);
+        FILE *file = wanted ? beneath_file(folder, name) : NULL;
+        int sound = file ? recording_sound_beside(folder, name) : -1;
+        name[strlen(name) - 4] = '\0';
+        if (file && recording_is_name(name))
+            each(ctx, name, sound >= 0);
+        if (file)
+            fclose(file);
+        if (sound >= 0)
+            close(sound);
+        free(name);
+    }
+    free(n.names);
+    return !work_limit_over(limit);
+}
+
+enum { CHANNELS_MAX = 8, BLOCK = 4096 };
+
+const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "mp3",
+                                        "aiff", "aif",  "au",  "caf",  "w64", NULL};
+
+/* Opens the sound file beside a .fap; -1 if there is none. folder: as in a source. */
+static int recording_sound_beside(const char *folder, const char *fap_path) {
+    size_t stem = strlen(fap_path);
+    int fd = -1;
+    if (stem > 4 && !strcmp(fap_path + stem - 4, ".fap"))
+        stem -= 4;
+    for (const char *const *ending = recording_sounds; fd < 0 && *ending; ending++) {
+        size_t size = stem + strlen(*ending) + 2;
+        char *path = mem_alloc(size);
+        snprintf(path, size, "%.*s.%s", (int)stem, fap_path, *ending);
+        fd = folder ? beneath_open(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+        free(path);
+    }
+    return fd;
+}
+
+/* Opens the source's sound as a file. Returns -1 with errno, which is 0 when it has none. */
+static int open_file(struct recording_source *source) {
+    int fd = -1;
+    errno = 0;
+    if (source->sound_path) {
+        fd = open(source->sound_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    } else if (source->sound.size) {
+        fd = reader_input(source->sound.data, source->sound.size);
+        buf_free(&source->sound);
+    } else if (source->fap_path) {
+        fd = recording_sound_beside(source->folder, source->fap_path);
+        errno = 0;
+    }
+    return fd;
+}
+
+int recording_sound_open(struct sound_reader **sound, struct recording_source *source,
+                         const struct reader *reader, const atomic_bool *given_up, struct error *e) {
+    char message[SOUND_MESSAGE_BYTES];
+    int fd = open_file(source);
+    *sound = NULL;
+    if (fd < 0)
+        return errno ? error_set(e, ERROR_BAD_SOUND, "%s", strerror(errno)) : 0;
+    *sound = sound_reader_open(reader, fd, source->sound_path, CHANNELS_MAX, given_up, message);
+    return *sound ? 0 : error_set(e, ERROR_BAD_SOUND, "%s", message);
+}
+
+uint32_t recording_sound_read(struct sound_reader *s, int16_t *pcm, uint32_t count) {
+    float block[BLOCK];
+    uint32_t done = 0;
+    while (done < count) {
+        size_t want = count - done < BLOCK ? count - done : BLOCK, got = sound_reader_read(s, block, want);
+        for (size_t i = 0; i < got; i++) {
+            double value = 32768.0 * block[i];
+            pcm[done++] = (int16_t)(value >= 32767 ? 32767 : value <= -32768 ? -32768 : lrint(value));
+        }
+        if (got < want)
+            break;
+    }
+    return done;
+}
+
+enum {
+    SILENT_RATE = 8000, /* assumed without sound, Hz */
+};
+
+/* While `working`, everything but `freed` belongs to the worker thread. */
 struct recording {
     uv_loop_t *loop;
     struct gated_work work;
@@ -30,18 +159,18 @@ struct recording {
     void *ctx;
     struct recording_source source;
     bool working, opened, ended;
-    atomic_bool freed; /* what the other thread does ends soon */
-    bool delivering;   /* inside callbacks: reads on, and is freed, after them */
+    atomic_bool freed; /* asks the worker thread to stop */
+    bool delivering;   /* inside callbacks: continue, or free it, after them */
     struct fapfile fap;
     double fps;
-    struct sound_reader *sound; /* NULL: there is none, or no more */
+    struct sound_reader *sound; /* NULL = none, or at its end */
     uint32_t rate, at;          /* Hz; samples so far */
-    uint32_t end;               /* of the frames, in samples */
+    uint32_t end;               /* end of the frames, in samples */
     size_t pieces, released;
-    struct sentence_audio *piece; /* read last */
-    struct error error;           /* code NULL: none */
-    struct error note;            /* what of the file was passed over; the same */
-    bool sound_told;              /* that its sound is not whole */
+    struct sentence_audio *piece; /* last piece read */
+    struct error error;           /* code ERROR_NONE = none */
+    struct error note;            /* parts of the file that were ignored; likewise */
+    bool sound_told;              /* damaged sound was reported */
 };
 
 void recording_source_free(struct recording_source *source) {
@@ -77,7 +206,7 @@ static int told_why_stopped(struct recording *r, const struct work_limit *limit)
                        : error_set(&r->error, ERROR_CANCELLED, "the .fap file was not read");
 }
 
-/* The .fap as text, from its file. */
+/* Reads the .fap as text from its file. */
 static int read_fap(struct recording *r, struct work_limit *limit) {
     struct recording_source *source = &r->source;
     int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
@@ -128,7 +257,7 @@ static int open_fap(struct recording *r) {
         error_at_line(&r->note, ERROR_IGNORED, note->line, note->column, "%s", note->message);
     buf_free(text);
     face_high_level_expand(r->high, r->fap.frames, r->fap.count);
-    r->fps = round(r->fap.fps * 100) / 100; /* what the protocol can say */
+    r->fps = round(r->fap.fps * 100) / 100; /* the protocol's precision */
     if (r->fps < 1 || r->fps > RECORDING_FPS_MAX)
         return error_at_line(&r->error, ERROR_BAD_FAP, 1, 1, "the frame rate must be 1 to %d",
                              RECORDING_FPS_MAX);
@@ -145,7 +274,7 @@ static int open_all(struct recording *r) {
     return 0;
 }
 
-/* Sound, and silence where it ends before the frames do. */
+/* Reads sound, or silence where it ends before the frames. */
 static void read_piece(struct recording *r) {
     uint32_t want = r->rate * RECORDING_PIECE_SECONDS, got = 0;
     int16_t *pcm = NULL;
@@ -159,7 +288,8 @@ static void read_piece(struct recording *r) {
     size = size > got ? size : got;
     r->ended = size < want || r->at + size == UINT32_MAX;
     const char *wrong = r->sound ? sound_reader_wrong(r->sound) : NULL;
-    if (wrong && got < want && !r->sound_told) { /* what came before is played, and so are the frames */
+    if (wrong && got < want &&
+        !r->sound_told) { /* what came before the damage is played, and so are the frames */
         r->sound_told = true;
         error_set(&r->note, ERROR_BAD_SOUND, "the sound is not whole: %s", wrong);
     }

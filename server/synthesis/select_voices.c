@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/select_voices.h"
 #include "server/base/mem.h"
-#include "server/voice/inserted_sound.h"
+#include "server/base/near.h"
+#include "server/synthesis/synthesis_internal.h"
+#include "server/voice/sentence.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,12 +10,12 @@ enum { NAMES = 16 };
 
 struct selecting {
     struct score *score;
-    const struct voice *voice; /* the usual one */
+    const struct voice *voice; /* the request's voice */
     struct voice_list voices;
     const struct speech_packs *packs;
 };
 
-/* The voice of that name, or of the first of several names that is there; the first NAMES are looked for. */
+/* Returns the first available voice of a list of names, looking at no more than NAMES of them. */
 static const struct voice *by_names(const struct selecting *c, const char *names) {
     const struct voice *voice = voice_by_name(c->voices, names);
     for (int tried = 0; !voice && *names && tried < NAMES;) {
@@ -32,7 +33,7 @@ static bool has_gender(const struct voice *voice, const char *gender) {
     return !strcmp(voice->gender, gender);
 }
 
-/* 1 for the voice that the pack names first, less for later ones, 0 for others. */
+/* 1 for the pack's first preferred voice, less for later ones, 0 for others. */
 static double preference(const char *const *preferred, const struct voice *voice) {
     for (double rank = 1; preferred && *preferred; preferred++, rank /= 2)
         if (!strcmp(*preferred, voice->id))
@@ -65,7 +66,7 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     const struct score_style *style = item->style;
     const struct voice *base = style->voice ? by_names(c, style->voice) : c->voice;
     if (!base) {
-        /* with what may have been meant */
+        /* with a suggestion */
         struct error e;
         voice_unknown(c->voices, style->voice, &e);
         score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "%s", e.message);
@@ -84,9 +85,15 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     return best && (!speaks || has_gender(best, gender)) ? best : base;
 }
 
-struct voice_selection *select_voices(struct score *score, const struct voice *voice,
-                                      struct voice_list voices, const struct speech_packs *packs,
-                                      const char *sounds) {
+/* Chooses a voice for each text of a score; `voice` is the default. What is not available becomes a warning
+ * of the script at its place ("unknown-voice", "unknown-language", "no-sound"), and the default speaks.
+ * sounds: folder, or NULL. A named voice speaks, unless the author also sets another language or a gender.
+ * For a language, voices of the wanted gender come first (the author's, else that of the voice before the
+ * change), then those preferred by the language pack, then those of the same plugin. Callable from any
+ * thread. */
+static struct voice_selection *select_voices(struct score *score, const struct voice *voice,
+                                             struct voice_list voices, const struct speech_packs *packs,
+                                             const char *sounds) {
     const struct selecting c = {score, voice, voices, packs};
     const struct score_style *last = NULL;
     const struct voice *chosen = NULL; /* for the last style */
@@ -111,10 +118,151 @@ struct voice_selection *select_voices(struct score *score, const struct voice *v
     return selection;
 }
 
-const struct voice *select_voice_of_gender(const struct voice_pool *pool, const struct speech_packs *packs,
-                                           const char *lang, const char *gender, const char *plugin) {
+/* Returns the best voice of a language and gender, or NULL if there is none of that gender. */
+static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
+                                                  const struct speech_packs *packs, const char *lang,
+                                                  const char *gender, const char *plugin) {
     struct selecting c = {.packs = packs};
     c.voices.voices = voice_pool_voices(pool, &c.voices.count);
     const struct voice *voice = by_language(&c, lang, gender, plugin);
     return voice && has_gender(voice, gender) ? voice : NULL;
+}
+
+/* Chooses the voice and language of a text, and prepares its script. */
+
+/* About three seconds of speech. A slow voice synthesises each further part while the previous one plays. */
+enum { SLOW_SENTENCE_BYTES = 48 };
+
+bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
+    const struct speech_pack *pack = speech_packs_find(pipeline->packs, lang);
+    size_t count;
+    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
+    if (!pack || !speech_pack_is_general(pack))
+        return pack != NULL;
+    for (size_t i = 0; i < count; i++)
+        if (voice_lang_fit(voices[i].lang, lang))
+            return true;
+    return false;
+}
+
+static int no_language(const struct pipeline *pipeline, const char *lang, struct error *e) {
+    struct near near = near_to(lang);
+    char text[NEAR_TEXT];
+    size_t count;
+    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
+    for (size_t i = 0; i < pipeline->packs->count; i++) {
+        const struct speech_pack *pack = pipeline->packs->packs[i];
+        near_try(&near, speech_pack_lang(pack), speech_pack_lang(pack));
+        near_try(&near, speech_pack_name(pack), speech_pack_lang(pack));
+    }
+    for (size_t i = 0; i < count; i++)
+        near_try(&near, voices[i].lang, voices[i].lang);
+    return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'%s", lang,
+                          near_text(&near, text));
+}
+
+/* Chooses the request's language and voice; each may follow from the other. On failure the previous voice
+ * stays. */
+static int choose_voice(struct synthesis *s, struct error *e) {
+    const struct speech_packs *packs = s->pipeline->packs;
+    const char *lang = s->request.lang;
+    char stated[MARKUP_LANG_BYTES];
+    size_t voices = 0;
+    if (s->pipeline->voices)
+        voice_pool_voices(s->pipeline->voices, &voices);
+    if (!voices)
+        return error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice is there (yet)");
+    if (lang && !synthesis_can_speak(s->pipeline, lang))
+        return no_language(s->pipeline, lang, e);
+    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, stated) &&
+        synthesis_can_speak(s->pipeline, stated))
+        lang = stated;
+    if (!lang)
+        lang = s->pipeline->default_lang;
+    const struct speech_pack *pack = speech_packs_find(packs, lang);
+    if (!pack)
+        return no_language(s->pipeline, lang, e);
+    if (!speech_pack_is_general(pack))
+        lang = speech_pack_lang(pack);
+    const struct voice *voice =
+        voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(pack), e);
+    if (!voice)
+        return -1;
+    const char *gender = request_gender(&s->request);
+    if (gender && !s->request.voice && strcmp(voice->gender, gender)) {
+        const struct voice *other =
+            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, voice->plugin);
+        if (other)
+            voice = other;
+    }
+    /* phones come from the voice, so the lips use the pack of its language if there is one */
+    const struct speech_pack *own = speech_packs_spoken(packs, pack, voice->lang);
+    s->voice = voice;
+    s->pack = own ? own : pack;
+    return 0;
+}
+
+static int check_engine(const struct synthesis *s, struct error *e) {
+    if (!s->request.engine)
+        return 0;
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        if (!strcmp(*engine, s->request.engine))
+            return face_engine_speaks(*engine, s->pack)
+                       ? 0
+                       : error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine",
+                                        "the engine '%s' does not speak '%s'", *engine, synthesis_lang(s));
+    struct near near = near_to(s->request.engine);
+    char text[NEAR_TEXT];
+    near_try_all(&near, face_engines());
+    return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s'%s", s->request.engine,
+                          near_text(&near, text));
+}
+
+int synthesis_choose(struct synthesis *s, struct error *e) {
+    return choose_voice(s, e) || check_engine(s, e) ? -1 : 0;
+}
+
+/* Weights need weighted blending: a text that sets one gets it, unless the request asks otherwise. */
+static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
+    bool weighted = false;
+    for (size_t i = 0; i < score->cue_count; i++) {
+        if (score->cues[i].weight < 0)
+            continue;
+        weighted = true;
+        if (asked == SPEAK_BLEND_REGIONS)
+            score_warn(score, score->cues[i].at, ERROR_IGNORED,
+                       "the weight is ignored: the request sets blend to regions");
+    }
+    return asked == SPEAK_BLEND_WEIGHTED || (asked == SPEAK_BLEND_AUTO && weighted) ? BLEND_WEIGHTED
+                                                                                    : BLEND_REGIONS;
+}
+
+struct markup_rules synthesis_rules(const struct synthesis *s) {
+    return (struct markup_rules){.abbreviations = speech_pack_abbreviations(s->pack),
+                                 .lang = synthesis_lang(s),
+                                 .sentence_bytes =
+                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
+}
+
+void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
+    const struct pipeline *pipeline = s->pipeline;
+    r->score = score_script(r->document);
+    for (size_t i = 0; i < r->score->item_count; i++)
+        r->marks |= r->score->items[i].kind == SCORE_MARK;
+    r->blend = blend_of(s->request.blend, r->score);
+    if (s->expressions)
+        expressions_direct(s->expressions, r->score);
+    r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
+    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers && !work_limit_over(limit); i++)
+        normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
+}
+
+const char *synthesis_lang(const struct synthesis *s) {
+    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
+}
+
+const char *synthesis_engine(const struct synthesis *s) {
+    return s->request.engine ? s->request.engine : face_engines()[0];
 }

@@ -1,8 +1,224 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A synthesis: opening, delivery, seeking and queries. */
 #include "server/base/mem.h"
+#include "server/base/near.h"
+#include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* Tells whether the whole text has been parsed. */
+static bool synthesis_is_read(const struct synthesis *s) {
+    return s->score;
+}
+
+bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *sentence) {
+    for (size_t i = 0; i < synthesis_sentences(s); i++) {
+        const struct score_sentence *in = &s->score->sentences[i];
+        for (size_t k = in->first; k < in->first + in->count; k++)
+            if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
+                *sentence = i;
+                return true;
+            }
+    }
+    return false;
+}
+
+void synthesis_near_marks(const struct synthesis *s, struct near *near) {
+    for (size_t i = 0; s->score && i < s->score->item_count; i++)
+        if (s->score->items[i].kind == SCORE_MARK)
+            near_try(near, s->score->items[i].text, s->score->items[i].text);
+}
+
+size_t synthesis_sentences(const struct synthesis *s) {
+    return s->score ? s->score->sentence_count : 0;
+}
+
+size_t synthesis_next(const struct synthesis *s) {
+    return s->delivered;
+}
+
+const char *synthesis_entry(const struct synthesis *s) {
+    return s->entry;
+}
+
+const struct voice *synthesis_voice(const struct synthesis *s) {
+    return s->voice;
+}
+
+const char *synthesis_markup(const struct synthesis *s) {
+    return s->markup->name;
+}
+
+const struct speech_request *synthesis_request(const struct synthesis *s) {
+    return &s->request;
+}
+
+/* Opening: from a request to a score with its voices. */
+
+static int no_markup(const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
+        near_try(&near, kind->name, kind->name);
+    return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
+                          near_text(&near, text));
+}
+
+static void writing_open(struct synthesis *s);
+
+/* From here on all places count in the request's text. */
+static int decode_text(struct synthesis *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
+        return no_markup(name, e);
+    if (s->request.open) {
+        writing_open(s);
+        s->markup = markup_by_name("plain"); /* until the kind is known */
+        return 0;
+    }
+    if (!s->request.text)
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+static void drop_reading(struct reading_result *r, const struct markup_rules *rules) {
+    enum error_code code;
+    const char *why = markup_why_given_up(rules, &code);
+    score_free(r->document);
+    score_free(r->score);
+    voice_selection_free(r->chosen);
+    *r = (struct reading_result){0};
+    error_set(&r->error, code, "%s", why);
+}
+
+/* Processor time for reading a text, s, and for each megabyte of it: many times what the slowest takes. */
+enum { READ_SECONDS = 10, READ_SECONDS_EACH = 20 };
+
+/* Callable from any thread: nothing reached from here changes while texts are parsed. */
+static void read_text(struct synthesis *s) {
+    struct reading_result *r = &s->result;
+    struct markup_rules rules = synthesis_rules(s);
+    struct work_limit limit = work_limit_begin(
+        &s->given_up, READ_SECONDS + READ_SECONDS_EACH * (unsigned)(s->request.text_size >> 20));
+    struct language_runs runs = {0};
+    const char *languages = s->request.languages;
+    if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
+        return;
+    rules.runs = &runs;
+    rules.limit = &limit;
+    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    language_runs_free(&runs);
+    if (r->document && !markup_given_up(&rules))
+        synthesis_direct(s, r, &limit);
+    if (r->document && markup_given_up(&rules))
+        drop_reading(r, &rules); /* much to free, which is better done here */
+}
+
+static void take_result(struct synthesis *s) {
+    s->score = s->result.score;
+    s->chosen = s->result.chosen;
+    voice_pool_release(s->pipeline->voices);
+}
+
+static void on_work(uv_work_t *work) {
+    read_text(work->data);
+}
+
+static void synthesis_go_on(struct synthesis *s);
+
+static void after_work(uv_work_t *work, int status) {
+    struct synthesis *s = work->data;
+    s->reading = false;
+    take_result(s);
+    if (status) /* cancelled before it started */
+        error_set(&s->result.error, ERROR_CANCELLED, "the text was not read");
+    synthesis_go_on(s);
+}
+
+static int begin_reading(struct synthesis *s, struct error *e) {
+    s->voices = voice_pool_retain(s->pipeline->voices);
+    if (s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text) {
+        s->reading = true;
+        s->work.data = s;
+        uv_queue_work(s->pipeline->loop, &s->work, on_work, after_work);
+        return 0;
+    }
+    read_text(s);
+    take_result(s);
+    *e = s->result.error;
+    return s->score ? 0 : -1;
+}
+
+/* Tells whether a plugin that is still starting could no longer change the choice of voices. Marked-up
+ * text may name any voice. */
+static bool is_settled(const struct synthesis *s) {
+    const struct voice_pool *voices = s->pipeline->voices;
+    const char *lang = s->request.lang ? s->request.lang : s->pipeline->default_lang;
+    const struct speech_pack *pack = speech_packs_find(s->pipeline->packs, lang);
+    if (!voices)
+        return true;
+    if (s->markup != markup_by_name("plain") || !pack || speech_pack_is_general(pack))
+        return voice_pool_settled(voices, NULL, NULL);
+    return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
+}
+
+static int choose_and_read(struct synthesis *s, struct error *e) {
+    if (synthesis_choose(s, e))
+        return -1;
+    if (!s->writing)
+        return begin_reading(s, e);
+    writing_begin(s);
+    return 0;
+}
+
+static void on_voices(void *ctx) {
+    struct synthesis *s = ctx;
+    if (!is_settled(s))
+        return;
+    voice_wait_end(s->wait);
+    s->wait = NULL;
+    struct error e;
+    if (choose_and_read(s, &e))
+        s->result.error = e;
+    if (!s->reading)
+        synthesis_go_on(s);
+}
+
+struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
+                                 const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
+    struct synthesis *s = mem_alloc(sizeof *s);
+    s->pipeline = pipeline;
+    s->expressions = expressions_share(pipeline->expressions);
+    s->callbacks = *callbacks;
+    s->ctx = ctx;
+    request_copy(&s->request, request);
+    if (s->request.contacts == CONTACTS_ENGINE)
+        s->request.contacts = pipeline->default_contacts;
+    int result = decode_text(s, e);
+    if (!result && !is_settled(s))
+        s->wait = voice_pool_wait(pipeline->voices, on_voices, s);
+    else if (!result)
+        result = choose_and_read(s, e);
+    if (result) {
+        synthesis_free(s);
+        return NULL;
+    }
+    return s;
+}
+
+static void synthesis_deliver(struct synthesis *s);
 
 static void on_done(void *ctx, struct sentence_audio *audio) {
     struct slot *slot = ctx;
@@ -20,25 +236,25 @@ static void on_failed(void *ctx, const struct error *e) {
     synthesis_deliver(slot->synthesis);
 }
 
-static enum voice_turn turn_of(const struct synthesis *s, const struct slot *slot) {
-    return s->request.ahead                ? VOICE_TURN_AHEAD
-           : slot->sentence == s->released ? VOICE_TURN_URGENT
-                                           : VOICE_TURN_USUAL;
+static enum voice_priority priority_of(const struct synthesis *s, const struct slot *slot) {
+    return s->request.ahead                ? VOICE_PRIORITY_BACKGROUND
+           : slot->sentence == s->released ? VOICE_PRIORITY_URGENT
+                                           : VOICE_PRIORITY_NORMAL;
 }
 
 static void ask_voice(struct synthesis *s, struct slot *slot) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    struct voice_request request = {.voice = s->voice,
-                                    .score = s->score,
-                                    .sentence = slot->sentence,
-                                    .rate = s->request.rate,
-                                    .pitch = s->request.pitch,
-                                    .volume = s->request.volume,
-                                    .turn = turn_of(s, slot),
-                                    .payer = s->request.payer,
-                                    .asker = s->request.asker,
-                                    .reader = s->pipeline->reader,
-                                    .gate = s->pipeline->gate};
+    struct sentence_request request = {.voice = s->voice,
+                                       .score = s->score,
+                                       .sentence = slot->sentence,
+                                       .rate = s->request.rate,
+                                       .pitch = s->request.pitch,
+                                       .volume = s->request.volume,
+                                       .priority = priority_of(s, slot),
+                                       .payer = s->request.payer,
+                                       .asker = s->request.asker,
+                                       .reader = s->pipeline->reader,
+                                       .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
@@ -47,8 +263,8 @@ static bool has_sentence(struct synthesis *s, size_t sentence) {
     return sentence < s->score->sentence_count || (s->writing && writing_read(s));
 }
 
-/* What has been spoken already, or is being spoken, is not asked for again. */
-void synthesis_submit(struct synthesis *s) {
+/* Skips sentences already spoken or in progress. */
+static void synthesis_submit(struct synthesis *s) {
     if (!s->started || !s->score)
         return;
     for (; s->submitted < s->released + WINDOW && has_sentence(s, s->submitted); s->submitted++) {
@@ -61,7 +277,7 @@ void synthesis_submit(struct synthesis *s) {
         if (kept) {
             slot->audio = sentence_audio_share(kept->audio);
             slot->track = face_track_share(kept->track);
-        } else if (!guess_take(s, slot, synthesis_deliver)) {
+        } else if (!speculation_take(s, slot, synthesis_deliver)) {
             ask_voice(s, slot);
         }
     }
@@ -77,7 +293,7 @@ static void play(struct synthesis *s, struct slot *slot) {
         s->callbacks.segment(s->ctx, segment);
 }
 
-/* Whether the sentence goes beyond what the utterance's clock can count. */
+/* Tells whether the sentence exceeds the range of the utterance's clock. */
 static bool is_beyond(const struct synthesis *s, const struct sentence_audio *u) {
     return u && u->samples > UINT32_MAX - s->samples;
 }
@@ -87,7 +303,7 @@ static void warn_of_markup(struct synthesis *s) {
         s->callbacks.problem(s->ctx, &s->score->warnings[s->warned++], true);
 }
 
-/* What is wrong with a text that is being written. */
+/* Reports an error in an open text. */
 static void complain_of_writing(struct synthesis *s) {
     struct writing *w = s->writing;
     if (!w || w->told || s->freed || w->error.code == ERROR_NONE)
@@ -108,8 +324,8 @@ static void drop_audio(struct slot *slot) {
     slot->track = NULL;
 }
 
-/* Hands on, in order, what is ready. */
-void synthesis_deliver(struct synthesis *s) {
+/* Delivers finished segments in order. */
+static void synthesis_deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
         return;
     s->busy = true;
@@ -152,7 +368,7 @@ void synthesis_start(struct synthesis *s) {
     s->started = true;
     synthesis_submit(s);
     if (s->writing)
-        guess_look(s);
+        speculation_check(s);
 }
 
 static void refuse(struct synthesis *s) {
@@ -163,7 +379,8 @@ static void refuse(struct synthesis *s) {
     s->busy = false;
 }
 
-void synthesis_go_on(struct synthesis *s) {
+/* Continues after parsing, successful or not. */
+static void synthesis_go_on(struct synthesis *s) {
     if (!s->freed && !s->score)
         refuse(s);
     if (s->freed)
@@ -176,21 +393,20 @@ void synthesis_keep(struct synthesis *s) {
     s->keeps = true;
 }
 
-/* What the voices work on, and what waits to be handed on, but for the sentences from `first` to `last` (not
- * included) as they are to be spoken now. */
+/* Drops work in progress and finished sentences, except those in [first, last) that are still valid. */
 static void forget_pending(struct synthesis *s, size_t first, size_t last) {
     for (size_t i = 0; i < WINDOW; i++) {
         struct slot *slot = &s->slots[i];
         if (slot->taken && slot->sentence >= first && slot->sentence < last && slot->rate == s->request.rate)
             continue;
-        if (slot->job && !guess_cancel(s, slot))
+        if (slot->job && !speculation_cancel(s, slot))
             sentence_cancel(slot->job);
         drop_audio(slot);
         *slot = (struct slot){0};
     }
 }
 
-/* What a long text was read into takes long to free, too. */
+/* The parse result of a long text, freed on another thread. */
 struct rest {
     uv_work_t work;
     struct voice_selection *chosen;
@@ -205,7 +421,7 @@ static void free_rest(uv_work_t *work) {
 }
 
 static void after_rest(uv_work_t *work, int status) {
-    if (status) /* the other thread never came to it */
+    if (status) /* the thread never ran */
         free_rest(work);
     free(work->data);
 }
@@ -231,12 +447,12 @@ void synthesis_free(struct synthesis *s) {
     s->freed = true;
     if (s->reading) {
         atomic_store(&s->given_up, true);
-        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends soon */
+        uv_cancel((uv_req_t *)&s->work); /* if it is running, it stops soon */
     }
     if (s->busy || s->reading)
         return;
     free(s->entry);
-    guess_drop(s);
+    speculation_drop(s);
     writing_free(s);
     free_result(s);
     request_free(&s->request);
@@ -268,4 +484,147 @@ void synthesis_set_rate(struct synthesis *s, double rate) {
     if (rate != s->request.rate)
         kept_speech_clear(&s->kept);
     s->request.rate = rate;
+}
+
+/* A likely sentence end followed by this much silence is one: people and programs pause there. A slow
+ * language model takes about 50 ms between words. */
+enum { SETTLE_MS = 200 };
+
+/* The same for an almost certain end in a text written by a program, recognised by an average below
+ * BRISK_MS between writes. */
+enum { SURE_MS = 13, BRISK_MS = 80 };
+
+static void on_timer(uv_timer_t *timer);
+
+static uint64_t now_of(const struct synthesis *s) {
+    return uv_now(s->pipeline->loop);
+}
+
+/* synthesis_text.c */
+static void writing_open(struct synthesis *s) {
+    struct writing *w = s->writing = mem_alloc(sizeof *w);
+    w->open.kind = markup_by_name(s->request.markup ? s->request.markup : "auto");
+    w->timer = mem_alloc(sizeof *w->timer);
+    uv_timer_init(s->pipeline->loop, w->timer);
+    w->timer->data = s;
+    w->look = on_timer;
+    w->last = now_of(s);
+    w->settle = SETTLE_MS;
+    w->text_cap = s->request.text ? s->request.text_size + 1 : 0;
+    size_t bad = s->request.text ? utf8_feed(&w->utf8, s->request.text, s->request.text_size) : 0;
+    if (bad < s->request.text_size)
+        error_at_byte(&w->error, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
+    writing_wake(s, SETTLE_MS);
+}
+
+/* Without a score the voices are still starting and the language's rules are unknown, so nothing is
+ * parsed. */
+static bool surely_ended(const struct synthesis *s) {
+    if (!s->score)
+        return false;
+    struct markup_rules rules = synthesis_rules(s);
+    return open_text_surely_ended(&s->writing->open, s->request.text, s->request.text_size, &rules);
+}
+
+static void wrote(struct synthesis *s) {
+    struct writing *w = s->writing;
+    w->last = now_of(s);
+    w->first = w->writes++ ? w->first : w->last;
+    bool brisk = w->writes > 2 && w->last - w->first < BRISK_MS * (w->writes - 1);
+    w->settle = brisk && surely_ended(s) ? SURE_MS : SETTLE_MS;
+    writing_wake(s, w->settle);
+}
+
+int synthesis_write(struct synthesis *s, const char *text, size_t size, size_t most, struct error *e) {
+    struct writing *w = s->writing;
+    if (!w || w->closed || w->error.code != ERROR_NONE)
+        return 0;
+    size_t before = s->request.text_size;
+    if (size > most || before > most - size)
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %zu bytes", most);
+    const char *nul = memchr(text, '\0', size);
+    if (nul)
+        return error_at_byte(e, ERROR_NUL, before + (size_t)(nul - text), "the text holds a NUL character");
+    struct utf8_reader utf8 = w->utf8;
+    size_t bad = utf8_feed(&utf8, text, size);
+    if (bad < size)
+        return error_at_byte(e, ERROR_BAD_UTF8, before + bad, "the text is not UTF-8");
+    w->utf8 = utf8;
+    s->request.text = mem_grow(s->request.text, &w->text_cap, before + size + 1, 1);
+    memcpy(s->request.text + before, text, size);
+    s->request.text_size = before + size;
+    s->request.text[s->request.text_size] = '\0';
+    wrote(s);
+    synthesis_submit(s);
+    speculation_check(s);
+    return 0;
+}
+
+static void flush(struct synthesis *s) {
+    struct writing *w = s->writing;
+    size_t size = s->request.text_size;
+    if (!size || (w->flush_count && w->flushes[w->flush_count - 1] == size))
+        return;
+    w->flushes = mem_grow(w->flushes, &w->flush_cap, w->flush_count + 1, sizeof *w->flushes);
+    w->flushes[w->flush_count++] = size;
+    synthesis_submit(s);
+}
+
+void synthesis_flush(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->last = now_of(s);
+    flush(s);
+}
+
+void synthesis_close(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->closed = true;
+    writing_wake(s, 0);
+    synthesis_submit(s);
+}
+
+bool synthesis_is_open(const struct synthesis *s) {
+    return s->writing && !s->writing->closed;
+}
+
+bool synthesis_awaits_text(const struct synthesis *s) {
+    return synthesis_is_open(s) && s->score && s->delivered == s->score->sentence_count &&
+           s->samples < UINT32_MAX / 2; /* later speech needs the clock, too */
+}
+
+/* Closes a text that was idle for too long, so that others get their turn. */
+static void give_up(struct synthesis *s) {
+    struct error e;
+    error_set(&e, ERROR_UNFINISHED, "nothing was written for %u s: the text is taken as it is",
+              s->pipeline->open_seconds);
+    s->busy = true;
+    s->callbacks.problem(s->ctx, &e, true);
+    s->busy = false;
+    if (!s->freed)
+        synthesis_close(s);
+}
+
+static void on_timer(uv_timer_t *timer) {
+    struct synthesis *s = timer->data;
+    struct writing *w = s->writing;
+    uint64_t silent = now_of(s) - w->last, most = (uint64_t)s->pipeline->open_seconds * 1000;
+    struct markup_rules rules;
+    if (s->freed)
+        return;
+    if (!w->closed && most && silent >= most)
+        give_up(s);
+    if (s->freed) {
+        synthesis_free(s);
+        return;
+    }
+    if (!w->closed && silent >= w->settle && s->score && s->request.text) {
+        rules = synthesis_rules(s);
+        if (open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules))
+            flush(s);
+    }
+    if (!w->closed && (silent < w->settle || most))
+        writing_wake(s, silent < w->settle ? w->settle - silent : most - silent);
+    synthesis_deliver(s);
 }

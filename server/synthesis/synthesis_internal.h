@@ -1,39 +1,61 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of a speech share. */
+/* Private to synthesis: the struct, sentences kept for seeking, open texts and speculation. */
 #ifndef FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 #define FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 
 #include "server/base/utf8.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/face/track.h"
 #include "server/markup/open_text.h"
-#include "server/synthesis/kept_speech.h"
-#include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sentence.h"
 
-/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a
- * stop wastes little and that many speeches share the voices fairly. */
+/* Limit of kept sentences per utterance, about 40 s of speech; the oldest are dropped. */
+enum { KEPT_SPEECH_BYTES = 2 << 20 };
+
+struct kept_sentence {
+    size_t sentence;
+    struct sentence_audio *audio;
+    struct face_track *track;
+};
+
+/* Zero-initialised. */
+struct kept_speech {
+    struct kept_sentence *items; /* oldest first, no sentence twice */
+    size_t count, cap, bytes;
+};
+
+/* Adds a reference to audio and track. */
+void kept_speech_add(struct kept_speech *kept, const struct kept_sentence *sentence);
+
+/* Returns NULL if it is not kept. Valid until the next call of kept_speech_add. */
+const struct kept_sentence *kept_speech_find(const struct kept_speech *kept, size_t sentence);
+void kept_speech_clear(struct kept_speech *kept);
+
+/* Sentences in progress or waiting for release: enough to hide the voice's latency, few enough that a stop
+ * wastes little and utterances share the voices fairly. */
 enum { WINDOW = 3 };
 
 struct slot {
     struct synthesis *synthesis;
-    bool taken; /* by that sentence, spoken at that rate */
+    bool taken; /* by that sentence at that rate */
     size_t sentence;
     double rate;
     struct sentence *job;         /* set while the voice works on it */
-    struct sentence_audio *audio; /* set when it is ready */
-    struct face_track *track;     /* of one that was kept */
-    bool wait;                    /* silence, while text is awaited */
+    struct sentence_audio *audio; /* set when it is finished */
+    struct face_track *track;     /* of a kept sentence */
+    bool wait;                    /* silence while text is awaited */
     struct error failure;
 };
 
-/* What reading a text gives. */
+/* Result of parsing a text. */
 struct reading_result {
-    struct score *document; /* what the text says; NULL: error says why */
-    struct score *score;    /* its script: what is spoken */
+    struct score *document; /* the parsed text; NULL = see error */
+    struct score *score;    /* the script to speak */
     struct voice_selection *chosen;
-    enum face_blend blend; /* what the request and the text ask for */
+    enum face_blend blend; /* from the request and the text */
     struct error error;
-    bool marks; /* it has some */
+    bool marks; /* it has marks */
 };
 
 /* A text that is still being written. */
@@ -41,35 +63,35 @@ struct writing {
     struct open_text open;
     struct utf8_reader utf8;
     size_t text_cap;
-    double paused;                        /* s: the pauses of what was read */
-    size_t *flushes;                      /* places of the text at which a piece ends */
-    size_t flush_count, flush_cap, flush; /* the next of them */
-    bool closed;                          /* nothing is written any more */
-    bool read;                            /* and all of it has been read */
-    struct error error;                   /* nothing behind that is read; code ERROR_NONE: none */
-    bool told;                            /* of the error */
+    double paused;                        /* s: pauses in the parsed part */
+    size_t *flushes;                      /* places where a piece was flushed */
+    size_t flush_count, flush_cap, flush; /* index of the next one */
+    bool closed;                          /* the text is complete */
+    bool read;                            /* and completely parsed */
+    struct error error;                   /* parsing stopped there; ERROR_NONE = no error */
+    bool told;                            /* the error was reported */
     uv_timer_t *timer;
-    uv_timer_cb look;        /* after itself, when the timer says so */
-    uint64_t first, last;    /* loop times at which something was written, ms */
-    size_t writes;           /* how often */
-    uint64_t settle;         /* nothing for so long after what looks like an end means that it is one, ms */
-    struct guess *guess;     /* a sentence that seems to have ended is being spoken ahead; NULL: none */
-    size_t guessed, guesses; /* where the last that was guessed begins; and how often that was */
+    uv_timer_cb look;                /* runs when the timer fires */
+    uint64_t first, last;            /* loop times of writes, ms */
+    size_t writes;                   /* number of writes */
+    uint64_t settle;                 /* ms of silence after a likely end that confirm it */
+    struct speculation *speculation; /* the speculative sentence; NULL = none */
+    size_t speculated, speculations; /* start of the last speculation, and attempts there */
 };
 
-/* While `reading`, the text and what reading it gives belong to the other thread. */
+/* While `reading`, the text and the result belong to the worker thread. */
 struct synthesis {
     const struct pipeline *pipeline;
-    const struct expressions *expressions; /* a share of those that there were when it began */
+    const struct expressions *expressions; /* a reference to the version at the start */
     struct speech_request request;
     const struct markup_kind *markup;
-    const struct score *score; /* the script; NULL until the text has been read */
+    const struct score *score; /* the script; NULL until the text is parsed */
     uv_work_t work;
-    struct voice_list voices; /* for the other thread */
+    struct voice_list voices; /* for the worker thread */
     struct reading_result result;
-    struct voice_wait *wait; /* the voices are still starting: the voice is not chosen yet */
+    struct voice_wait *wait; /* waiting for voices to start */
     bool reading, started;
-    atomic_bool given_up; /* read by the other thread */
+    atomic_bool given_up; /* read by the worker thread */
     const struct speech_pack *pack;
     const struct voice *voice;
     struct voice_selection *chosen;
@@ -80,65 +102,51 @@ struct synthesis {
     struct slot slots[WINDOW];
     size_t submitted, delivered,
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
-    size_t spoken; /* segments that came */
+    size_t spoken; /* segments delivered */
     uint32_t samples, sample_rate;
-    char *entry;             /* the mark at which the next sentence is entered, or NULL */
-    bool finished;           /* that has been said */
-    size_t warned;           /* so many of the markup stage's warnings */
-    struct writing *writing; /* NULL: the text is there */
-    bool busy, freed;        /* inside a callback; to be freed after it */
+    char *entry;             /* mark at which the next sentence is entered, or NULL */
+    bool finished;           /* `finished` was called */
+    size_t warned;           /* markup warnings reported so far */
+    struct writing *writing; /* NULL = not an open text */
+    bool busy, freed;        /* inside a callback; freed when it returns */
 };
 
-/* synthesis.c: the text has been read, or cannot be. */
-void synthesis_go_on(struct synthesis *synthesis);
-
-/* Asks for what may be spoken, and hands on, in order, what is ready. */
-void synthesis_submit(struct synthesis *synthesis);
-void synthesis_deliver(struct synthesis *synthesis);
-
-/* synthesis_segment.c: what a sentence's audio still needs; and the segment of it, with its track, which
- * takes both from the slot: its samples are counted. */
+/* Completes a sentence's audio; makes its segment with its track from the slot, taking both, and counts
+ * its samples. */
 void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio *audio);
 struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot *slot);
 
-/* synthesis_choose.c */
-
-/* The language and the voice that the request asks for, and whether the engine speaks it. -1 with *e. */
+/* Chooses the request's language and voice and checks that the engine supports them. Returns -1 with *e. */
 int synthesis_choose(struct synthesis *synthesis, struct error *e);
 
-/* What a reader of this text has to know; the script of a document, with its voices. In any thread. */
+/* Rules for parsing the text; making the script of a document, with its voices. Callable from any thread. */
 struct markup_rules synthesis_rules(const struct synthesis *synthesis);
 void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result,
                       struct work_limit *limit);
 
-/* synthesis_guess.c */
+/* Starts speaking the sentence that the last write may have completed. */
+void speculation_check(struct synthesis *synthesis);
 
-/* What was written last may have ended a sentence that is awaited: the voice begins with it. */
-void guess_look(struct synthesis *synthesis);
+/* The slot's sentence is now known: gives it the speculative result if it matches, now or later through
+ * deliver. Returns false if it does not match. */
+bool speculation_take(struct synthesis *synthesis, struct slot *slot,
+                      void (*deliver)(struct synthesis *synthesis));
 
-/* The sentence of the slot is known: it gets what was guessed, if it was that, now or with deliver later.
- * False: it was not. */
-bool guess_take(struct synthesis *synthesis, struct slot *slot, void (*deliver)(struct synthesis *synthesis));
+/* Detaches the slot from the speculation. Returns false if it was not attached. */
+bool speculation_cancel(struct synthesis *synthesis, const struct slot *heir);
+void speculation_drop(struct synthesis *synthesis);
 
-/* The slot does not need what it was to get. False: it was to get nothing. */
-bool guess_cancel(struct synthesis *synthesis, const struct slot *heir);
-void guess_drop(struct synthesis *synthesis);
-
-/* synthesis_writing.c */
-void writing_open(struct synthesis *synthesis);
-
-/* synthesis_reading.c */
 void writing_free(struct synthesis *synthesis);
-void writing_wake(struct synthesis *synthesis, uint64_t ms); /* it looks after itself in so many ms */
+void writing_wake(struct synthesis *synthesis, uint64_t ms); /* calls `look` after ms */
 
-/* The voice is known. */
+/* Call when the voice is known. */
 void writing_begin(struct synthesis *synthesis);
 
-/* Reads a piece, behind what is in `into` (score, chosen, marks, blend). -1 with *e. */
+/* Parses a piece and appends it to `into` (score, chosen, marks, blend). Returns -1 with *e. */
 int writing_read_piece(struct synthesis *synthesis, const struct open_piece *piece,
                        struct reading_result *into, struct error *e);
 
-/* Reads on until there is one more sentence. False: nothing more is known yet. */
+/* Parses until one more sentence is complete. Returns false if more text is needed. */
 bool writing_read(struct synthesis *synthesis);
 
 #endif

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Builds a sentence's audio from what a worker says while it speaks one sentence. Nothing a worker says is
- * believed: what can be mended is mended, with a warning in the sentence's audio; what cannot fails the
- * sentence. */
+/* Builds a sentence's audio from the frames that a worker sends for it. The worker is not trusted: what
+ * can be repaired is repaired, with a warning in the audio; anything else fails the sentence. */
 #ifndef FACCIA_VOICE_ASSEMBLY_H
 #define FACCIA_VOICE_ASSEMBLY_H
 
 #include "server/base/error.h"
 #include "server/voice/boundary_table.h"
-#include "server/voice/plan.h"
 #include "server/voice/sentence_audio.h"
+#include "server/voice/voice_request.h"
 #include "server/voice/wire.h"
 
-/* Bounds for one sentence: seconds of audio are ASSEMBLY_SECONDS and one for each byte of text and the breaks
- * asked for, together not more than ASSEMBLY_SECONDS_MAX; events likewise. */
+/* Limits for one sentence. Audio: ASSEMBLY_SECONDS, plus one second per byte of text, plus the requested
+ * breaks, at most ASSEMBLY_SECONDS_MAX in all. Events are limited the same way. */
 enum {
     ASSEMBLY_SECONDS = 60,
     ASSEMBLY_SECONDS_MAX = 1800,
@@ -25,19 +24,19 @@ enum {
 
 struct assembly;
 
-/* The plan must outlive the assembly. */
-struct assembly *assembly_new(const struct plan *plan);
+/* The request must outlive the assembly. */
+struct assembly *assembly_new(const struct voice_request *request);
 void assembly_free(struct assembly *a);
 
-/* Take the payload of an AUDIO or EVENTS frame. -1 with *e when the sentence cannot be saved: "voice-failed",
- * whose message is what the voice did ("sent broken audio"), or "text-too-long": the sound goes beyond the
- * bounds, which may be the text's doing. */
+/* Append the payload of an AUDIO or EVENTS frame. Return -1 with *e when the sentence cannot be saved:
+ * "voice-failed", with a message that follows the voice's name ("sent broken audio"), or "text-too-long"
+ * when the sound exceeds the limits, which may be the text's fault. */
 int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct error *e);
 int assembly_events(struct assembly *a, const struct wire_frame *frame, struct error *e);
 
-/* the sentence's audio, when all has been said, which may be nothing: then it has no samples. lang and
- * sample_rate are the voice's; the rate counts where there was no audio. boundaries is what is known of where
- * the voice's phones are heard, or NULL. Once only; free the assembly after. */
+/* Returns the finished audio, which has no samples if the worker sent none. lang and sample_rate are the
+ * voice's; the rate is used where no audio came. boundaries corrects phone times, and may be NULL. Call
+ * once, then free the assembly. */
 struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate,
                                        const struct voice_boundaries *boundaries);
 

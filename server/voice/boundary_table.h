@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the boundaries between a voice's phones are heard, beside where it says that they lie: a table by
- * voice (models/boundaries.json, models/boundaries.md), and the correction by it. */
+/* Corrects the boundaries between phones where listeners hear them elsewhere than the voice reports: a
+ * table by voice (models/boundaries.json, models/boundaries.md). */
 #ifndef FACCIA_VOICE_BOUNDARY_TABLE_H
 #define FACCIA_VOICE_BOUNDARY_TABLE_H
 
 #include "server/base/error.h"
 #include "server/voice/sentence_audio.h"
 
-/* What a boundary is moved by at most, ms, and of a phone on either side. */
+/* The largest shift of a boundary, in ms, and as a share of the phone on either side. */
 enum { BOUNDARY_MS_MAX = 60, BOUNDARY_PART = 3 /* a third */ };
 
 struct boundary_table;
-struct voice_boundaries; /* of one voice */
+struct voice_boundaries; /* the rules of one voice */
 
-/* Reads the file; without one the table is empty. NULL with *e ("bad-boundaries") when it is broken. */
+/* Reads the file; the table is empty when the file does not exist. Returns NULL with *e ("bad-boundaries")
+ * when it is invalid. */
 struct boundary_table *boundary_table_load(const char *path, struct error *e);
 void boundary_table_free(struct boundary_table *table);
 
-/* Those of the voice with that id ("festival:lp"); NULL when nothing is known of it, or the table is NULL.
- * They live as long as the table. */
+/* Returns the rules of a voice by its id ("festival:lp"), or NULL if there are none or table is NULL. They
+ * live as long as the table. */
 const struct voice_boundaries *boundary_table_find(const struct boundary_table *table, const char *voice);
 
-/* Moves the boundaries between the phones; words and marks go with them. Phones go on touching in their
- * order, and keep a third of their time at least; the whole stays as long as it is. boundaries NULL: does
- * nothing. */
+/* Shifts the boundaries between phones, and the words and marks with them. Phones stay adjacent and in
+ * order and keep at least a third of their length; the total length stays the same. Does nothing if
+ * boundaries is NULL. */
 void boundaries_correct(const struct voice_boundaries *boundaries, struct sentence_audio *u);
 
 #endif

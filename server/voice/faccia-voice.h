@@ -39,14 +39,14 @@ extern "C" {
 #define FACCIA_VOICE_EXPORT extern __attribute__((visibility("default")))
 #endif
 
-/* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS, version 3 FACCIA_VOICE_FILES. Plugins of an
- * older version, which could not say so, are taken to need them. Version 4 added FACCIA_VOICE_CONTEXT. */
+/* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS, version 3 FACCIA_VOICE_FILES; plugins of
+ * older versions are assumed to need them. Version 4 added FACCIA_VOICE_CONTEXT. */
 #define FACCIA_VOICE_ABI 4
-#define FACCIA_VOICE_ABI_OLDEST 1 /* that still runs */
+#define FACCIA_VOICE_ABI_OLDEST 1 /* the oldest version that still loads */
 
 /* What a plugin can do (faccia_voice.capabilities). */
 enum {
-    FACCIA_VOICE_STREAMS = 1u << 0, /* hands out audio while it still synthesises */
+    FACCIA_VOICE_STREAMS = 1u << 0, /* delivers audio while it still synthesises */
     FACCIA_VOICE_MARKS =
         1u << 1, /* reports marks itself; otherwise the host places them at word boundaries */
     FACCIA_VOICE_RATE = 1u << 2,
@@ -55,47 +55,48 @@ enum {
     FACCIA_VOICE_VOLUME = 1u << 5,
     FACCIA_VOICE_PHONEMES = 1u << 6, /* speaks IPA given in a span */
     FACCIA_VOICE_EMOTION = 1u << 7,
-    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: a caller that wants their
-                                       times has to find them in the audio */
-    FACCIA_VOICE_FRESH = 1u << 9,   /* the same sentence may sound otherwise another time: it is not to be
-                                       kept for when it is asked for again */
-    FACCIA_VOICE_SLOW = 1u << 12,   /* takes about as long as the sound lasts: long sentences come cut at
-                                       commas, so that the first part is heard early */
-    /* What a plugin needs. It is refused (EPERM, EACCES) what it does not name, from before it is loaded:
-     * these bits are read from the file, so the table must be a constant that no initialiser fills in. */
+    FACCIA_VOICE_UNTIMED =
+        1u
+        << 8, /* may deliver audio without phones or words; the caller has to find their times in the audio */
+    FACCIA_VOICE_FRESH =
+        1u << 9, /* the same sentence may sound different each time, so it must not be cached */
+    FACCIA_VOICE_SLOW = 1u << 12, /* synthesises in about real time: long sentences are cut at commas, so that
+                                     the first part is heard early */
+    /* What a plugin needs. Anything it does not declare is refused (EPERM, EACCES) from before it is
+     * loaded. The bits are read from the file, so the table must be a constant that needs no initialiser. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
-    FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads may always be started */
+    FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads are always allowed */
     FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders that its configuration names */
-    /* The text around a sentence is told: how it is spoken, or where it is found, depends on that. */
+    /* The plugin wants the text around a sentence, because pronunciation or lookup depends on it. */
     FACCIA_VOICE_CONTEXT = 1u << 14,
 };
 
-/* Besides the system's programs, libraries and their data, its own folder, and what its configuration names,
- * a plugin may read what it names with this, once, outside of any function: absolute paths, and between two
- * of them "\0". They are read from the file, too. */
+/* Absolute paths, separated by "\0", that a plugin may read besides the system's programs, libraries and
+ * their data, its own folder and the paths in its configuration. Use it once, outside any function. The
+ * list is read from the file. */
 #define FACCIA_VOICE_READS(PATHS)                                                                            \
     FACCIA_VOICE_EXPORT const char faccia_voice_reads[sizeof(PATHS)];                                        \
     const char faccia_voice_reads[sizeof(PATHS)] = PATHS
 
-/* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
+/* One voice. id is unique within the plugin; clients see "PLUGIN:ID". */
 struct faccia_voice_info {
     const char *id;      /* "it", "it+f2" */
-    const char *name;    /* for people */
+    const char *name;    /* shown to users */
     const char *lang;    /* BCP 47 */
     const char *gender;  /* "female", "male", "neutral" */
     const char *quality; /* "formant", "diphone", "parametric", "neural", "recorded", "unknown" */
     const char *licence; /* SPDX expression */
     uint32_t sample_rate;
-    uint32_t rate; /* its own words per minute; 0 = unknown */
+    uint32_t rate; /* default words per minute; 0 = unknown */
 };
 
 enum faccia_span_kind { FACCIA_SPAN_TEXT, FACCIA_SPAN_BREAK, FACCIA_SPAN_MARK };
 
-/* One stretch of a sentence. */
+/* A part of a sentence. */
 struct faccia_span {
     uint32_t kind;       /* enum faccia_span_kind */
-    const char *text;    /* TEXT: what to say; MARK: the mark's name */
-    const char *lang;    /* BCP 47; NULL = the voice's */
+    const char *text;    /* TEXT: what to speak; MARK: the mark's name */
+    const char *lang;    /* BCP 47; NULL = the voice's own */
     const char *phones;  /* NULL, or IPA that replaces the text */
     const char *say_as;  /* NULL, or how to read it */
     const char *emotion; /* NULL, or a name, with intensity 0..1 */
@@ -107,31 +108,31 @@ struct faccia_span {
 };
 
 struct faccia_sentence {
-    const char *voice; /* a voice id of this plugin */
+    const char *voice; /* id of one of this plugin's voices */
     const struct faccia_span *spans;
     size_t span_count;
-    /* With FACCIA_VOICE_CONTEXT: the text of the same utterance just before and just after it, as far as it
-     * is known, some 400 bytes of whole words; NULL = there is none. */
+    /* With FACCIA_VOICE_CONTEXT: the text of the same utterance before and after the sentence, about 400
+     * bytes of whole words, as far as it is known; NULL = none. */
     const char *before, *after;
 };
 
 /* A phone. Pauses are phones too: ipa "" and sampa "_". */
 struct faccia_phone {
     const char *ipa;     /* without stress marks */
-    const char *symbol;  /* the engine's own name for it, for diagnostics */
+    const char *symbol;  /* the engine's own name, for diagnostics */
     uint64_t start, end; /* samples; phones touch and never overlap */
     uint32_t stress;     /* 0 none, 1 secondary, 2 primary: of the syllable whose nucleus this is */
 };
 
 struct faccia_word {
     uint32_t span;        /* index of its span */
-    size_t offset, bytes; /* where it stands in the span's text */
+    size_t offset, bytes; /* position in the span's text */
     uint64_t start, end;  /* samples; end 0 = unknown: the next word's start or the end of the audio */
 };
 
-/* Where a plugin delivers. Every function returns 0 to go on, anything else to make speak return soon.
- * Audio is mono 16 bit. Phones, words and marks come in order of time, and may come before or after their
- * audio. */
+/* Receives what a plugin produces. Every function returns 0 to continue; on any other value speak should
+ * return soon. Audio is mono, 16 bit. Phones, words and marks are in order of time and may come before or
+ * after their audio. */
 struct faccia_sink {
     uint32_t size;
     void *ctx;
@@ -143,36 +144,35 @@ struct faccia_sink {
 };
 
 struct faccia_voice {
-    uint32_t abi;  /* FACCIA_VOICE_ABI that it was built with */
+    uint32_t abi;  /* the FACCIA_VOICE_ABI it was built with */
     uint32_t size; /* sizeof(struct faccia_voice) */
     const char *name;
     const char *version;
     const char *licence; /* SPDX expression */
     uint32_t capabilities;
 
-    /* Start the engine. config is the plugin's part of the configuration, a JSON object as text, never
-     * NULL. Returns 0 and *self; 1 with a sentence in message (cap bytes) when there is nothing to run
-     * here, because its engine is not installed or nothing is configured; -1 with a sentence in message
-     * when it failed. */
+    /* Starts the engine. config is the plugin's part of the configuration, a JSON object as text, never
+     * NULL. Returns 0 and sets *self; returns 1 with a message (cap bytes) when there is nothing to run,
+     * because the engine is not installed or not configured; returns -1 with a message on failure. */
     int (*open)(const char *config, void **self, char *message, size_t cap);
 
     /* Calls each for every voice. */
     void (*list)(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice), void *ctx);
 
-    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1
-     * with a sentence in message when the engine failed. */
+    /* Speaks one sentence into the sink. Returns 0 when it was spoken or the sink asked to stop, -1 with a
+     * message when the engine failed. */
     int (*speak)(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
                  char *message, size_t cap);
 
-    /* Make a running speak return soon. May be NULL. Called from another thread. */
+    /* Makes a running speak return soon. May be NULL. Called from another thread. */
     void (*cancel)(void *self);
 
     void (*close)(void *self);
 };
 
-/* The table that a plugin defines: const struct faccia_voice faccia_voice = {...}; its initialiser must be a
- * constant. It is all that a plugin should export: build with -fvisibility=hidden, and link static libraries
- * with -Wl,--exclude-libs,ALL. */
+/* The table that a plugin defines: const struct faccia_voice faccia_voice = {...}; its initialiser must be
+ * a constant. Export nothing else: build with -fvisibility=hidden, and link static libraries with
+ * -Wl,--exclude-libs,ALL. */
 FACCIA_VOICE_EXPORT const struct faccia_voice faccia_voice;
 
 #define FACCIA_VOICE_SYMBOL "faccia_voice"

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finished sentences, so that what was spoken once need not be spoken again. A key is all that makes a
- * sentence sound as it does (voice, plugin, spans with their prosody), a value what the worker said about it
- * (frames of wire.h). The oldest in use go when there is no room. Kept in memory, and on disk where a file is
- * named: that one outlives the process, and is never trusted to be whole. */
+/* Caches finished sentences. The key is everything that determines how a sentence sounds (voice, plugin,
+ * spans with their prosody); the value is what the worker sent (frames of wire.h). The least recently used
+ * entries are evicted. The cache is in memory and, if a file is named, also on disk; the file outlives the
+ * process and is never trusted to be intact. */
 #ifndef FACCIA_VOICE_VOICE_CACHE_H
 #define FACCIA_VOICE_VOICE_CACHE_H
 
 #include "server/base/buf.h"
+#include "server/base/error.h"
+#include <stdbool.h>
 #include <uv.h>
 
 struct cache_options {
@@ -17,19 +19,30 @@ struct cache_options {
 
 struct voice_cache;
 
-/* A file that cannot be used is told in the log, and done without. NULL when nothing is to be kept. */
+/* Logs a file that cannot be used and continues without it. Returns NULL when nothing is to be cached. */
 struct voice_cache *cache_open(uv_loop_t *loop, const struct cache_options *options);
 
-/* What is still to be written to disk is written while the loop runs. NULL is fine. */
+/* Pending writes finish while the loop runs. Accepts NULL. */
 void cache_close(struct voice_cache *cache);
 
-/* The value, which is good until the next call, or NULL. */
+/* Returns the value, valid until the next call, or NULL. */
 const struct buf *cache_get(struct voice_cache *cache, const struct buf *key);
 
-/* Keeps copies of both. Too large a value (over a quarter of the room) is not kept. */
+/* Copies both. A value above a quarter of the space is not cached. */
 void cache_put(struct voice_cache *cache, const struct buf *key, const struct buf *value);
 
-/* The most that a value may have. */
+/* The largest value that can be cached, in bytes. */
 size_t cache_value_max(const struct voice_cache *cache);
+
+/* SQLite's application_id in the file's header, "Facc" in ASCII. Only a file that was created as a cache
+ * is ever used or recreated. */
+#define CACHE_FILE_ID 0x46616363
+
+/* Suffixes of the database's files; the first is "". */
+extern const char *const cache_file_ends[4];
+
+/* Returns 0 if the file is a cache, is empty or does not exist, else -1 with *e ("bad-cache"). Does not
+ * change the file. */
+int cache_file_check(const char *file, struct error *e);
 
 #endif

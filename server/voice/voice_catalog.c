@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voices that the plugins have, and the choice among them. */
+/* The catalog of the plugins' voices, and lookup in it. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
@@ -10,14 +10,14 @@
 #include <string.h>
 #include <strings.h>
 
-/* Each is looked for among all, and a plugin that means harm must not keep the daemon busy with that. */
+/* Bounds the quadratic check for duplicates, in case of a malicious plugin. */
 enum { PLUGIN_VOICES_MAX = 10000 };
 
-/* What the catalog allocated: strings and outgrown lists, all kept, as voices still point at them. */
+/* Strings and outgrown lists, kept until the end because voices point to them. */
 struct catalog_block {
     struct catalog_block *next;
     void *data;
-    size_t size; /* of a list; 0 = it is none */
+    size_t size; /* of a list; 0 = a string */
 };
 
 static void *keep(struct catalog *catalog, void *data) {
@@ -27,10 +27,10 @@ static void *keep(struct catalog *catalog, void *data) {
     return data;
 }
 
-/* A plugin may tell so much of each, bytes. */
+/* Limits for strings from a plugin, in bytes. */
 enum { TEXT_MAX = 256, LANG_MAX = 35 };
 
-/* Longer than it may be, it is left out. */
+/* Strings that are too long become "". */
 static const char *keep_text(struct catalog *catalog, const json_t *object, const char *key) {
     const char *text = json_string_value(json_object_get(object, key));
     return keep(catalog, mem_strdup(text && strlen(text) <= TEXT_MAX ? text : ""));
@@ -74,8 +74,7 @@ static void add(struct catalog *catalog, const char *plugin, uint32_t capabiliti
     };
 }
 
-/* Voices are in the order of their plugins' names, whichever starts first; a plugin's own voices in its
- * order. */
+/* Voices are sorted by plugin name, whatever the order of start, and keep their order within a plugin. */
 int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e) {
     json_error_t why;
     json_t *root = json_loads(description, 0, &why), *voices = json_object_get(root, "voices"), *voice;
@@ -102,8 +101,7 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
     return 0;
 }
 
-/* The list is from now on this one; or an earlier one that is the same, so that voices that come and go
- * for ever take no more room. */
+/* Replaces the list, reusing an identical earlier one, so that voices that come and go do not leak memory. */
 static void become(struct catalog *catalog, struct voice *voices, size_t count) {
     size_t size = count * sizeof *voices;
     struct catalog_block *block = catalog->blocks;
@@ -119,7 +117,7 @@ static void become(struct catalog *catalog, struct voice *voices, size_t count) 
     catalog->blocks->size = size;
 }
 
-struct voice_list catalog_aside(struct catalog *catalog, const char *plugin) {
+struct voice_list catalog_of_plugin(struct catalog *catalog, const char *plugin) {
     struct voice *voices = mem_alloc((catalog->count + 1) * sizeof *voices);
     size_t count = 0;
     for (size_t i = 0; i < catalog->count; i++)
@@ -128,15 +126,15 @@ struct voice_list catalog_aside(struct catalog *catalog, const char *plugin) {
     return (struct voice_list){keep(catalog, voices), count};
 }
 
-void catalog_put_back(struct catalog *catalog, struct voice_list aside) {
+void catalog_restore(struct catalog *catalog, struct voice_list removed) {
     const struct voice *before = catalog->voices;
     size_t total = catalog->count, at = 0, count = 0;
-    struct voice *voices = mem_alloc((total + aside.count + 1) * sizeof *voices);
-    while (at < total && aside.count && strcmp(before[at].plugin, aside.voices->plugin) <= 0)
+    struct voice *voices = mem_alloc((total + removed.count + 1) * sizeof *voices);
+    while (at < total && removed.count && strcmp(before[at].plugin, removed.voices->plugin) <= 0)
         voices[count++] = before[at++];
-    for (size_t i = 0; i < aside.count; i++)
-        if (!by_id(catalog_list(catalog), aside.voices[i].id))
-            voices[count++] = aside.voices[i];
+    for (size_t i = 0; i < removed.count; i++)
+        if (!by_id(catalog_list(catalog), removed.voices[i].id))
+            voices[count++] = removed.voices[i];
     while (at < total)
         voices[count++] = before[at++];
     become(catalog, voices, count);
@@ -185,7 +183,7 @@ int voice_lang_fit(const char *lang, const char *wanted) {
     return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
 }
 
-/* With or without its plugin's name, as it was asked for. */
+/* Suggests names with or without the plugin, as in the request. */
 void voice_unknown(struct voice_list list, const char *name, struct error *e) {
     struct near near = near_to(name);
     char text[NEAR_TEXT];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voice pool: worker processes that run voice plugins, and the queue of sentences before them. Lives on
- * one libuv loop; all functions and callbacks belong to that loop's thread. */
+/* A pool of worker processes that run voice plugins, with queues of sentences. It lives on one libuv loop;
+ * all functions and callbacks belong to that loop's thread. */
 #ifndef FACCIA_VOICE_VOICE_POOL_H
 #define FACCIA_VOICE_VOICE_POOL_H
 
@@ -10,9 +10,9 @@
 #include "server/cluster/work_queue.h"
 #include "server/markup/score.h"
 #include "server/voice/boundary_table.h"
-#include "server/voice/plan.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/voice_cache.h"
+#include "server/voice/voice_request.h"
 #include <stdbool.h>
 #include <uv.h>
 
@@ -24,152 +24,152 @@ struct voice_job;
 struct voice_pool_options {
     const char *worker;     /* path of the faccia-voice program */
     const char *plugin_dir; /* every *.so in it is a plugin */
-    unsigned workers;       /* processes for each plugin, default 1 */
+    unsigned workers;       /* processes per plugin, default 1 */
     unsigned
-        spare_workers; /* and as many more while one of them has fallen silent or is held up by a sentence */
-    /* A sentence is given up, and its worker killed, when nothing has come of it for deadline_base +
-     * deadline_per_byte * bytes of text (seconds; four times that for a FACCIA_VOICE_SLOW one), and whatever
-     * comes when deadline_most times that have passed. Defaults 10, 0.05 and 10. */
+        spare_workers; /* extra processes, started while a worker is stuck or busy with a long sentence */
+    /* A sentence fails and its worker is killed after a silence of deadline_base + deadline_per_byte *
+     * bytes of text (seconds; four times that for FACCIA_VOICE_SLOW), and in any case after deadline_most
+     * times as long. Defaults 10, 0.05 and 10. */
     double deadline_base, deadline_per_byte, deadline_most;
-    /* What a worker may have: processor time for a sentence, on all cores, in multiples of the same (default
-     * 20), and address space (default 4096). Too much of the one ends it, more of the other is refused. */
+    /* Limits of a worker: processor time for a sentence over all cores, in multiples of the same deadline
+     * (default 20), and address space in MB (default 4096). Exceeding the first kills the worker, the
+     * second makes allocations fail. */
     double processor;
     unsigned megabytes;
-    unsigned unconfined;  /* not 0: plugins may do what they did not say that they need (sandbox.h) */
-    double start_seconds; /* plugins that take longer to start are not waited for, default 30 */
-    double retry_after;   /* a plugin that does not start is tried again after so many seconds, default 60 */
-    const char *config;   /* JSON object: plugin name -> its own configuration object; NULL = {} */
-    /* Where the voices' phones are heard; borrowed; NULL: where the voices say. own_boundaries not 0: that is
-     * not asked (a setting). */
+    unsigned unconfined;  /* not 0: run plugins without the sandbox (sandbox.h) */
+    double start_seconds; /* the pool is ready without slower plugins, default 30 */
+    double retry_after;   /* seconds between attempts to start a failed plugin, default 60 */
+    const char *config;   /* JSON object: plugin name -> its configuration; NULL = {} */
+    /* Corrections of phone boundaries, borrowed; NULL = none. own_boundaries not 0 disables them (a
+     * setting). */
     const struct boundary_table *boundaries;
     unsigned own_boundaries;
-    bool quiet;                 /* plugins that have nothing to run here are not named in the log */
-    struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
-    struct cluster *cluster;    /* borrowed, until voice_pool_close: what other daemons speak; NULL = none */
-    struct work *work;          /* likewise: workers elsewhere, whose voices come and go; NULL = none */
-    struct metrics *metrics;    /* NULL = nobody counts */
+    bool quiet;                 /* do not log plugins that have nothing to run here */
+    struct cache_options cache; /* cache of finished sentences; all 0 = none */
+    struct cluster *cluster;    /* borrowed until voice_pool_close: sentences of other daemons; NULL = none */
+    struct work *work;          /* likewise: remote workers, whose voices come and go; NULL = none */
+    struct metrics *metrics;    /* NULL = no metrics */
 };
 
-/* A voice as the world sees it. Strings live as long as the pool. */
+/* A voice as clients see it. Strings live as long as the pool. */
 struct voice {
     const char *id; /* "espeak:it+f2" */
     const char *plugin, *name, *lang, *gender, *quality, *licence;
     uint32_t sample_rate;
-    uint32_t rate;         /* its own words per minute */
+    uint32_t rate;         /* default words per minute */
     uint32_t capabilities; /* of its plugin: FACCIA_VOICE_... */
 };
 
-/* Starts the workers. ready is called once, when every plugin has listed its voices, has failed to start, or
- * takes longer than start_seconds, and once more when there was no voice then and one comes after all; a
- * plugin that failed is skipped with a log line. The process must ignore SIGPIPE (program_begin): a write to
- * a worker that has just died raises it. Unless plugins are unconfined nobody reads its memory (mem.h).
- * Returns NULL with *e ("voice-unavailable") when no plugin or no worker program is found. */
+/* Starts the workers. Calls ready once when every plugin has listed its voices, failed, or taken longer
+ * than start_seconds, and once more if there was no voice then and one appears later. A plugin that fails
+ * is skipped with a log line. The process must ignore SIGPIPE (program_begin), which a write to a dead
+ * worker raises. Unless plugins run unconfined, other processes cannot read this one's memory (mem.h).
+ * Returns NULL with *e ("voice-unavailable") when there is no plugin or no worker program. */
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 
-/* Ends the workers (idle ones may close their plugin, for at most 2 s), fails the jobs with code "cancelled"
- * at once, frees everything; closed is called at last. */
+/* Fails all jobs with "cancelled" at once, ends the workers (idle ones get 2 s to close their plugin),
+ * frees the pool, then calls closed. */
 void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx);
 
-/* A plugin that comes later makes a new list; the one before stays as it is until the pool is closed. */
+/* A new plugin makes a new list; older lists stay valid until the pool is closed. */
 const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);
 
-/* The same for another thread to read: between voice_pool_hold and voice_pool_let_go, both called on the
- * loop's thread, the list and its voices stay, even when the pool is closed meanwhile. */
+/* The list for another thread to read. Between voice_pool_retain and voice_pool_release, both called on
+ * the loop's thread, the list and its voices stay valid even if the pool is closed. */
 struct voice_list {
     const struct voice *voices;
     size_t count;
 };
-struct voice_list voice_pool_hold(struct voice_pool *pool);
-void voice_pool_let_go(struct voice_pool *pool);
-/* By its whole id, or else by its id inside a plugin. NULL when there is none. */
+struct voice_list voice_pool_retain(struct voice_pool *pool);
+void voice_pool_release(struct voice_pool *pool);
+/* Finds a voice by its full id, else by its id within a plugin; NULL if there is none. */
 const struct voice *voice_by_name(struct voice_list list, const char *name);
 
-/* *e ("unknown-voice", field "voice") says that there is none of that name, and what may have been meant. */
+/* Sets *e ("unknown-voice", field "voice") with a suggestion of the most similar name. */
 void voice_unknown(struct voice_list list, const char *name, struct error *e);
 
-/* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for
- * lang. preferred is a NULL-terminated list of ids to be tried first for a lang (from the language pack), or
- * NULL. NULL with *e
- * ("unknown-voice", "unknown-language", field "voice" or "lang"; "voice-unavailable" when there are no voices
- * at all). */
+/* Finds a voice by id ("espeak:it") or by id within any plugin ("it+f2"); if name is NULL, the best for
+ * lang. preferred is a NULL-terminated list of ids to try first for a language (from the language pack),
+ * or NULL. Returns NULL with *e ("unknown-voice", "unknown-language", field "voice" or "lang";
+ * "voice-unavailable" when there are no voices at all). */
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
                                     const char *const *preferred, struct error *e);
 
-/* Until all plugins have started, or nobody waits for them any longer: would voice_pool_find find the same
- * then? Without a name, only one of the preferred is sure. */
+/* Tells whether voice_pool_find would return the same voice once all plugins have started. Without a name
+ * only a preferred voice is certain. */
 bool voice_pool_settled(const struct voice_pool *pool, const char *name, const char *const *preferred);
 
-/* Calls changed, from the loop, whenever a plugin has started or is given up, until voice_wait_end (NULL is
- * fine), which must come before the pool is closed. */
+/* Calls changed from the loop whenever a plugin has started or is given up, until voice_wait_end, which
+ * accepts NULL and must come before the pool is closed. */
 struct voice_wait;
 struct voice_wait *voice_pool_wait(struct voice_pool *pool, void (*changed)(void *ctx), void *ctx);
 void voice_wait_end(struct voice_wait *wait);
 
-/* Whose turn it is, where several wait for a worker. */
-enum voice_turn {
-    VOICE_TURN_USUAL,  /* made a little ahead of who hears it */
-    VOICE_TURN_URGENT, /* somebody waits to hear it: it comes before those, every other time */
-    VOICE_TURN_AHEAD,  /* nobody waits, it is to be kept: it comes when there is nothing else; and when there
-                          is,  while it is spoken, it is broken off and fails with "cancelled" */
+/* Order in which jobs get a worker. */
+enum voice_priority {
+    VOICE_PRIORITY_NORMAL,     /* spoken a little ahead of playback */
+    VOICE_PRIORITY_URGENT,     /* a listener waits: served before NORMAL, every other time */
+    VOICE_PRIORITY_BACKGROUND, /* prerendering: runs when nothing else is queued; cancelled with "cancelled"
+                                  when another job arrives */
 };
 
-/* What to speak: one sentence of a score. Copied by voice_pool_speak. */
-struct voice_request {
+/* One sentence of a score to speak. Copied by voice_pool_speak. */
+struct sentence_request {
     const struct voice *voice;
     const struct score *score;
     size_t sentence;      /* index */
-    double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
+    double rate;          /* words per minute, 0 = the voice's own; multiplied by the styles' factors */
     double pitch, volume; /* factors, 1 = the voice's own */
-    enum voice_turn turn;
-    uint32_t
-        payer; /* whose it is: payers come by turns, here and where workers elsewhere speak; 0 = nobody's */
-    uint32_t asker; /* which of the payer's connections asks: those come by turns, too; 0 = none */
-    const struct reader *reader; /* decodes the sounds in it (sentence.h); NULL = nobody else does */
-    struct work_gate *gate;      /* so many sounds are read at a time; NULL = any number */
+    enum voice_priority priority;
+    uint32_t payer; /* quota key: keys share the workers fairly, here and on remote workers; 0 = none */
+    uint32_t asker; /* connection within the quota key, scheduled fairly too; 0 = none */
+    const struct reader *reader; /* decodes sound files (sentence.h); NULL = none */
+    struct work_gate *gate;      /* limits how many sounds are read at a time; NULL = no limit */
 };
 
-/* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
- * ("en" finds "en-GB"), 1 the same language, 0 another. Tags count as what lang_usual says. */
+/* Compares a voice's language with the wanted one (BCP 47): 3 the same tag, 2 a variety of it ("en" finds
+ * "en-GB"), 1 the same language, 0 another. Tags are normalised with lang_usual. */
 int voice_lang_fit(const char *lang, const char *wanted);
 
-/* What the request says of the prosody, for one voice. */
-struct plan_prosody voice_request_prosody(const struct voice_request *request, const struct voice *voice);
+/* The request's prosody for one voice. */
+struct voice_prosody sentence_prosody(const struct sentence_request *request, const struct voice *voice);
 
 struct voice_callbacks {
-    void (*done)(void *ctx, struct sentence_audio *audio); /* the receiver owns it */
+    void (*done)(void *ctx, struct sentence_audio *audio); /* the receiver owns the audio */
     void (*failed)(void *ctx, const struct error *e); /* "voice-failed", "voice-timeout", "voice-crashed" */
 };
 
-/* Queues the sentence; exactly one callback follows, later, unless the job is cancelled. */
-struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
+/* Queues a sentence. Exactly one callback follows, later, unless the job is cancelled. */
+struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct sentence_request *sentence,
                                    const struct voice_callbacks *callbacks, void *ctx);
 
-/* The same for a plan, which the job takes over, and a voice; of the request, only turn, payer and asker
- * count. */
-struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        const struct voice_request *request,
-                                        const struct voice_callbacks *callbacks, void *ctx);
+/* Queues a request for a voice and takes ownership of it. Of `sentence` only priority, payer and asker are
+ * used. */
+struct voice_job *voice_pool_speak_request(struct voice_pool *pool, const struct voice *voice,
+                                           struct voice_request request,
+                                           const struct sentence_request *sentence,
+                                           const struct voice_callbacks *callbacks, void *ctx);
 
-/* What the pool runs, for a worker that speaks for other daemons. False: there is no such plugin. Texts
- * belong to the pool; description, as WIRE_HELLO has it, is NULL until its voices are listed. */
+/* Describes a plugin to a worker that serves other daemons. Returns false when index is out of range.
+ * Strings belong to the pool; description (as in WIRE_HELLO) is NULL until the voices are listed. */
 struct voice_plugin {
     const char *name, *edition, *config, *description;
-    bool runs;      /* its voices are listed, and can be asked */
-    unsigned seats; /* how many sentences it speaks at a time */
+    bool runs;      /* its voices are listed and can be used */
+    unsigned seats; /* sentences that it speaks at a time */
 };
 bool voice_pool_plugin(const struct voice_pool *pool, size_t index, struct voice_plugin *out);
 
-/* Speaks a sentence of one of its voices, as WIRE_SPEAK has it behind the processor time, from elsewhere:
- * frames is called before done with all that the voice said, as AUDIO and EVENTS frames, unless that is more
- * than can be kept (WORK_BODY_MOST). NULL with *e, and no callback, when it is no sentence, or none of its
- * voices. */
+/* Speaks a sentence, encoded as in WIRE_SPEAK after the processor time, for another daemon. Before done,
+ * frames receives all AUDIO and EVENTS frames, unless they exceed WORK_BODY_MOST. Returns NULL with *e,
+ * and makes no callback, if the sentence is invalid or its voice unknown. */
 struct voice_job *voice_pool_speak_frames(struct voice_pool *pool, size_t index, const struct buf *sentence,
-                                          enum voice_turn turn, void (*frames)(void *ctx, const struct buf *),
+                                          enum voice_priority priority,
+                                          void (*frames)(void *ctx, const struct buf *),
                                           const struct voice_callbacks *callbacks, void *ctx,
                                           struct error *e);
 
-/* Forgets the job: no callback will come. A running worker is told to stop. */
+/* Cancels the job; no callback follows. A running worker is told to stop. */
 void voice_job_cancel(struct voice_job *job);
 
 #endif

@@ -82,7 +82,7 @@ static void get_span(struct wire_reader *r, struct faccia_span *span) {
         r->bad = true;
 }
 
-/* The least that a span takes: two u32, six f64, five lengths of strings. */
+/* Smallest encoded span: two u32, six f64, five string lengths. */
 enum { SPAN_BYTES = 2 * 4 + 6 * 8 + 5 * 4 };
 
 void wire_put_sentence(struct buf *b, const struct faccia_sentence *sentence) {
@@ -90,7 +90,8 @@ void wire_put_sentence(struct buf *b, const struct faccia_sentence *sentence) {
     wire_put_u32(b, (uint32_t)sentence->span_count);
     for (size_t i = 0; i < sentence->span_count; i++)
         put_span(b, &sentence->spans[i]);
-    if (sentence->before || sentence->after) { /* else caches know the sentence as before there was this */
+    if (sentence->before ||
+        sentence->after) { /* omitted otherwise, so that the cache keys of older versions still match */
         wire_put_string(b, sentence->before);
         wire_put_string(b, sentence->after);
     }

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the daemon and a voice worker say to each other over one socket pair: frames of a header and a
- * payload. Both ends run on the same machine and come from the same build, so numbers are in native order.
- *
- * Daemon to worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO, FAILED or ABSENT once, then
- * for each SPEAK any number of AUDIO and EVENTS and one DONE, with an ALIVE every WIRE_ALIVE_MS. Neither end
- * trusts the other: every length is checked before it is used. */
+/* The protocol between the daemon and a voice worker over a socket pair: frames of a header and a payload.
+ * Both ends run on the same machine from the same build, so numbers are in native byte order. Daemon to
+ * worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO, FAILED or ABSENT once, then for each
+ * SPEAK any number of AUDIO and EVENTS and one DONE, with an ALIVE every WIRE_ALIVE_MS. Neither end trusts
+ * the other: every length is checked before it is used. */
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
@@ -14,61 +13,60 @@
 
 enum wire_type {
     WIRE_OPEN = 1, /* string: the plugin's configuration, JSON; struct wire_limits */
-    WIRE_SPEAK,    /* u32: processor seconds that it may take; a sentence */
-    WIRE_CANCEL,   /* nothing; the header's job is to end soon */
+    WIRE_SPEAK,    /* u32: processor seconds allowed; a sentence */
+    WIRE_CANCEL,   /* empty; stop the header's job soon */
     WIRE_HELLO,    /* string: JSON, the plugin and its voices */
     WIRE_FAILED,   /* string: why the plugin cannot be used */
     WIRE_AUDIO,    /* u32 sample rate, then samples */
-    WIRE_EVENTS,   /* struct wire_event, one after the other */
+    WIRE_EVENTS,   /* a sequence of struct wire_event */
     WIRE_DONE,     /* u32: 0 = spoken, else failed; string: why */
-    WIRE_ABSENT,   /* string: why the plugin has nothing to run; instead of FAILED */
-    WIRE_ALIVE,    /* nothing: the process runs, and works on a sentence */
-    WIRE_WAITING,  /* nothing: the same of a worker elsewhere, or the sentence waits there for its turn. No
-                      process says this, but what stands for one (far_process.h) */
+    WIRE_ABSENT,   /* string: why the plugin has nothing to run; sent instead of FAILED */
+    WIRE_ALIVE,    /* empty: the process is working on a sentence */
+    WIRE_WAITING,  /* empty: the same for a remote worker, or the sentence is queued there; sent only by the
+                      proxy in remote_voice.c */
     WIRE_TYPE_END
 };
 
-/* The descriptor on which a worker finds its socket. */
+/* The descriptor of a worker's socket. */
 enum { WIRE_FD = 3 };
 
-/* The descriptor on which a plugin that aligns finds the keeper of another worker (worker_keeper.h). */
-enum { WIRE_KEEPER_FD = 4 };
+/* The descriptor of the process that spawns a second worker, for a plugin that aligns (below). */
+enum { WIRE_SPAWNER_FD = 4 };
 
-/* While a sentence is worked on, ms. */
+/* Interval of ALIVE while a sentence is worked on, in ms. */
 enum { WIRE_ALIVE_MS = 100 };
 
 enum { WIRE_HEADER_BYTES = 12, WIRE_PAYLOAD_MAX = 16 << 20 };
 
 struct wire_frame {
     enum wire_type type;
-    uint32_t job; /* the sentence it is about, 0 = none */
+    uint32_t job; /* the sentence it belongs to, 0 = none */
     const uint8_t *data;
     size_t size;
 };
 
-/* Adds the header of a frame; wire_end fills in its length. Returns the place for wire_end. */
+/* Adds a frame's header. Pass the result to wire_end, which fills in the length. */
 size_t wire_begin(struct buf *b, enum wire_type type, uint32_t job);
 void wire_end(struct buf *b, size_t place);
 
-/* Looks for a whole frame at data[0..size): 1 = found, and *used bytes belong to it; 0 = more bytes are
- * needed; -1 = garbage. */
+/* Parses a frame at data[0..size): 1 = complete, *used bytes long; 0 = more bytes are needed; -1 =
+ * invalid. */
 int wire_next(const uint8_t *data, size_t size, struct wire_frame *frame, size_t *used);
 
-/* A frame's payload. */
 struct wire_reader wire_read(const struct wire_frame *frame);
 
-/* What a worker may have. */
+/* Limits of a worker. */
 struct wire_limits {
     uint32_t megabytes; /* of address space */
-    uint32_t seconds;   /* processor time to start and, in WIRE_SPEAK anew, for each sentence */
-    bool sandbox;       /* what the plugin does not need is refused */
+    uint32_t seconds;   /* processor time to start; each WIRE_SPEAK sets it anew */
+    bool sandbox;       /* refuse what the plugin does not declare */
 };
 
 void wire_put_limits(struct buf *b, const struct wire_limits *limits);
 struct wire_limits wire_get_limits(struct wire_reader *r);
 
-/* A sentence. Reading allocates the spans (free them); their strings point into the payload. False when it is
- * not a sentence. */
+/* A sentence. Reading allocates the spans, which the caller frees; their strings point into the payload.
+ * Returns false if the payload is not a sentence. */
 void wire_put_sentence(struct buf *b, const struct faccia_sentence *sentence);
 bool wire_get_sentence(struct wire_reader *r, struct faccia_sentence *sentence, struct faccia_span **spans);
 
@@ -84,7 +82,14 @@ struct wire_event {
 
 void wire_put_event(struct buf *b, const struct wire_event *event);
 
-/* The next event: false at the end of the payload, or (r->bad) when the payload is broken. */
+/* Reads the next event. Returns false at the end of the payload, or with r->bad set if it is broken. */
 bool wire_get_event(struct wire_reader *r, struct wire_event *event);
+
+/* A plugin that aligns sound to a second voice (server/align/reference.h) needs a worker of that voice,
+ * with its own plugin and a narrower sandbox. Once confined it cannot start one, so it first forks a
+ * spawner that does nothing else. Only faccia's own plugins may set this capability, because the protocol
+ * is private. */
+
+#define WORKER_SPAWNER_WANTED (1u << 31)
 
 #endif

@@ -1,19 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/voice/worker_process.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/voice/voice_pool_internal.h"
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-/* Room for a read: the audio of a usual sentence comes in one or two. */
+void reserve_fill(struct reserve *reserve) {
+    for (int i = 0; i < RESERVE; i++)
+        if (!reserve->fds[i])
+            reserve->fds[i] = open("/dev/null", O_RDONLY | O_CLOEXEC) + 1;
+}
+
+void reserve_release(struct reserve *reserve) {
+    for (int i = 0; i < RESERVE; i++) {
+        if (reserve->fds[i])
+            close(reserve->fds[i] - 1);
+        reserve->fds[i] = 0;
+    }
+}
+
+/* Read size: a usual sentence's audio takes one or two reads. */
 enum { READ_BYTES = 256 << 10 };
 
-/* What a worker that is let go politely may take, ms; more than its own grace. */
+/* Grace period of a polite stop, in ms; longer than the worker's own. */
 enum { POLITE_MS = 2000 };
 
-/* The end of the socket and the exit of the process come together, give or take this many ms. */
+/* The socket's end and the process's exit arrive within this time of each other, in ms. */
 enum { END_MS = 100 };
 
 struct local_process {
@@ -21,10 +37,10 @@ struct local_process {
     uv_process_t child;
     uv_pipe_t pipe;
     uv_timer_t killer;
-    unsigned open;      /* handles that are not closed */
-    bool exited, ended; /* the child has; its socket has */
-    bool stopped;       /* nobody is to be told any more */
-    char how[64];       /* the child exited */
+    unsigned open;      /* handles not yet closed */
+    bool exited, ended; /* the child exited; its socket closed */
+    bool stopped;       /* no further callbacks but on_closed */
+    char how[64];       /* how the child exited */
     struct buf in;
     struct process_callbacks callbacks;
     void *ctx;
@@ -40,7 +56,7 @@ static void on_closed(uv_handle_t *handle) {
     if (--p->open)
         return;
     buf_free(&p->in);
-    p->callbacks.gone(p->ctx);
+    p->callbacks.on_closed(p->ctx);
     free(p);
 }
 
@@ -49,7 +65,7 @@ static void close_handle(uv_handle_t *handle) {
         uv_close(handle, on_closed);
 }
 
-/* The child's handle stays until the child has exited, so that no zombie is left. */
+/* Keeps the child's handle until it exits, so that no zombie is left. */
 static void close_all(struct local_process *p) {
     close_handle((uv_handle_t *)&p->pipe);
     if (p->exited) {
@@ -65,11 +81,10 @@ static void died(struct local_process *p, const char *how) {
         uv_process_kill(&p->child, SIGKILL);
     close_all(p);
     if (tell)
-        p->callbacks.died(p->ctx, how);
+        p->callbacks.on_died(p->ctx, how);
 }
 
-/* What the child said before it exited is still to be read; but not for ever, if a child of its own holds the
- * socket. */
+/* Waits for remaining output of an exited child, but not forever: one of its children may hold the socket. */
 static void on_time(uv_timer_t *timer) {
     struct local_process *p = timer->data;
     if (!p->exited)
@@ -117,7 +132,7 @@ static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *room) {
     struct wire_frame frame;
     int found = 0;
     while (!p->stopped && (found = wire_next(p->in.data + at, p->in.size - at, &frame, &used)) == 1) {
-        p->callbacks.said(p->ctx, &frame);
+        p->callbacks.on_frame(p->ctx, &frame);
         at += used;
     }
     buf_consume(&p->in, at);
@@ -125,12 +140,12 @@ static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *room) {
         died(p, "sent garbage");
 }
 
-static const struct process_kind local_kind;
+static const struct process_ops local_ops;
 
 struct process *process_start(uv_loop_t *loop, const char *program, const char *plugin,
                               const struct process_callbacks *callbacks, void *ctx, struct error *e) {
     struct local_process *p = mem_alloc(sizeof *p);
-    p->process.kind = &local_kind;
+    p->process.ops = &local_ops;
     p->callbacks = *callbacks;
     p->ctx = ctx;
     p->child.data = p->pipe.data = p->killer.data = p;
@@ -140,7 +155,7 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     char *args[] = {(char *)program, (char *)plugin, (char *)log_format_name(), NULL};
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
-        {.flags = UV_INHERIT_FD, .data.fd = 2}, /* what a plugin prints is no part of the daemon's output */
+        {.flags = UV_INHERIT_FD, .data.fd = 2}, /* plugin output must not mix with the daemon's */
         {.flags = UV_INHERIT_FD, .data.fd = 2},
         [WIRE_FD] = {.flags = UV_CREATE_PIPE | UV_READABLE_PIPE | UV_WRITABLE_PIPE,
                      .data.stream = (uv_stream_t *)&p->pipe},
@@ -154,14 +169,14 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     if (result == 0)
         return &p->process;
     bool passes = result == UV_EMFILE || result == UV_ENFILE || result == UV_ENOMEM || result == UV_EAGAIN;
-    error_set(e, passes ? PROCESS_NO_ROOM : ERROR_VOICE_FAILED, "%s cannot be started: %s", program,
+    error_set(e, passes ? PROCESS_RETRY : ERROR_VOICE_FAILED, "%s cannot be started: %s", program,
               uv_strerror(result));
     process_stop(&p->process, false);
     return NULL;
 }
 
 static void on_sent(uv_write_t *request, int status) {
-    (void)status; /* a worker that does not hear is dying: on_exited tells */
+    (void)status; /* on_exited reports a dying worker */
     struct sending *s = request->data;
     buf_free(&s->bytes);
     free(s);
@@ -196,12 +211,12 @@ static void stop_local(struct process *process, bool politely) {
     close_all(p);
 }
 
-static const struct process_kind local_kind = {send_local, stop_local};
+static const struct process_ops local_ops = {send_local, stop_local};
 
 void process_send(struct process *p, struct buf *b) {
-    p->kind->send(p, b);
+    p->ops->send(p, b);
 }
 
 void process_stop(struct process *p, bool politely) {
-    p->kind->stop(p, politely);
+    p->ops->stop(p, politely);
 }

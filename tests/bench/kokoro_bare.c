@@ -2,8 +2,8 @@
 /* Kokoro's graph alone: what ONNX Runtime takes for a text, without times, levels, face or server.
  * Usage: bench_kokoro_bare VOICE TEXTFILE; prints seconds of sound, of work, and to the first piece, the
  * model loaded. */
-#include "server/plugins/kokoro/kokoro_pieces.h"
 #include "server/plugins/kokoro/kokoro_reader.h"
+#include "server/plugins/kokoro/kokoro_tokens.h"
 #include "server/plugins/kokoro/kokoro_voices.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* What the layers over the visible speech cost: six minutes of speech with its lips alone, with life, with
  * expressions (for each sentence a performative, an affect, an emphasis and a boundary), with both, and so
  * densely marked up as nobody does (a mood, and two cues for every word). Usage: layers MODELS-FOLDER FPS. */
-#include "server/face/placement.h"
+#include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -59,6 +59,6 @@ for (const id of wanted) {
     show(`${name}, ${(ms / seconds).toFixed(1)} ms/s`, samples(coded.stdout), `${((bytes * 8) / seconds / 1000).toFixed(1)} kbit`);
   };
   for (const bitrate of RATES) code(`Opus at ${bitrate / 1000} kbit/s`, bitrate);
-  for (let level = 0; level < LEVELS; level++) code(`level ${level} of codec_load.h`, 0, level);
+  for (let level = 0; level < LEVELS; level++) code(`level ${level} of coder_pool.h`, 0, level);
 }
 await daemon.stop();

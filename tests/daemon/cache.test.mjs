@@ -74,7 +74,7 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   fs.writeSync(handle, 'x'.repeat(20000), 100);
   fs.closeSync(handle);
   daemon = await Daemon.start(options);
-  assert.match(daemon.log, /begun anew/);
+  assert.match(daemon.log, /recreating it/);
   assert.ok((await say(daemon)).wav.length > 10000);
   assert.equal((await daemon.stop()).code, 0);
 });
@@ -115,7 +115,7 @@ test('works of the library are spoken ahead by a voice, within a bound; who asks
 test('a file that is something else stays as it is, and the start names the option', async () => {
   const file = path.join(folder, 'letter');
   fs.writeFileSync(file, 'Dear Anna,\n');
-  await assert.rejects(Daemon.start(['--cache-file', file]), /--cache-file: .*letter is no cache of sentences/);
+  await assert.rejects(Daemon.start(['--cache-file', file]), /--cache-file: .*letter is not a sentence cache/);
   assert.equal(fs.readFileSync(file, 'utf8'), 'Dear Anna,\n');
   assert.deepEqual(fs.readdirSync(folder).filter((name) => name.startsWith('letter')), ['letter']);
 });

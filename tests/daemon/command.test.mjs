@@ -117,16 +117,16 @@ for (const [name, voice, message] of faults)
   });
 
 const mistakes = [
-  [{ command: { voices: 3 } }, /voices: wanted is a list/],
-  [{ command: { voice: [] } }, /voice: there is no such setting/],
-  [{ command: { voices: [{ lang: 'it', argv: ['a', '{text}'] }] } }, /voices\[0\]\.id: wanted is a text/],
-  [{ command: { voices: [{ id: 'a', lang: 'it', argv: 'sh -c x' }] } }, /voices\[0\]\.argv: wanted is a list of texts/],
-  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', 1] }] } }, /voices\[0\]\.argv: wanted is a list of texts/],
+  [{ command: { voices: 3 } }, /voices: must be a list/],
+  [{ command: { voice: [] } }, /voice: unknown setting/],
+  [{ command: { voices: [{ lang: 'it', argv: ['a', '{text}'] }] } }, /voices\[0\]\.id: must be a string/],
+  [{ command: { voices: [{ id: 'a', lang: 'it', argv: 'sh -c x' }] } }, /voices\[0\]\.argv: must be a list of strings/],
+  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', 1] }] } }, /voices\[0\]\.argv: must be a list of strings/],
   [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a'] }] } }, /voices\[0\]\.argv: the program is not given the text/],
   [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], sound: 'file' }] } }, /voices\[0\]\.argv: .*\{output\}/],
-  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], raw: 5 }] } }, /voices\[0\]\.raw: wanted is a number from 8000 to 192000/],
-  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], times: { format: 'x' } }] } }, /voices\[0\]\.times\.format: wanted is/],
-  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], shell: true }] } }, /voices\[0\]\.shell: there is no such setting/],
+  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], raw: 5 }] } }, /voices\[0\]\.raw: must be a number from 8000 to 192000/],
+  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], times: { format: 'x' } }] } }, /voices\[0\]\.times\.format: must be/],
+  [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'], shell: true }] } }, /voices\[0\]\.shell: unknown setting/],
   [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'] }, { id: 'a', lang: 'it', argv: ['a', '{text}'] }] } }, /voices\[1\]\.id: another voice has it/],
 ];
 for (const [config, message] of mistakes)

@@ -215,7 +215,7 @@ test('without Festival the daemon says so and serves', async (t) => {
   fs.writeFileSync(config, JSON.stringify({ festival: { program: '/nowhere/festival' } }));
   const daemon = await Daemon.start(['--voice-config', config]);
   t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
-  await daemon.logged(/voices that are not there: .*festival: the program "\/nowhere\/festival" is not installed/);
+  await daemon.logged(/unavailable voices: .*festival: the program "\/nowhere\/festival" is not installed/);
   const { voices } = await (await daemon.get('/v1/voices')).json();
   assert.ok(voices.length && voices.every((v) => v.plugin !== 'festival'));
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });

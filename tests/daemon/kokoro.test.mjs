@@ -154,7 +154,7 @@ test('without the weights the daemon says what to do and serves', built, async (
   fs.writeFileSync(config, JSON.stringify({ kokoro: { data: '/nowhere' } }));
   const daemon = await Daemon.start(['--voice-config', config]);
   t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
-  await daemon.logged(/voices that are not there: .*kokoro: .* are not in \/nowhere; to install them: sh server\/run\.sh --with kokoro/);
+  await daemon.logged(/unavailable voices: .*kokoro: .* are not in \/nowhere; to install them: sh server\/run\.sh --with kokoro/);
   const { voices: list } = await (await daemon.get('/v1/voices')).json();
   assert.ok(list.length && list.every((v) => v.plugin !== 'kokoro'));
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
@@ -165,6 +165,6 @@ test('a mistake in the configuration is named', built, async (t) => {
   fs.writeFileSync(config, JSON.stringify({ kokoro: { threads: 0 } }));
   const daemon = await Daemon.start(['--voice-config', config]);
   t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
-  await daemon.logged(/kokoro.*threads: wanted is a whole number from 1 to 64/);
+  await daemon.logged(/kokoro.*threads: must be an integer from 1 to 64/);
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });

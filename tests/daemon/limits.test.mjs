@@ -96,7 +96,7 @@ for (const trick of ['backwards', 'beyond'])
       assert.ok(start >= at && end >= start && end <= said.duration, JSON.stringify(said.words));
       at = start;
     }
-    assert.match(said.warnings.map((w) => w.message).join('\n'), trick === 'beyond' ? /after the end of the audio/ : /before the one that it follows/);
+    assert.match(said.warnings.map((w) => w.message).join('\n'), trick === 'beyond' ? /after the end of the audio/ : /before the previous one/);
   });
 
 test('the network is refused to a plugin that has not asked for it', { skip: !confined && 'built without libseccomp' }, async () => {

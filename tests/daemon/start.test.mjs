@@ -59,7 +59,7 @@ test('a voice that does not come is waited for no longer than the setting says',
   fs.rmSync(gate, { force: true });
   const daemon = await start('--voice-start', '15');
   const posted = [post(daemon, 'lang=fr'), post(daemon, 'voice=early:late')];
-  await daemon.logged(/the voice early takes long to start/);
+  await daemon.logged(/the voice early is slow to start/);
   const [other, named] = await Promise.all(posted);
   assert.deepEqual([other.status, (await other.json()).voice], [200, 'espeak:fr-fr']);
   assert.deepEqual([named.status, (await named.json()).code], [400, 'unknown-voice']);

@@ -2,7 +2,7 @@
 /* The command plugin. Byte 0: whether the rest is a configuration, edits (json_edit.c) of one, or what a
  * program gives: the format of its times, the times with their size (2 bytes) before them, and its sound. */
 #include "server/base/mem.h"
-#include "server/plugins/command/speaking.h"
+#include "server/plugins/command/command_run.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
  * which language and how; then come phones, of 4 bytes and a name that ends with a line's end, or words and
  * cues. */
 #include "server/base/mem.h"
-#include "server/face/packs/speech_packs.h"
-#include "server/face/placement.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/face/track.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "server/base/sampa.h"
 #include "server/base/utf8.h"
 #include "server/face/packs/phone_match.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
 #include "server/face/packs/spelling.h"
 #include "server/face/packs/transcription.h"
 #include "tests/fuzz/fuzz.h"

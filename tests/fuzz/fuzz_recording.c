@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A folder of the recording plugin: byte 0 says how its times are written; then come the description, the
  * text, the times, each with its size (2 bytes) before it, and the sound. */
-#include "server/face/packs/speech_packs.h"
-#include "server/plugins/recording/folder.h"
-#include "server/plugins/recording/match.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/plugins/recording/recording_folder.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,12 +3,12 @@
  * language and how, the rest is the document. */
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
-#include "server/face/packs/speech_packs.h"
-#include "server/face/placement.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/face/track.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
-#include "server/voice/cue_times.h"
-#include "server/voice/plan.h"
+#include "server/voice/sentence_audio.h"
+#include "server/voice/voice_request.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -35,21 +35,21 @@ static const struct stage *stage(void) {
 }
 
 /* As if each piece were a word of 0.3 s that begins with an a. */
-static struct sentence_audio *say(const struct plan *plan) {
+static struct sentence_audio *say(const struct voice_request *request) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
-    size_t count = plan->piece_count < WORDS_MAX ? plan->piece_count : WORDS_MAX;
+    size_t count = request->piece_count < WORDS_MAX ? request->piece_count : WORDS_MAX;
     u->sample_rate = RATE;
     u->words = mem_alloc((count + 1) * sizeof *u->words);
     u->phones = mem_alloc((2 * count + 1) * sizeof *u->phones);
     for (size_t i = 0; i < count; i++) {
-        const struct plan_piece *p = &plan->pieces[i];
+        const struct request_piece *p = &request->pieces[i];
         struct word *w = &u->words[u->word_count];
         uint32_t start = u->samples, end = start + RATE * 3 / 10;
-        if (!plan_locate(plan, p->span, p->offset, p->bytes, &w->from, &w->to))
+        if (!voice_request_locate(request, p->span, p->offset, p->bytes, &w->from, &w->to))
             continue;
         FUZZ_CHECK(w->from <= w->to);
         w->start = start, w->end = end;
-        w->text = plan_text(plan, p->span, p->offset, p->bytes);
+        w->text = voice_request_text(request, p->span, p->offset, p->bytes);
         u->word_count++;
         u->phones[u->phone_count++] = (struct phone){.ipa = "a", .start = start, .end = start + RATE / 10};
         u->phones[u->phone_count++] = (struct phone){.ipa = "p", .start = start + RATE / 10, .end = end};
@@ -79,27 +79,27 @@ static void show(const struct sentence_audio *u, const char *lang, uint8_t choic
 }
 
 static void speak(const struct score *score, size_t sentence, const char *lang, uint8_t choice) {
-    const struct plan_prosody prosody = {.rate = choice & 16 ? 300 : 0,
-                                         .own_rate = choice & 32 ? 160 : 0,
-                                         .pitch = 1,
-                                         .volume = 1,
-                                         .chosen = choice & 64,
-                                         .plays = choice & 128};
-    struct plan plan;
-    plan_make(&plan, score, sentence, &prosody);
-    for (size_t i = 0; i < plan.span_count; i++) {
-        const struct faccia_span *span = &plan.spans[i];
+    const struct voice_prosody prosody = {.rate = choice & 16 ? 300 : 0,
+                                          .own_rate = choice & 32 ? 160 : 0,
+                                          .pitch = 1,
+                                          .volume = 1,
+                                          .chosen = choice & 64,
+                                          .plays = choice & 128};
+    struct voice_request request;
+    voice_request_make(&request, score, sentence, &prosody);
+    for (size_t i = 0; i < request.span_count; i++) {
+        const struct faccia_span *span = &request.spans[i];
         FUZZ_CHECK(isfinite(span->rate) && isfinite(span->pitch) && isfinite(span->range) &&
                    isfinite(span->volume) && isfinite(span->seconds) && span->intensity >= 0 &&
                    span->intensity <= 1);
     }
-    struct sentence_audio *u = say(&plan);
-    cue_times_set(u, &plan);
+    struct sentence_audio *u = say(&request);
+    cue_times_set(u, &request);
     for (size_t i = 0; i < u->cue_count; i++)
         FUZZ_CHECK(u->cues[i].start <= u->cues[i].end && u->cues[i].end <= u->samples);
     show(u, lang, choice);
     sentence_audio_free(u);
-    plan_free(&plan);
+    voice_request_free(&request);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/plugins/command/command_sound.h"
 #include "server/synthesis/recording_internal.h"
-#include "server/voice/inserted_sound.h"
+#include "server/voice/sentence.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

@@ -2,10 +2,10 @@
 /* The sound of somebody who speaks himself: byte 0 is codec and channels, then rate and lookahead; then
  * messages, each with its size (2 bytes) before it, on their way to a face. PCM in other pieces is the same.
  */
-#include "server/face/packs/speech_packs.h"
-#include "server/hear/hearing.h"
-#include "server/synthesis/heard_pace.h"
-#include "server/synthesis/heard_sound.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/hear/lip_recogniser.h"
+#include "server/synthesis/jitter_buffer.h"
+#include "server/synthesis/live_voice.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
@@ -14,8 +14,8 @@ enum { SAMPLES_MOST = 16000, MESSAGES_MOST = 200 };
 
 /* What an input gives, and what it says of itself when it comes otherwise. */
 struct heard {
-    struct hearing *hearing; /* NULL: it is only listened to */
-    struct heard_pace pace;
+    struct lip_recogniser *recogniser; /* NULL: it is only listened to */
+    struct jitter_buffer pace;
     double now;
     size_t samples;
     uint32_t frames;
@@ -29,11 +29,11 @@ static const struct speech_packs *packs(void) {
     return &loaded;
 }
 
-static const struct hear_network *network(void) {
-    static struct hear_network *loaded;
+static const struct lip_network *network(void) {
+    static struct lip_network *loaded;
     struct error e;
     if (!loaded)
-        loaded = hear_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
+        loaded = lip_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
     FUZZ_CHECK(loaded);
     return loaded;
 }
@@ -50,23 +50,23 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct heard *h = ctx;
     int16_t taken[1000];
     float block[1000];
-    FUZZ_CHECK(count <= HEARD_BLOCK);
+    FUZZ_CHECK(count <= LIVE_BLOCK);
     h->samples += count;
     for (size_t i = 0; i < count; i++)
         h->sum = h->sum * 31 + (uint16_t)samples[i];
-    if (!h->hearing || h->samples > SAMPLES_MOST)
+    if (!h->recogniser || h->samples > SAMPLES_MOST)
         return;
-    heard_pace_add(&h->pace, samples, count, h->now);
+    jitter_buffer_add(&h->pace, samples, count, h->now);
     FUZZ_CHECK(h->pace.count <= h->pace.most);
-    for (size_t got; (got = heard_pace_take(&h->pace, taken, sizeof taken / sizeof *taken));) {
+    for (size_t got; (got = jitter_buffer_take(&h->pace, taken, sizeof taken / sizeof *taken));) {
         for (size_t i = 0; i < got; i++)
             block[i] = (float)taken[i] / 32768;
-        hearing_write(h->hearing, block, got);
+        lip_recogniser_write(h->recogniser, block, got);
     }
 }
 
 /* Gives its messages to it, PCM cut otherwise when `whole` is false. */
-static void read_all(struct fuzz_input in, struct heard_sound *sound, bool whole, struct heard *h) {
+static void read_all(struct fuzz_input in, struct live_audio *sound, bool whole, struct heard *h) {
     struct error e = {0};
     for (int i = 0; i < MESSAGES_MOST && fuzz_left(&in); i++) {
         size_t size = fuzz_u16(&in);
@@ -74,56 +74,56 @@ static void read_all(struct fuzz_input in, struct heard_sound *sound, bool whole
         h->now += (double)(size % 251) / 1000;
         for (size_t at = 0, piece; at < size || (whole && !at); at += piece + !piece) {
             piece = whole || size - at < 2 ? size - at : (size - at) / 2;
-            if (heard_sound_read(sound, bytes + at, piece, on_samples, h, &e))
+            if (live_audio_read(sound, bytes + at, piece, on_samples, h, &e))
                 FUZZ_CHECK(e.code == ERROR_BAD_SOUND);
         }
         free(bytes);
     }
-    if (heard_sound_end(sound, &e))
+    if (live_audio_end(sound, &e))
         FUZZ_CHECK(e.code == ERROR_BAD_SOUND);
 }
 
-static void hear(struct fuzz_input in, const struct heard_request *request, struct heard *h) {
+static void hear(struct fuzz_input in, const struct live_request *request, struct heard *h) {
     struct error e = {0};
-    const struct hearing_options options = {.network = network(),
-                                            .pack = speech_packs_find(packs(), "it"),
-                                            .rate = request->rate,
-                                            .channels = 1,
-                                            .lookahead = request->lookahead,
-                                            .fps = 25,
-                                            .lives = true,
-                                            .frame = on_frame,
-                                            .ctx = h};
-    struct heard_sound *sound = heard_sound_new(request, &e);
-    h->hearing = hearing_new(&options, &e);
-    FUZZ_CHECK(sound && (h->hearing || e.code == ERROR_BAD_FIELD));
-    heard_pace_open(&h->pace, request->rate, request->rate);
+    const struct lip_recogniser_options options = {.network = network(),
+                                                   .pack = speech_packs_find(packs(), "it"),
+                                                   .rate = request->rate,
+                                                   .channels = 1,
+                                                   .lookahead = request->lookahead,
+                                                   .fps = 25,
+                                                   .lives = true,
+                                                   .frame = on_frame,
+                                                   .ctx = h};
+    struct live_audio *sound = live_audio_new(request, &e);
+    h->recogniser = lip_recogniser_new(&options, &e);
+    FUZZ_CHECK(sound && (h->recogniser || e.code == ERROR_BAD_FIELD));
+    jitter_buffer_open(&h->pace, request->rate, request->rate);
     read_all(in, sound, true, h);
-    if (h->hearing)
-        hearing_end(h->hearing);
-    hearing_free(h->hearing);
-    heard_pace_free(&h->pace);
-    heard_sound_free(sound);
+    if (h->recogniser)
+        lip_recogniser_end(h->recogniser);
+    lip_recogniser_free(h->recogniser);
+    jitter_buffer_free(&h->pace);
+    live_audio_free(sound);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct fuzz_input in = fuzz_input(data, size);
     uint8_t kind = fuzz_u8(&in), ahead = fuzz_u8(&in);
-    const struct heard_request request = {.codec = kind & 1 ? HEARD_OPUS : HEARD_PCM,
-                                          .channels = 1 + (kind >> 1) % 9,
-                                          .rate = 2U * fuzz_u16(&in),
-                                          .lookahead = 20U * (ahead % 8)};
+    const struct live_request request = {.codec = kind & 1 ? LIVE_OPUS : LIVE_PCM,
+                                         .channels = 1 + (kind >> 1) % 9,
+                                         .rate = 2U * fuzz_u16(&in),
+                                         .lookahead = 20U * (ahead % 8)};
     struct error e = {0};
-    if (heard_request_check(&request, &e)) {
-        FUZZ_CHECK(e.code == ERROR_BAD_FIELD && !heard_sound_new(&request, &e));
+    if (live_request_check(&request, &e)) {
+        FUZZ_CHECK(e.code == ERROR_BAD_FIELD && !live_audio_new(&request, &e));
         return 0;
     }
     struct heard once = {0}, again = {0};
     hear(in, &request, &once);
-    if (request.codec == HEARD_PCM) {
-        struct heard_sound *sound = heard_sound_new(&request, &e);
+    if (request.codec == LIVE_PCM) {
+        struct live_audio *sound = live_audio_new(&request, &e);
         read_all(in, sound, false, &again);
-        heard_sound_free(sound);
+        live_audio_free(sound);
         FUZZ_CHECK(again.samples == once.samples && again.sum == once.sum);
     }
     return 0;

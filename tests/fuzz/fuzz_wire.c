@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct plan *plan(void) {
-    static struct plan made;
+static const struct voice_request *request(void) {
+    static struct voice_request made;
     if (!made.span_count) {
         struct score *score = score_new();
         struct score_item *item = score_add(score, SCORE_TEXT, 0, 9);
@@ -19,7 +19,7 @@ static const struct plan *plan(void) {
         item = score_add(score, SCORE_TEXT, 11, 20);
         item->text = "due tre.";
         score_end_sentence(score);
-        plan_make(&made, score, 0, &(struct plan_prosody){.pitch = 1, .volume = 1});
+        voice_request_make(&made, score, 0, &(struct voice_prosody){.pitch = 1, .volume = 1});
         score_free(score);
     }
     return &made;
@@ -79,7 +79,7 @@ static void read_told(const struct wire_frame *frame) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    struct assembly *a = assembly_new(plan());
+    struct assembly *a = assembly_new(request());
     struct wire_frame frame;
     struct error e = {0};
     size_t used;

@@ -38,7 +38,7 @@ const readerOnly = [
   [/none of them shows the pack's phone/, "the pack's phones stand in another file"],
   [/must have \d+ items, one for each class/, 'the classes stand elsewhere in the file'],
   [/must be made of the letters/, 'the letters stand elsewhere in the file'],
-  [/^the name '.*' is there twice/, 'names must differ in all of a kind'],
+  [/^the name '.*' occurs twice/, 'names must differ in all of a kind'],
   [/must be at least [\d.]+ after the one before/, 'an order of numbers'],
   [/^'.*' is not a folder$/, 'what lies on the disk'],
   [/^another voice has it$/, 'the other voice stands elsewhere in the file'],

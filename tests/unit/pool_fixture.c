@@ -124,15 +124,15 @@ struct result *pool_test_speak_items(struct pool_test *s, const char *name, doub
     score_end_sentence(s->score);
     struct result *r = &s->results[s->count];
     r->test = s;
-    const struct voice_request request = {.voice = pool_test_voice(s, name),
-                                          .score = s->score,
-                                          .sentence = s->score->sentence_count - 1,
-                                          .rate = rate,
-                                          .pitch = 1,
-                                          .volume = 1,
-                                          .turn = s->turn,
-                                          .payer = s->payer,
-                                          .asker = s->asker};
+    const struct sentence_request request = {.voice = pool_test_voice(s, name),
+                                             .score = s->score,
+                                             .sentence = s->score->sentence_count - 1,
+                                             .rate = rate,
+                                             .pitch = 1,
+                                             .volume = 1,
+                                             .priority = s->turn,
+                                             .payer = s->payer,
+                                             .asker = s->asker};
     s->jobs[s->count++] = voice_pool_speak(s->pool, &request, &callbacks, r);
     assert_int_equal(r->order, 0); /* never at once */
     return r;

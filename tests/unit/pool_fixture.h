@@ -26,9 +26,9 @@ struct pool_test {
     struct voice_job *jobs[POOL_TEST_JOBS];
     size_t count, finished;
     bool ready, voiced, closing, closed;
-    enum voice_turn turn; /* of what is spoken next */
-    uint32_t payer;       /* whose that is, */
-    uint32_t asker;       /* and by which of his connections */
+    enum voice_priority turn; /* of what is spoken next */
+    uint32_t payer;           /* whose that is, */
+    uint32_t asker;           /* and by which of his connections */
     void (*when_finished)(struct pool_test *s);
 };
 

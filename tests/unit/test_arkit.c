@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From FAPs to ARKit's shapes: the solver is right, closures stay closures, left is as right. */
 #include "server/codec/arkit_weights.h"
-#include "server/codec/box_squares.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

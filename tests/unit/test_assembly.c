@@ -9,10 +9,10 @@
 
 enum { RATE = 16000 };
 
-/* One sentence of a voice: its score, its plan, and what is said about it. */
+/* One sentence of a voice: its score, its request, and what is said about it. */
 struct media_segment {
     struct score *score;
-    struct plan plan;
+    struct voice_request request;
     struct assembly *assembly;
     struct sentence_audio *u;
 };
@@ -26,22 +26,23 @@ static void add_text(struct score *score, size_t start, const char *text, bool v
         item->style = style;
 }
 
-static void plan(struct media_segment *s) {
+static void request(struct media_segment *s) {
     score_end_sentence(s->score);
-    plan_make(&s->plan, s->score, 0, &(struct plan_prosody){.own_rate = 100, .pitch = 1, .volume = 1});
-    s->assembly = assembly_new(&s->plan);
+    voice_request_make(&s->request, s->score, 0,
+                       &(struct voice_prosody){.own_rate = 100, .pitch = 1, .volume = 1});
+    s->assembly = assembly_new(&s->request);
 }
 
 static void begin(struct media_segment *s, const char *text) {
     *s = (struct media_segment){.score = score_new()};
     add_text(s->score, 0, text, true, NULL);
-    plan(s);
+    request(s);
 }
 
 static void end(struct media_segment *s) {
     sentence_audio_free(s->u);
     assembly_free(s->assembly);
-    plan_free(&s->plan);
+    voice_request_free(&s->request);
     score_free(s->score);
 }
 
@@ -254,11 +255,11 @@ static void maps_words_to_the_input(void **state) {
     add_text(s.score, 12, "amìca ", true, NULL);
     add_text(s.score, 20, "dodici", false, NULL); /* input bytes 20..26 */
     add_text(s.score, 30, "euro", true, &loud);
-    plan(&s);
-    assert_int_equal(s.plan.span_count, 2);
-    assert_string_equal(s.plan.spans[0].text, "L'amìca dodici");
-    assert_float_equal(s.plan.spans[0].rate, 0, 0);
-    assert_float_equal(s.plan.spans[1].rate, 200, 0); /* twice the voice's own */
+    request(&s);
+    assert_int_equal(s.request.span_count, 2);
+    assert_string_equal(s.request.spans[0].text, "L'amìca dodici");
+    assert_float_equal(s.request.spans[0].rate, 0, 0);
+    assert_float_equal(s.request.spans[1].rate, 200, 0); /* twice the voice's own */
     assert_int_equal(audio(&s, 1000, RATE, &e), 0);
     phone(&s, "a", 0, 1000);
     word(&s, 0, 0, 8, 0);    /* L'amìca */
@@ -277,10 +278,10 @@ static void maps_words_to_the_input(void **state) {
     assert_string_equal(s.u->words[2].text, "ur");
     assert_int_equal(s.u->warning_count, 1);
     size_t from, to;
-    assert_true(plan_locate(&s.plan, 0, 5, 1, &from, &to)); /* second byte of ì: all of it */
+    assert_true(voice_request_locate(&s.request, 0, 5, 1, &from, &to)); /* second byte of ì: all of it */
     assert_true(from == 14 && to == 16);
-    assert_false(plan_locate(&s.plan, 0, 99, 1, &from, &to));
-    assert_false(plan_locate(&s.plan, 0, 0, 0, &from, &to));
+    assert_false(voice_request_locate(&s.request, 0, 99, 1, &from, &to));
+    assert_false(voice_request_locate(&s.request, 0, 0, 0, &from, &to));
     end(&s);
 }
 
@@ -294,9 +295,9 @@ static void places_marks(void **state) {
     add_text(s.score, 5, "due", true, NULL);
     score_add(s.score, SCORE_MARK, 8, 9)->text = "m";
     score_add(s.score, SCORE_MARK, 9, 10)->text = "end";
-    plan(&s);
-    assert_int_equal(s.plan.span_count, 6);
-    assert_float_equal(s.plan.break_seconds, 0.5, 0);
+    request(&s);
+    assert_int_equal(s.request.span_count, 6);
+    assert_float_equal(s.request.break_seconds, 0.5, 0);
     assert_int_equal(audio(&s, 1000, RATE, &e), 0);
     word(&s, 0, 0, 3, 0);
     word(&s, 3, 0, 3, 600);
@@ -323,7 +324,7 @@ static void places_marks_that_are_not_reported(void **state) {
     score_add(s.score, SCORE_MARK, 3, 4)->text = "a";
     add_text(s.score, 5, "due", true, NULL);
     score_add(s.score, SCORE_MARK, 8, 9)->text = "b";
-    plan(&s);
+    request(&s);
     assert_int_equal(audio(&s, 1000, RATE, &e), 0);
     word(&s, 0, 0, 3, 0);
     word(&s, 2, 0, 3, 600);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tables and examples of P. D. P. Costa's thesis (UNICAMP 2009) against models/speech/visemes/pt.json. */
 #include "server/face/engines/engine.h"
-#include "server/face/engines/morph.h"
+#include "server/face/engines/fapmap.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/track.h"
 #include "tests/unit/pack_fixture.h"

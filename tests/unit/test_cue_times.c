@@ -37,12 +37,12 @@ static struct score_cue *cue(struct score *score, const char *name, size_t first
 
 /* The sentence as a voice speaks it: each word takes a second, after half a second of silence. */
 static struct sentence_audio *speak(struct score *score, size_t sentence) {
-    static const struct plan_prosody plain = {.pitch = 1, .volume = 1};
-    struct plan plan;
+    static const struct voice_prosody plain = {.pitch = 1, .volume = 1};
+    struct voice_request request;
     struct error e;
     score_order_cues(score);
-    plan_make(&plan, score, sentence, &plain);
-    struct assembly *a = assembly_new(&plan);
+    voice_request_make(&request, score, sentence, &plain);
+    struct assembly *a = assembly_new(&request);
     struct buf audio = {0}, events = {0};
     size_t count = score->sentences[sentence].count, offset = 0;
     static const int16_t pcm[RATE * 4];
@@ -64,7 +64,7 @@ static struct sentence_audio *speak(struct score *score, size_t sentence) {
     assert_int_equal(assembly_events(a, &said, &e), 0);
     struct sentence_audio *u = assembly_finish(a, "it", RATE, NULL);
     assembly_free(a);
-    plan_free(&plan);
+    voice_request_free(&request);
     buf_free(&audio);
     buf_free(&events);
     return u;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/export/export_worker.h"
+#include "server/export/export.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -5,7 +5,7 @@
 #include "server/expression/recipe.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/expression/cue_envelope.h"
-#include "server/face/placement.h"
+#include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>

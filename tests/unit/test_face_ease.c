@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How the face goes over where what it did is cut. */
-#include "server/stream/face_ease.h"
+#include "server/stream/idle_face.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What an utterance keeps of what was spoken: the newest of it, shared, and no more than its bound. */
 #include "server/base/mem.h"
-#include "server/synthesis/kept_speech.h"
+#include "server/synthesis/synthesis_internal.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

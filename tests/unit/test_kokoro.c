@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Kokoro plugin's parts without engines: the change to the model, tokens, pieces, times. */
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_data.h"
 #include "server/plugins/kokoro/kokoro_onnx.h"
-#include "server/plugins/kokoro/kokoro_pieces.h"
 #include "server/plugins/kokoro/kokoro_timing.h"
 #include "server/plugins/kokoro/kokoro_tokens.h"
 #include <math.h>

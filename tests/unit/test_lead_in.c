@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/face/lead_in.h"
 #include "server/face/track.h"
-#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio.h"
 #include "tests/unit/pack_fixture.h"
 #include "tests/unit/utter.h"
 #include <setjmp.h>

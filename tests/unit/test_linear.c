@@ -4,7 +4,7 @@
 #include "server/base/buf.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
-#include "server/voice/plan.h"
+#include "server/voice/voice_request.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,17 +65,17 @@ static void make(const struct shape *shape, int pieces, struct buf *text) {
 
 /* All that is done with a text before it is spoken. */
 static double work(const struct expressions *expressions, const struct buf *text) {
-    static const struct plan_prosody prosody = {.pitch = 1, .volume = 1};
+    static const struct voice_prosody prosody = {.pitch = 1, .volume = 1};
     struct error e;
     double begin = now();
     struct score *score = markup_read(markup_by_name("auto"), (char *)text->data, text->size, NULL, &e);
     assert_non_null(score);
     expressions_direct(expressions, score);
     for (size_t i = 0; i < score->sentence_count; i++) {
-        struct plan plan;
-        plan_make(&plan, score, i, &prosody);
-        assert_true(plan.cue_count <= SCORE_CUES);
-        plan_free(&plan);
+        struct voice_request request;
+        voice_request_make(&request, score, i, &prosody);
+        assert_true(request.cue_count <= SCORE_CUES);
+        voice_request_free(&request);
     }
     score_free(score);
     return now() - begin;
@@ -101,16 +101,16 @@ static void takes_as_long_as_it_is(void **state) {
 /* Ways through all that is under a cue are as many as the cue's sentences, not as its neighbours. */
 static void bounds_what_a_sentence_holds(void **state) {
     (void)state;
-    static const struct plan_prosody prosody = {.pitch = 1, .volume = 1};
+    static const struct voice_prosody prosody = {.pitch = 1, .volume = 1};
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         struct buf text = {0};
         struct error e;
         make(&shapes[i], PIECES, &text);
         struct score *score = markup_read(markup_by_name("auto"), (char *)text.data, text.size, NULL, &e);
         for (size_t s = 0; s < score->sentence_count; s++) {
-            struct plan plan;
+            struct voice_request request;
             size_t expected = 0;
-            plan_make(&plan, score, s, &prosody);
+            voice_request_make(&request, score, s, &prosody);
             const struct score_sentence *in = &score->sentences[s];
             size_t end = in->first + in->count;
             for (size_t c = 0; c < score->cue_count && s % 97 == 0; c++) {
@@ -121,9 +121,9 @@ static void bounds_what_a_sentence_holds(void **state) {
                                   : cue->first < end && cue->last > in->first;
             }
             if (s % 97 == 0)
-                assert_int_equal(plan.cue_count, expected);
-            assert_true(plan.cue_count <= SCORE_CUES);
-            plan_free(&plan);
+                assert_int_equal(request.cue_count, expected);
+            assert_true(request.cue_count <= SCORE_CUES);
+            voice_request_free(&request);
         }
         score_free(score);
         buf_free(&text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/codec/codec_load.h"
+#include "server/codec/coder_pool.h"
 #include "server/codec/opus_audio.h"
 #include <math.h>
 #include <opus/opus.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sentences that several voices and sounds have a part in, spoken by real workers. */
 #include "server/base/mem.h"
-#include "server/voice/inserted_sound.h"
 #include "server/voice/sentence.h"
 #include "tests/unit/pool_fixture.h"
 #include <math.h>
@@ -60,7 +59,7 @@ static struct sentence *start(struct stage *t, const char *voice) {
     score_end_sentence(t->test->score);
     t->selection = (struct voice_selection){
         .voices = t->voices, .sounds = t->sounds, .count = t->test->score->item_count};
-    const struct voice_request request = {
+    const struct sentence_request request = {
         .voice = pool_test_voice(t->test, voice), .score = t->test->score, .pitch = 1, .volume = 1};
     return sentence_speak(t->test->pool, &t->test->loop, &request, &t->selection, &callbacks, t);
 }

@@ -2,7 +2,7 @@
 /* Utterances that are converted, cut and joined: times stay with their sounds, nothing clicks, no gap is
  * left. */
 #include "server/base/mem.h"
-#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -104,7 +104,7 @@ static void joints_are_tight(void **state) {
     struct join_piece pieces[] = {{word(10000, 200, "a"), true, false},
                                   {word(16000, 300, "b"), true, true},
                                   {word(8000, 250, "c"), true, false}};
-    struct sentence_audio *u = join(pieces, 3, 10000);
+    struct sentence_audio *u = sentence_audio_join(pieces, 3, 10000);
     check_phones(u);
     assert_int_equal(u->word_count, 3);
     assert_int_equal(u->mark_count, 3);
@@ -134,7 +134,7 @@ static void what_is_no_speech_is_not_trimmed(void **state) {
                                   {silence, false, false},
                                   {word(10000, 200, "b"), true, false},
                                   {word(10000, 100, "c"), false, false}};
-    struct sentence_audio *u = join(pieces, 4, 10000);
+    struct sentence_audio *u = sentence_audio_join(pieces, 4, 10000);
     check_phones(u);
     assert_int_equal(u->words[1].start - u->words[0].end, 7000 + 2 * 10 * JOIN_GAP_MS);
     assert_int_equal(u->words[2].start - u->words[1].end, 2500 + 10 * JOIN_GAP_MS);
@@ -159,7 +159,7 @@ static void silence_costs_nothing(void **state) {
     silence->phones[silence->phone_count++] = (struct phone){.sampa = "_", .end = SAMPLES};
     struct join_piece pieces[] = {{word(22050, 200, "a"), true, false}, {silence, false, false}};
     long before = faults();
-    struct sentence_audio *u = join(pieces, 2, 22050);
+    struct sentence_audio *u = sentence_audio_join(pieces, 2, 22050);
     uint32_t first = u->words->start, samples = u->samples;
     sentence_audio_lead_in(u, 700);
     long touched = faults() - before;
@@ -199,7 +199,7 @@ static void nothing_at_all(void **state) {
     struct sentence_audio *none = mem_alloc(sizeof *none);
     none->sample_rate = 16000;
     struct join_piece pieces[] = {{none, true, false}};
-    struct sentence_audio *u = join(pieces, 1, 22050);
+    struct sentence_audio *u = sentence_audio_join(pieces, 1, 22050);
     assert_int_equal(u->samples, 0);
     assert_int_equal(u->sample_rate, 22050);
     sentence_audio_free(u);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
 #include "server/face/packs/phone_match.h"
-#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>

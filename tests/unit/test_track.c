@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/face/placement.h"
+#include "server/face/track.h"
 #include "tests/unit/pack_fixture.h"
 #include "tests/unit/utter.h"
 #include <math.h>

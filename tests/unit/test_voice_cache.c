@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/voice_cache.h"
-#include "server/voice/voice_cache_file.h"
 #include <setjmp.h>
 #include <signal.h>
 #include <sqlite3.h>

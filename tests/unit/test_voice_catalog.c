@@ -54,7 +54,7 @@ static void voices_come_and_go(void **state) {
     assert_int_equal(catalog_add(&catalog, "z", (char *)text.data, &e), 0);
     assert_int_equal(catalog_add(&catalog, middle, (char *)text.data, &e), 0);
     assert_int_equal(catalog_add(&catalog, "a", (char *)text.data, &e), 0);
-    const struct voice_list all = catalog_list(&catalog), aside = catalog_aside(&catalog, middle);
+    const struct voice_list all = catalog_list(&catalog), aside = catalog_of_plugin(&catalog, middle);
     struct voice_list with = {0}, without = {0};
     assert_int_equal(all.count, 6);
     assert_int_equal(aside.count, 2);
@@ -65,7 +65,7 @@ static void voices_come_and_go(void **state) {
         assert_string_equal(catalog.voices[2].id, "z:a");
         assert_true(i == 0 || catalog.voices == without.voices);
         without = catalog_list(&catalog);
-        catalog_put_back(&catalog, aside);
+        catalog_restore(&catalog, aside);
         assert_int_equal(catalog.count, 6);
         for (size_t k = 0; k < 6; k++)
             assert_ptr_equal(catalog.voices[k].id, all.voices[k].id);

@@ -249,7 +249,7 @@ static void what_is_waited_for_comes_first(void **state) {
     static const size_t order[] = {1, 3, 5, 7, 2, 4, 6};
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
     for (size_t i = 0; i < 7; i++) {
-        s->turn = i > 3 ? VOICE_TURN_URGENT : VOICE_TURN_USUAL;
+        s->turn = i > 3 ? VOICE_PRIORITY_URGENT : VOICE_PRIORITY_NORMAL;
         pool_test_speak(s, "plain", texts[i]);
     }
     pool_test_run(s);
@@ -331,7 +331,7 @@ static void what_nobody_waits_for_makes_way(void **state) {
     static const size_t order[] = {1, 3, 2, 4};
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
     for (size_t i = 0; i < 4; i++) {
-        s->turn = i == 2 ? VOICE_TURN_USUAL : VOICE_TURN_AHEAD;
+        s->turn = i == 2 ? VOICE_PRIORITY_NORMAL : VOICE_PRIORITY_BACKGROUND;
         pool_test_speak(s, "plain", texts[i]);
     }
     pool_test_run(s);
@@ -347,9 +347,9 @@ static void what_nobody_waits_for_makes_way(void **state) {
 static void what_makes_way_may_be_forgotten(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
-    s->turn = VOICE_TURN_AHEAD;
+    s->turn = VOICE_PRIORITY_BACKGROUND;
     pool_test_speak(s, "plain", "slow");
-    s->turn = VOICE_TURN_URGENT;
+    s->turn = VOICE_PRIORITY_URGENT;
     pool_test_speak(s, "plain", "uno");
     voice_job_cancel(s->jobs[0]);
     s->finished++; /* it never comes back */

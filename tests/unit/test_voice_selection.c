@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a sentence is cut into the parts of several voices, sounds and silences. */
-#include "server/voice/voice_selection.h"
+#include "server/voice/sentence.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

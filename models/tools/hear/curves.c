@@ -4,31 +4,31 @@
  * articulatory parameters in mm, as floats, on standard output. Usage: hear-curves PACK FRAMES */
 #include "server/base/mem.h"
 #include "server/face/track.h"
-#include "server/hear/hear_classes.h"
+#include "server/hear/lip_network.h"
 #include <stdio.h>
 #include <stdlib.h>
 
 /* A piece counts milliseconds; before and after it there is silence. */
 enum { RATE = 1000, FRAME = 10, AROUND = 400 };
 
-static void put(struct sentence_audio *u, enum hear_class class, uint32_t until) {
+static void put(struct sentence_audio *u, enum lip_class class, uint32_t until) {
     struct phone *phone = &u->phones[u->phone_count++];
     *phone = (struct phone){.start = u->samples, .end = until};
-    snprintf(phone->ipa, sizeof phone->ipa, "%s", hear_classes[class].ipa);
-    snprintf(phone->sampa, sizeof phone->sampa, "%s", hear_classes[class].sampa);
+    snprintf(phone->ipa, sizeof phone->ipa, "%s", lip_classes[class].ipa);
+    snprintf(phone->sampa, sizeof phone->sampa, "%s", lip_classes[class].sampa);
     u->samples = until;
 }
 
 static void write_curves(const struct speech_pack *pack, const uint8_t *classes, size_t count) {
     struct sentence_audio u = {.sample_rate = RATE, .phones = mem_alloc((count + 2) * sizeof *u.phones)};
-    put(&u, HEAR_SILENCE, AROUND);
+    put(&u, LIP_SILENCE, AROUND);
     for (size_t i = 0, end; i < count; i = end) {
         for (end = i + 1; end < count && classes[end] == classes[i];)
             end++;
-        if (classes[i] < HEAR_CLASSES)
+        if (classes[i] < LIP_CLASSES)
             put(&u, classes[i], AROUND + (uint32_t)end * FRAME);
     }
-    put(&u, HEAR_SILENCE, u.samples + AROUND);
+    put(&u, LIP_SILENCE, u.samples + AROUND);
     struct face_track *track = face_track_new(pack, &u, &(struct face_options){.still = true}, NULL, NULL);
     for (size_t i = 0; i < count; i++) {
         struct fap_frame frame;

@@ -1,40 +1,39 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The features that the server hears by, for the training: 16 bit mono sound on standard input, frames of
  * floats on standard output. Usage: hear-features RATE */
-#include "server/hear/hear_features.h"
-#include "server/hear/hear_sound.h"
+#include "server/hear/lip_features.h"
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static void write_frame(void *ctx, const float frame[HEAR_FEATURES]) {
+static void write_frame(void *ctx, const float frame[LIP_FEATURES]) {
     (void)ctx;
-    fwrite(frame, sizeof *frame, HEAR_FEATURES, stdout);
+    fwrite(frame, sizeof *frame, LIP_FEATURES, stdout);
 }
 
 static void write_sound(void *ctx, const float *samples, size_t count) {
-    hear_features_write(ctx, samples, count);
+    lip_features_write(ctx, samples, count);
 }
 
 int main(int argc, char **argv) {
     struct error e;
-    struct hear_features *features = hear_features_new(write_frame, NULL);
-    struct hear_sound *sound =
-        hear_sound_new(argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 0, 1, write_sound, features, &e);
+    struct lip_features *features = lip_features_new(write_frame, NULL);
+    struct lip_input *sound =
+        lip_input_new(argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 0, 1, write_sound, features, &e);
     int16_t samples[1600];
     float block[1600];
     if (!sound) {
         fprintf(stderr, "hear-features: %s\n", e.message);
-        hear_features_free(features);
+        lip_features_free(features);
         return 1;
     }
     for (size_t n; (n = fread(samples, sizeof *samples, 1600, stdin));) {
         for (size_t i = 0; i < n; i++)
             block[i] = (float)samples[i] / 32768;
-        hear_sound_write(sound, block, n);
+        lip_input_write(sound, block, n);
     }
-    hear_sound_end(sound);
-    hear_sound_free(sound);
-    hear_features_free(features);
+    lip_input_end(sound);
+    lip_input_free(sound);
+    lip_features_free(features);
     return fflush(stdout) != 0;
 }

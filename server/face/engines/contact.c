@@ -1,33 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/contact.h"
 #include "server/base/mem.h"
+#include "server/face/engines/fapmap.h"
 #include <math.h>
 #include <stdlib.h>
 
-/* Of a stretched contact's extra time, the part that comes before the sound: viewers forgive early lips less
- * than late ones, but the release must not swallow the next vowel. */
+/* Share of a stretched contact's extra time that comes before the sound: viewers tolerate early lips
+ * better than late ones, but the release must not cover the next vowel. */
 #define STRETCH_BEFORE 0.6
-/* Of a vowel's time, what a stretched contact takes on its side while there is any on the other. */
+/* Share of a vowel that a stretched contact may take, as long as there is time on its other side. */
 #define VOWEL_GIVES 0.25
 #define MAX_RAMP 0.07
 #define MIN_RAMP 0.01
 
-/* What the vowel between two contacts is left where they can give way, s: a frame of 25 a second, and the
- * ways of the lips to it and from it. */
+/* Time left to a vowel between two contacts that can give way, s: one frame at 25 fps, plus the lips'
+ * transitions. */
 #define VOWEL_ROOM 0.055
-/* What of it is none of the lips' ways. */
+/* The part of it without transitions. */
 #define VOWEL_OPEN 0.025
 
-/* Contacts give way to the vowels between them, each to those beside it as they have become: so often. */
+/* Iterations in which contacts make room for the vowels between them. */
 enum { ROUNDS = 4 };
 
-/* A contact of which only the length is settled. */
+/* A contact with its length fixed but not its position. */
 struct draft {
     const struct contact_rule *rule;
-    size_t first, last; /* its segments */
-    double begin, end;  /* s, of its own */
-    double extra;       /* s that it lasts longer */
-    double before;      /* s of that come before begin */
+    size_t first, last; /* range of segments */
+    double begin, end;  /* s: without stretching */
+    double extra;       /* s: additional length */
+    double before;      /* s: part of `extra` before begin */
     double least, most; /* bounds of `before` */
 };
 
@@ -49,8 +50,8 @@ static const struct phone_segment *beside(const struct phone_segments *g, size_t
     return before ? (i ? &g->items[i - 1] : NULL) : i + 1 < g->count ? &g->items[i + 1] : NULL;
 }
 
-/* The instant up to which a contact may be felt on one side: that part of the neighbour, or none of it when
- * it has a contact itself. A pause at the edge of the sentence is nobody else's. */
+/* Returns how far a contact may reach on one side: a part of the neighbour, or none of it if that has a
+ * contact itself. A pause at the sentence's edge may be used completely. */
 static double limit(const struct phone_segments *g, size_t i, bool before, double part) {
     const struct phone_segment *n = beside(g, i, before);
     if (!n)
@@ -80,9 +81,9 @@ static double end_of(const struct draft *d) {
     return d->end + d->extra - d->before;
 }
 
-/* What a contact that is too short by itself takes of its neighbours. Where they are too short to give way by
- * half, it takes half of CONTACT_MIN_SECONDS all the same. It ends with its sound, so that the frame that
- * shows it is there while it is heard; and within the audio, since the face speaks only there. */
+/* Stretches a contact that is too short into its neighbours. If they are too short to give half each, it
+ * still takes half of CONTACT_MIN_SECONDS from them. It ends with its sound, so that the frame that shows
+ * it is displayed while it is heard, and stays within the audio. */
 static void stretch(const struct phone_segments *g, struct draft *d) {
     d->extra = fmax(0, CONTACT_MIN_SECONDS - (d->end - d->begin));
     double half = CONTACT_MIN_SECONDS / 2, left = fmax(half, d->begin - gives(g, d->first, true)),
@@ -96,7 +97,7 @@ static void stretch(const struct phone_segments *g, struct draft *d) {
     d->before = clamp(before, d->least, d->most);
 }
 
-/* The vowel nearest to contact k on one side, unless another contact lies between. */
+/* Returns the nearest vowel on one side of contact k, or NULL if another contact lies between. */
 static const struct phone_segment *vowel_beside(const struct drafts *all, size_t k, bool before) {
     const struct phone_segment *n;
     for (size_t i = before ? all->items[k].first : all->items[k].last;
@@ -106,15 +107,14 @@ static const struct phone_segment *vowel_beside(const struct drafts *all, size_t
     return NULL;
 }
 
-/* Where the time of the vowel before contact k begins, or of the one after it ends. */
+/* Returns where the available time of the vowel beside contact k ends. */
 static double room_edge(const struct drafts *all, size_t k, const struct phone_segment *vowel, bool before) {
     if (before)
         return fmax(vowel->start - MIN_RAMP, k ? end_of(&all->items[k - 1]) : 0);
     return fmin(vowel->end + MIN_RAMP, k + 1 < all->count ? begin_of(&all->items[k + 1]) : all->g->end);
 }
 
-/* Moves what contact k takes of its neighbours so that the vowels beside it keep their room, or lack it
- * alike. */
+/* Shifts contact k so that the vowels beside it keep their time, or lose it equally. */
 static void give_way(struct drafts *all, size_t k) {
     struct draft *d = &all->items[k];
     const struct phone_segment *left = vowel_beside(all, k, true), *right = vowel_beside(all, k, false);
@@ -131,7 +131,7 @@ static void give_way(struct drafts *all, size_t k) {
     d->before = clamp(before, d->least, d->most);
 }
 
-/* How long the lips' way to contact k or from it takes. */
+/* Duration of the lips' movement to or from contact k. */
 static double ramp(const struct drafts *all, size_t k, bool before) {
     const struct draft *d = &all->items[k];
     size_t i = before ? d->first : d->last;
@@ -146,7 +146,7 @@ static double ramp(const struct drafts *all, size_t k, bool before) {
     return clamp(way, MIN_RAMP, MAX_RAMP);
 }
 
-/* The time of one phone's contact. */
+/* The contact of one phone. */
 static struct draft own(const struct phone_segments *g, size_t i) {
     const struct phone_segment *item = &g->items[i];
     const struct contact_rule *rule = &item->phone->contact;
@@ -164,7 +164,8 @@ static void draft_all(struct drafts *all) {
         if (!kind_of(&g->items[i]))
             continue;
         struct draft d = own(g, i);
-        while (d.last + 1 < g->count && kind_of(&g->items[d.last + 1]) == d.rule->kind) { /* one for all */
+        while (d.last + 1 < g->count &&
+               kind_of(&g->items[d.last + 1]) == d.rule->kind) { /* consecutive contacts of a kind merge */
             struct draft next = own(g, ++d.last);
             d.end = next.end;
             if (next.rule->press > d.rule->press)
@@ -221,5 +222,119 @@ void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
         double weight = weight_at(c, t);
         if (weight > demand[c->rule->kind].weight)
             demand[c->rule->kind] = (struct contact_demand){c->rule, weight};
+    }
+}
+
+/* Share of a vowel in its middle during which it must be open; longer in short vowels, so that one frame
+ * at 25 fps falls into it if the contacts leave room. */
+#define MIDDLE 0.3
+#define MIN_SECONDS 0.042
+
+static double own_opening(const struct phone_segment *g) {
+    const struct coefficients *plain = g->phone->plain + VOWEL_CONTEXT_PAUSE * PARAM_COUNT,
+                              *stressed = g->phone->stressed + VOWEL_CONTEXT_PAUSE * PARAM_COUNT;
+    double a = plain[PARAM_LI].T + plain[PARAM_LS].T, b = stressed[PARAM_LI].T + stressed[PARAM_LS].T;
+    return a + g->stress * (b - a);
+}
+
+/* The time between contacts around the instant, at most MAX_RAMP beyond the vowel on each side, and within
+ * the audio. */
+static void room_of(const struct phone_segment *g, double audio_end, const struct contacts *contacts,
+                    size_t *next, double *earliest, double *latest) {
+    double middle = (g->start + g->end) / 2;
+    while (*next < contacts->count && contacts->items[*next].begin + contacts->items[*next].end < 2 * middle)
+        ++*next;
+    *earliest = fmax(MIN_RAMP, g->start - MAX_RAMP);
+    *latest = fmin(audio_end - MIN_RAMP, g->end + MAX_RAMP);
+    if (*next)
+        *earliest = fmax(*earliest, contacts->items[*next - 1].end);
+    if (*next < contacts->count)
+        *latest = fmin(*latest, contacts->items[*next].begin);
+}
+
+static double opening_ramp(double room) {
+    return fmin(MAX_RAMP, fmax(MIN_RAMP, room));
+}
+
+void openings_from(const struct phone_segments *g, const struct contacts *contacts, struct openings *out) {
+    *out = (struct openings){0};
+    size_t next = 0;
+    for (size_t i = 0; i < g->count; i++) {
+        const struct phone_segment *item = &g->items[i];
+        if (!item->phone || !item->phone->group->vowel)
+            continue;
+        double length = item->end - item->start, own = own_opening(item), earliest, latest;
+        room_of(item, g->end, contacts, &next, &earliest, &latest);
+        double middle = fmin(fmax((item->start + item->end) / 2, earliest), latest);
+        if (own <= 0 || latest <= earliest)
+            continue;
+        double half = fmax(MIDDLE * length, MIN_SECONDS) / 2;
+        /* beside a contact, the movement is the contact's */
+        struct opening o = {
+            .begin = fmax(middle - half, earliest),
+            .end = fmin(middle + half, latest),
+            .gap = own * (OPENING_SHORT + (OPENING_FULL - OPENING_SHORT) * fmin(1, length / OPENING_LONG))};
+        o.ramp_in = opening_ramp(o.begin - earliest);
+        o.ramp_out = opening_ramp(latest - o.end);
+        out->items = mem_grow(out->items, &out->cap, out->count + 1, sizeof *out->items);
+        out->items[out->count++] = o;
+    }
+}
+
+void openings_free(struct openings *openings) {
+    free(openings->items);
+    *openings = (struct openings){0};
+}
+
+/* A minimum-jerk movement (Nelson, Biol. Cybern. 46, 1983). */
+static double opening_weight(const struct opening *o, double t) {
+    double outside = t < o->begin ? (o->begin - t) / o->ramp_in : t > o->end ? (t - o->end) / o->ramp_out : 0;
+    double x = 1 - outside;
+    return outside >= 1 ? 0 : x * x * x * (10 - 15 * x + 6 * x * x);
+}
+
+void openings_show(const struct openings *openings, double t, size_t *cursor, const struct speech_fapu *fapu,
+                   double faps[FAP_COUNT + 1]) {
+    size_t i = *cursor;
+    while (i > 0 && t < openings->items[i - 1].end + MAX_RAMP)
+        i--;
+    while (i < openings->count && t > openings->items[i].end + MAX_RAMP)
+        i++;
+    *cursor = i;
+    for (; i < openings->count && t > openings->items[i].begin - MAX_RAMP; i++)
+        fapmap_open(fapu, openings->items[i].gap, opening_weight(&openings->items[i], t), faps);
+}
+
+/* Thresholds of rounded lips: protrusion, or narrowing, in mm. */
+#define ROUNDED_PUSH 1.0
+#define ROUNDED_WIDTH (-2.0)
+/* Dominance from which a sound rounds the lips itself, and below which it is neutral. */
+#define ROUNDED_ALPHA 0.5
+#define CARELESS 0.3
+/* Dominance given to the neutral sounds between. */
+#define HELD 0.6
+
+static bool rounds(const struct coefficients *c, enum speech_param param) {
+    return c->alpha >= ROUNDED_ALPHA && (param == PARAM_AR ? c->T <= ROUNDED_WIDTH : c->T >= ROUNDED_PUSH);
+}
+
+void rounding_trough(const struct phone_segments *g, enum speech_param param, double trough,
+                     struct coefficients *c) {
+    if (param != PARAM_AR && param != PARAM_PI && param != PARAM_PS)
+        return;
+    size_t last = g->count; /* last rounded segment, with only neutral ones since */
+    for (size_t i = 0; i < g->count; i++) {
+        if (!g->items[i].phone || (c[i].alpha > CARELESS && !rounds(&c[i], param))) {
+            last = g->count;
+        } else if (rounds(&c[i], param)) {
+            double between = last < i ? (1 - trough) * (c[last].T + c[i].T) / 2 : 0;
+            for (size_t k = last + 1; k < i; k++) {
+                if (g->items[k].phone->contact.kind)
+                    continue; /* the lips have a contact */
+                c[k].T = between;
+                c[k].alpha = c[k].k = HELD;
+            }
+            last = i;
+        }
     }
 }

@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* When lips have to be closed (bilabials) and when the lower lip has to be at the upper teeth (labiodentals).
- * A lip reader, and everybody else, takes a missed closure for another sound, so these times bind whatever
- * the engine and the layers made. */
-#ifndef FACCIA_FACE_ENGINES_CONTACT_H
-#define FACCIA_FACE_ENGINES_CONTACT_H
+/* Contacts: when lips must be closed (bilabials) or the lower lip must touch the upper teeth
+ * (labiodentals). Viewers take a missed closure for another sound, so contacts override the engine and all
+ * layers. Openings: how far vowels must open at least. Rounding: lips between two rounded sounds. */
+#ifndef FACCIA_FACE_CONTACT_H
+#define FACCIA_FACE_CONTACT_H
 
+#include "protocol/fap.h"
 #include "server/face/engines/phone_segments.h"
 
-/* In short phones onset and release shrink to these parts of the phone: its middle third is always held. */
+/* In short phones onset and release shrink to these parts of the phone, so that the middle third is always
+ * held. */
 #define CONTACT_MAX_ONSET 0.2
 #define CONTACT_MAX_RELEASE 0.33
 
-/* A contact lasts at least this long, s, so that one frame of 25 a second always falls into it. The stretch
- * stays below what viewers notice: p b m may lead the sound by 40 ms and lag by 60 ms (Leone, "LUCIA-WebGL",
- * chapter 1). */
+/* Minimum duration of a contact, s, so that one frame at 25 fps always falls into it. The stretch is
+ * imperceptible: p b m may lead the sound by 40 ms and lag by 60 ms (Leone, "LUCIA-WebGL", chapter 1). */
 #define CONTACT_MIN_SECONDS 0.042
 
 struct contact {
     const struct contact_rule *rule;
-    double begin, end;        /* in touch from begin to end, s */
-    double ramp_in, ramp_out; /* how long before and after it is felt, s */
+    double begin, end;        /* touching from begin to end, s */
+    double ramp_in, ramp_out; /* transition before and after, s */
 };
 
 struct contacts {
@@ -27,21 +28,59 @@ struct contacts {
     size_t count;
 };
 
-/* One kind's demand at an instant. */
+/* Demand of one kind at an instant. */
 struct contact_demand {
     const struct contact_rule *rule; /* NULL when weight is 0 */
     double weight;                   /* 0 none .. 1 in touch */
 };
 
-/* Stretched contacts share their neighbours so that a vowel between two of them is left the time to open in,
- * as far as that time is there: they reach into the consonants and pauses on their other sides instead. Each
- * ends with its sound, but where the audio begins with it. */
+/* Stretched contacts share their neighbours so that a vowel between two of them keeps its time to open
+ * where possible, by reaching into the consonants and pauses on their other sides. Each ends with its
+ * sound, except at the beginning of the audio. */
 void contacts_from(const struct phone_segments *g, struct contacts *out);
 void contacts_free(struct contacts *contacts);
 
-/* The demands of kinds CONTACT_LIPS and CONTACT_TEETH at t, indexed by kind. *cursor begins as 0 and is kept
- * between calls. */
+/* Gets the demands at t, indexed by kind (CONTACT_LIPS, CONTACT_TEETH). *cursor is zero-initialised and
+ * kept between calls. */
 void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
                  struct contact_demand demand[CONTACT_TEETH + 1]);
+
+/* Minimum opening of vowels, the counterpart of contacts: a vowel that does not open is taken for a closed
+ * one, whatever engine, rate, expression or blending produced. Part of the contact layer
+ * (face_options.contacts). */
+
+/* Share of a vowel's own opening (LI + LS before a pause, by its stress) required in the shortest vowel,
+ * and from OPENING_LONG seconds on. */
+#define OPENING_SHORT 0.5
+#define OPENING_FULL 0.7
+#define OPENING_LONG 0.16
+
+struct opening {
+    double begin, end;        /* open by gap from begin to end, s */
+    double ramp_in, ramp_out; /* transition before and after, s */
+    double gap;               /* mm between the inner lips in the middle */
+};
+
+struct openings {
+    struct opening *items; /* in order of time */
+    size_t count, cap;
+};
+
+/* Openings end where contacts begin. */
+void openings_from(const struct phone_segments *g, const struct contacts *contacts, struct openings *out);
+void openings_free(struct openings *openings);
+
+/* Opens the lips of the face at t as required. *cursor is zero-initialised and kept between calls. */
+void openings_show(const struct openings *openings, double t, size_t *cursor, const struct speech_fapu *fapu,
+                   double faps[FAP_COUNT + 1]);
+
+/* Lips between two rounded sounds: speakers of English relax and round them again, speakers of Turkish
+ * keep them rounded (S. E. Boyce, JASA 88, 1990: trough and plateau in the protrusion of /u_u/). */
+
+/* c[i] are the coefficients of segment i for the parameter. Segments between two rounded sounds, without a
+ * pause and with only neutral sounds between, get as target the mean of the two scaled by trough (0
+ * plateau .. 1 rest), and hold it; sounds with a contact stay unchanged. Affects only AR, PI and PS. */
+void rounding_trough(const struct phone_segments *g, enum speech_param param, double trough,
+                     struct coefficients *c);
 
 #endif

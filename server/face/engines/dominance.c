@@ -7,10 +7,11 @@
 #define RESISTANCE_SLOPE 6.0
 /* (ln(1e5) / 6)^(1/4): |tau / h| at which R has fallen to 1e-5. */
 #define RESISTANCE_END 1.1770
-/* Keeps the sum of weights above the smallest double, however far the targets are. */
+/* Limits the exponent so that the sum of weights stays above the smallest double, however far the targets
+ * are. */
 #define MAX_EXPONENT 600.0
 
-/* Most exponents are 1. */
+/* most exponents are 1 */
 static double power(double x, double exponent) {
     return exponent == 1 ? x : pow(x, exponent);
 }
@@ -44,9 +45,8 @@ void curve_add(struct curve *curve, double at, const struct coefficients *c) {
     curve->segments[curve->count++] = (struct curve_segment){.at = at, .c = *c};
 }
 
-/* The recursion, from one end to the other: a segment's h is the distance to its neighbour's target, plus
- * that neighbour's own h when the neighbour does not resist. `passed` counts the segments that were reached
- * across. */
+/* The recursion in one direction: h is the distance to the neighbour's target plus, if that does not
+ * resist, the neighbour's h. `passed` counts the segments reached across. */
 static void fill_h(struct curve *curve, bool forward) {
     double h = INFINITY;
     int passed = 0;
@@ -64,8 +64,8 @@ static void fill_h(struct curve *curve, bool forward) {
     }
 }
 
-/* Which segments are felt in each gap between two targets. `reach`: no segment is felt further away than so
- * many gaps. Neither end ever moves back from one gap to the next. */
+/* Computes the range of segments with an effect in each gap between targets, limited to `reach` gaps. Both
+ * ends only increase. */
 static void fill_ranges(struct curve *curve, size_t reach) {
     size_t count = curve->count, first = 0, last = count;
     curve->first = mem_resize(NULL, (count + 1) * sizeof *curve->first);
@@ -84,7 +84,7 @@ static void fill_ranges(struct curve *curve, size_t reach) {
     }
 }
 
-/* No segment reaches further than DOMINANCE_REACH segments, but R has a short tail beyond that. */
+/* No segment reaches beyond DOMINANCE_REACH segments, but R has a short tail. */
 enum { SEARCH = 2 * DOMINANCE_REACH };
 
 void curve_link(struct curve *curve) {
@@ -98,9 +98,9 @@ void curve_link(struct curve *curve) {
     fill_ranges(curve, SEARCH);
 }
 
-/* Below this a segment is not felt. */
+/* Smaller effects are ignored. */
 #define ORIGINAL_LEAST 1e-4
-/* As many segments as fast speech has in ORIGINAL_REACH. */
+/* Number of segments of fast speech within ORIGINAL_REACH. */
 enum { ORIGINAL_SEARCH = 100 };
 
 static double original_reach(double theta, double c) {
@@ -114,7 +114,7 @@ void curve_link_unconfined(struct curve *curve) {
         s->h_bw = s->h_fw = INFINITY; /* then R = S = 1 */
         s->from = s->at - original_reach(s->c.theta_bw, s->c.c_bw);
         s->to = s->at + original_reach(s->c.theta_fw, s->c.c_fw);
-        /* Between two segments that are further apart both are felt. */
+        /* between two distant segments both have an effect */
         if (i)
             s->from = fmin(s->from, s[-1].at);
         if (i + 1 < curve->count)
@@ -134,7 +134,7 @@ void curve_link_original(struct curve *curve) {
 static size_t seek(const struct curve *curve, double t, size_t next) {
     if (next > curve->count || (next && curve->segments[next - 1].at > t))
         next = 0;
-    /* A short walk in the usual case; from the start or far ahead, halving. */
+    /* Steps linearly first, then by bisection. */
     for (int step = 0; step < 4; step++) {
         if (next == curve->count || curve->segments[next].at > t)
             return next;

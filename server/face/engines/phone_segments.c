@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A shorter silence is a seam of the voice's, not a pause of the mouth. */
+/* Shorter silences are artefacts of the voice, not pauses of the mouth. */
 #define MIN_PAUSE 0.04
 
 struct reporter {
@@ -58,7 +58,7 @@ static bool has_stress(const struct sentence_audio *u) {
     return false;
 }
 
-/* Gives the time of pauses that are too short to the phone before them. */
+/* Merges pauses that are too short into the previous phone. */
 static void drop_seams(struct phone_segments *g) {
     size_t kept = 0;
     for (size_t i = 0; i < g->count; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sentence as the face has to show it: phones of the pack and pauses, in order, with times in seconds. */
+/* A sentence as the face shows it: phones of the pack and pauses, in order, with times in seconds. */
 #ifndef FACCIA_FACE_ENGINES_PHONE_SEGMENTS_H
 #define FACCIA_FACE_ENGINES_PHONE_SEGMENTS_H
 
@@ -10,18 +10,18 @@ struct phone_segment {
     const struct speech_phone *phone; /* NULL = pause */
     double start, end;                /* s */
     double stress;                    /* 0 none .. 1 primary */
-    unsigned phones;                  /* of the sentence that it stands for: 2 for a geminate said as two */
+    unsigned phones; /* number of the sentence's phones it covers: 2 for a geminate reported as two */
 };
 
 struct phone_segments {
     struct phone_segment *items;
     size_t count, cap;
-    double end; /* s, of the audio */
+    double end; /* s: end of the audio */
 };
 
-/* Diphthongs are cut into their parts; equal consonants that follow each other become one (geminates), as do
- * pauses. Pauses under 40 ms belong to the phone before them. Phones that the pack lacks are reported once
- * each through warn (may be NULL). */
+/* Splits diphthongs into their parts and merges equal consecutive consonants (geminates) and pauses.
+ * Pauses under 40 ms belong to the previous phone. Phones missing in the pack are reported once each
+ * through warn, which may be NULL. */
 void phone_segments_from(const struct speech_pack *pack, const struct sentence_audio *u,
                          void (*warn)(void *ctx, const char *message), void *ctx, struct phone_segments *out);
 void phone_segments_free(struct phone_segments *g);

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/targets.h"
 #include "server/base/mem.h"
-#include "server/face/engines/rounding.h"
+#include "server/face/engines/contact.h"
 #include <math.h>
 #include <stdlib.h>
 
-/* What makes a pack's coefficients those of the original function of Cohen and Massaro (1993). The packs'
- * extents and degrees were found beside the resistance, which ends segments; without it they would reach over
- * half a sentence and nothing would ever close. Here they are multiplied, for each parameter, by the two
- * factors with which the original function comes nearest to the way through the same targets, as
- * tests/bench/baseline.c finds and prints them for Italian prose of 20 s at 80, 160 and 320 words a minute.
- */
+/* Factors that adapt a pack's coefficients to the original function of Cohen and Massaro (1993). The
+ * packs' extents were fitted together with the resistance, which ends segments; without it they would
+ * reach over half a sentence and no closure would complete. The two factors per parameter bring the
+ * original function closest to the interpolated targets, as found by tests/bench/baseline.c for Italian
+ * prose of 20 s at 80, 160 and 320 words a minute. */
 static const struct {
     double extent, degree;
 } factors[PARAM_COUNT] = {
@@ -33,21 +32,22 @@ static struct coefficients original_coefficients(const struct coefficients *c, i
     return out;
 }
 
-/* A target holds its place against its neighbours when alpha k is at least this. */
+/* A target holds its place against its neighbours from this alpha k on. */
 #define HOLDS 0.5
 
 enum { NO_CONTEXT = SPEECH_MAX_CONTEXTS };
 
 enum target_kind { TARGET_CONSONANT, TARGET_VOWEL, TARGET_REST };
 
-/* A target before its neighbours are taken into account. */
+/* A target before its neighbours are considered. */
 struct raw_target {
     double at;
     struct coefficients c;
     enum target_kind kind;
-    double length;   /* s that it lasts */
+    double length;   /* duration, s */
     double constant; /* s: undershoot, 0 = none */
-    double leaves;   /* where its neighbours' ways begin: its target, or touching where that lies beyond */
+    double leaves;   /* where its neighbours' transitions begin: its target, or the touching point if that is
+                        beyond */
 };
 
 struct raw_list {
@@ -55,7 +55,7 @@ struct raw_list {
     size_t count, cap;
 };
 
-/* The part of the way that is covered in the duration d. */
+/* Fraction of the way covered in the duration d. */
 static double covered(double d, double constant) {
     return constant > 0 ? 1 - exp(-pow(d / constant, 1.5)) : 1;
 }
@@ -97,7 +97,7 @@ struct target_contexts *targets_contexts(const struct phone_segments *g) {
     return out;
 }
 
-/* a + weight (b - a), for all twelve. */
+/* Interpolates all twelve coefficients. */
 static struct coefficients between(const struct coefficients *a, const struct coefficients *b,
                                    double weight) {
     struct coefficients out;
@@ -143,7 +143,7 @@ static void add_pause(struct raw_list *list, const struct phone_segment *g, cons
         add_rest(list, g->end - fmin(rest->leave, length), rest, p, length, 0);
 }
 
-/* Lips that are pressed together begin to open from where they touch. */
+/* Pressed lips start to open from where they touch. */
 static bool is_pressed(const struct phone_segment *g, int p) {
     return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
 }
@@ -158,8 +158,7 @@ static void add_phone(struct raw_list *list, const struct phone_segment *g, cons
                                        is_pressed(g, p) ? fmax(0, c->T) : c->T});
 }
 
-/* The next target on one side that holds its place against a vowel: vowels and what glides are passed over.
- * NULL when there is none. */
+/* Returns the next target on one side that holds against a vowel, skipping vowels and glides, or NULL. */
 static const struct raw_target *holding(const struct raw_list *list, size_t i, int side) {
     for (size_t k = i; side < 0 ? k-- > 0 : ++k < list->count;) {
         const struct raw_target *target = &list->items[k];
@@ -169,9 +168,9 @@ static const struct raw_target *holding(const struct raw_list *list, size_t i, i
     return NULL;
 }
 
-/* How far a vowel gets from the targets that hold on both sides of it to its own. Lips and jaw are carried
- * through all that glides, and have the time between the holding targets for the way there and back; the
- * tongue has a target in nearly every phone, and only the vowel's own time. */
+/* Fraction of the way from the holding targets on both sides that a vowel reaches. Lips and jaw move
+ * through glides, so they have the time between the holding targets; the tongue has a target in nearly
+ * every phone, so only the vowel's own time. */
 static double reached(const struct raw_list *list, size_t i, int p, double *from) {
     const struct raw_target *self = &list->items[i];
     double sum = 0, weights = 0, distance = 0;
@@ -189,7 +188,7 @@ static double reached(const struct raw_list *list, size_t i, int p, double *from
     return covered(p < PARAM_TH && sides ? distance / sides : self->length, self->constant);
 }
 
-/* Where a pause comes from: its neighbours' mean. */
+/* Where a pause starts from: the mean of its neighbours. */
 static double pause_from(const struct raw_list *list, size_t i) {
     const struct raw_target *self = &list->items[i];
     double sum = 0, weights = 0;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From segments to the curves of the articulatory parameters: targets in context (Leone,
- * "LUCIA-WebGL", 3.17-3.19). */
+/* Makes curves of the articulatory parameters from segments: targets in context (Leone, "LUCIA-WebGL",
+ * 3.17-3.19). */
 #ifndef FACCIA_FACE_ENGINES_TARGETS_H
 #define FACCIA_FACE_ENGINES_TARGETS_H
 
 #include "server/face/engines/dominance.h"
 #include "server/face/engines/phone_segments.h"
 
-/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). The
- * others are LUCIA's with a part left out, to see what that part does: the shape, S = 1; or the resistance, R
- * = 1, which takes the shape with it, since that is measured in the resistance's reach. */
+/* The curve's function: LUCIA's, or its origin (3.2). The others are ablations of LUCIA's: without the
+ * shape (S = 1); or without the resistance (R = 1), and so without the shape, which is scaled by the
+ * resistance's reach. */
 enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, TARGETS_NO_RESISTANCE };
 
 /* The rules:
@@ -36,7 +36,7 @@ void targets_curve(const struct speech_pack *pack, const struct phone_segments *
                    enum targets_function function, int param, struct curve *curve);
 
 /* The contexts of each segment, as indices into a phone's tables: for a consonant those of its two vowels,
- * for a vowel twice that of what follows. To be freed. */
+ * for a vowel twice that of what follows. The caller frees them. */
 struct target_contexts {
     size_t before, after;
 };

@@ -5,17 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* E. Akagunduz 2004, eq. 5.4: expressions cross-fade while one letter goes over into the next. A pause counts
- * for this much, s, of that way. */
+/* E. Akagunduz 2004, eq. 5.4: expressions cross-fade while one letter changes into the next. A pause
+ * counts for this many seconds of the transition. */
 #define PAUSE_REACH 0.15
-/* The emotion's weight in that rule when the author gives none (the same, chapter 5.2). */
+/* Default weight of an emotion in that rule (the same, chapter 5.2). */
 #define WEIGHT_DEFAULT 0.2
 
 static double clamp(double x, double min, double max) {
     return fmax(min, fmin(max, x));
 }
 
-/* The middles of the phones before and after an instant: the letter transition that it lies in. */
+/* Returns the middles of the phones around an instant, which bound the letter transition. */
 static void transition(const struct sentence_audio *u, double at, double *from, double *to) {
     double rate = u->sample_rate;
     *from = at - CUE_FASTEST / 2;
@@ -33,7 +33,7 @@ static void transition(const struct sentence_audio *u, double at, double *from, 
     }
 }
 
-/* Fits rise and fall into the time there is. */
+/* Fits rise and fall into the available time. */
 static void squeeze(struct cue_envelope *s) {
     double rise = s->full - s->begin, fall = s->end - s->fall, room = s->end - s->begin;
     if (rise + fall <= room)
@@ -46,7 +46,7 @@ static void squeeze(struct cue_envelope *s) {
 static void time_pose(const struct cue *cue, const struct sentence_audio *u, double end,
                       struct cue_envelope *s) {
     const struct envelope *curve = &s->expression->curve;
-    bool early = cue->onset < 0 && cue->delay <= 0; /* a face moves before the voice does */
+    bool early = cue->onset < 0 && cue->delay <= 0; /* faces move before the voice */
     double rise = fmax(CUE_FASTEST, cue->onset >= 0 ? cue->onset : curve->attack);
     double fall = fmax(CUE_FASTEST, cue->offset >= 0 ? cue->offset : curve->decay);
     s->begin = fmax(0, s->from - (early ? rise / 2 : 0));
@@ -57,7 +57,7 @@ static void time_pose(const struct cue *cue, const struct sentence_audio *u, dou
         transition(u, s->from, &s->begin, &s->full);
     if (s->straight && cue->offset < 0)
         transition(u, s->to, &s->fall, &s->end);
-    if (s->begin < 0) { /* speech from the very first sample */
+    if (s->begin < 0) { /* speech from the first sample */
         s->full -= s->begin;
         s->begin = 0;
     }
@@ -101,7 +101,7 @@ static void time_gesture(const struct cue *cue, double end, struct cue_envelope 
         return;
     double begin = x->keys[0].at, length = x->keys[x->key_count - 1].at - begin;
     s->pace = fmin(1, end / length);
-    /* What has to be hurried over is also smaller. */
+    /* hurried gestures are also smaller */
     s->reach = fmin(1, 2 * s->pace) * s->intensity;
     double start = clamp((at_end ? s->to : s->from) + begin, 0, end - length * s->pace);
     s->gesture = start - begin * s->pace;
@@ -198,4 +198,128 @@ bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, d
     if (!x->is_sampled)
         *on = smooth(*on);
     return true;
+}
+
+/* Empowering constant of eq. 5.2. Weights above 1/3 would exaggerate the expression and are clipped there. */
+#define RHO 3
+#define SHOWN_MAX 1.25
+
+/* Limits of the change of articulation. */
+#define ARTICULATION_MIN 0.75
+#define ARTICULATION_MAX 1.3
+
+/* Regions: limits of an expression during speech, FAP units: lips and jaw (1.5 mm of the modelled
+ * speaker), corners vertically, and sideways. */
+#define LIPS_MAX 75
+#define CORNER_HEIGHT_MAX 190
+#define CORNER_WIDTH_MAX 80
+/* Rounded lips are not pulled apart: share of an expression's width that is removed, in full when the
+ * corners have come in by ROUND. */
+#define ROUND_SHARE 0.8
+#define ROUND 100
+
+#define INTENSITY_MAX 63 /* of FAP 2 */
+
+enum part { PART_FREE, PART_LIPS, PART_CORNERS, PART_TONGUE };
+
+static const uint8_t lips[] = {3, 4, 5, 8, 9, 10, 11, 14, 15, 16, 17, 18, 51, 52, 55, 56, 57, 58},
+                     heights[] = {12, 13, 59, 60}, widths[] = {6, 7, 53, 54}, tongue[] = {43, 44, 45, 46, 47};
+
+/* clang-format off */
+static const uint8_t part_of[FAP_COUNT + 1] = {
+    [3] = PART_LIPS, PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [12] = PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [43] = PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE,
+    [51] = PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [59] = PART_CORNERS, PART_CORNERS,
+};
+/* clang-format on */
+
+/* Adds w times the pose: the mouth's part to b->mouth, scaled by part, the rest to the face. */
+static void add(struct blend *b, const struct pose *pose, double w, const double shares[]) {
+    for (size_t i = 0; i < pose->count; i++) {
+        const struct pose_fap *p = &pose->faps[i];
+        enum part part = part_of[p->fap];
+        if (part)
+            b->mouth[p->fap] += w * shares[part] * p->value;
+        else
+            b->face[p->fap] += w * p->value;
+    }
+}
+
+void blend_add(struct blend *b, const struct pose *pose, double w, struct mouth_share mouth) {
+    const double shares[] = {[PART_LIPS] = 1 - b->activity * (1 - mouth.lips),
+                             [PART_CORNERS] = 1 - b->activity * (1 - mouth.corners),
+                             [PART_TONGUE] = 1 - b->activity};
+    add(b, pose, w, shares);
+}
+
+double blend_shown(double omega) {
+    return fmin(RHO * omega, SHOWN_MAX);
+}
+
+void blend_add_weighted(struct blend *b, const struct pose *pose, double omega) {
+    static const double whole[] = {1, 1, 1, 1};
+    add(b, pose, blend_shown(omega), whole);
+}
+
+static double limit(double value, double max) {
+    return value > max ? max : value < -max ? -max : value;
+}
+
+/* (1 - omega) speech. The published rule lets lips open in closures; here closures win. */
+static void weaken(const struct blend *b, double omega) {
+    double lips_left = 1 - omega * (1 - b->contact);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        b->face[n] *= part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE ? lips_left : 1 - omega;
+}
+
+void blend_speech(const struct blend *b, double articulation, double omega) {
+    articulation = articulation < ARTICULATION_MIN ? ARTICULATION_MIN : limit(articulation, ARTICULATION_MAX);
+    if (articulation != 1)
+        for (int n = 3; n <= FAP_COUNT; n++)
+            if (part_of[n] != PART_TONGUE)
+                b->face[n] *= articulation;
+    if (omega > 0)
+        weaken(b, limit(omega, 1));
+}
+
+/* Adds FAPs of the mouth, limited to max during speech and unlimited in pauses. */
+static void join(const struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
+    for (size_t i = 0; i < count; i++) {
+        double value = b->mouth[faps[i]];
+        b->face[faps[i]] += share * (value + b->activity * (limit(value, max) - value));
+    }
+}
+
+void blend_join(const struct blend *b) {
+    /* contacts exclude expressions from the mouth */
+    double free = 1 - b->contact, width = 1;
+    bool bounded = b->rule == BLEND_REGIONS;
+    if (bounded && b->mouth[6] + b->mouth[7] > 0)
+        width = 1 - ROUND_SHARE * smooth(-(b->face[6] + b->face[7]) / (2 * ROUND));
+    join(b, lips, sizeof lips, bounded ? LIPS_MAX : INFINITY, free);
+    join(b, heights, sizeof heights, bounded ? CORNER_HEIGHT_MAX : INFINITY, 1);
+    join(b, widths, sizeof widths, bounded ? CORNER_WIDTH_MAX : INFINITY, width);
+    join(b, tongue, sizeof tongue, INFINITY, free);
+}
+
+struct fap_expression blend_basics(const double shares[BASIC_COUNT + 1]) {
+    int first = 0, second = 0;
+    for (int b = 1; b <= BASIC_COUNT; b++) {
+        if (shares[b] > (first ? shares[first] : 0)) {
+            second = first;
+            first = b;
+        } else if (shares[b] > (second ? shares[second] : 0)) {
+            second = b;
+        }
+    }
+    struct fap_expression out = {0};
+    if (first)
+        out.intensity1 = (uint8_t)lround(INTENSITY_MAX * fmin(1, shares[first]));
+    if (second)
+        out.intensity2 = (uint8_t)lround(INTENSITY_MAX * fmin(1, shares[second]));
+    out.select1 = out.intensity1 ? (uint8_t)first : 0;
+    out.select2 = out.intensity2 ? (uint8_t)second : 0;
+    return out;
 }

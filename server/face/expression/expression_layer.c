@@ -1,9 +1,108 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/expression/expression_layer.h"
-#include "server/face/expression/blend.h"
+#include "server/base/mem.h"
+#include "server/face/engines/fapmap.h"
+#include "server/face/expression/cue_envelope.h"
+#include "server/face/track.h"
 #include <math.h>
+#include <stdlib.h>
 
-/* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
+/* Rise time of cues at the sentence's first sample. */
+#define EDGE 0.1
+
+static void activity_from(const struct phone_segments *g, struct activity *out) {
+    *out = (struct activity){0};
+    for (size_t i = 0; i < g->count; i++) {
+        const struct phone_segment *item = &g->items[i];
+        if (!item->phone || item->end <= item->start)
+            continue;
+        if (out->count && item->start - out->runs[out->count - 1].end < 2 * ACTIVITY_RAMP) {
+            out->runs[out->count - 1].end = item->end;
+            continue;
+        }
+        out->runs = mem_grow(out->runs, &out->cap, out->count + 1, sizeof *out->runs);
+        out->runs[out->count++] = (struct activity_run){.begin = item->start, .end = item->end};
+    }
+    for (size_t i = 0; i < out->count; i++) {
+        struct activity_run *run = &out->runs[i];
+        run->rise = fmax(0, run->begin - ACTIVITY_RAMP);
+        run->fall = fmin(g->end, run->end + ACTIVITY_RAMP);
+        run->begin = fmax(run->begin, run->rise + EDGE);
+        run->end = fmin(run->end, run->fall - EDGE);
+    }
+}
+
+static void activity_free(struct activity *activity) {
+    free(activity->runs);
+    *activity = (struct activity){0};
+}
+
+static double smooth(double x) {
+    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
+}
+
+/* Returns 0..1, continuous in value and slope. *cursor is zero-initialised and kept between calls. */
+static double activity_at(const struct activity *activity, double t, size_t *cursor) {
+    size_t i = *cursor;
+    while (i > 0 && t < activity->runs[i - 1].fall)
+        i--;
+    while (i < activity->count && t >= activity->runs[i].fall)
+        i++;
+    *cursor = i;
+    if (i == activity->count)
+        return 0;
+    const struct activity_run *run = &activity->runs[i];
+    if (t <= run->rise)
+        return 0;
+    /* a product, so that runs shorter than two edges do not jump */
+    return smooth((t - run->rise) / (run->begin - run->rise)) *
+           smooth((run->fall - t) / (run->fall - run->end));
+}
+
+void sentence_expression_from(const struct sentence_audio *u, const struct phone_segments *g,
+                              const struct face_options *options, struct sentence_expression *out) {
+    *out = (struct sentence_expression){.expressions = expressions_share(options->expressions),
+                                        .rule = options->blend};
+    if (options->expressions)
+        cue_envelopes_from(u, options->expressions, options->blend, &out->envelopes);
+    activity_from(g, &out->activity);
+}
+
+void sentence_expression_free(struct sentence_expression *expression) {
+    cue_envelopes_free(&expression->envelopes);
+    expressions_free(expression->expressions);
+    activity_free(&expression->activity);
+}
+
+/* Size of a pose: each FAP relative to its range. */
+static double size(const struct pose *pose) {
+    double sum = 0;
+    for (size_t i = 0; i < pose->count; i++)
+        sum += fabs(pose->faps[i].value) / fap_table[pose->faps[i].fap].max;
+    return sum;
+}
+
+void still_expression(const struct expressions *expressions, size_t index, double intensity,
+                      struct fap_frame *frame) {
+    const struct expression *x = expressions_at(expressions, index);
+    double faps[FAP_COUNT + 1] = {0}, shares[BASIC_COUNT + 1];
+    struct blend blend = {.face = faps};
+    const struct pose *strongest = NULL;
+    for (size_t i = 0; i < x->key_count; i++)
+        if (!strongest || size(&x->keys[i].pose) > size(strongest))
+            strongest = &x->keys[i].pose;
+    blend_add(&blend, &x->pose, intensity, x->mouth);
+    if (strongest)
+        blend_add(&blend, strongest, intensity, x->mouth);
+    blend_join(&blend);
+    for (int b = 1; b <= BASIC_COUNT; b++)
+        shares[b] = x->basics[b] * intensity;
+    *frame = (struct fap_frame){.expression = blend_basics(shares)};
+    frame->mask[0] |= 2; /* FAP 2 */
+    face_limits_apply(face_idle_fapu, faps, frame);
+}
+
+/* Weight with which a mood in the weighted rule looks as on a silent face: rho times this is 1. */
 #define MOOD_WEIGHT (1 / 3.0)
 
 void expression_layer_begin(struct expression_layer *x, const struct sentence_expression *sentence,
@@ -24,13 +123,13 @@ static bool is_weighted(const struct expression_layer *x, const struct seen_expr
     return x->sentence->rule == BLEND_WEIGHTED && is_affect(seen);
 }
 
-/* Whether the two stand side by side: over the same words they are a mixture; and by the weighted rule two
- * that follow each other cross-fade of themselves, each in its own straight line. */
+/* Tells whether two cues are combined instead of the newer displacing the older: over the same words they
+ * are a mixture, and in the weighted rule successive ones cross-fade linearly by themselves. */
 static bool is_beside(const struct cue_envelope *old, const struct cue_envelope *new) {
     return (old->from == new->from && old->to == new->to) || (new->straight && old->to <= new->from);
 }
 
-/* An emotion that comes drives out those before it. */
+/* A new emotion displaces earlier ones. */
 static void give_way(struct expression_layer *x, const struct cue_envelope *to, double level) {
     for (size_t i = 0; i < x->seen_count; i++) {
         struct seen_expression *old = &x->seen[i];
@@ -54,7 +153,7 @@ static void look_at_show(struct expression_layer *x, const struct cue_envelope *
     x->seen[x->seen_count++] = seen;
 }
 
-/* What there is to be seen at t. */
+/* Collects the visible expressions at t. */
 static void look(struct expression_layer *x, double t) {
     x->at = t;
     x->seen_count = 0;

@@ -1,28 +1,68 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/life/life.h"
 #include "server/base/mem.h"
-#include "server/face/life/life_blink.h"
-#include "server/face/life/life_eyes.h"
-#include "server/face/life/life_gesture.h"
-#include "server/face/life/life_noise.h"
+#include "server/face/life/life_internal.h"
 #include "server/face/life/life_prosody.h"
-#include "server/face/life/life_random.h"
 #include <stdlib.h>
 
-/* Sway of the head, degrees each way; what speech adds to it. */
+/* Adults at rest breathe 12 to 20 times a minute and take longer to breathe out than in. */
+#define BREATH_SECONDS 4.3
+#define BREATH_IN 1.5
+#define BREATH_OUT 1.9
+
+static struct noise noise_of(uint64_t seed, double hz) {
+    return (struct noise){.seed = seed, .hz = hz, .whole = -1};
+}
+
+/* Sets out to -1..1, smooth to the second derivative. clock >= 0. */
+static void noise_at(struct noise *n, double clock, double out[NOISE_CHANNELS]) {
+    double phase = clock * n->hz, whole = floor(phase), x = phase - whole;
+    if (whole != n->whole) {
+        struct dice before = dice_of(n->seed, DICE_NOISE, (int64_t)whole),
+                    after = dice_of(n->seed, DICE_NOISE, (int64_t)whole + 1);
+        for (int c = 0; c < NOISE_CHANNELS; c++) {
+            n->a[c] = dice_between(&before, -1, 1);
+            n->b[c] = dice_between(&after, -1, 1);
+        }
+        n->whole = whole;
+    }
+    /* gradient noise: 0 with a random slope at each whole phase */
+    double s = x * x * x * (x * (x * 6 - 15) + 10), left = 2 * x * (1 - s), right = 2 * (x - 1) * s;
+    for (int c = 0; c < NOISE_CHANNELS; c++)
+        out[c] = left * n->a[c] + right * n->b[c];
+}
+
+/* Returns 0 (breathed out) .. 1. clock >= 0. */
+static double breath_at(struct breath *b, double clock) {
+    double phase = clock / BREATH_SECONDS, whole = floor(phase);
+    if (whole != b->whole || b->depth <= 0) {
+        struct dice d = dice_of(b->seed, DICE_BREATH, (int64_t)whole);
+        double stretch = dice_between(&d, 0.75, 1.1);
+        b->whole = whole;
+        b->in = BREATH_IN * stretch;
+        b->out = BREATH_OUT * stretch;
+        b->start = BREATH_SECONDS * whole + dice_roll(&d) * (BREATH_SECONDS - b->in - b->out);
+        b->depth = dice_between(&d, 0.6, 1);
+    }
+    double since = clock - b->start;
+    return b->depth *
+           (since < b->in ? life_smooth(since / b->in) : 1 - life_smooth((since - b->in) / b->out));
+}
+
+/* Sway of the head, degrees each way, and the additional sway in speech. */
 #define SWAY_HZ 0.4 /* also of the eyes' drift */
 #define SWAY_PITCH 0.5
 #define SWAY_YAW 0.8
 #define SWAY_ROLL 0.45
 #define SWAY_SPEAKING 0.5
 
-/* Fixations drift, degrees. */
+/* Drift of fixations, degrees. */
 #define DRIFT 0.15
 
 #define BREATH_PITCH (-0.35) /* degrees: breathing in lifts the head */
 #define BREATH_NOSTRILS 14   /* FAP units */
 
-/* How uneven the face is, FAP units: brows, lids, mouth corners at rest. */
+/* Asymmetry of the face, FAP units: brows, lids, mouth corners at rest. */
 #define UNEVEN_BROW 12
 #define UNEVEN_LID 18
 #define UNEVEN_CORNER 9
@@ -31,7 +71,7 @@
 #define REST_FADE 0.5 /* s at the sentence's start and end */
 #define STRENGTH_MOST 2.0
 
-/* The shifts and blinks of a stretch of the clock. */
+/* Shifts and blinks of a stretch of the clock. */
 struct window {
     double from, to;
     struct shifts glances, poses;
@@ -42,11 +82,11 @@ struct life {
     uint64_t seed;
     double strength, begin, end; /* s on the clock; end = begin: nobody speaks */
     struct life_influence influence;
-    struct window speech, now; /* that of the sentence; the one of the block that was asked for last */
+    struct window speech, now; /* the sentence's window, and that of the last block sampled */
     struct life_gestures gestures;
     struct noise noise;
     struct breath breath;
-    double brow, lid, corner; /* uneven, FAP units: half goes to each side */
+    double brow, lid, corner; /* asymmetry, FAP units: half on each side */
 };
 
 static void window_free(struct window *w) {
@@ -56,7 +96,7 @@ static void window_free(struct window *w) {
     *w = (struct window){0};
 }
 
-/* The blocks from the one at time `from` to the one at time `to`. */
+/* Fills the window with the blocks from the one at time `from` to the one at time `to`. */
 static void window_of(struct window *w, uint64_t seed, double from, double to) {
     int64_t first = life_block(seed, from), last = life_block(seed, to);
     window_free(w);
@@ -91,7 +131,7 @@ static struct blink_factors decide(const void *ctx, double clock) {
     return (struct blink_factors){often * l.blink_rate, l.blink_length};
 }
 
-/* 1 while nobody speaks .. 0 */
+/* Returns 1 while nobody speaks .. 0. */
 static double rest_at(const struct life *life, double clock) {
     if (clock <= life->begin || clock >= life->end)
         return 1;
@@ -109,7 +149,7 @@ static void add_lids(const struct life *life, struct window *w, double clock, do
     }
 }
 
-/* Breath through parted lips. */
+/* Parts the lips for a breath. */
 static void part_lips(double amount, double faps[FAP_COUNT + 1]) {
     static const struct {
         int fap;

@@ -19,19 +19,18 @@
 
 #include "server/expression/recipe.h"
 #include "server/face/face_layer.h"
-#include "server/face/face_options.h"
+#include "server/face/track.h"
 #include "server/voice/sentence_audio.h"
 
-/* How the expressions change life at a time of the sentence; may be NULL. */
+/* Effect of expressions on life at a time of the sentence; may be NULL. */
 struct life_influence {
     void (*at)(void *ctx, double t, struct life_factors *out);
     void *ctx;
 };
 
 /* u = NULL: nobody speaks. options->begin: the sentence's start on the layer's clock, s. The clock's first
- * second fades in from the neutral face. options->life scales how far the head, the eyes (up to 1; a quarter
- * of it beyond), brows and breath move, and how often she blinks (up to 1; half of it beyond); 0 is no life
- * at all. */
+ * second fades in from the neutral face. options->life scales the movement of head, eyes (up to 1; a
+ * quarter of it beyond), brows and breath, and the blink rate (up to 1; half of it beyond); 0 = no life. */
 struct face_layer life_layer(const struct placement_options *options, const struct sentence_audio *u,
                              struct life_influence influence);
 

@@ -4,7 +4,7 @@ import json
 import sys
 
 ids = json.load(open(sys.argv[1], encoding="utf-8"))["ids"]
-print('#include "server/face/packs/viseme_id.h"\n\nconst struct viseme_id viseme_ids[] = {')
+print('#include "server/face/packs/shape_table.h"\n\nconst struct viseme_id viseme_ids[] = {')
 for row in ids:
     for phone in row["phones"]:
         print(f'    {{{json.dumps(phone, ensure_ascii=False)}, {row["id"]}}},')

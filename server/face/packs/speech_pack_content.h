@@ -1,13 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a speech pack holds, for the face stage alone. The file's format is described in
+/* Contents of a speech pack, private to the face stage. The format is described in
  * models/speech/README.md. */
 #ifndef FACCIA_FACE_PACKS_SPEECH_PACK_CONTENT_H
 #define FACCIA_FACE_PACKS_SPEECH_PACK_CONTENT_H
 
-#include "server/face/packs/alphabet.h"
 #include "server/face/packs/speech_pack.h"
-#include "server/face/packs/speech_param.h"
 #include <stdint.h>
+
+/* Articulatory parameters, mm relative to rest (Leone, "LUCIA-WebGL", appendix 4.1.2). */
+enum speech_param {
+    PARAM_LI, /* lower lip, positive = lowered */
+    PARAM_LS, /* upper lip, positive = raised */
+    PARAM_AR, /* distance of the mouth corners, positive = spread */
+    PARAM_PI, /* protrusion of the lower lip, positive = forward */
+    PARAM_PS, /* protrusion of the upper lip, positive = forward */
+    PARAM_EM, /* jaw, positive = lowered */
+    /* The tongue, which the source announces as its next step. */
+    PARAM_TH, /* height of the tip, positive = raised */
+    PARAM_TA, /* advance of the tip, positive = forward */
+    PARAM_TB, /* height of the body, positive = raised */
+    PARAM_COUNT
+};
+
+extern const char *const speech_params[PARAM_COUNT + 1]; /* their names, NULL-terminated */
+
+struct alphabet;
 
 /* The twelve coefficients of one segment for one parameter (same source, table 3.1). */
 struct coefficients {
@@ -23,7 +40,7 @@ struct coefficients {
 
 enum contact_kind { CONTACT_NONE, CONTACT_LIPS, CONTACT_TEETH };
 
-/* What has to touch while the phone lasts, whatever the speech rate. */
+/* A contact required during the phone, at any speech rate. */
 struct contact_rule {
     enum contact_kind kind;
     double onset, release; /* s after the phone's start and before its end; see contact.h */
@@ -36,24 +53,24 @@ struct speech_group {
     char *name;
     bool vowel;
     uint8_t viseme; /* of FAP 1, 0..14 */
-    size_t context; /* vowel: which context it makes for consonants; consonant: for vowels */
+    size_t context; /* vowel: the context it makes for consonants; consonant: for vowels */
     struct coefficients coefficients[PARAM_COUNT]; /* t and T unused */
 };
 
 struct speech_phone {
     char *ipa, *sampa;
-    const struct speech_group *group; /* NULL when it is made of parts */
+    const struct speech_group *group; /* NULL for a phone made of parts */
     uint8_t viseme;
     struct contact_rule contact;
     /* [context * PARAM_COUNT + param], without and with primary stress; equal for consonants */
     struct coefficients *plain, *stressed;
-    /* a diphthong or the like: a sequence of other phones with their shares of the time */
+    /* a diphthong or similar: a sequence of phones with their shares of the time */
     struct speech_part {
         const struct speech_phone *phone;
         double share;
     } * parts;
     size_t part_count;
-    size_t feature_letter; /* 1 + index in the alphabet when the phone is a single letter of it, else 0 */
+    size_t feature_letter; /* 1 + index in the alphabet for a single letter of it, else 0 */
 };
 
 /* Distances on the modelled speaker's neutral face, mm (ISO/IEC 14496-2, annex C: face animation parameter
@@ -75,28 +92,27 @@ struct spelling;
 enum { VOWEL_CONTEXT_PAUSE = 0, SPEECH_MAX_CONTEXTS = 16 };
 
 struct speech_pack {
-    struct speech_pack *base; /* what it inherits from; owned */
+    struct speech_pack *base; /* the inherited pack; owned */
     struct alphabet *alphabet;
     char *lang, *name;
     char **voices, **abbreviations;
     struct speech_fapu fapu;
     struct speech_rest rest;
     double undershoot[PARAM_COUNT]; /* s, see targets.h; 0 = none */
-    double trough;                  /* rounding.h: 0..1, negative = consonants have their own targets */
-    char **vowel_contexts;     /* kinds of phones that may follow a vowel; the first stands for a pause */
-    char **consonant_contexts; /* kinds of vowels beside a consonant */
+    double trough;                  /* contact.h: 0..1, negative = consonants have their own targets */
+    char **vowel_contexts;          /* kinds of phones after a vowel; the first is a pause */
+    char **consonant_contexts;      /* kinds of vowels beside a consonant */
     size_t vowel_context_count, consonant_context_count;
     struct speech_group *groups;
     size_t group_count;
     struct speech_phone **phones; /* sorted by ipa */
     size_t phone_count;
-    struct context_table *visemes; /* context_table.h; owned; NULL when the language has none */
-    struct spelling *letters;      /* spelling.h; the same */
-    size_t longest;                /* bytes of the longest ipa or sampa key, the base's included */
+    struct context_table *visemes; /* context_table.h; owned; NULL = none */
+    struct spelling *letters;      /* spelling.h; likewise */
+    size_t longest;                /* bytes of the longest ipa or sampa key, including the base's */
 };
 
-/* The phone of exactly that IPA key, or of that SAMPA key when there is no such IPA key; in the pack or what
- * it inherits. */
+/* Finds the phone with exactly that IPA key, else that SAMPA key, in the pack or its base. */
 const struct speech_phone *speech_pack_phone(const struct speech_pack *pack, const char *key, size_t bytes);
 
 static inline bool speech_phone_is_vowel(const struct speech_phone *phone) {

@@ -1,15 +1,285 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Phones of a pack: targets and coefficients in every context, and contacts. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/face/packs/speech_pack_read.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* Phones may be described by others of the same file, in any order: each is read when it is first needed. */
+static const struct {
+    const char *name;
+    size_t offset;
+    double min, max;
+} members[] = {
+    {"t", offsetof(struct coefficients, t), 0, 1},
+    {"T", offsetof(struct coefficients, T), -50, 50},
+    {"alpha", offsetof(struct coefficients, alpha), 0, 1},
+    {"k", offsetof(struct coefficients, k), 0, 1},
+    {"theta_bw", offsetof(struct coefficients, theta_bw), 0, 1e6},
+    {"theta_fw", offsetof(struct coefficients, theta_fw), 0, 1e6},
+    {"c_bw", offsetof(struct coefficients, c_bw), 0.1, 10},
+    {"c_fw", offsetof(struct coefficients, c_fw), 0.1, 10},
+    {"p_bw", offsetof(struct coefficients, p_bw), 0.1, 10},
+    {"p_fw", offsetof(struct coefficients, p_fw), 0.1, 10},
+    {"beta_bw", offsetof(struct coefficients, beta_bw), -10, 10},
+    {"beta_fw", offsetof(struct coefficients, beta_fw), -10, 10},
+};
+enum { MEMBERS = sizeof members / sizeof *members, TARGET_MEMBERS = 2 };
+
+/* Overwrites the coefficients that the object names; with_target allows t and T. */
+static int speech_read_coefficients(const struct json_place *at, bool with_target, struct coefficients *out) {
+    const char *allowed[MEMBERS + 1] = {0};
+    size_t first = with_target ? 0 : TARGET_MEMBERS;
+    for (size_t i = first; i < MEMBERS; i++)
+        allowed[i - first] = members[i].name;
+    if (json_place_keys(at, allowed))
+        return -1;
+    for (size_t i = first; i < MEMBERS; i++) {
+        struct json_place value = json_place_key(at, members[i].name);
+        double *member = (double *)((char *)out + members[i].offset);
+        if (value.json && json_place_real(&value, members[i].min, members[i].max, member))
+            return -1;
+    }
+    return 0;
+}
+
+int speech_read_parameters(const struct json_place *at, struct coefficients out[PARAM_COUNT]) {
+    if (!at->json)
+        return 0;
+    if (json_place_keys(at, speech_params))
+        return -1;
+    for (int p = 0; p < PARAM_COUNT; p++) {
+        struct json_place child = json_place_key(at, speech_params[p]);
+        if (child.json && speech_read_coefficients(&child, false, &out[p]))
+            return -1;
+    }
+    return 0;
+}
+
+/* One parameter's contexts. "any" stands for all that are not named. */
+static int read_contexts(const struct json_place *at, char *const *contexts, int p,
+                         struct coefficients *table, bool *seen) {
+    const char *allowed[SPEECH_MAX_CONTEXTS + 2] = {"any"};
+    for (size_t i = 0; contexts[i]; i++)
+        allowed[i + 1] = contexts[i];
+    if (json_place_keys(at, allowed))
+        return -1;
+    struct json_place any = json_place_key(at, "any");
+    for (size_t i = 0; contexts[i]; i++) {
+        struct json_place own = json_place_key(at, contexts[i]);
+        const struct json_place *from = own.json ? &own : &any;
+        if (!from->json)
+            continue;
+        if (speech_read_coefficients(from, true, &table[i * PARAM_COUNT + p]))
+            return -1;
+        if (seen)
+            seen[i * PARAM_COUNT + p] = true;
+    }
+    return 0;
+}
+
+/* Reads {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]
+ * and marks in seen (may be NULL) which entries were given. */
+static int speech_read_targets(const struct json_place *at, char *const *contexts, struct coefficients *table,
+                               bool *seen) {
+    if (json_place_keys(at, speech_params))
+        return -1;
+    for (int p = 0; p < PARAM_COUNT; p++) {
+        struct json_place child = json_place_key(at, speech_params[p]);
+        if (child.json && read_contexts(&child, contexts, p, table, seen))
+            return -1;
+    }
+    return 0;
+}
+
+static const struct speech_group *speech_find_group(const struct speech_pack *pack, const char *name) {
+    for (; pack; pack = pack->base)
+        for (size_t i = 0; i < pack->group_count; i++)
+            if (!strcmp(pack->groups[i].name, name))
+                return &pack->groups[i];
+    return NULL;
+}
+
+static int read_group(const struct speech_pack *pack, const struct json_place *at, struct speech_group *g) {
+    static const char *const keys[] = {"kind", "viseme", "context", "coefficients", NULL};
+    static const char *const kinds[] = {"consonant", "vowel", NULL};
+    struct json_place kind = json_place_key(at, "kind"), viseme = json_place_key(at, "viseme"),
+                      context = json_place_key(at, "context"),
+                      coefficients = json_place_key(at, "coefficients");
+    size_t is_vowel;
+    int number;
+    if (json_place_keys(at, keys) || json_place_choice(&kind, kinds, &is_vowel) ||
+        json_place_whole(&viseme, 0, 14, &number))
+        return -1;
+    g->vowel = is_vowel;
+    g->viseme = (uint8_t)number;
+    char *const *contexts = g->vowel ? pack->consonant_contexts : pack->vowel_contexts;
+    if (json_place_choice(&context, (const char *const *)contexts, &g->context) ||
+        json_place_keys(&coefficients, speech_params))
+        return -1;
+    for (int p = 0; p < PARAM_COUNT; p++) {
+        g->coefficients[p] = (struct coefficients){.t = 0.5, .c_bw = 1, .c_fw = 1, .p_bw = 1, .p_fw = 1};
+        struct json_place child = json_place_key(&coefficients, speech_params[p]);
+        for (size_t i = TARGET_MEMBERS; i < MEMBERS; i++) {
+            struct json_place member = json_place_key(&child, members[i].name);
+            if (!member.json)
+                return json_place_fail(&member, "is missing");
+        }
+        if (speech_read_coefficients(&child, false, &g->coefficients[p]))
+            return -1;
+    }
+    return 0;
+}
+
+int speech_read_groups(struct speech_pack *pack, const struct json_place *at) {
+    if (json_place_object(at))
+        return -1;
+    pack->groups = mem_alloc((json_object_size(at->json) + 1) * sizeof *pack->groups);
+    const char *key;
+    json_t *value;
+    json_object_foreach(at->json, key, value) {
+        struct json_place child = json_place_key(at, key);
+        struct speech_group *g = &pack->groups[pack->group_count];
+        if (read_group(pack, &child, g))
+            return -1;
+        g->name = mem_strdup(key);
+        pack->group_count++;
+    }
+    return 0;
+}
+
+/* Number of contexts of a vowel or a consonant. */
+static size_t speech_context_count(const struct speech_pack *pack, bool vowel) {
+    return vowel ? pack->vowel_context_count : pack->consonant_context_count;
+}
+
+static int speech_read_contact(const struct json_place *at, struct contact_rule *contact) {
+    static const char *const kinds[] = {"none", "lips", "teeth", NULL};
+    static const char *const keys[3][6] = {{"kind", NULL},
+                                           {"kind", "onset", "release", "press", NULL},
+                                           {"kind", "onset", "release", "reach", "retract", NULL}};
+    struct json_place kind = json_place_key(at, "kind"), onset = json_place_key(at, "onset"),
+                      release = json_place_key(at, "release"), press = json_place_key(at, "press"),
+                      reach = json_place_key(at, "reach"), retract = json_place_key(at, "retract");
+    size_t k;
+    if (json_place_object(at) || json_place_choice(&kind, kinds, &k) || json_place_keys(at, keys[k]))
+        return -1;
+    *contact = (struct contact_rule){.kind = (enum contact_kind)k};
+    if (k == CONTACT_NONE)
+        return 0;
+    if (json_place_real(&onset, 0, 0.1, &contact->onset) ||
+        json_place_real(&release, 0, 0.1, &contact->release))
+        return -1;
+    if (k == CONTACT_LIPS)
+        return json_place_real(&press, 0.02, 1, &contact->press);
+    return json_place_real(&reach, 0, 5, &contact->reach) ||
+                   json_place_real(&retract, 0, 5, &contact->retract)
+               ? -1
+               : 0;
+}
+
+int speech_read_changes(const struct json_place *at, struct target_change out[PARAM_COUNT]) {
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        out[p] = (struct target_change){1, 0};
+    for (int is_gain = 0; is_gain < 2; is_gain++) {
+        struct json_place change = json_place_key(at, is_gain ? "gain" : "shift");
+        if (change.json && json_place_keys(&change, speech_params))
+            return -1;
+        for (size_t p = 0; change.json && p < PARAM_COUNT; p++) {
+            struct json_place child = json_place_key(&change, speech_params[p]);
+            if (child.json && json_place_real(&child, -20, 20, is_gain ? &out[p].gain : &out[p].shift))
+                return -1;
+        }
+    }
+    return 0;
+}
+
+static int change_targets(const struct json_place *at, struct speech_phone *phone, size_t count) {
+    struct target_change changes[PARAM_COUNT];
+    if (speech_read_changes(at, changes))
+        return -1;
+    for (size_t i = 0; i < count; i++) {
+        const struct target_change *change = &changes[i % PARAM_COUNT];
+        phone->plain[i].T = change->gain * phone->plain[i].T + change->shift;
+        phone->stressed[i].T = change->gain * phone->stressed[i].T + change->shift;
+    }
+    return 0;
+}
+
+static void apply_parameters(struct coefficients *table, size_t count,
+                             const struct coefficients own[PARAM_COUNT]) {
+    for (size_t i = 0; i < count; i++) {
+        struct coefficients c = own[i % PARAM_COUNT];
+        c.t = table[i].t;
+        c.T = table[i].T;
+        table[i] = c;
+    }
+}
+
+/* Reads the phone's "coefficients", which replace the table's in every context. */
+static int read_own_coefficients(const struct json_place *at, struct speech_phone *phone, size_t count) {
+    for (size_t i = 0; i < count && at->json; i += PARAM_COUNT)
+        if (speech_read_parameters(at, phone->plain + i) || speech_read_parameters(at, phone->stressed + i))
+            return -1;
+    return 0;
+}
+
+/* Reads the phone's own coefficients, gain, shift and targets. is_like: the tables are already filled. */
+static int speech_read_tables(const struct speech_pack *pack, const struct json_place *at,
+                              struct speech_phone *phone, size_t count, bool is_like) {
+    struct json_place targets = json_place_key(at, "targets"), stressed = json_place_key(at, "stressed"),
+                      coefficients = json_place_key(at, "coefficients");
+    char *const *contexts = phone->group->vowel ? pack->vowel_contexts : pack->consonant_contexts;
+    if (read_own_coefficients(&coefficients, phone, count) || change_targets(at, phone, count))
+        return -1;
+    bool seen[SPEECH_MAX_CONTEXTS * PARAM_COUNT] = {false};
+    if (targets.json || !is_like) {
+        if (speech_read_targets(&targets, contexts, phone->plain, seen))
+            return -1;
+        for (size_t i = 0; i < count && !is_like; i++) {
+            struct json_place parameter = json_place_key(&targets, speech_params[i % PARAM_COUNT]);
+            if (!seen[i])
+                return json_place_fail(&parameter, "has no target in the context \"%s\"",
+                                       contexts[i / PARAM_COUNT]);
+        }
+        for (size_t i = 0; i < count; i++)
+            if (seen[i])
+                phone->stressed[i] = phone->plain[i];
+    }
+    if (!stressed.json)
+        return 0;
+    return phone->group->vowel ? speech_read_targets(&stressed, contexts, phone->stressed, NULL)
+                               : json_place_fail(&stressed, "is for vowels only");
+}
+
+/* Finds the named group and copies its coefficients to the phone's tables of `count` entries. */
+static int speech_read_group_of(const struct speech_pack *pack, const struct json_place *at,
+                                struct speech_phone *phone, size_t *count) {
+    const char *name;
+    if (json_place_text(at, &name))
+        return -1;
+    const struct speech_group *group = speech_find_group(pack, name);
+    if (!group)
+        return json_place_fail(at, "there is no group \"%s\"", name);
+    if (phone->group && phone->group->vowel != group->vowel)
+        return json_place_fail(at, "is a group of another kind");
+    phone->group = group;
+    phone->viseme = group->viseme;
+    *count = speech_context_count(pack, group->vowel) * PARAM_COUNT;
+    if (!phone->plain) {
+        phone->plain = mem_alloc(*count * sizeof *phone->plain);
+        phone->stressed = mem_alloc(*count * sizeof *phone->stressed);
+    }
+    apply_parameters(phone->plain, *count, group->coefficients);
+    apply_parameters(phone->stressed, *count, group->coefficients);
+    return 0;
+}
+
+/* Phones may refer to others of the same file in any order, so each is read on first use. */
 struct phone_reader {
     struct speech_pack *pack;
     const struct json_place *at; /* the object "phones" */
-    struct speech_phone **read;  /* by order in the file; NULL until it is read */
+    struct speech_phone **read;  /* in file order; NULL until it is read */
     bool *busy;
 };
 
@@ -26,7 +296,7 @@ void speech_phone_free(struct speech_phone *phone) {
     free(phone);
 }
 
-/* The phone that another one names: of this file, else of the pack that it inherits from. */
+/* Finds a referenced phone in this file, else in the inherited pack. */
 static const struct speech_phone *named(struct phone_reader *r, const struct json_place *at, const char *name,
                                         const char *self) {
     if (strcmp(name, self) != 0 && json_object_get(r->at->json, name))
@@ -58,8 +328,8 @@ static int mix_in(struct speech_phone *phone, const struct json_place *at, const
     return 0;
 }
 
-/* "like": "e" or {"i": 0.6, "e": 0.4}: the weighted mean of other phones. Group and contact are those of the
- * heaviest. */
+/* Reads "like": "e" or {"i": 0.6, "e": 0.4}, the weighted mean of other phones. Group and contact are
+ * those of the heaviest. */
 static int read_like(struct phone_reader *r, const struct json_place *at, struct speech_phone *phone,
                      size_t *count) {
     const struct speech_phone *models[8];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs/transcription.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/phone_match.h"
 #include <errno.h>
@@ -19,7 +20,7 @@ struct transcription_reader {
     const struct speech_pack *pack;
     struct sentence_audio *u;
     size_t cap, line;
-    unsigned long index; /* 1 + the last line's; 0 = there was none */
+    unsigned long index; /* 1 + the last line's index; 0 = none */
     bool ended;
     struct error *e;
 };
@@ -67,11 +68,11 @@ static int read_symbol(struct transcription_reader *r, const char *symbol, struc
     return 0;
 }
 
-/* Phones touch and cover the sound from its first sample on: what comes before the first one is a pause. */
-static void add(struct transcription_reader *r, const struct phone *p, uint32_t start) {
+/* Phones are adjacent and cover the sound from its first sample: a pause precedes the first one. */
+static void add_phone(struct transcription_reader *r, const struct phone *p, uint32_t start) {
     struct sentence_audio *u = r->u;
     if (!u->phone_count && start && *p->ipa)
-        add(r, &(struct phone){.sampa = "_"}, 0);
+        add_phone(r, &(struct phone){.sampa = "_"}, 0);
     if (u->phone_count)
         u->phones[u->phone_count - 1].end = start;
     u->phones = mem_grow(u->phones, &r->cap, u->phone_count + 1, sizeof *u->phones);
@@ -104,7 +105,7 @@ static int read_line(struct transcription_reader *r, char *line) {
     if (*line) {
         if (read_symbol(r, line, &p))
             return -1;
-        add(r, &p, at);
+        add_phone(r, &p, at);
     } else if (r->u->phone_count) {
         r->u->phones[r->u->phone_count - 1].end = at;
         r->ended = true;

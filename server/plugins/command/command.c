@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command voice plugin: programs that its configuration names speak. */
+/* The command voice plugin: speaks with programs from its configuration. */
 #include "server/base/mem.h"
-#include "server/plugins/command/speaking.h"
-#include "server/voice/worker_keeper.h"
+#include "server/plugins/command/command_run.h"
+#include "server/voice/wire.h"
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
@@ -15,7 +15,7 @@ struct command {
     struct cm_voices voices;
     struct cm_stop stop;
     struct cm_aligner aligner;
-    char beside[PATH_MAX]; /* the folder that the plugin lies in */
+    char beside[PATH_MAX]; /* the plugin's folder */
 };
 
 static bool has_words(const char *text) {
@@ -108,7 +108,7 @@ static void cm_close(void *ctx) {
     free(self);
 }
 
-extern const struct faccia_voice faccia_voice; /* the table below */
+extern const struct faccia_voice faccia_voice; /* defined below */
 
 static void find_beside(char beside[PATH_MAX]) {
     Dl_info info;
@@ -138,7 +138,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_UNTIMED | FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS |
-                    FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
+                    FACCIA_VOICE_FILES | WORKER_SPAWNER_WANTED,
     .open = cm_open,
     .list = cm_list,
     .speak = cm_speak,

@@ -10,7 +10,7 @@
 
 enum { VOICES_MAX = 256, WORDS_MAX = 64 };
 
-/* Where a complaint goes. */
+/* Destination of error messages. */
 struct check {
     size_t voice;
     char *message;
@@ -22,19 +22,19 @@ static int wrong(const struct check *c, const char *field, const char *what) {
     return -1;
 }
 
-/* A text that must be there, unless there is a default. NULL after a complaint. */
+/* Reads a string, required unless there is a default. Returns NULL after an error. */
 static const char *text(const struct check *c, const json_t *object, const char *key, const char *otherwise) {
     const json_t *value = json_object_get(object, key);
     if (!value && otherwise)
         return otherwise;
     if (!json_string_length(value)) {
-        wrong(c, key, "wanted is a text");
+        wrong(c, key, "must be a string");
         return NULL;
     }
     return json_string_value(value);
 }
 
-/* A number in its range. False after a complaint. */
+/* Reads a number in its range. Returns false after an error. */
 static bool number(const struct check *c, const json_t *object, const char *key, double otherwise, double min,
                    double max, double *out) {
     const json_t *value = json_object_get(object, key);
@@ -42,7 +42,7 @@ static bool number(const struct check *c, const json_t *object, const char *key,
     *out = value ? json_number_value(value) : otherwise;
     if (!value || (json_is_number(value) && *out >= min && *out <= max))
         return true;
-    snprintf(what, sizeof what, "wanted is a number from %.15g to %.15g", min, max);
+    snprintf(what, sizeof what, "must be a number from %.15g to %.15g", min, max);
     wrong(c, key, what);
     return false;
 }
@@ -61,12 +61,12 @@ static int check_keys(const struct check *c, const json_t *object) {
     json_t *value;
     json_object_foreach((json_t *)object, key, value) {
         if (!is_one_of(key, known))
-            return wrong(c, key, "there is no such setting");
+            return wrong(c, key, "unknown setting");
     }
     return 0;
 }
 
-/* Does any of the words hold the placeholder? */
+/* Tells whether a word contains the placeholder. */
 static bool mentions(const json_t *argv, const char *placeholder) {
     for (size_t i = 0; i < json_array_size(argv); i++)
         if (strstr(json_string_value(json_array_get(argv, i)), placeholder))
@@ -79,24 +79,24 @@ static int read_argv(const struct check *c, const json_t *object, struct cm_voic
     v->argv = json_object_get(object, "argv");
     size_t count = json_array_size(v->argv);
     if (!count || count > WORDS_MAX)
-        return wrong(c, "argv", "wanted is a list of texts, the program and its arguments");
+        return wrong(c, "argv", "must be a list of strings, the program and its arguments");
     for (size_t i = 0; i < count; i++)
         if (!json_is_string(json_array_get(v->argv, i)))
-            return wrong(c, "argv", "wanted is a list of texts, the program and its arguments");
+            return wrong(c, "argv", "must be a list of strings, the program and its arguments");
     if (feed && !json_is_boolean(feed))
-        return wrong(c, "feed", "wanted is true or false");
+        return wrong(c, "feed", "must be true or false");
     v->feed = json_is_true(feed);
     if (!v->feed && !mentions(v->argv, "{text}"))
         return wrong(c, "argv", "the program is not given the text: \"{text}\" in argv, or \"feed\": true");
     v->file = sound && json_is_string(sound) && !strcmp(json_string_value(sound), "file");
     if (sound && !v->file && (!json_is_string(sound) || strcmp(json_string_value(sound), "stdout") != 0))
-        return wrong(c, "sound", "wanted is \"stdout\" or \"file\"");
+        return wrong(c, "sound", "must be \"stdout\" or \"file\"");
     if (v->file && !mentions(v->argv, "{output}"))
         return wrong(c, "argv", "the program is not given the sound's file, \"{output}\"");
     return 0;
 }
 
-/* The setting "times". -1 with the field in it that is wrong, and what is wrong. */
+/* Reads the setting "times". Returns -1 with the invalid field and the reason. */
 static int read_times(struct cm_timing *timing, const json_t *setting, const char **field,
                       const char **what) {
     const char *format = json_string_value(json_object_get(setting, "format")), *name;
@@ -106,27 +106,27 @@ static int read_times(struct cm_timing *timing, const json_t *setting, const cha
     timing->options.tier = json_string_value(json_object_get(setting, "tier"));
     timing->options.names = json_object_get(setting, "names");
     *field = "";
-    *what = "wanted is an object";
+    *what = "must be an object";
     if (!json_is_object(setting))
         return -1;
     *field = ".format";
-    *what = "wanted is \"lab\", \"htk\", \"textgrid\" or \"json\"";
+    *what = "must be \"lab\", \"htk\", \"textgrid\" or \"json\"";
     while (i < TIMES_OFFSETS && (!format || strcmp(format, times_format_names[i]) != 0))
         i++;
     if (i == TIMES_OFFSETS)
         return -1;
     timing->options.format = (enum times_format)i;
     *field = ".tier";
-    *what = "wanted is a text";
+    *what = "must be a string";
     if (json_object_get(setting, "tier") && !timing->options.tier)
         return -1;
     *field = ".argv";
-    *what = "wanted is a list of texts, the program and its arguments";
+    *what = "must be a list of strings, the program and its arguments";
     if (timing->argv && !json_array_size(timing->argv))
         return -1;
     json_array_foreach(timing->argv, k, value) if (!json_is_string(value)) return -1;
     *field = ".names";
-    *what = "wanted is an object with an IPA text for each of the program's names";
+    *what = "must be an object with an IPA string for each of the program's names";
     if (timing->options.names && !json_is_object(timing->options.names))
         return -1;
     json_object_foreach((json_t *)timing->options.names, name, value) if (!json_is_string(value)) return -1;
@@ -151,7 +151,7 @@ static int read_timing(const struct check *c, const json_t *object, struct cm_vo
 static int read_voice(const struct check *c, const json_t *object, struct cm_voice *v) {
     double rate, raw, seconds, bytes;
     if (!json_is_object(object))
-        return wrong(c, "", "wanted is an object");
+        return wrong(c, "", "must be an object");
     if (check_keys(c, object) < 0 || !(v->info.id = text(c, object, "id", NULL)) ||
         !(v->info.name = text(c, object, "name", v->info.id)) ||
         !(v->info.lang = text(c, object, "lang", NULL)) ||
@@ -177,18 +177,18 @@ int cm_config_read(struct cm_voices *voices, const char *config, char *message, 
     json_t *value;
     *voices = (struct cm_voices){.root = json_loads(config, 0, &why)};
     if (!json_is_object(voices->root)) {
-        snprintf(message, cap, "wanted is an object");
+        snprintf(message, cap, "must be an object");
         return -1;
     }
     json_object_foreach(voices->root, key, value) {
         if (strcmp(key, "voices") != 0) {
-            snprintf(message, cap, "%s: there is no such setting", key);
+            snprintf(message, cap, "%s: unknown setting", key);
             return -1;
         }
     }
     list = json_object_get(voices->root, "voices");
     if (list && (!json_is_array(list) || json_array_size(list) > VOICES_MAX)) {
-        snprintf(message, cap, "voices: wanted is a list of at most %d voices", VOICES_MAX);
+        snprintf(message, cap, "voices: must be a list of at most %d voices", VOICES_MAX);
         return -1;
     }
     size_t count = json_array_size(list);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voices that the configuration describes: programs that read text and write sound (../README.md). */
+/* Configured voices: programs that read text and write sound (../README.md). */
 #ifndef FACCIA_PLUGINS_COMMAND_COMMAND_CONFIG_H
 #define FACCIA_PLUGINS_COMMAND_COMMAND_CONFIG_H
 
@@ -7,22 +7,21 @@
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
-/* How a program tells its times. */
+/* How a program reports times. */
 struct cm_timing {
     bool given;
     struct times_options options;
-    const json_t
-        *argv; /* a second program that writes them to its standard output; NULL = in the file {times} */
+    const json_t *argv; /* a second program that prints them; NULL = in the file {times} */
 };
 
 struct cm_voice {
     struct faccia_voice_info info;
-    const json_t *argv; /* texts, with placeholders; the first is the program */
-    bool feed;          /* the text goes to its standard input */
-    bool file;          /* the sound comes in the file {output}, not on standard output */
-    uint32_t raw;       /* sample rate of sound without a header, 16 bit mono; 0 = a sound file */
-    double seconds;     /* that one run may take */
-    size_t bytes;       /* that it may write */
+    const json_t *argv; /* strings with placeholders; the first is the program */
+    bool feed;          /* pass the text on standard input */
+    bool file;          /* the sound is in the file {output} instead of standard output */
+    uint32_t raw;       /* sample rate of headerless 16-bit mono sound; 0 = a sound file */
+    double seconds;     /* limit of a run */
+    size_t bytes;       /* limit of its output */
     struct cm_timing timing;
 };
 
@@ -32,8 +31,8 @@ struct cm_voices {
     json_t *root; /* owns their strings */
 };
 
-/* config is the plugin's part of the configuration. With a sentence in message: 1 when it has no voices, -1
- * when something in it is wrong ("voices[0].argv: ..."). */
+/* config is the plugin's part of the configuration. Returns 1 with a message when it has no voices, -1
+ * with a message when it is invalid ("voices[0].argv: ..."). */
 int cm_config_read(struct cm_voices *voices, const char *config, char *message, size_t cap);
 void cm_config_free(struct cm_voices *voices);
 const struct cm_voice *cm_voices_find(const struct cm_voices *voices, const char *id);

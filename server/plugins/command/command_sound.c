@@ -12,7 +12,7 @@
 
 enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX };
 
-/* A file in memory. */
+/* A file in memory, for libsndfile. */
 struct memory {
     const uint8_t *data;
     sf_count_t size, at;
@@ -74,7 +74,7 @@ int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw,
             memcpy(sound->samples, data, sound->count * sizeof *sound->samples);
         return 0;
     }
-    wav_file_mend(data, size); /* a program that writes to a pipe cannot go back to write the length */
+    wav_file_mend(data, size); /* programs that write to a pipe cannot fill in the length */
     SNDFILE *file = size ? sf_open_virtual(&io, SFM_READ, &info, &memory) : NULL;
     if (!file || info.channels < 1 || info.channels > CHANNELS_MAX) {
         snprintf(message, cap, "wrote no sound (%zu bytes): %s", size,

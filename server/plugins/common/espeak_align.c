@@ -21,10 +21,10 @@ struct ipa_symbols {
 #define PRIMARY "\u02C8"
 #define SECONDARY "\u02CC"
 #define LONG "\u02D0"
-#define TONE_3 "\u025C" /* no diphthong ends so: what the engine makes of the number 3 behind a vowel */
+#define TONE_3 "\u025C" /* how the engine shows the tone number 3 after a vowel; no diphthong ends so */
 
-/* Some languages' data gives the engine's own names for sounds, which are X-SAMPA by and large; a dot behind
- * a letter makes it retroflex. NULL: IPA already. */
+/* Some languages use the engine's own names, mostly X-SAMPA, where a dot makes a letter retroflex. Returns
+ * NULL for IPA. */
 static const char *ipa_of(char c, bool dotted) {
     static const struct {
         char name;
@@ -41,7 +41,7 @@ static const char *ipa_of(char c, bool dotted) {
     return NULL;
 }
 
-/* What else is in such names, numbers of tones and the like, is left out; "1" alone is X-SAMPA. */
+/* Removes everything else, such as tone numbers; "1" alone is X-SAMPA. */
 static void clean(char ipa[IPA_BYTES]) {
     char said[IPA_BYTES];
     size_t kept = 0;
@@ -60,8 +60,8 @@ static void clean(char ipa[IPA_BYTES]) {
     ipa[kept] = '\0';
 }
 
-/* Adds s[0..size) without its stress mark. A sound that espeak-ng wrote twice ("ss") is a long one; the name
- * of a language between parentheses is no sound. */
+/* Adds s[0..size) without its stress mark. A doubled sound ("ss") is long; a language name in parentheses
+ * is skipped. */
 static void add_symbol(struct ipa_symbols *symbols, const char *s, size_t size) {
     if (size && *s == '(')
         return;
@@ -77,7 +77,7 @@ static void add_symbol(struct ipa_symbols *symbols, const char *s, size_t size) 
         for (size = sizeof t->ipa - 1; size > 0 && ((unsigned char)s[size] & 0xC0) == 0x80;)
             size--;
     while (size >= 4 && !memcmp(s + size - 4, LONG LONG, 4))
-        size -= 2; /* long by its name and by its place */
+        size -= 2; /* long by name and by position */
     bool twice = size > 0 && size % 2 == 0 && !memcmp(s, s + size / 2, size / 2);
     memcpy(t->ipa, s, twice ? size / 2 : size);
     if (twice && size / 2 + sizeof LONG <= sizeof t->ipa)
@@ -109,7 +109,7 @@ static void learn(struct es_names *names, const struct es_phone *p) {
     names->count++;
 }
 
-/* How badly a phone and a symbol fit. */
+/* Cost of matching a phone with a symbol. */
 static unsigned misfit(const struct es_phone *p, const struct ipa_symbol *t, const struct es_names *names) {
     if (p->pause)
         return *t->ipa ? 4 : 0;
@@ -135,7 +135,7 @@ static void assign(struct es_phone *p, const struct ipa_symbol *t, struct es_nam
     learn(names, p);
 }
 
-/* A phone without a symbol: its name as it was elsewhere, or the letters of its mnemonic. */
+/* A phone without a symbol gets its name from elsewhere, or the letters of its mnemonic. */
 static void assign_alone(struct es_phone *p, const struct es_names *names) {
     if (p->pause)
         return;
@@ -149,7 +149,7 @@ static void assign_alone(struct es_phone *p, const struct es_names *names) {
         p->ipa[kept] = '\0';
 }
 
-/* The common case: one symbol for each phone, and then pauses. */
+/* The common case: one symbol per phone, then pauses. */
 static bool is_parallel(const struct es_phone *phones, size_t count, const struct ipa_symbols *symbols) {
     if (symbols->count > count)
         return false;
@@ -161,8 +161,8 @@ static bool is_parallel(const struct es_phone *phones, size_t count, const struc
 
 enum step { BOTH, PHONE, TOKEN };
 
-/* Cheapest alignment by dynamic programming. steps[i * width + k] is the last step on the way to i phones and
- * k symbols. */
+/* Cheapest alignment by dynamic programming. steps[i * width + k] is the last step towards i phones and k
+ * symbols. */
 static void find_steps(const struct es_phone *phones, size_t count, const struct ipa_symbols *symbols,
                        const struct es_names *names, uint8_t *steps) {
     size_t width = symbols->count + 1;

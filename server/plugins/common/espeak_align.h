@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names and stress of phones. espeak-ng's events carry the time and the engine's own name of each phone; its
- * transcription of the clause carries IPA, length and stress but no times. Both walk the same list, but not
- * all of it: pauses at the end of a clause are events only, and a phone written as a modifier letter is glued
- * to the one before. So the two are aligned. */
+/* Names and stress of phones. espeak-ng's events carry time and its own name of each phone; the clause's
+ * transcription carries IPA, length and stress without times. They differ: pauses at the end of a clause
+ * are only events, and a phone written as a modifier letter is joined to the previous one. So the two
+ * sequences are aligned. */
 #ifndef FACCIA_PLUGINS_COMMON_ESPEAK_ALIGN_H
 #define FACCIA_PLUGINS_COMMON_ESPEAK_ALIGN_H
 
@@ -18,8 +18,7 @@ struct es_phone {
     bool pause;
 };
 
-/* IPA seen for each mnemonic, for the rare phone that has no counterpart. Belongs to one voice: zero it for
- * another. */
+/* IPA seen for each mnemonic, for phones without a counterpart. Per voice: zero it for another one. */
 struct es_names {
     struct {
         char symbol[12], ipa[20];
@@ -27,10 +26,10 @@ struct es_names {
     size_t count;
 };
 
-/* What separates the phones of a transcription (espeak_SetPhonemeTrace). Words are separated by spaces. */
+/* Separator of phones in a transcription (espeak_SetPhonemeTrace). Words are separated by spaces. */
 #define ES_SEPARATOR 0x1f
 
-/* Sets ipa and stress of the phones of one clause from its transcription in IPA. */
+/* Sets ipa and stress of one clause's phones from its IPA transcription. */
 void es_align(struct es_phone *phones, size_t count, const char *transcription, struct es_names *names);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/common/espeak_ipa.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/plugins/common/espeak_align.h"
+#include "server/plugins/common/espeak_text.h"
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +23,8 @@ static const struct es_ipa_phone *find(const struct es_ipa *table, const char *i
     return bsearch(&key, table->list, table->count, sizeof key, by_ipa);
 }
 
-/* What the engine makes of "[[name]]": its only phone, without stress, or "" when it is none or several. */
+/* Returns the only phone that the engine makes of "[[name]]", without stress, or "" if there is none or
+ * several. */
 static void ask(const char *name, int mode, char out[20]) {
     char text[12];
     const void *at = text;
@@ -42,7 +43,7 @@ static void ask(const char *name, int mode, char out[20]) {
     }
 }
 
-/* Adds the phone if the name is one. True: it is, and longer names may begin with it. */
+/* Adds the phone of that name, if any. Returns whether longer names may begin with it. */
 static bool learn(struct es_ipa *table, const char *name) {
     char again[20], ipa[20];
     ask(name, 0, again);
@@ -51,7 +52,7 @@ static bool learn(struct es_ipa *table, const char *name) {
     ask(name, espeakPHONEMES_IPA, ipa);
     for (size_t i = 0; i < table->count; i++)
         if (!strcmp(table->list[i].ipa, ipa))
-            return true; /* the shortest name is the usual one */
+            return true; /* the shortest name wins */
     if (!*ipa)
         return true;
     table->list = mem_grow(table->list, &table->cap, table->count + 1, sizeof *table->list);
@@ -62,13 +63,13 @@ static bool learn(struct es_ipa *table, const char *name) {
     return true;
 }
 
-/* Names are printable ASCII without what has a meaning of its own between the brackets. */
+/* Names are printable ASCII without characters that are special between the brackets. */
 static bool is_name_character(char c) {
     return c > ' ' && c < 0x7F && !strchr("[]|'%,=_\\/$(){}", c);
 }
 
 static void learn_all(struct es_ipa *table) {
-    char names[2][8192][4]; /* the names of one length that longer ones may begin with */
+    char names[2][8192][4]; /* names of the current and the next length that longer ones may extend */
     size_t counts[2] = {1, 0};
     strcpy(names[0][0], "");
     for (size_t length = 1; length <= 3; length++) {
@@ -80,7 +81,7 @@ static void learn_all(struct es_ipa *table) {
                 if (!is_name_character(c))
                     continue;
                 snprintf(name, sizeof name, "%s%c", shorter[i], c);
-                /* two letters may be a phone though the first alone is none */
+                /* two letters may be a phone even if the first alone is none */
                 if ((learn(table, name) || length == 1) && counts[length % 2] < 8192)
                     strcpy(longer[counts[length % 2]++], name);
             }
@@ -95,7 +96,7 @@ bool es_ipa_learn(struct es_ipa *table, const struct faccia_sentence *sentence, 
         needed |= sentence->spans[i].phones != NULL;
     if (!needed || table->count)
         return false;
-    /* the engine knows "[[...]]" after it was told so with a text */
+    /* the engine accepts "[[...]]" only after a text with phonemes enabled */
     espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, user_data);
     learn_all(table);
     return true;
@@ -106,7 +107,7 @@ void es_ipa_free(struct es_ipa *table) {
     *table = (struct es_ipa){0};
 }
 
-/* Other ways to write a phone, and its relatives in the order of their nearness. */
+/* Other notations of a phone, and related phones by similarity. */
 static const char *const relatives[][4] = {
     {"g", "\u0261"},
     {"\u0261", "g"},
@@ -172,13 +173,13 @@ static bool is_vowel(uint32_t c) {
     return false;
 }
 
-/* Ties, syllable breaks, links, feet: nothing to be spoken. */
+/* Ties, syllable breaks, links, feet. */
 static bool is_silent(uint32_t c) {
     return c == 0x361 || c == 0x35C || c == '.' || c == 0x203F || c == '|' || c == 0x2016 || c == '-' ||
            c == 0x200D || c == 0x200C || c == '/' || c == '[' || c == ']';
 }
 
-/* The word without what is silent, and with the usual length mark. */
+/* Removes silent marks and normalises the length mark. */
 static void clean(const char *ipa, size_t bytes, struct buf *out) {
     for (size_t at = 0, length; at < bytes; at += length) {
         uint32_t c;
@@ -194,7 +195,7 @@ static void clean(const char *ipa, size_t bytes, struct buf *out) {
     }
 }
 
-/* The longest phone that the text begins with. */
+/* Returns the longest phone that the text begins with. */
 static const struct es_ipa_phone *longest(const struct es_ipa *table, const char *s, size_t bytes,
                                           size_t *used) {
     for (size_t n = bytes < 16 ? bytes : 16; n; n--) {
@@ -207,7 +208,7 @@ static const struct es_ipa_phone *longest(const struct es_ipa *table, const char
     return NULL;
 }
 
-/* Marks on a phone, such as its length, that this voice's phone does not have. */
+/* Marks on a phone, such as length, that the voice does not have. */
 static bool is_diacritic(uint32_t c) {
     return (c >= 0x300 && c < 0x370) || (c >= 0x2B0 && c < 0x2C8) || (c >= 0x2CD && c < 0x300);
 }
@@ -258,14 +259,14 @@ int es_ipa_word(const struct es_ipa *table, const char *ipa, size_t bytes, struc
             result = -1;
             break;
         }
-        /* the engine wants the stress right before the vowel, not before its syllable */
+        /* the engine expects stress right before the vowel, not before its syllable */
         if (*stress && is_vowel(c)) {
             buf_add(out, stress, 1);
             stress = "";
         }
         buf_add(out, phone->name, strlen(phone->name));
         if (at + used < word.size)
-            buf_add(out, "|", 1); /* so that two names are not read as one */
+            buf_add(out, "|", 1); /* keeps adjacent names apart */
     }
     buf_add(out, "]]", 2);
     buf_free(&word);

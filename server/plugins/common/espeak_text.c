@@ -10,12 +10,136 @@
 #include <string.h>
 #include <strings.h>
 
+static bool is_space(uint32_t c) {
+    return c <= ' ' || c == 0xA0 || (c >= 0x2000 && c <= 0x200B) || c == 0x2028 || c == 0x2029 ||
+           c == 0x202F || c == 0x3000;
+}
+
+/* Punctuation around words. */
+static bool is_mark(uint32_t c) {
+    if (c < 0x80)
+        return strchr("!\"'(),-./:;<>?[]_`{}", (int)c) != NULL;
+    return c == 0xA1 || c == 0xAB || c == 0xB7 || c == 0xBB || c == 0xBF || (c >= 0x2010 && c <= 0x2027) ||
+           (c >= 0x2039 && c <= 0x203A) || (c >= 0x3001 && c <= 0x3011) || c == 0xFF01 || c == 0xFF0C ||
+           c == 0xFF1F;
+}
+
+/* Letters and digits of scripts that separate words by spaces. */
+static bool is_letter(uint32_t c) {
+    if (c < 0x80)
+        return (c >= '0' && c <= '9') || ((c | 0x20) >= 'a' && (c | 0x20) <= 'z') || c == '\'';
+    return c >= 0xC0 && c < 0x2E80 && !(c >= 0x2000 && c < 0x2C00) && c != 0xD7 && c != 0xF7;
+}
+
+static uint32_t at(const char *s, size_t offset, size_t *length) {
+    uint32_t c = 0;
+    *length = s[offset] ? utf8_next(s + offset, strnlen(s + offset, 4), &c) : 0;
+    if (s[offset] && !*length)
+        *length = 1;
+    return c;
+}
+
+static uint32_t before(const char *s, size_t offset) {
+    size_t length;
+    if (!offset)
+        return ' ';
+    for (offset--; offset && ((unsigned char)s[offset] & 0xC0) == 0x80;)
+        offset--;
+    return at(s, offset, &length);
+}
+
+/* Finds the end of the word at offset: white space, or where the next word was reported. Strips
+ * punctuation from both ends, unless there is nothing else. */
+static void measure(struct es_word *w, const char *s, size_t limit) {
+    size_t end = w->offset, start = w->offset, length, last = 0;
+    for (uint32_t c; s[end] && end < limit && !is_space(c = at(s, end, &length)); end += length) {
+        if (!is_mark(c))
+            last = end + length;
+        else if (!last)
+            start = end + length;
+    }
+    w->bytes = w->empty ? 0 : end - w->offset;
+    if (last) {
+        w->bytes = last - start;
+        w->offset = start;
+    }
+}
+
+static size_t es_text_words(const char *s);
+
+/* Tells whether the span has as many words in its phones as in its text. */
+static bool speaks_word_by_word(const struct faccia_span *span) {
+    return es_text_words(span->phones) == es_text_words(span->text);
+}
+
+/* espeak-ng reports "- Who" at the dash, which is not spoken: moves the word behind it, unless another
+ * word is reported there. */
+static void pass_marks(struct es_words *words, size_t i, const struct es_text *text,
+                       const struct faccia_sentence *sentence) {
+    struct es_word *w = &words->list[i];
+    bool apart = false;
+    size_t p = w->position, length;
+    for (; p < text->place_count; p++) {
+        const struct faccia_span *span =
+            text->places[p].span < sentence->span_count ? &sentence->spans[text->places[p].span] : NULL;
+        uint32_t c = span && span->text ? at(span->text, text->places[p].offset, &length) : ' ';
+        if (span && span->phones)
+            break;
+        if (is_space(c))
+            apart = true;
+        else if (!is_mark(c))
+            break;
+    }
+    if (!apart || p == text->place_count)
+        return;
+    for (size_t k = 0; k < words->count; k++)
+        if (words->list[k].position > w->position && words->list[k].position <= p)
+            return;
+    w->position = p;
+}
+
+void es_words_locate(struct es_words *words, const struct es_text *text,
+                     const struct faccia_sentence *sentence) {
+    for (size_t i = 0; i < words->count; i++) {
+        struct es_word *w = &words->list[i];
+        pass_marks(words, i, text, sentence);
+        w->span = UINT32_MAX;
+        for (size_t p = w->position; p < text->place_count && w->span == UINT32_MAX; p++) {
+            w->span = text->places[p].span;
+            w->offset = text->places[p].offset;
+        }
+    }
+    for (size_t i = 0; i < words->count; i++) {
+        struct es_word *w = &words->list[i];
+        const char *s = w->span < sentence->span_count ? sentence->spans[w->span].text : NULL;
+        size_t length, limit = SIZE_MAX;
+        w->bytes = 0;
+        if (s && sentence->spans[w->span].phones && !speaks_word_by_word(&sentence->spans[w->span])) {
+            bool first = !i || words->list[i - 1].span != w->span;
+            w->offset = 0;
+            w->bytes = first ? strlen(s) : 0;
+            continue;
+        }
+        if (!s || (is_letter(before(s, w->offset)) && is_letter(at(s, w->offset, &length))))
+            continue; /* inside a word */
+        for (size_t k = i + 1; k < words->count && limit == SIZE_MAX; k++) {
+            const struct es_word *next = &words->list[k];
+            if (next->span == w->span && next->offset > w->offset &&
+                !(is_letter(before(s, next->offset)) && is_letter(at(s, next->offset, &length))))
+                limit = next->offset;
+            if (next->span != w->span)
+                break;
+        }
+        measure(w, s, limit);
+    }
+}
+
 struct writer {
     struct es_text *out;
     const struct es_voice *voice;
     const struct es_voices *voices;
     const struct es_ipa *ipa;
-    struct es_prosody now; /* what the text so far has set */
+    struct es_prosody now; /* current settings in the text so far */
     void (*warn)(void *ctx, const char *message);
     void *ctx;
 };
@@ -38,9 +162,9 @@ static int bounded(const struct writer *w, const char *what, double value, int m
     return nearest;
 }
 
-/* Pitch: espeak-ng's 0..99 is exponential; measured, an octave of F0 is PITCH_OCTAVE. It moves the whole
- * contour by some Hz, so the range must grow with it. Range and volume are linear. What emphasis adds to
- * espeak-ng's own, which is a matter of loudness: rate and pitch as MaryTTS has them for APML. */
+/* espeak-ng's pitch, 0..99, is exponential; measured, an octave of F0 is PITCH_OCTAVE. It shifts the
+ * contour by some Hz, so the range must scale with it. Range and volume are linear. Emphasis in espeak-ng
+ * only changes loudness; rate and pitch are added as in MaryTTS for APML. */
 static struct es_prosody prosody_of(const struct writer *w, const struct faccia_span *s) {
     static const double PITCH_OCTAVE = 62.5;
     static const double emphasis[][2] = {{1, 1}, {1.05, 0.97}, {0.95, 1.1}, {0.9, 1.2}, {0.8, 1.3}};
@@ -61,7 +185,7 @@ static void place(struct es_text *t, uint32_t span, size_t offset) {
     t->places[t->place_count++] = (struct es_place){span, (uint32_t)offset};
 }
 
-/* ASCII markup. */
+/* Adds ASCII markup. */
 static void tag(struct es_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void tag(struct es_text *t, const char *format, ...) {
     char markup[160];
@@ -74,13 +198,13 @@ static void tag(struct es_text *t, const char *format, ...) {
     buf_add(&t->text, markup, (size_t)length);
 }
 
-/* Control characters would be commands to espeak-ng, private characters are its own names for things. */
+/* Control characters would be commands to espeak-ng, and private-use characters its own names. */
 static bool is_spoken(uint32_t c) {
     return c >= ' ' && c != 0x7F && !(c >= 0x80 && c < 0xA0) && !(c >= 0xE000 && c < 0xF900) && c != 0xFFFE &&
            c != 0xFFFF;
 }
 
-/* One character, which stands for the place `at` of the span. */
+/* Adds a character for the place `at` of the span. */
 static void add_character(struct es_text *t, uint32_t span, size_t at, const char *c, size_t length) {
     const char *entity = *c == '<' ? "&lt;" : *c == '>' ? "&gt;" : *c == '&' ? "&amp;" : NULL;
     if (!t->ssml || !entity) {
@@ -93,7 +217,7 @@ static void add_character(struct es_text *t, uint32_t span, size_t at, const cha
     buf_add(&t->text, entity, strlen(entity));
 }
 
-/* Bytes [at, size) of the span's text. */
+/* Adds bytes [at, size) of the span's text. */
 static void add_text(struct es_text *t, uint32_t span, const char *s, size_t at, size_t size) {
     for (size_t length; at < size; at += length) {
         uint32_t c;
@@ -107,8 +231,8 @@ static void add_text(struct es_text *t, uint32_t span, const char *s, size_t at,
     }
 }
 
-/* espeak-ng's own commands: each makes a short break (7 ms) in the sound, so that only what changes is told,
- * and SSML's prosody element, which sets everything back, is not used. */
+/* espeak-ng's own commands. Each makes a short break (7 ms) in the sound, so only changes are sent; SSML's
+ * prosody element would reset everything. */
 static void set(struct writer *w, int *now, int value, char command) {
     if (*now != value)
         tag(w->out, "\x01%d%c", value, command);
@@ -123,15 +247,16 @@ static size_t skip_word(const char *s, size_t at) {
     return at + strcspn(s + at, " \t\r\n");
 }
 
-size_t es_text_words(const char *s) {
+/* Counts words separated by white space. */
+static size_t es_text_words(const char *s) {
     size_t count = 0;
     for (size_t at = skip_space(s, 0); s[at]; at = skip_space(s, skip_word(s, at)))
         count++;
     return count;
 }
 
-/* The span's phones, each word at the place of its own word of the text, if there are as many. False when
- * one cannot be spoken. */
+/* Adds the span's phones, each word at the place of its word in the text if there are as many. Returns
+ * false when one cannot be spoken. */
 static bool add_phones(struct writer *w, uint32_t index, const struct faccia_span *s) {
     struct buf word = {0};
     const char *p = s->phones;
@@ -147,7 +272,7 @@ static bool add_phones(struct writer *w, uint32_t index, const struct faccia_spa
         if (place_count < t->place_count)
             add_character(t, index, text, " ", 1);
         for (size_t i = 0; i < word.size && known; i++)
-            place(t, index, text); /* markup has no meaning between the brackets */
+            place(t, index, text); /* markup is ignored between the brackets */
         buf_add(&t->text, word.data, known ? word.size : 0);
         if (alike)
             text = skip_space(s->text, skip_word(s->text, text));
@@ -163,7 +288,7 @@ static bool add_phones(struct writer *w, uint32_t index, const struct faccia_spa
     return known;
 }
 
-/* The prosody changes at the first letter, so that stops before it stay with the words that they end. */
+/* Changes prosody at the first letter, so that punctuation before it stays with the previous word. */
 static void add_text_with_prosody(struct writer *w, uint32_t index, const struct faccia_span *s) {
     struct es_prosody p = prosody_of(w, s);
     size_t length = strlen(s->text), letter = 0;
@@ -181,7 +306,7 @@ static void add_text_with_prosody(struct writer *w, uint32_t index, const struct
         add_text(w->out, index, s->text, letter, length);
 }
 
-/* The ways of reading that espeak-ng has, by the names that SSML 1.1 and JSML documents use. */
+/* espeak-ng's interpretations by the names of SSML 1.1 and JSML. */
 static const char *interpretation(const char *say_as) {
     static const char *const known[][2] = {
         {"characters", "characters"}, {"letters", "characters"},       {"spell", "characters"},
@@ -194,7 +319,7 @@ static const char *interpretation(const char *say_as) {
     return NULL;
 }
 
-/* Spelling characters of other scripts overruns a buffer in espeak-ng 1.51. */
+/* espeak-ng 1.51 overruns a buffer when spelling characters of other scripts. */
 static bool can_be_spelled(const char *s) {
     uint32_t c;
     for (size_t length; *s; s += length) {
@@ -238,7 +363,7 @@ static void add_span(struct writer *w, uint32_t index, const struct faccia_span 
         tag(t, "</voice>");
 }
 
-/* Do all spans sound alike, so that no markup is needed? */
+/* Tells whether all spans sound alike, so that no markup is needed. */
 static bool is_plain(const struct writer *w, const struct faccia_sentence *sentence) {
     for (size_t i = 0; i < sentence->span_count; i++) {
         const struct faccia_span *s = &sentence->spans[i];

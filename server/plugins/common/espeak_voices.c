@@ -10,8 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* espeak-ng writes tags in lower case; BCP 47 (RFC 5646, 2.1.1) wants Latn and BR, but nothing changed after
- * an "x". */
+/* espeak-ng writes tags in lower case; BCP 47 (RFC 5646, 2.1.1) wants Latn and BR, but no change after an
+ * "x". */
 static void write_tag(char *out, size_t cap, const char *tag) {
     snprintf(out, cap, "%s", tag);
     for (char *part = out; (part = strchr(part, '-')) != NULL;) {
@@ -25,13 +25,12 @@ static void write_tag(char *out, size_t cap, const char *tag) {
     }
 }
 
-/* "English_(Great_Britain)" is written with spaces by the library already; the gender of a plain voice is a
- * male one's unless said. */
+/* Plain voices are male unless stated. */
 static const char *gender_name(int gender) {
     return gender == 2 ? "female" : "male";
 }
 
-/* As many whole entries as fit; the rest of out is zero. */
+/* Copies as many complete entries as fit and zeroes the rest. */
 static void copy_langs(char *out, size_t cap, const char *langs) {
     size_t used = 0;
     for (size_t length; *langs; langs += length, used += length) {
@@ -45,7 +44,7 @@ static void copy_langs(char *out, size_t cap, const char *langs) {
 static void add(struct es_voices *voices, const espeak_VOICE *voice) {
     const char *file = voice->identifier, *base = strrchr(file, '/');
     if (!strncmp(file, "mb/", 3) || !voice->languages || !*voice->languages)
-        return;                             /* MBROLA voices have phones and samples of their own */
+        return;                             /* MBROLA voices have their own phones and samples */
     const char *tag = voice->languages + 1; /* after its priority */
     voices->list = mem_grow(voices->list, &voices->cap, voices->count + 1, sizeof *voices->list);
     struct es_voice *v = &voices->list[voices->count];
@@ -81,7 +80,7 @@ static void add_variants(struct es_voices *voices, const char *variant, int gend
     }
 }
 
-/* How unusual the voice is for the tag, or -1. */
+/* Priority of the voice for the tag, or -1. */
 static int priority(const struct es_voice *v, const char *lang) {
     for (const char *entry = v->langs; *entry; entry += strlen(entry) + 1)
         if (!strcasecmp(entry + 1, lang))
@@ -89,7 +88,7 @@ static int priority(const struct es_voice *v, const char *lang) {
     return -1;
 }
 
-/* The same for its language without the region; those that espeak-ng does not rank come last. */
+/* Priority for the language without its region; unranked voices come last. */
 static int rank(const struct es_voice *v) {
     char primary[sizeof v->lang];
     snprintf(primary, sizeof primary, "%.*s", (int)strcspn(v->lang, "-"), v->lang);

@@ -1,35 +1,70 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The espeak-ng voice plugin. libespeak-ng keeps its state in globals, and so must its callbacks' owner; the
- * host runs one instance in a process. */
 #include "server/base/mem.h"
 #include "server/plugins/common/espeak_text.h"
 #include "server/plugins/common/espeak_voices.h"
-#include "server/plugins/common/espeak_words.h"
-#include "server/plugins/espeak/espeak_config.h"
-#include "server/plugins/espeak/espeak_inner.h"
 #include "server/plugins/espeak/espeak_timing.h"
 #include "server/voice/faccia-voice.h"
 #include <espeak-ng/speak_lib.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Audio comes from the engine in blocks of this many ms. The engine drops events beyond 200 for each second
- * of a block, so it must not be short. */
+/* Loads the voices. "variants": espeak-ng's voice variants offered for every language. */
+static void es_config_voices(struct es_voices *voices, const char *config) {
+    static const char *const usual[] = {"f2"};
+    json_t *root = json_loads(config, 0, NULL), *variants = json_object_get(root, "variants"), *variant;
+    size_t count = json_array_size(variants), i;
+    const char **names = mem_alloc(count * sizeof *names);
+    json_array_foreach(variants, i, variant) names[i] =
+        json_is_string(variant) ? json_string_value(variant) : "";
+    if (json_is_array(variants))
+        es_voices_load(voices, names, count);
+    else
+        es_voices_load(voices, usual, sizeof usual / sizeof *usual);
+    free(names);
+    json_decref(root);
+}
+
+/* Returns the spans for the engine, without those up to a break before the first text or after the last. */
+static struct faccia_sentence es_inner_part(const struct faccia_sentence *sentence) {
+    const struct faccia_span *spans = sentence->spans;
+    size_t begin = 0, end = 0, text = 0, last = 0;
+    while (text < sentence->span_count && spans[text].kind != FACCIA_SPAN_TEXT)
+        text++;
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        if (spans[i].kind == FACCIA_SPAN_BREAK && i < text)
+            begin = i + 1;
+        if (spans[i].kind == FACCIA_SPAN_TEXT)
+            last = i;
+    }
+    if (text == sentence->span_count)
+        return (struct faccia_sentence){.voice = sentence->voice, .spans = spans + text};
+    for (end = last + 1; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
+        end++;
+    return (struct faccia_sentence){
+        .voice = sentence->voice, .spans = spans + begin, .span_count = end - begin};
+}
+
+/* The espeak-ng voice plugin. libespeak-ng and its callbacks use globals, so there is one instance per
+ * process. */
+
+/* Block size of the engine's audio, ms. The engine drops events beyond 200 per second of a block, so it
+ * must not be short. */
 enum { BLOCK_MS = 500 };
 
 struct espeak {
     struct es_voices voices;
-    const struct es_voice *voice; /* the one that is set */
+    const struct es_voice *voice; /* current voice */
     struct es_names names;        /* of that voice */
-    struct es_ipa ipa;            /* its phones, once they were needed */
+    struct es_ipa ipa;            /* its phones, filled on demand */
     uint32_t sample_rate;
     atomic_bool cancelled;
-    /* of the sentence that is spoken */
+    /* of the current sentence */
     const struct faccia_sentence *sentence; /* without breaks at its ends */
-    uint32_t first_span;                    /* its first, in the whole sentence */
+    uint32_t first_span;                    /* index of its first in the whole sentence */
     uint32_t lead;                          /* samples of silence before it */
     const struct faccia_sink *sink;
     bool stopped; /* by the sink or by cancel */
@@ -37,12 +72,12 @@ struct espeak {
     size_t pcm_count, pcm_cap;
     struct es_phones phones;
     struct es_words words;
-    size_t clause; /* the first phone of the clause that is spoken */
+    size_t clause; /* first phone of the current clause */
     char *transcription;
     FILE *nowhere; /* the engine cannot transcribe without printing */
 };
 
-/* The phones of a clause are complete when the next clause's transcription comes, and at the end. */
+/* A clause's phones are complete when the next transcription comes, and at the end. */
 static void end_clause(struct espeak *self) {
     if (self->transcription)
         es_align(self->phones.list + self->clause, self->phones.count - self->clause, self->transcription,
@@ -62,7 +97,7 @@ static int take_transcription(const char *phonemes) {
 
 static void take_event(struct espeak *self, const espeak_EVENT *event) {
     uint32_t sample = self->lead + (event->sample > 0 ? (uint32_t)event->sample : 0);
-    if (event->type == espeakEVENT_PHONEME && *event->id.string != '(') { /* "(fr)": a change of language */
+    if (event->type == espeakEVENT_PHONEME && *event->id.string != '(') { /* "(fr)": a language change */
         struct es_phone *p = es_phones_add(&self->phones);
         memcpy(p->symbol, event->id.string, sizeof event->id.string);
         p->start = sample;
@@ -140,7 +175,7 @@ static void warn(void *ctx, const char *message) {
     sink->warning(sink->ctx, message);
 }
 
-/* Breaks at the ends of a sentence: the engine would drop them. */
+/* Breaks at the ends of a sentence, which the engine would drop. */
 static void speak_silence(struct espeak *self, const struct faccia_span *spans, size_t count) {
     static const int16_t silence[4096];
     for (size_t i = 0; i < count && !self->stopped; i++) {
@@ -156,7 +191,7 @@ static void speak_silence(struct espeak *self, const struct faccia_span *spans, 
     }
 }
 
-/* Once for a voice; what the engine said meanwhile is forgotten. */
+/* Runs once per voice and discards the engine's output. */
 static void learn_phones(struct espeak *self) {
     if (!es_ipa_learn(&self->ipa, self->sentence, self))
         return;
@@ -269,7 +304,7 @@ static int es_open(const char *config, void **out, char *message, size_t cap) {
     espeak_SetPhonemeCallback(take_transcription);
     espeak_SetPhonemeTrace(espeakPHONEMES_IPA | ES_SEPARATOR << 8, self->nowhere);
     const struct es_prosody normal = {ES_RATE_OWN, 50, 50, 100};
-    set_voice(self, &self->voices.list[0]); /* the first costs most: now, not with the first sentence */
+    set_voice(self, &self->voices.list[0]); /* the first call is expensive: make it now */
     set_prosody(&normal);
     *out = self;
     return 0;

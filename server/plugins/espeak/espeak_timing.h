@@ -1,25 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where phones really begin and end. espeak-ng reports a voiceless stop at its burst, so that its closure is
- * billed to the phone before; pauses that it puts before a phone without naming them, and sounds that it says
- * inside their neighbour, need the same care. Closures and pauses are exact silence in its audio. */
+/* Corrects phone times. espeak-ng reports a voiceless stop at its burst, so its closure counts as part of
+ * the previous phone; unnamed pauses before a phone and sounds spoken within their neighbour need
+ * corrections too. Closures and pauses are exact silence in its audio. */
 #ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 #define FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 
 #include "server/plugins/common/espeak_align.h"
-#include "server/plugins/espeak/espeak_signal.h"
+#include <stdint.h>
 
-/* A list of phones whose starts are the events' times, and whose ends are yet to be found. */
+struct es_audio {
+    const int16_t *samples;
+    uint32_t count, rate;
+};
+
+/* Phones with starts from the events; es_time sets the ends. */
 struct es_phones {
     struct es_phone *list;
     size_t count, cap;
 };
 
-/* Adds a phone at the end. */
+/* Appends a phone. */
 struct es_phone *es_phones_add(struct es_phones *phones);
 
-/* Corrects the boundaries, sets the ends, and lets phones without a name be part of their neighbours.
- * word_starts (sorted) are the samples where words begin: before a stop that follows a pause, that is where
- * its closure begins. */
+/* Corrects boundaries, sets ends, and merges unnamed phones into their neighbours. word_starts (sorted)
+ * are samples: a stop after a pause has its closure from the word's start. */
 void es_time(struct es_phones *phones, const struct es_audio *audio, const uint32_t *word_starts,
              size_t word_count);
 

@@ -18,7 +18,7 @@ struct example {
 };
 
 static int ex_open(const char *config, void **self, char *message, size_t cap) {
-    (void)config, (void)message, (void)cap; /* config: the plugin's own object of --voice-config, JSON */
+    (void)config, (void)message, (void)cap; /* config: the plugin's part of --voice-config, JSON */
     *self = calloc(1, sizeof(struct example));
     return *self ? 0 : -1;
 }
@@ -31,7 +31,7 @@ static void ex_list(void *self, void (*each)(void *ctx, const struct faccia_voic
 static int ex_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
                     char *message, size_t cap) {
     struct example *self = ctx;
-    (void)message, (void)cap; /* for the reason, when it returns -1 */
+    (void)message, (void)cap; /* for an error message when it returns -1 */
     uint64_t at = 0;
     atomic_store(&self->cancelled, false);
     for (uint32_t i = 0; i < sentence->span_count; i++) {
@@ -46,7 +46,7 @@ static int ex_speak(void *ctx, const struct faccia_sentence *sentence, const str
             const struct faccia_word word = {i, start, size, at, at + NOTE};
             if (atomic_load(&self->cancelled) || sink->phone(sink->ctx, &phone) ||
                 sink->word(sink->ctx, &word) || sink->audio(sink->ctx, note, NOTE, RATE))
-                return 0; /* told to stop */
+                return 0; /* asked to stop */
             at += NOTE;
         }
     }
@@ -61,15 +61,14 @@ static void ex_close(void *self) {
     free(self);
 }
 
-const struct faccia_voice faccia_voice = {
-    FACCIA_VOICE_ABI,
-    sizeof(struct faccia_voice),
-    "example",
-    "1",
-    "MIT",
-    FACCIA_VOICE_STREAMS, /* it needs neither the network nor programs, and gets neither */
-    ex_open,
-    ex_list,
-    ex_speak,
-    ex_cancel,
-    ex_close};
+const struct faccia_voice faccia_voice = {FACCIA_VOICE_ABI,
+                                          sizeof(struct faccia_voice),
+                                          "example",
+                                          "1",
+                                          "MIT",
+                                          FACCIA_VOICE_STREAMS, /* no network, programs or files */
+                                          ex_open,
+                                          ex_list,
+                                          ex_speak,
+                                          ex_cancel,
+                                          ex_close};

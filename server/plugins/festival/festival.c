@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Festival voice plugin. Festival runs as a program of its own: it crashes on some texts, and when it
- * does so the sentence can be given to another one in plainer form. */
 #include "server/base/mem.h"
 #include "server/plugins/festival/festival_child.h"
 #include "server/plugins/festival/festival_piece.h"
+#include "server/plugins/festival/festival_voices.h"
 #include <dlfcn.h>
 #include <limits.h>
 #include <locale.h>
@@ -14,12 +13,81 @@
 #include <strings.h>
 #include <unistd.h>
 
-/* Seconds of silence: before a sentence, after it, and where it is cut for a break or for its length. */
+static int read_language(const json_t *languages, const char *lang, struct fe_language *out,
+                         json_error_t *why) {
+    char tag[16];
+    snprintf(tag, sizeof tag, "%.*s", (int)strcspn(lang, "-"), lang);
+    return json_unpack_ex(json_object_get(languages, tag), why, 0, "{s:s s:s s:o s:o}", "letters",
+                          &out->letters, "punctuation", &out->punctuation, "symbols", &out->symbols, "phones",
+                          &out->phones);
+}
+
+static int read_voice(json_t *object, const json_t *languages, struct fe_voice *v, const char **data,
+                      json_error_t *why) {
+    const char *engine = "";
+    int sample_rate = 0, rate = 0;
+    if (json_unpack_ex(object, why, JSON_STRICT, "{s:s s:s s:s s:s s:s s:s s:i s:i s:s s:s s:s s:F s:F}",
+                       "id", &v->info.id, "name", &v->info.name, "lang", &v->info.lang, "gender",
+                       &v->info.gender, "quality", &v->info.quality, "licence", &v->info.licence,
+                       "sample_rate", &sample_rate, "rate", &rate, "festival", &v->festival, "data", data,
+                       "engine", &engine, "units", &v->units, "gain", &v->gain))
+        return -1;
+    v->info.sample_rate = (uint32_t)sample_rate;
+    v->info.rate = (uint32_t)rate;
+    v->hts = !strcmp(engine, "hts");
+    return read_language(languages, v->info.lang, &v->language, why);
+}
+
+static int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
+                          size_t cap) {
+    json_error_t why;
+    json_t *languages, *list, *object;
+    size_t i;
+    *voices = (struct fe_voices){.root = json_load_file(path, 0, &why)};
+    if (!voices->root || json_unpack_ex(voices->root, &why, JSON_STRICT, "{s:o s:o}", "languages", &languages,
+                                        "voices", &list)) {
+        snprintf(message, cap, "%s: line %d: %s", path, why.line, why.text);
+        return -1;
+    }
+    json_array_foreach(list, i, object) {
+        struct fe_voice v = {.units = 1};
+        const char *data = "";
+        char folder[1024];
+        if (read_voice(object, languages, &v, &data, &why)) {
+            snprintf(message, cap, "%s: voices[%zu]: %s", path, i, why.text);
+            return -1;
+        }
+        snprintf(folder, sizeof folder, "%s/%s", datadir, data);
+        if (access(folder, R_OK) == 0 && voices->count < FE_VOICES_MAX)
+            voices->list[voices->count++] = v;
+    }
+    if (voices->count)
+        return 0;
+    snprintf(message, cap, "none of Festival's voices is installed under %s (Debian: festvox-italp16k)",
+             datadir);
+    return 1;
+}
+
+static void fe_voices_free(struct fe_voices *voices) {
+    json_decref(voices->root);
+    *voices = (struct fe_voices){0};
+}
+
+/* The Festival voice plugin. Festival runs as a separate program, because it crashes on some texts; the
+ * sentence is then retried in plainer form. */
+static const struct fe_voice *fe_voices_find(const struct fe_voices *voices, const char *id) {
+    for (size_t i = 0; i < voices->count; i++)
+        if (!strcmp(voices->list[i].info.id, id))
+            return &voices->list[i];
+    return NULL;
+}
+
+/* Seconds of silence: before and after a sentence, and where it is cut for a break or for its length. */
 #define LEAD 0.05
 #define TRAIL 0.3
 #define SEAM 0.02
 
-/* Words that Festival is given at once; it is cut after a punctuation mark from half of that on. */
+/* Maximum words per request; cut after punctuation from half of that on. */
 enum { PIECE_WORDS = 80 };
 
 #define BREAK_MAX 600.0
@@ -32,7 +100,7 @@ struct festival {
 
 enum outcome { SPOKEN, STOPPED, FAILED };
 
-/* One sentence on its way. */
+/* A sentence being spoken. */
 struct speaking {
     struct festival *self;
     struct fe_piece piece;
@@ -53,8 +121,8 @@ static enum fe_result ask(struct speaking *s, const struct buf *request, bool *r
     return result == FE_OK ? fe_piece_answer(&s->piece, child, refused) : result;
 }
 
-/* Asks for the tokens [from, to), and once more in plain form when Festival refuses them or dies of them; as
- * they were if somebody has killed it. *theirs: they are to blame, not Festival's state. */
+/* Requests the tokens [from, to), again in plain form if Festival refuses them or crashes, and unchanged
+ * if it was killed from outside. *theirs: the tokens are to blame, not Festival's state. */
 static enum outcome try_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail,
                                bool *theirs) {
     struct fe_child *child = &s->self->child;
@@ -82,8 +150,7 @@ static enum outcome try_tokens(struct speaking *s, size_t from, size_t to, doubl
     return FAILED;
 }
 
-/* Speaks the tokens [from, to). Of those that cannot be spoken together halves are tried, down to the word
- * that is left out. */
+/* Speaks the tokens [from, to). On failure it bisects them, down to the word that must be skipped. */
 static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail) {
     bool theirs = false;
     enum outcome outcome = try_tokens(s, from, to, lead, trail, &theirs);
@@ -101,8 +168,8 @@ static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, dou
     return outcome == SPOKEN ? speak_tokens(s, middle, to, SEAM, trail) : outcome;
 }
 
-/* Speaks what has been collected, and then the silence. Long stretches go in pieces, so that the first sound
- * comes early and Festival's heap is enough. */
+/* Speaks the collected tokens and then silence. Long stretches are split, so that sound starts early and
+ * Festival's heap suffices. */
 static enum outcome speak_collected(struct speaking *s, double trail, double silence) {
     size_t count = s->piece.tokens.count;
     for (size_t from = 0, to; from < count; from = to) {
@@ -190,7 +257,7 @@ static void fe_close(void *ctx) {
     free(self);
 }
 
-/* The full path of a program, or NULL. */
+/* Returns the full path of a program, or NULL. */
 static char *find_program(const char *name) {
     char full[PATH_MAX];
     const char *path = getenv("PATH");
@@ -205,9 +272,9 @@ static char *find_program(const char *name) {
     return NULL;
 }
 
-extern const struct faccia_voice faccia_voice; /* the table below */
+extern const struct faccia_voice faccia_voice; /* defined below */
 
-/* A file that lies beside the plugin. */
+/* Returns the path of a file beside the plugin. */
 static char *beside(const char *name) {
     Dl_info info;
     char real[PATH_MAX], full[PATH_MAX + 32];
@@ -223,8 +290,8 @@ static const char *setting(const json_t *config, const char *key, const char *ot
     return value ? value : otherwise;
 }
 
-/* {"program": Festival's program, "datadir": its folder of data, "table": a file like festival.json}, all
- * with defaults. Festival itself is started with the first sentence. */
+/* {"program": Festival's program, "datadir": its data folder, "table": a file like festival.json}, all
+ * optional. Festival is started with the first sentence. */
 static int fe_open(const char *text, void **out, char *message, size_t cap) {
     json_t *config = json_loads(text, 0, NULL);
     const char *program = setting(config, "program", "festival");

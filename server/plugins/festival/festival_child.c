@@ -16,7 +16,7 @@
 
 enum { ANSWER_FD = 3, READ_BYTES = 64 << 10, LAST_BREATH_MS = 50 };
 
-/* Its cells, 56 MB; the default takes 330 MB and is not faster. */
+/* Heap in cells, 56 MB; the default uses 330 MB without being faster. */
 #define HEAP "1000000"
 
 int fe_child_open(struct fe_child *child, const char *program, const char *script) {
@@ -25,17 +25,17 @@ int fe_child_open(struct fe_child *child, const char *program, const char *scrip
     return child->wake < 0 ? -1 : 0;
 }
 
-/* In the new process. It ends with the worker, even one that was killed. */
+/* Runs in the child. It ends with the worker, even if that is killed. */
 _Noreturn static void become_festival(const char *program, int in, int out, int complaints) {
     int quiet = open("/dev/null", O_WRONLY);
     struct rlimit time;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     getrlimit(RLIMIT_CPU, &time);
     time.rlim_cur =
-        time.rlim_max; /* the worker's counts from sentence to sentence, and this lives through many */
+        time.rlim_max; /* the worker's limit applies per sentence, but Festival lives through many */
     setrlimit(RLIMIT_CPU, &time);
     program_give_back_signals();
-    /* out may be one of 0..3 itself: first away from them */
+    /* out may be one of 0..3: move it away first */
     out = fcntl(out, F_DUPFD, 10);
     complaints = fcntl(complaints, F_DUPFD, 10);
     dup2(in, 0);
@@ -51,7 +51,7 @@ bool fe_child_start(struct fe_child *child) {
     int in[2], out[2], complaints[2];
     if (child->pid && waitpid(child->pid, NULL, WNOHANG) == 0)
         return true;
-    if (child->pid) { /* it has died while nobody looked */
+    if (child->pid) { /* it died while idle */
         child->pid = 0;
         fe_child_kill(child, NULL, 0);
     }
@@ -80,12 +80,12 @@ bool fe_child_start(struct fe_child *child) {
     }
     struct buf hello = {0};
     buf_printf(&hello, "(load \"%s\")\n", child->script);
-    fe_child_send(child, &hello); /* a failure shows with the first request */
+    fe_child_send(child, &hello); /* failures show with the first request */
     buf_free(&hello);
     return true;
 }
 
-/* Keeps the last line that is not empty. */
+/* Keeps the last non-empty line. */
 static void hear_complaints(struct fe_child *child) {
     char text[2048];
     ssize_t n = read(child->complaints, text, sizeof text - 1);
@@ -112,7 +112,7 @@ static enum fe_result await(struct fe_child *child, int fd, short events) {
             hear_complaints(child);
         if (polled[0].revents)
             return FE_OK;
-        if (polled[2].revents & POLLHUP) /* its last words are read, and there is nothing else */
+        if (polled[2].revents & POLLHUP) /* its output is read and there is nothing else */
             return FE_DIED;
     }
 }
@@ -193,7 +193,7 @@ void fe_child_kill(struct fe_child *child, char *how, size_t cap) {
             hear_complaints(child);
         pid_t ended = waitpid(child->pid, &status, WNOHANG);
         for (int i = 0; cap && ended == 0 && i < LAST_BREATH_MS;
-             i++) { /* its pipes close before it is gone */
+             i++) { /* the pipes close before the process exits */
             usleep(1000);
             ended = waitpid(child->pid, &status, WNOHANG);
         }
@@ -223,7 +223,7 @@ void fe_child_cancel(struct fe_child *child) {
     const uint64_t one = 1;
     atomic_store(&child->cancelled, true);
     if (write(child->wake, &one, sizeof one) < 0)
-        return; /* it is full: woken already */
+        return; /* full: already signalled */
 }
 
 void fe_child_begin(struct fe_child *child) {

@@ -45,7 +45,7 @@ size_t fe_piece_cut(const struct fe_piece *piece, size_t from, size_t max) {
     return from + max;
 }
 
-/* A Scheme string. */
+/* Adds a Scheme string. */
 static void add_string(struct buf *b, const char *s) {
     buf_add(b, "\"", 1);
     for (; *s; s++) {
@@ -64,7 +64,7 @@ static void add_token(struct buf *b, const struct fe_token *t, size_t index, con
     buf_printf(b, "%zu %.3f %.3f %.3f)\n", index, p->stretch, p->pitch, p->range);
 }
 
-/* Festival's HTS engine takes one rate of speech for all, the mean, and no pitch. */
+/* Festival's HTS engine accepts one rate per utterance, here the mean, and no pitch. */
 static void add_hts(const struct fe_piece *piece, size_t from, size_t to, struct buf *b) {
     double stretch = 0;
     for (size_t i = from; i < to; i++)
@@ -110,7 +110,7 @@ static bool take_word(struct fe_piece *piece, const char *line) {
     struct fe_said_word *last = piece->word_count ? &piece->words[piece->word_count - 1] : NULL;
     if (w.token >= piece->tokens.count || (last && w.token < last->token))
         return true;
-    if (last && last->token == w.token) { /* a number is several words */
+    if (last && last->token == w.token) { /* a number has several words */
         last->end = w.end;
         return true;
     }
@@ -146,7 +146,7 @@ enum fe_result fe_piece_answer(struct fe_piece *piece, struct fe_child *child, b
         if (*refused)
             return FE_OK;
         if (!take_phone(piece, line) && !take_word(piece, line))
-            return FE_DIED; /* that is not what it was taught to say */
+            return FE_DIED; /* unexpected answer */
     }
 }
 
@@ -183,7 +183,7 @@ static int give_words(const struct fe_piece *piece) {
     return stop;
 }
 
-/* Marks before the tokens up to `to`: each stands where the next word begins. */
+/* Delivers the marks before the tokens up to `to`, each at the start of the next word. */
 static int give_marks(struct fe_piece *piece, size_t to) {
     size_t word = 0;
     int stop = 0;
@@ -200,7 +200,7 @@ static int give_marks(struct fe_piece *piece, size_t to) {
     return stop;
 }
 
-/* The samples belong to the child's buffer, but are ours until the next answer. */
+/* The samples stay in the child's buffer until the next answer. */
 static int give_audio(struct fe_piece *piece) {
     int16_t *samples = (int16_t *)piece->samples;
     size_t done = 0;

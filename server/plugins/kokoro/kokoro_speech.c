@@ -1,28 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/kokoro/kokoro_speech.h"
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_pieces.h"
+#include "server/plugins/kokoro/kokoro_tokens.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Kokoro's sounds are spoilt beyond. */
+/* Range of speeds that sound acceptable. */
 #define SPEED_MIN 0.5
 #define SPEED_MAX 2.0
 
-/* Words whose rates differ by less share a piece. */
+/* Words whose rates differ by less than this factor share a piece. */
 #define SPEED_STEP 1.08
 
 #define BREAK_MAX 600.0
 
-/* Seconds of silence behind a piece, besides what Kokoro's sound has: at a comma, at the end of a sentence,
- * at the end of all. */
+/* Seconds of silence added after a piece: at a comma, at a sentence's end, at the very end. */
 #define COMMA 0.12
 #define PERIOD 0.3
 #define TRAIL 0.25
 
-/* How fast the volume changes: the part of the difference that one sample makes up for. */
+/* Rate of volume changes: fraction of the difference per sample. */
 #define GAIN_STEP 0.01
 
 struct speaking {
@@ -30,9 +29,9 @@ struct speaking {
     const struct ko_voice *voice;
     const struct faccia_sentence *sentence;
     const struct faccia_sink *sink;
-    uint64_t at;    /* samples that were handed on */
-    uint32_t told;  /* words that were handed on, of this text */
-    uint64_t pause; /* where the last phone ended: up to what comes it is a pause */
+    uint64_t at;    /* samples delivered */
+    uint32_t told;  /* words of this text delivered */
+    uint64_t pause; /* end of the last phone: what follows is a pause so far */
     double gain;    /* of the last sample */
     bool stopped;
     char *message;
@@ -67,7 +66,7 @@ static void hand_on(struct speaking *s, const int16_t *samples, size_t count) {
     s->at += count;
 }
 
-/* Pauses are held back until a phone follows, so that those that touch are one. */
+/* Delivers a phone. Pauses are held back until a phone follows, so that adjacent ones merge. */
 static void hand_on_phone(struct speaking *s, const struct ko_item *item, uint64_t start, uint64_t end) {
     const struct faccia_phone pause = {"", "_", s->pause, start, 0};
     if (end <= start)
@@ -97,7 +96,7 @@ static void silence(struct speaking *s, double seconds) {
     }
 }
 
-/* Hands on the words that begin in the piece. */
+/* Delivers the words that begin in the piece. */
 static void hand_on_words(struct speaking *s) {
     const struct ko_timing *t = &s->speaker->timing;
     const struct ko_text *text = &s->speaker->text;
@@ -115,7 +114,7 @@ static void hand_on_words(struct speaking *s) {
     }
 }
 
-/* Makes the samples as loud as their words' spans want them. */
+/* Applies the volume of each word's span. */
 static void amplify(struct speaking *s, int16_t *samples) {
     const struct ko_timing *t = &s->speaker->timing;
     double wanted = s->gain;
@@ -129,7 +128,7 @@ static void amplify(struct speaking *s, int16_t *samples) {
     }
 }
 
-/* The silence behind the item. */
+/* Returns the silence after the item. */
 static double rest_after(const struct speaking *s, size_t item, bool last) {
     const struct ko_items *items = &s->speaker->text.items;
     const json_t *vocabulary = s->voice->alphabet.vocabulary;
@@ -141,10 +140,10 @@ static double rest_after(const struct speaking *s, size_t item, bool last) {
         for (unsigned k = 0; k < items->list[item].token_count; k++)
             if (items->list[item].tokens[k] == json_integer_value(json_object_get(vocabulary, strong[i])))
                 return end ? TRAIL : PERIOD;
-    return COMMA; /* also when a long sentence goes on behind it, in another one */
+    return COMMA; /* also when a long sentence continues in the next request */
 }
 
-/* Hands on the sound of the items [from, to) with its phones and words. */
+/* Delivers the sound of the items [from, to) with phones and words. */
 static void deliver(struct speaking *s, size_t from, size_t to, struct ko_speech *speech) {
     struct ko_timing *t = &s->speaker->timing;
     const struct ko_item *items = s->speaker->text.items.list;
@@ -161,7 +160,7 @@ static void deliver(struct speaking *s, size_t from, size_t to, struct ko_speech
         hand_on(s, speech->samples + t->from, t->to - t->from);
 }
 
-/* Speaks the items [from, to). False with a message when that fails. */
+/* Speaks the items [from, to). Returns false with a message on failure. */
 static bool speak_piece(struct speaking *s, size_t from, size_t to) {
     const struct ko_items *items = &s->speaker->text.items;
     int64_t tokens[KO_TOKENS_MAX + 2] = {KO_TOKEN_END};
@@ -184,7 +183,7 @@ static bool speak_piece(struct speaking *s, size_t from, size_t to) {
     return ok || s->stopped;
 }
 
-/* Speaks the spans [from, to), without breaks among them. last: nothing but silence follows. */
+/* Speaks the spans [from, to), which contain no breaks. last: only silence follows. */
 static bool speak_text(struct speaking *s, size_t from, size_t to, bool last) {
     const struct es_voice *reader_voice = ko_reader_voice(s->speaker->reader, s->voice->espeak);
     struct ko_text *text = &s->speaker->text;
@@ -232,7 +231,7 @@ bool ko_speaker_speak(struct ko_speaker *speaker, const struct ko_voice *voice,
     atomic_store(&speaker->cancelled, false);
     ko_model_resume(speaker->model);
     if (is_slow_or_fast(sentence, voice->info.rate))
-        warn((void *)sink, "the voice speaks at half its rate at least, and twice at most");
+        warn((void *)sink, "the voice's rate is limited to half to twice its own");
     for (size_t i = 0, end; i < sentence->span_count && !s.stopped; i = end) {
         const struct faccia_span *spans = sentence->spans;
         for (end = i; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
@@ -250,7 +249,7 @@ void ko_speaker_set_model(struct ko_speaker *speaker, struct ko_model *model) {
     atomic_store(&speaker->model, model);
 }
 
-/* A cancel between two sentences is of no account: the next one resumes. */
+/* A cancel between sentences has no effect: the next sentence resumes. */
 void ko_speaker_cancel(struct ko_speaker *speaker) {
     struct ko_model *model = atomic_load(&speaker->model);
     atomic_store(&speaker->cancelled, true);

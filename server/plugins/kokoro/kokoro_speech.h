@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One sentence on its way: read, cut into pieces, each piece made into sound and handed on. */
+/* Speaks a sentence: reads it, cuts it into pieces, synthesises and delivers each. */
 #ifndef FACCIA_PLUGINS_KOKORO_KOKORO_SPEECH_H
 #define FACCIA_PLUGINS_KOKORO_KOKORO_SPEECH_H
 
@@ -20,12 +20,12 @@ struct ko_speaker {
 
 void ko_speaker_set_model(struct ko_speaker *speaker, struct ko_model *model);
 
-/* True when all was spoken or somebody said stop; else a sentence is in message. */
+/* Returns true when all was spoken or it was stopped, else false with a message. */
 bool ko_speaker_speak(struct ko_speaker *speaker, const struct ko_voice *voice,
                       const struct faccia_sentence *sentence, const struct faccia_sink *sink, char *message,
                       size_t cap);
 
-/* From any thread. */
+/* Callable from any thread. */
 void ko_speaker_cancel(struct ko_speaker *speaker);
 void ko_speaker_free(struct ko_speaker *speaker);
 

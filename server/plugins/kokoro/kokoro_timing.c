@@ -5,12 +5,11 @@
 
 enum { WINDOW = KO_RATE / 100 };
 
-/* Root mean square, relative to the loudest window, below which it is quiet (-40 dB) or nothing at all
- * (-52 dB). */
+/* RMS relative to the loudest window below which sound is quiet (-40 dB) or silent (-52 dB). */
 #define QUIET 0.01
 #define NOTHING 0.0025
 
-/* A gap between words that is shorter may be a stop's closure: no pause. */
+/* Shorter gaps between words may be a stop's closure and are no pauses. */
 #define PAUSE_MIN (KO_RATE * 6 / 100)
 
 static double level(const int16_t *samples, uint32_t from, uint32_t to) {
@@ -27,7 +26,7 @@ static double loudest(const int16_t *samples, uint32_t count) {
     return most;
 }
 
-/* Sets [from, to) to the sound without the silence round it. */
+/* Sets [from, to) to the sound without surrounding silence. */
 static void trim(struct ko_timing *t, const int16_t *samples, uint32_t count, double limit) {
     uint32_t from = 0, to = count;
     while (from + WINDOW <= to && level(samples, from, from + WINDOW) <= limit)
@@ -49,15 +48,15 @@ static struct ko_span *add(struct ko_timing *t, size_t item, uint32_t start, uin
     return &t->list[t->count++];
 }
 
-/* Where the quiet that ends at end begins, not before floor. */
+/* Returns where the quiet stretch that ends at `end` begins, not before floor. */
 static uint32_t quiet_from(const int16_t *samples, uint32_t floor, uint32_t end, double limit) {
     while (end >= floor + WINDOW && level(samples, end - WINDOW, end) <= limit)
         end -= WINDOW;
     return end;
 }
 
-/* A gap between words. The duration of a phone goes on into the silence behind it: the pause begins where the
- * sound ends. Returns where the next phone begins. */
+/* Handles a gap between words. A phone's duration extends into the following silence, so the pause begins
+ * where the sound ends. Returns where the next phone begins. */
 static uint32_t add_gap(struct ko_timing *t, const int16_t *samples, uint32_t start, uint32_t end,
                         double limit) {
     struct ko_span *before = t->count ? &t->list[t->count - 1] : NULL;
@@ -72,7 +71,7 @@ static uint32_t add_gap(struct ko_timing *t, const int16_t *samples, uint32_t st
     return end;
 }
 
-/* Spans in samples of the whole piece. */
+/* Makes spans in samples of the whole piece. */
 static void lay_out(struct ko_timing *t, const struct ko_item *items, size_t count, const uint16_t *durations,
                     const int16_t *samples, uint32_t sample_count, double limit) {
     uint32_t units = durations[0], begin = shifted(units), end = begin;

@@ -5,6 +5,34 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Lengths of pieces in tokens: enough to sound natural, and the limits after which a piece is cut at
+ * punctuation and, without any, at a space. One token is about 60 ms of speech. */
+static const struct { size_t enough, stop, space; } first_piece = {12, 90, 160}, later_piece = {40, 150, 300};
+
+size_t ko_cut(const struct ko_items *items, size_t from, bool (*changes)(void *ctx, uint32_t a, uint32_t b),
+              void *ctx) {
+    size_t tokens = 0, stop = 0, space = 0, i;
+    size_t enough = from ? later_piece.enough : first_piece.enough;
+    size_t stop_limit = from ? later_piece.stop : first_piece.stop;
+    size_t space_limit = from ? later_piece.space : first_piece.space;
+    for (i = from; i < items->count; i++) {
+        const struct ko_item *item = &items->list[i];
+        if (i > from && item->kind == KO_PHONE && changes(ctx, item[-1].word, item->word))
+            return i;
+        if (tokens + item->token_count > (stop ? stop_limit : space_limit))
+            return stop ? stop : space ? space : i;
+        tokens += item->token_count;
+        if (item->kind != KO_PHONE)
+            space = i + 1;
+        if (item->kind == KO_STOP && tokens >= enough) {
+            stop = i + 1;
+            if (!from)
+                return stop;
+        }
+    }
+    return i;
+}
+
 static void add_token(struct ko_item *item, const struct ko_alphabet *alphabet, const char *character) {
     const json_t *number = json_object_get(alphabet->vocabulary, character);
     json_int_t value = json_integer_value(number);
@@ -12,7 +40,7 @@ static void add_token(struct ko_item *item, const struct ko_alphabet *alphabet, 
         item->tokens[item->token_count++] = (uint16_t)value;
 }
 
-/* Cuts s into characters; those without a number are left out. */
+/* Splits s into characters, skipping those without a token. */
 static void add_tokens(struct ko_item *item, const struct ko_alphabet *alphabet, const char *s) {
     uint32_t c;
     for (size_t length; *s; s += length) {
@@ -34,7 +62,7 @@ static struct ko_item *add_item(struct ko_items *items, enum ko_kind kind, uint3
     return item;
 }
 
-/* The longest of the phones' names that s begins with, and its bytes; NULL = none. */
+/* Returns the replacement for the longest phone name that s begins with, and its size; NULL = none. */
 static const char *replacement(const json_t *phones, const char *s, size_t *size) {
     const char *key, *found = NULL;
     json_t *value;
@@ -74,7 +102,7 @@ bool ko_add_phone(struct ko_items *items, const struct ko_alphabet *alphabet, co
     return false;
 }
 
-/* What Kokoro is given for a character of punctuation, or NULL. */
+/* Returns Kokoro's form of a punctuation character, or NULL. */
 static const char *stop_of(uint32_t c) {
     switch (c) {
     case ',':
@@ -120,7 +148,7 @@ void ko_add_between(struct ko_items *items, const struct ko_alphabet *alphabet, 
         uint8_t before = item->token_count;
         add_tokens(item, alphabet, stop);
         if (before && item->tokens[before] == item->tokens[before - 1])
-            item->token_count = before; /* "..." is one */
+            item->token_count = before; /* "..." is a single token */
     }
     if (last && !item->token_count)
         add_tokens(item, alphabet, ".");

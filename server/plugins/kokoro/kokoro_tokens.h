@@ -1,30 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What Kokoro reads: a number for each character of IPA and punctuation, at most KO_TOKENS_MAX at once. It
- * was taught with espeak-ng's phones, some of them written with characters of its own ("A" for eɪ), which
- * differ by language. */
-#ifndef FACCIA_PLUGINS_KOKORO_KOKORO_TOKENS_H
-#define FACCIA_PLUGINS_KOKORO_KOKORO_TOKENS_H
+/* Tokens for Kokoro, and how sentences are cut. Kokoro delivers only complete pieces, so the first is
+ * short and later ones grow; they end at punctuation where possible, because intonation spans a piece. */
+#ifndef FACCIA_KOKORO_KOKORO_TOKENS_H
+#define FACCIA_KOKORO_KOKORO_TOKENS_H
 
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Besides the one before and the one behind (KO_TOKEN_END). */
+struct ko_items;
+
+/* Returns where the piece from `from` on ends: after punctuation or a space, or at the end. changes(ctx,
+ * a, b) tells whether the words a and b must be in different pieces. Requires from < items->count; the
+ * result is greater. */
+size_t ko_cut(const struct ko_items *items, size_t from, bool (*changes)(void *ctx, uint32_t a, uint32_t b),
+              void *ctx);
+
+/* Kokoro's input: a number per character of IPA and punctuation, at most KO_TOKENS_MAX at a time. It was
+ * trained with espeak-ng's phones, some in its own notation ("A" for eɪ), which depends on the language. */
+
+/* Not counting the leading and trailing KO_TOKEN_END. */
 enum { KO_TOKENS_MAX = 510, KO_TOKEN_END = 0, KO_ITEM_TOKENS = 12 };
 
 enum ko_kind {
     KO_PHONE,
     KO_SPACE, /* between words */
-    KO_STOP,  /* punctuation, with the space behind it */
+    KO_STOP,  /* punctuation with the space after it */
 };
 
-/* What tokens stand for. */
+/* A unit of speech with its tokens. */
 struct ko_item {
     enum ko_kind kind;
     char ipa[20];   /* KO_PHONE: without stress marks */
     uint8_t stress; /* as in struct faccia_phone */
-    uint32_t word;  /* KO_PHONE: index; else of the word before */
+    uint32_t word;  /* KO_PHONE: its word; else the previous word */
     uint16_t tokens[KO_ITEM_TOKENS];
     uint8_t token_count;
 };
@@ -34,18 +44,18 @@ struct ko_items {
     size_t count, cap;
 };
 
-/* vocabulary: an object from characters to numbers. phones: NULL, or an object from IPA to what Kokoro writes
- * for it; the longest name that fits counts. Both stay the caller's. */
+/* vocabulary: object from characters to numbers. phones: NULL, or an object from IPA to Kokoro's notation;
+ * the longest match applies. Both are borrowed. */
 struct ko_alphabet {
     const json_t *vocabulary, *phones;
 };
 
-/* Adds a phone. Characters that Kokoro has no number for are left out; false when nothing is left. */
+/* Adds a phone, skipping unknown characters. Returns false when nothing is left. */
 bool ko_add_phone(struct ko_items *items, const struct ko_alphabet *alphabet, const char *ipa,
                   unsigned stress, uint32_t word);
 
-/* Adds what stands between two words: a space, or the stops that are found in s[0..size). last: the end of
- * all text, which needs a stop. */
+/* Adds the space or punctuation in s[0..size) between two words. last: the end of the text, which needs
+ * punctuation. */
 void ko_add_between(struct ko_items *items, const struct ko_alphabet *alphabet, const char *s, size_t size,
                     uint32_t word, bool last);
 

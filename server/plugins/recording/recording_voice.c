@@ -1,18 +1,100 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The recording voice plugin: people's recordings of texts speak those texts. */
 #include "server/base/mem.h"
 #include "server/base/paths.h"
-#include "server/plugins/recording/folder.h"
-#include "server/plugins/recording/match.h"
-#include "server/plugins/recording/recorded_speech.h"
+#include "server/plugins/recording/recording_folder.h"
+#include "server/plugins/recording/tempo.h"
 #include "server/voice/faccia-voice.h"
-#include "server/voice/worker_keeper.h"
+#include "server/voice/wire.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-/* Of a sentence's time, so much may go into finding it, s; and of the pause after it so much is kept. */
+enum { UNKNOWN_PACE = 170 }; /* words per minute: the host's default */
+
+static bool is_text(const struct faccia_span *span) {
+    return span->kind == FACCIA_SPAN_TEXT;
+}
+
+/* Warns of features that recordings do not support. */
+static void warn(const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
+    bool changed = false, paused = false;
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        const struct faccia_span *s = &sentence->spans[i];
+        paused |= s->kind == FACCIA_SPAN_BREAK;
+        changed |= is_text(s) && (s->pitch != 1 || s->range != 1 || s->volume != 1 || s->emphasis ||
+                                  s->phones || s->emotion);
+    }
+    if (changed)
+        sink->warning(sink->ctx, "recordings keep their pitch, volume and words");
+    if (paused)
+        sink->warning(sink->ctx, "a recording pauses where the speaker paused");
+}
+
+static double speed_of(const struct faccia_span *span, const struct recorded *r, bool *bounded) {
+    double speed =
+        span->rate > 0 ? span->rate / (r->words_per_minute ? r->words_per_minute : UNKNOWN_PACE) : 1;
+    double within = speed < TEMPO_MIN ? TEMPO_MIN : speed > TEMPO_MAX ? TEMPO_MAX : speed;
+    *bounded |= within != speed;
+    return within;
+}
+
+/* Each span's words start at its speed, which also applies before the first word. */
+static void choose_tempo(struct tempo *tempo, const struct match *m, const struct recorded *r, uint64_t from,
+                         uint64_t samples, const struct faccia_sink *sink) {
+    bool bounded = false;
+    for (size_t i = 0; i < m->tokens.count; i++)
+        if (!i || m->spans[i] != m->spans[i - 1]) {
+            uint64_t at = i ? match_time(m, r->reading, i, false, from, samples) : 0;
+            tempo_add(tempo, (uint32_t)at, speed_of(&m->sentence->spans[m->spans[i]], r, &bounded));
+        }
+    if (bounded)
+        sink->warning(sink->ctx, "a recording plays at a quarter to four times its own rate");
+}
+
+/* Delivers sound, phones, words and marks of the matched words, and warnings. pause: maximum silence kept
+ * after them, s. */
+static void recorded_speech_give(const struct match *m, const struct recorded *r, double pause,
+                                 const struct faccia_sink *sink) {
+    const struct faccia_sentence *sentence = m->sentence;
+    struct tempo tempo = {0};
+    uint64_t from, to;
+    bool stop = false;
+    size_t next = 0;
+    aligned_recording_stretch(r->reading, m->at, m->at + m->tokens.count, pause, &from, &to);
+    struct sentence_audio *u = aligned_recording_audio(r->reading, from, to);
+    uint64_t samples = u->samples; /* of the recording */
+    warn(sentence, sink);
+    choose_tempo(&tempo, m, r, from, samples, sink);
+    tempo_apply(&tempo, u);
+    for (size_t i = 0; i < u->phone_count && !stop; i++) {
+        const struct phone *p = &u->phones[i];
+        stop = sink->phone(sink->ctx, &(struct faccia_phone){p->ipa, p->symbol, p->start, p->end, p->stress});
+    }
+    for (uint32_t s = 0; s < sentence->span_count && !stop; s++) {
+        for (; next < m->tokens.count && m->spans[next] == s && !stop; next++) {
+            const struct text_word *t = &m->tokens.list[next];
+            uint64_t start = match_time(m, r->reading, next, false, from, samples);
+            uint64_t end = match_time(m, r->reading, next, true, from, samples);
+            struct faccia_word word = {s, t->from, t->to - t->from, tempo_at(&tempo, u, start),
+                                       tempo_at(&tempo, u, end)};
+            stop = sink->word(sink->ctx, &word);
+        }
+        if (sentence->spans[s].kind == FACCIA_SPAN_MARK && !stop) {
+            uint64_t at =
+                next < m->tokens.count ? match_time(m, r->reading, next, false, from, samples) : samples;
+            stop = sink->mark(sink->ctx, sentence->spans[s].text, tempo_at(&tempo, u, at));
+        }
+    }
+    if (!stop)
+        sink->audio(sink->ctx, u->pcm, u->samples, u->sample_rate);
+    sentence_audio_free(u);
+    tempo_free(&tempo);
+}
+
+/* The recording voice plugin: speaks texts with people's recordings of them. */
+
+/* Defaults: time for finding a sentence, and silence kept after it, s. */
 #define SECONDS_USUAL 8.0
 #define PAUSE_USUAL 2.0
 enum { LOADED_MAX = 8 };
@@ -23,7 +105,7 @@ struct recordings {
     struct reference_slot reference;
     struct speech_packs packs; /* for times in byte offsets */
     bool packs_sought;
-    uint64_t clock; /* sentences so far */
+    uint64_t clock; /* number of sentences spoken */
     atomic_bool stop;
 };
 
@@ -33,7 +115,7 @@ static double now(void) {
     return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
 }
 
-/* Readings take some memory for each minute, and hold a file open: the one that was used longest ago goes. */
+/* Unloads the least recently used recording: each takes memory per minute and an open file. */
 static void make_room(struct recordings *self) {
     struct recorded *oldest = NULL;
     size_t loaded = 0;
@@ -59,7 +141,7 @@ static int load(struct recordings *self, struct recorded *r, struct error *e) {
     make_room(self);
     if (!self->packs_sought) {
         struct paths paths;
-        struct error none; /* without packs, the files that need one say so */
+        struct error none; /* without packs, files that need one report it */
         char folder[4096];
         paths_find(&paths);
         snprintf(folder, sizeof folder, "%s/speech", paths.models);
@@ -71,7 +153,7 @@ static int load(struct recordings *self, struct recorded *r, struct error *e) {
     return folder_load(&self->folder, r, &self->reference, &self->packs, &self->stop, e);
 }
 
-/* Aligns until the words before `last`, and the one there, are known. */
+/* Aligns until the word `last` and those before it are known. */
 static int find_times(struct recordings *self, struct recorded *r, size_t last,
                       const struct faccia_sink *sink, struct error *e) {
     struct aligned_recording *reading = r->reading;
@@ -160,18 +242,18 @@ static void re_close(void *ctx) {
     free(self);
 }
 
-/* A number in its range; false with a message. */
+/* Reads a number in its range; returns false with a message. */
 static bool number(const json_t *config, const char *key, double otherwise, double max, double *out,
                    char *message, size_t cap) {
     const json_t *value = json_object_get(config, key);
     *out = value ? json_number_value(value) : otherwise;
     if (!value || (json_is_number(value) && *out >= 0 && *out <= max))
         return true;
-    snprintf(message, cap, "%s: wanted is a number from 0 to %g", key, max);
+    snprintf(message, cap, "%s: must be a number from 0 to %g", key, max);
     return false;
 }
 
-/* 1 when nothing is configured. */
+/* Returns 1 when nothing is configured. */
 static int configure(struct recordings *self, const json_t *config, char *message, size_t cap) {
     const char *folder = NULL, *cache = NULL, *lang = "it";
     const struct {
@@ -186,7 +268,7 @@ static int configure(struct recordings *self, const json_t *config, char *messag
             i++;
         bool known = i < 3 || !strcmp(key, "seconds") || !strcmp(key, "pause");
         if (!known || (i < 3 && !json_string_length(value))) {
-            snprintf(message, cap, "%s: %s", key, known ? "wanted is a text" : "there is no such setting");
+            snprintf(message, cap, "%s: %s", key, known ? "must be a string" : "unknown setting");
             return -1;
         }
         if (i < 3)
@@ -209,8 +291,8 @@ static int configure(struct recordings *self, const json_t *config, char *messag
     return self->folder.count ? 0 : 1;
 }
 
-/* {"folder": the recordings, "cache": where alignments are kept, "lang": of those that do not tell,
- * "seconds": that aligning may take while somebody waits, "pause": the longest after a sentence}. */
+/* {"folder": the recordings, "cache": folder of alignments, "lang": default language, "seconds": limit of
+ * aligning for a sentence, "pause": maximum silence after a sentence}. */
 static int re_open(const char *text, void **out, char *message, size_t cap) {
     struct recordings *self = mem_alloc(sizeof *self);
     json_t *config = json_loads(text, 0, NULL);
@@ -229,7 +311,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_FRESH | FACCIA_VOICE_CONTEXT |
-                    FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
+                    FACCIA_VOICE_FILES | WORKER_SPAWNER_WANTED,
     .open = re_open,
     .list = re_list,
     .speak = re_speak,

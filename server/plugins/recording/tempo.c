@@ -7,10 +7,10 @@
 #include <string.h>
 
 enum {
-    PIECE = 4096, /* samples that are handed over at once */
+    PIECE = 4096, /* samples passed at a time */
     PASSES = 3,
 };
-#define CLOSE 0.0005 /* as a part: half a millisecond of a second */
+#define CLOSE 0.0005 /* relative tolerance: half a millisecond per second */
 
 void tempo_add(struct tempo *t, uint32_t from, double speed) {
     struct tempo_change *last = t->count ? &t->changes[t->count - 1] : NULL;
@@ -45,14 +45,14 @@ uint32_t tempo_at(const struct tempo *t, const struct sentence_audio *u, uint64_
     return at < u->samples ? (uint32_t)at : u->samples;
 }
 
-/* Takes what is ready. */
+/* Collects finished samples. */
 static void collect(sonicStream stream, struct sentence_audio *out, size_t *cap) {
     int ready = sonicSamplesAvailable(stream);
     out->pcm = mem_grow(out->pcm, cap, out->samples + (size_t)ready + 1, sizeof *out->pcm);
     out->samples += (uint32_t)sonicReadShortFromStream(stream, out->pcm + out->samples, ready);
 }
 
-/* The whole sound; what changes its speed goes `off` times as fast as it should. False when there is no
+/* Stretches all samples, with the changed parts at `off` times their speed. Returns false when out of
  * memory. */
 static bool stretch(const struct tempo *t, double off, const struct sentence_audio *u,
                     struct sentence_audio *out, size_t *cap) {
@@ -78,7 +78,7 @@ static bool stretch(const struct tempo *t, double off, const struct sentence_aud
     return true;
 }
 
-/* How many samples keep their speed. */
+/* Number of samples with unchanged speed. */
 static double unchanged(const struct tempo *t, uint32_t samples) {
     double sum = 0;
     for (size_t i = 0; i < t->count; i++)
@@ -88,8 +88,8 @@ static double unchanged(const struct tempo *t, uint32_t samples) {
     return sum;
 }
 
-/* Whole periods, rounded, make it up to a per cent longer or shorter than it should be: so it is done again.
- */
+/* Rounding to whole periods makes it up to one per cent too long or too short, so a second pass corrects
+ * it. */
 void tempo_apply(struct tempo *t, struct sentence_audio *u) {
     struct sentence_audio out = {0};
     size_t cap = 0;

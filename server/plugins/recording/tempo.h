@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A stretch of a recording faster or slower, its pitch as it was (libsonic: whole pitch periods are left out
- * or said again), with the times of what is said in it. */
+/* Changes the tempo of a recording without its pitch (libsonic: whole pitch periods are removed or
+ * repeated), with the times of its phones and words. */
 #ifndef FACCIA_PLUGINS_RECORDING_TEMPO_H
 #define FACCIA_PLUGINS_RECORDING_TEMPO_H
 
@@ -9,27 +9,27 @@
 #define TEMPO_MIN 0.25
 #define TEMPO_MAX 4.0
 
-/* From that sample on, until the next change, so many times as fast. */
+/* Speed from a sample on until the next change. */
 struct tempo_change {
-    uint32_t from; /* sample; of the first one 0 */
+    uint32_t from; /* sample; 0 for the first one */
     double speed;  /* TEMPO_MIN to TEMPO_MAX */
 };
 
-/* Begins zeroed: then nothing is changed. */
+/* Zero-initialised: no change. */
 struct tempo {
-    struct tempo_change *changes; /* in the order of the samples */
+    struct tempo_change *changes; /* sorted by sample */
     size_t count, cap;
-    double scale; /* what libsonic's whole periods make of the times, close to 1; 0 = not applied yet */
+    double scale; /* correction for rounding to whole periods, close to 1; 0 = not applied yet */
 };
 
-/* From that sample on (not before those added so far) that speed, in the range. */
+/* Sets the speed, clipped to the range, from that sample on, which must not be before earlier ones. */
 void tempo_add(struct tempo *tempo, uint32_t from, double speed);
 void tempo_free(struct tempo *tempo);
 
 /* Stretches the sound, and moves its phones and words. */
 void tempo_apply(struct tempo *tempo, struct sentence_audio *u);
 
-/* Where a sample of the sound before lies in that after, once it has been applied; u: the latter. */
+/* Maps a sample of the original to the stretched audio u. Call after tempo_apply. */
 uint32_t tempo_at(const struct tempo *tempo, const struct sentence_audio *u, uint64_t sample);
 
 #endif

@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Timings of a speech. JSON:
+ * {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}, times in seconds.
+ * Phones, which are most of it, are written at once; the other lists at the end. */
+#include "server/base/mem.h"
+#include "server/export/export.h"
+#include <jansson.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REAL_DIGITS = 12 };
+
+/* Rounded to a microsecond. */
+static double seconds(uint64_t sample, uint32_t rate) {
+    return round((double)sample / rate * 1e6) / 1e6;
+}
+
+static int append(const char *text, size_t size, void *buf) {
+    buf_add(buf, text, size);
+    return 0;
+}
+
+/* Appends the object to a list and drops its reference. */
+static void add_member(struct buf *list, bool first, json_t *object) {
+    buf_add(list, ",\n  " + first, 4 - first);
+    json_dump_callback(object, append, list, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
+    json_decref(object);
+}
+
+/* Writes the object without its closing brace. */
+static void open_object(struct export *x) {
+    json_t *head = json_pack("{ss ss ss sf}", "lang", x->source.lang, "voice", x->source.voice, "engine",
+                             x->source.engine, "fps", x->fps);
+    json_dump_callback(head, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
+    json_decref(head);
+    x->out.size--;
+    buf_printf(&x->out, ",\n \"phones\":[");
+}
+
+/* Writes the whole segment with its first piece. */
+void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    const struct sentence_audio *u = segment->audio;
+    const char *text = x->source.text;
+    uint64_t start = (uint64_t)segment->start;
+    uint32_t rate = u->sample_rate;
+    (void)to;
+    if (x->at)
+        return;
+    if (!x->segments)
+        open_object(x);
+    for (size_t i = 0; i < u->phone_count; i++) {
+        const struct phone *p = &u->phones[i];
+        add_member(&x->out, !x->phones++,
+                   json_pack("{ss ss sf sf si}", "ipa", p->ipa, "sampa", p->sampa, "start",
+                             seconds(start + p->start, rate), "end", seconds(start + p->end, rate), "stress",
+                             p->stress));
+    }
+    for (size_t i = 0; i < u->word_count; i++) {
+        const struct word *w = &u->words[i];
+        size_t utf16_start = utf16_offset(&x->utf16, text, w->from);
+        json_t *word =
+            json_pack("{ss% sf sf sI sI sI sI}", "text", text + w->from, w->to - w->from, "start",
+                      seconds(start + w->start, rate), "end", seconds(start + w->end, rate), "byte_start",
+                      (json_int_t)w->from, "byte_end", (json_int_t)w->to, "utf16_start",
+                      (json_int_t)utf16_start, "utf16_end", (json_int_t)utf16_offset(&x->utf16, text, w->to));
+        if (x->source.aligned)
+            json_object_set_new(word, "confidence", json_real(round(100 * (1 - (double)w->doubt)) / 100));
+        add_member(&x->words, !x->words.size, word);
+    }
+    for (size_t i = 0; i < u->mark_count; i++)
+        add_member(
+            &x->marks, !x->marks.size,
+            json_pack("{ss sf}", "name", u->marks[i].name, "time", seconds(start + u->marks[i].at, rate)));
+}
+
+void export_json_warning(struct export *x, const struct error *e) {
+    char text[400];
+    add_member(
+        &x->warnings, !x->warnings.size,
+        json_pack("{ss ss}", "code", error_name(e->code), "message", error_text(e, text, sizeof text)));
+}
+
+void export_json_sentence(struct export *x, json_t *sentence) {
+    add_member(&x->sentences, !x->sentences.size, sentence);
+}
+
+static void add_list(struct export *x, const char *name, const struct buf *members) {
+    buf_printf(&x->out, "],\n \"%s\":[", name);
+    buf_add(&x->out, members->data, members->size);
+}
+
+void export_json_end(struct export *x) {
+    double duration = x->sample_rate ? seconds(x->samples, x->sample_rate) : 0;
+    if (!x->segments)
+        open_object(x);
+    add_list(x, "words", &x->words);
+    if (x->source.aligned)
+        add_list(x, "sentences", &x->sentences);
+    add_list(x, "marks", &x->marks);
+    add_list(x, "warnings", &x->warnings);
+    buf_printf(&x->out, "],\n \"rate\":%u,\"duration\":%.12g}\n", x->sample_rate, duration);
+}
+
+/* WebVTT: a cue for each part of a sentence that fits under a face, with a timestamp tag before each word
+ * (W3C WebVTT, 2019, 4.2.2), so that players can highlight words. */
+
+/* Characters: from the first limit on a cue ends at a pause or line break; at the second it always ends. */
+enum { CUE_ENOUGH = 36, CUE_MOST = 84 };
+
+struct cue_text {
+    struct export *x;
+    const char *text;
+    bool tagged;       /* markup: the text contains tags and entities */
+    struct buf line;   /* of the current cue */
+    uint64_t start;    /* ms */
+    uint64_t last, to; /* of the previous word, ms: start and end */
+    size_t characters;
+};
+
+static void put_time(struct buf *out, uint64_t ms) {
+    buf_printf(out, "%02u:%02u:%02u.%03u", (unsigned)(ms / 3600000), (unsigned)(ms / 60000 % 60),
+               (unsigned)(ms / 1000 % 60), (unsigned)(ms % 1000));
+}
+
+/* Leaves out tags and collapses white space to one space or newline. */
+static void put_text(struct cue_text *c, size_t from, size_t to) {
+    bool tag = false;
+    for (size_t i = from; i < to; i++) {
+        char sign = c->text[i];
+        struct buf *line = &c->line;
+        uint8_t *last = line->size ? &line->data[line->size - 1] : NULL;
+        if (c->tagged && (sign == '<' || tag)) {
+            tag = sign != '>';
+            continue;
+        }
+        if (sign == ' ' || sign == '\t' || sign == '\n' || sign == '\r') {
+            if (last && *last != ' ' && *last != '\n')
+                buf_add(line, sign == '\n' && !c->tagged ? "\n" : " ", 1);
+            else if (last && *last == ' ' && sign == '\n' && !c->tagged)
+                *last = '\n';
+            continue;
+        }
+        /* A text with tags has its own entities; a bare '>' could form "-->" (4.1). */
+        const char *entity = sign == '>'   ? "&gt;"
+                             : c->tagged   ? NULL
+                             : sign == '&' ? "&amp;"
+                             : sign == '<' ? "&lt;"
+                                           : NULL;
+        buf_add(line, entity ? entity : &sign, entity ? strlen(entity) : 1);
+        c->characters += (sign & 0xC0) != 0x80;
+    }
+}
+
+static void end_cue(struct cue_text *c) {
+    while (c->line.size && strchr(" \n", c->line.data[c->line.size - 1]))
+        c->line.size--;
+    if (c->line.size) {
+        put_time(&c->x->out, c->start);
+        buf_printf(&c->x->out, " --> ");
+        put_time(&c->x->out, c->to > c->start ? c->to : c->start + 1);
+        buf_printf(&c->x->out, "\n");
+        buf_add(&c->x->out, c->line.data, c->line.size);
+        buf_printf(&c->x->out, "\n\n");
+    }
+    c->line.size = c->characters = 0;
+}
+
+/* Tells whether a cue ends in the gap before a word of `next` bytes. */
+static bool breaks(const struct cue_text *c, size_t from, size_t to, size_t next) {
+    const char *gap = c->text + from;
+    bool pauses = false;
+    for (size_t i = 0; i < to - from; i++)
+        pauses |= strchr(",;:.!?\n", gap[i]) != NULL;
+    return c->characters + next > CUE_MOST || (pauses && c->characters >= CUE_ENOUGH);
+}
+
+/* Returns where in the gap the old cue ends: after punctuation of the previous word. */
+static size_t joint(const struct cue_text *c, size_t from, size_t to) {
+    while (from < to && !strchr(" \t\r\n", c->text[from]))
+        from++;
+    return from;
+}
+
+static void put_word(struct cue_text *c, const struct word *w, size_t at, uint64_t start, uint64_t end) {
+    if (c->line.size && breaks(c, at, w->from, w->to - w->from)) {
+        size_t middle = joint(c, at, w->from);
+        put_text(c, at, middle);
+        end_cue(c);
+        at = middle;
+    }
+    bool first = !c->characters;
+    put_text(c, at, w->from);
+    if (first) {
+        c->start = start;
+    } else if (start > c->last) {
+        buf_printf(&c->line, "<");
+        put_time(&c->line, start);
+        buf_printf(&c->line, ">");
+    }
+    put_text(c, w->from, w->to);
+    c->last = start;
+    c->to = end;
+}
+
+static void put_head(struct export *x) {
+    buf_printf(&x->out, "WEBVTT\n\n");
+}
+
+void export_vtt_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    const struct sentence_audio *u = segment->audio;
+    const char *markup = x->source.markup;
+    struct cue_text c = {.x = x, .text = x->source.text, .tagged = markup && strcmp(markup, "plain") != 0};
+    size_t at = u->from;
+    (void)to;
+    if (x->at)
+        return;
+    if (!x->segments)
+        put_head(x);
+    for (size_t i = 0; i < u->word_count; i++) {
+        const struct word *w = &u->words[i];
+        uint64_t start = (uint64_t)segment->start + w->start, end = (uint64_t)segment->start + w->end;
+        if (w->from >= at && w->to > w->from) {
+            put_word(&c, w, at, start * 1000 / u->sample_rate, end * 1000 / u->sample_rate);
+            at = w->to;
+        } else {
+            c.to = end * 1000 / u->sample_rate; /* one written word, several spoken ones */
+        }
+    }
+    if (c.line.size)
+        put_text(&c, at, u->to > at ? u->to : at);
+    end_cue(&c);
+    buf_free(&c.line);
+}
+
+void export_vtt_end(struct export *x) {
+    if (!x->segments)
+        put_head(x);
+}
+
+/* TextGrid: sentences, words and phones (IPA) in Praat's long text format (Praat manual, "TextGrid file
+ * formats"). Intervals are contiguous, empty where nothing is spoken. A tier starts with its number of
+ * intervals, so everything is written at the end, about 60 bytes per phone. */
+
+enum { TIERS = 3 };
+
+struct tier {
+    struct buf intervals;
+    size_t count;
+    uint64_t end; /* of the last one, in samples */
+};
+
+struct textgrid {
+    struct tier tiers[TIERS]; /* sentences, words, phones */
+};
+
+static void put_interval(struct tier *t, uint64_t to, uint32_t rate, const char *text, size_t size) {
+    buf_printf(&t->intervals, "        intervals [%zu]:\n            xmin = %.9g\n", ++t->count,
+               (double)t->end / rate);
+    buf_printf(&t->intervals, "            xmax = %.9g\n            text = \"", (double)to / rate);
+    for (size_t i = 0; i < size; i++)
+        if (text[i] == '"')
+            buf_add(&t->intervals, "\"\"", 2);
+        else
+            buf_add(&t->intervals, (unsigned char)text[i] < ' ' ? " " : text + i, 1);
+    buf_add(&t->intervals, "\"\n", 2);
+    t->end = to;
+}
+
+/* Adds an interval, clipped to the end of the previous one and preceded by silence if there is a gap. */
+static void add(struct tier *t, uint64_t from, uint64_t to, uint32_t rate, const char *text, size_t size) {
+    if (from > t->end)
+        put_interval(t, from, rate, "", 0);
+    if (to > t->end)
+        put_interval(t, to, rate, text, size);
+}
+
+static void add_words(struct tier *t, const struct export *x, const struct media_segment *segment) {
+    const struct sentence_audio *u = segment->audio;
+    uint64_t start = (uint64_t)segment->start;
+    for (size_t i = 0; i < u->word_count; i++) {
+        const struct word *w = &u->words[i];
+        add(t, start + w->start, start + w->end, u->sample_rate, x->source.text + w->from, w->to - w->from);
+    }
+}
+
+void export_textgrid_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    const struct sentence_audio *u = segment->audio;
+    uint64_t start = (uint64_t)segment->start;
+    (void)to;
+    if (x->at)
+        return;
+    if (!x->coder)
+        x->coder = mem_alloc(sizeof(struct textgrid));
+    struct tier *tiers = ((struct textgrid *)x->coder)->tiers;
+    if (u->word_count)
+        add(&tiers[0], start + u->words[0].start, start + u->words[u->word_count - 1].end, u->sample_rate,
+            x->source.text + u->from, u->to - u->from);
+    add_words(&tiers[1], x, segment);
+    for (size_t i = 0; i < u->phone_count; i++)
+        add(&tiers[2], start + u->phones[i].start, start + u->phones[i].end, u->sample_rate, u->phones[i].ipa,
+            strlen(u->phones[i].ipa));
+}
+
+void export_textgrid_end(struct export *x) {
+    static const char *const names[TIERS] = {"sentences", "words", "phones"};
+    double duration = x->sample_rate ? (double)x->samples / x->sample_rate : 0;
+    struct textgrid *grid = x->coder;
+    if (!grid)
+        return;
+    buf_printf(&x->out,
+               "File type = \"ooTextFile\"\nObject class = \"TextGrid\"\n\nxmin = 0\nxmax = %.9g\n"
+               "tiers? <exists>\nsize = %d\nitem []:\n",
+               duration, TIERS);
+    for (size_t i = 0; i < TIERS; i++) {
+        struct tier *t = &grid->tiers[i];
+        if (x->samples > t->end)
+            put_interval(t, x->samples, x->sample_rate, "", 0);
+        buf_printf(&x->out,
+                   "    item [%zu]:\n        class = \"IntervalTier\"\n        name = \"%s\"\n        xmin = "
+                   "0\n        xmax = %.9g\n        intervals: size = %zu\n",
+                   i + 1, names[i], duration, t->count);
+        buf_add(&x->out, t->intervals.data, t->intervals.size);
+        buf_free(&t->intervals);
+    }
+}
+
+void export_textgrid_free(struct export *x) {
+    struct textgrid *grid = x->coder;
+    for (size_t i = 0; grid && i < TIERS; i++)
+        buf_free(&grid->tiers[i].intervals);
+    free(grid);
+    x->coder = NULL;
+}
