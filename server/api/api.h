@@ -8,7 +8,7 @@
 #include "server/api/offer.h"
 #include "server/base/buf.h"
 #include "server/base/reader_process.h"
-#include "server/base/shelf.h"
+#include "server/base/document_store.h"
 #include "server/http/http_server.h"
 #include "server/rooms/rooms.h"
 #include "server/stream/stream.h"
@@ -38,7 +38,7 @@ struct api_options {
     struct library *library;      /* NULL = none */
     bool editing;                 /* who may operate saves gestures and works */
     const char *gestures, *works; /* folders of those; NULL = none */
-    struct shelf_listener on_gestures;
+    struct document_store_listener on_gestures;
     unsigned text_bytes;       /* longest text of one speak or POST */
     unsigned play_bytes;       /* of an uploaded recording, or of a .fap file */
     unsigned open;             /* texts that one client is writing */

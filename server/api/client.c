@@ -2,7 +2,7 @@
 /* One WebSocket client: how it comes and goes, which room it is in, and in which ways it hears. */
 #include "server/api/client_internal.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/http/http_request.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,12 +120,12 @@ void client_send_model(struct client *c, const json_t *message) {
         push_model_part(c);
         return;
     }
-    struct near near = near_to(name ? name : "");
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name ? name : "");
+    char text[SUGGESTIONS_TEXT];
     for (size_t i = 0; i < heads->count; i++)
-        near_try(&near, heads->list[i].name, heads->list[i].name);
+        suggest_name(&near, heads->list[i].name, heads->list[i].name);
     error_in_field(&e, ERROR_UNKNOWN_MODEL, "name", "no model '%.80s'%s", near.wanted,
-                   near_text(&near, text));
+                   suggestions_text(&near, text));
     client_complain(c, &e);
 }
 

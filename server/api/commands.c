@@ -4,7 +4,7 @@
 #include "server/api/client_internal.h"
 #include "server/api/client_message.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/rooms/notices.h"
 #include <stdlib.h>
 #include <string.h>
@@ -169,12 +169,12 @@ const struct command *command_of(const json_t *message, struct error *e) {
     }
     const struct command *command = command_find(type);
     if (!command) {
-        struct near near = near_to(type);
-        char text[NEAR_TEXT];
+        struct suggestions near = suggestions_for(type);
+        char text[SUGGESTIONS_TEXT];
         for (size_t i = 0; i < COMMANDS; i++)
-            near_try(&near, commands[i].name, commands[i].name);
+            suggest_name(&near, commands[i].name, commands[i].name);
         error_in_field(e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type,
-                       near_text(&near, text));
+                       suggestions_text(&near, text));
     }
     return command;
 }

@@ -5,7 +5,7 @@
  * for in threads of their own, each client's requests one after the other. */
 #include "server/api/api_internal.h"
 #include "server/base/mem.h"
-#include "server/base/shelf.h"
+#include "server/base/document_store.h"
 #include "server/expression/gestures.h"
 #include "server/library/work_apart.h"
 #include <stdlib.h>
@@ -33,14 +33,14 @@ struct keeping {
     struct exchange *x;   /* NULL: its client is gone */
     atomic_bool given_up; /* for the thread: likewise */
     const struct shelf_service *service;
-    struct shelf shelf;
-    struct shelf_listener listener;
+    struct document_store shelf;
+    struct document_store_listener listener;
     enum doing doing;
-    char name[SHELF_NAME_BYTES];
+    char name[DOCUMENT_NAME_BYTES];
     char *match;
-    struct shelf_condition condition;
+    struct document_condition condition;
     struct buf document; /* as it was read, or is to be saved */
-    struct shelf_entry *entries;
+    struct document_entry *entries;
     size_t count;
     char tag[ETAG_BYTES];
     bool created;
@@ -67,16 +67,16 @@ static void in_thread(struct coder_job *job) {
     struct error *e = &k->error;
     search_queue_lower_priority();
     if (k->doing == LISTING)
-        k->result = shelf_list(&k->shelf, &k->entries, &k->count, e);
+        k->result = document_store_list(&k->shelf, &k->entries, &k->count, e);
     else if (k->doing == READING)
-        k->result = shelf_read(&k->shelf, k->name, &k->document, k->tag, e);
+        k->result = document_store_read(&k->shelf, k->name, &k->document, k->tag, e);
     else if (k->doing == SAVING)
-        k->result = check(k) || shelf_save(&k->shelf, k->name, k->document.data, k->document.size,
+        k->result = check(k) || document_store_save(&k->shelf, k->name, k->document.data, k->document.size,
                                            k->condition, k->tag, &k->created, e)
                         ? -1
                         : 0;
     else
-        k->result = shelf_remove(&k->shelf, k->name, k->condition, e);
+        k->result = document_store_remove(&k->shelf, k->name, k->condition, e);
 }
 
 static int answer_list(struct keeping *k) {
@@ -157,7 +157,7 @@ static int on_body_end(void *self) {
 static void read_condition(struct keeping *k, const struct http_request *request) {
     const char *match = http_header(request, "if-match"), *none = http_header(request, "if-none-match");
     k->match = match ? mem_strdup(match) : NULL;
-    k->condition = (struct shelf_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
+    k->condition = (struct document_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
 }
 
 /* What is asked for, by method and address. -1 with *e. */
@@ -168,7 +168,7 @@ static int read_request(struct keeping *k, const struct http_request *request, s
         return error_plain(e, ERROR_NOTHING_KEPT);
     if (!*rest)
         return get ? 0 : error_set(e, ERROR_METHOD_NOT_ALLOWED, "name what is to be saved or removed");
-    if (shelf_check_name(rest + 1, e))
+    if (document_check_name(rest + 1, e))
         return -1;
     snprintf(k->name, sizeof k->name, "%s", rest + 1);
     k->doing = get ? READING : request->method == HTTP_PUT ? SAVING : REMOVING;
@@ -177,8 +177,8 @@ static int read_request(struct keeping *k, const struct http_request *request, s
 }
 
 /* The shelf is copied; what it and the listener point to lives as long as the daemon. */
-static int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
-                       struct shelf_listener listener) {
+static int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct document_store *shelf,
+                       struct document_store_listener listener) {
     struct keeping *k = mem_alloc(sizeof *k);
     struct error e;
     *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};
@@ -323,9 +323,9 @@ int scenes_serve(struct exchange *x) {
     static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check,
                                                 NULL};
     const struct api_options *options = &exchange_api(x)->options;
-    struct shelf shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
+    struct document_store shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
                           options->scene_count};
-    return shelf_serve(x, &scenes, &shelf, (struct shelf_listener){0});
+    return shelf_serve(x, &scenes, &shelf, (struct document_store_listener){0});
 }
 
 enum {
@@ -345,7 +345,7 @@ int gestures_serve(struct exchange *x) {
                                                  gesture_check, NULL};
     const struct api *api = exchange_api(x);
     return shelf_serve(x, &service,
-                       &(struct shelf){folder_of(api, api->options.gestures), ".json", ERROR_NOT_FOUND,
+                       &(struct document_store){folder_of(api, api->options.gestures), ".json", ERROR_NOT_FOUND,
                                        GESTURE_BYTES, GESTURES_KEPT},
                        api->options.on_gestures);
 }
@@ -356,6 +356,6 @@ int works_serve(struct exchange *x) {
     const struct api *api = exchange_api(x);
     return shelf_serve(
         x, &service,
-        &(struct shelf){folder_of(api, api->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
-        (struct shelf_listener){0});
+        &(struct document_store){folder_of(api, api->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
+        (struct document_store_listener){0});
 }

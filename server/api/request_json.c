@@ -2,7 +2,7 @@
 #include "server/api/request_json.h"
 #include "server/api/client_message.h"
 #include "server/api/surrogates.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/http/http_request.h"
 #include "server/stream/stream.h"
 #include <string.h>
@@ -102,23 +102,23 @@ int idle_from_json(const json_t *message, const struct speech_request *defaults,
 
 static void check_member(const char *name, const struct members *known,
                          void (*warn)(void *ctx, const struct error *e), void *ctx) {
-    struct near near = near_to(name);
+    struct suggestions near = suggestions_for(name);
     struct error e;
-    char text[NEAR_TEXT];
+    char text[SUGGESTIONS_TEXT];
     const char *field;
     for (const char *const *more = known->more; more && *more; more++) {
         if (!strcmp(*more, name))
             return;
-        near_try(&near, *more, *more);
+        suggest_name(&near, *more, *more);
     }
     for (size_t i = 0; known->speech && (field = request_field(i)); i++) {
         if (!strcmp(field, "text"))
             continue;
         if (!strcmp(field, name))
             return;
-        near_try(&near, field, field);
+        suggest_name(&near, field, field);
     }
-    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name, near_text(&near, text));
+    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name, suggestions_text(&near, text));
     warn(ctx, &e);
 }
 

@@ -75,7 +75,7 @@ static struct api_options net_options_of(struct daemon *d) {
     options.library = d->library;
     options.reader = d->reader;
     options.gestures = d->settings.gestures;
-    options.on_gestures = (struct shelf_listener){on_gestures, d};
+    options.on_gestures = (struct document_store_listener){on_gestures, d};
     options.works = d->settings.library;
     options.http.listen_fds = d->sockets;
     options.http.listen_count = d->socket_count;

@@ -5,7 +5,7 @@
 #include "protocol/fapc.h"
 #include "protocol/packed.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/codec/coder_pool.h"
 #include "server/codec/opus_audio.h"
 #include <math.h>
@@ -33,15 +33,15 @@ const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FAPC, 0, f
 const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, 0, false};
 
 static int find(const struct codec *list, const char *name, const char *field, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (; list->name; list++) {
         if (!strcmp(list->name, name))
             return list->codec;
-        near_try(&near, list->name, list->name);
+        suggest_name(&near, list->name, list->name);
     }
     return error_in_field(e, ERROR_UNKNOWN_CODEC, field, "no %s codec '%.80s'%s", field, name,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 int encoding_audio(const char *name, struct error *e) {

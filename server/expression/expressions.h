@@ -5,7 +5,7 @@
 #define FACCIA_EXPRESSION_EXPRESSIONS_H
 
 #include "server/base/error.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -46,7 +46,7 @@ struct expression_info expressions_info(const struct expressions *expressions, s
 int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
 
 /* Suggestions for an unknown name of that kind. */
-struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
+struct suggestions expressions_near(const struct expressions *expressions, const char *kind, const char *name);
 
 /* Applies the expressions to the voice: multiplies the styles under each cue by its factors for rate,
  * pitch, range and volume at its intensity, and sets style.emotion to the affect. Unknown cues are removed

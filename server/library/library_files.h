@@ -25,7 +25,7 @@ struct library_files {
 };
 
 /* files begins zeroed. What begins with a dot is passed over, each folder is read once, and nothing outside
- * is: links to files are followed where they stay below the folder (beneath.h), links to folders never. -1
+ * is: links to files are followed where they stay below the folder (open_below.h), links to folders never. -1
  * with *e; free it all the same. */
 int library_files_list(struct library_files *files, const char *folder, struct error *e);
 void library_files_free(struct library_files *files);

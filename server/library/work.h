@@ -103,7 +103,7 @@ void section_free(struct section *section);
 #define WORK_OUTSIDE                                                                                         \
     "a link that leads out of the library's folder is not followed (one within it is relative)"
 
-/* Reads a file below a folder (beneath.h), of any kind that is known by its ending (and, .xml, by its root):
+/* Reads a file below a folder (open_below.h), of any kind that is known by its ending (and, .xml, by its root):
  * sections go to the sink.
  * Begins with meta zeroed but for lang, which is that of works that do not tell theirs. -1 with *e: it could
  * not be read, or not to its end; sections until then were given. */

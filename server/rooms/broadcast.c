@@ -4,20 +4,20 @@
  * end: a daemon that keeps up has one thing at a time, which leaves no later by that; one that does not
  * writes once for several to each who follows. */
 #include "server/base/mem.h"
-#include "server/base/turn_end.h"
+#include "server/base/loop_idle.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
 struct broadcast {
-    struct turn_end *end;
+    struct loop_idle *end;
     struct channel *first;
     void (*say)(struct channel *channel);
 };
 
 static void say_all(void *data) {
     struct broadcast *turn = data;
-    turn_end_wait(turn->end, false);
+    loop_idle_wait(turn->end, false);
     while (turn->first) {
         struct channel *c = turn->first;
         broadcast_forget(c);
@@ -32,7 +32,7 @@ void broadcast_add(struct channel *c) {
     c->in_turn = true;
     c->next_in_turn = turn->first;
     turn->first = c;
-    turn_end_wait(turn->end, true);
+    loop_idle_wait(turn->end, true);
 }
 
 void broadcast_forget(struct channel *c) {
@@ -48,7 +48,7 @@ void broadcast_forget(struct channel *c) {
 void broadcast_open(struct rooms *rooms, void (*say)(struct channel *channel)) {
     struct broadcast *turn = mem_alloc(sizeof *turn);
     *turn = (struct broadcast){.say = say};
-    turn->end = turn_end_open(rooms->pipeline->loop, say_all, turn);
+    turn->end = loop_idle_open(rooms->pipeline->loop, say_all, turn);
     rooms->broadcast = turn;
 }
 
@@ -59,7 +59,7 @@ void broadcast_close(struct rooms *rooms) {
     while (turn->first)
         broadcast_forget(turn->first);
     rooms->broadcast = NULL;
-    turn_end_close(turn->end);
+    loop_idle_close(turn->end);
     free(turn);
 }
 

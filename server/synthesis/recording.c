@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
-#include "server/base/beneath.h"
+#include "server/base/open_below.h"
 #include "server/base/mem.h"
 #include "server/base/sound_reader.h"
 #include "server/base/utf8.h"
@@ -66,7 +66,7 @@ bool recording_list(const char *folder, struct work_limit *limit,
     for (size_t i = 0; i < n.count; i++) {
         char *name = n.names[i];
         bool wanted = !work_limit_over(limit);
-        FILE *file = wanted ? beneath_file(folder, name) : NULL;
+        FILE *file = wanted ? open_file_below(folder, name) : NULL;
         int sound = file ? recording_sound_beside(folder, name) : -1;
         name[strlen(name) - 4] = '\0';
         if (file && recording_is_name(name))
@@ -96,7 +96,7 @@ static int recording_sound_beside(const char *folder, const char *fap_path) {
         size_t size = stem + strlen(*ending) + 2;
         char *path = mem_alloc(size);
         snprintf(path, size, "%.*s.%s", (int)stem, fap_path, *ending);
-        fd = folder ? beneath_open(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+        fd = folder ? open_below(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
         free(path);
     }
     return fd;
@@ -209,7 +209,7 @@ static int told_why_stopped(struct recording *r, const struct work_limit *limit)
 /* Reads the .fap as text from its file. */
 static int read_fap(struct recording *r, struct work_limit *limit) {
     struct recording_source *source = &r->source;
-    int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
+    int fd = source->folder ? open_below(source->folder, source->fap_path, O_RDONLY)
                             : open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     ssize_t got = 1;

@@ -25,7 +25,7 @@ struct synthesis_callbacks;
 /* Where the recording is: in files or in memory. recording_source_free releases everything. */
 struct recording_source {
     char *name, *id;       /* display name; the client's id, or NULL */
-    char *folder;          /* folder of the files: nothing outside is opened (beneath.h); NULL = any */
+    char *folder;          /* folder of the files: nothing outside is opened (open_below.h); NULL = any */
     char *fap_path;        /* path of the .fap, within the folder if set; NULL = in memory */
     char *sound_path;      /* NULL = in memory, or if that is empty, beside fap_path */
     struct buf fap, sound; /* file contents in memory */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A synthesis: opening, delivery, seeking and queries. */
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
@@ -24,10 +24,10 @@ bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *se
     return false;
 }
 
-void synthesis_near_marks(const struct synthesis *s, struct near *near) {
+void synthesis_near_marks(const struct synthesis *s, struct suggestions *near) {
     for (size_t i = 0; s->score && i < s->score->item_count; i++)
         if (s->score->items[i].kind == SCORE_MARK)
-            near_try(near, s->score->items[i].text, s->score->items[i].text);
+            suggest_name(near, s->score->items[i].text, s->score->items[i].text);
 }
 
 size_t synthesis_sentences(const struct synthesis *s) {
@@ -57,12 +57,12 @@ const struct speech_request *synthesis_request(const struct synthesis *s) {
 /* Opening: from a request to a score with its voices. */
 
 static int no_markup(const char *name, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
-        near_try(&near, kind->name, kind->name);
+        suggest_name(&near, kind->name, kind->name);
     return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 static void writing_open(struct synthesis *s);

@@ -6,7 +6,7 @@
 #define FACCIA_SYNTHESIS_SYNTHESIS_H
 
 #include "server/base/metrics.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/packs/speech_pack.h"
 #include "server/normalize/normalizers.h"
@@ -75,7 +75,7 @@ void synthesis_set_rate(struct synthesis *synthesis, double rate);
 
 /* Finds the sentence that contains the first mark of that name. */
 bool synthesis_find_mark(const struct synthesis *synthesis, const char *name, size_t *sentence);
-void synthesis_near_marks(const struct synthesis *synthesis, struct near *near);
+void synthesis_near_marks(const struct synthesis *synthesis, struct suggestions *near);
 
 size_t
 synthesis_sentences(const struct synthesis *synthesis); /* number of sentences; 0 until the text is parsed */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -10,10 +10,10 @@
 static const char *const names[] = {"espeak:it", "espeak:it+f2", "festival:lp", "speak",
                                     "dominance", "it",           NULL};
 
-static const char *told(const char *wanted, char text[NEAR_TEXT]) {
-    struct near near = near_to(wanted);
-    near_try_all(&near, names);
-    return near_text(&near, text);
+static const char *told(const char *wanted, char text[SUGGESTIONS_TEXT]) {
+    struct suggestions near = suggestions_for(wanted);
+    suggest_names(&near, names);
+    return suggestions_text(&near, text);
 }
 
 static void what_was_meant(void **state) {
@@ -29,7 +29,7 @@ static void what_was_meant(void **state) {
         {"", ""},
         {"something else", ""},
     };
-    char text[NEAR_TEXT];
+    char text[SUGGESTIONS_TEXT];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_string_equal(told(cases[i][0], text), cases[i][1]);
 }
@@ -37,25 +37,25 @@ static void what_was_meant(void **state) {
 static void three_at_most_nearest_first(void **state) {
     (void)state;
     static const char *const many[] = {"abcdxx", "abcdex", "abcde", "abcdey", "abcdef", "abcdez", NULL};
-    struct near near = near_to("abcdef");
-    char text[NEAR_TEXT];
-    near_try_all(&near, many);
-    near_try(&near, "ABCDEF", "abcdef"); /* the same is told once */
-    assert_int_equal(near.count, NEAR_MOST);
-    assert_string_equal(near_text(&near, text), "; near: abcdef, abcdex, abcde");
+    struct suggestions near = suggestions_for("abcdef");
+    char text[SUGGESTIONS_TEXT];
+    suggest_names(&near, many);
+    suggest_name(&near, "ABCDEF", "abcdef"); /* the same is told once */
+    assert_int_equal(near.count, SUGGESTIONS_MAX);
+    assert_string_equal(suggestions_text(&near, text), "; near: abcdef, abcdex, abcde");
 }
 
 static void long_names_stay_inside(void **state) {
     (void)state;
-    char wanted[201], other[201], text[NEAR_TEXT];
+    char wanted[201], other[201], text[SUGGESTIONS_TEXT];
     memset(wanted, 'a', 200);
     memset(other, 'a', 200);
     wanted[200] = other[200] = '\0';
     for (size_t size = 0; size < 200; size++) {
-        struct near near = near_to(wanted + size);
+        struct suggestions near = suggestions_for(wanted + size);
         for (size_t i = 0; i < 200; i += 7)
-            near_try(&near, other + i, other + i);
-        assert_true(strlen(near_text(&near, text)) < NEAR_TEXT);
+            suggest_name(&near, other + i, other + i);
+        assert_true(strlen(suggestions_text(&near, text)) < SUGGESTIONS_TEXT);
     }
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A folder of documents: nobody loses what another has saved, and no name leaves the folder. */
-#include "server/base/shelf.h"
+#include "server/base/document_store.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -14,8 +14,8 @@
 #include <cmocka.h>
 
 static char folder[64];
-static struct shelf shelf = {folder, ".json", ERROR_UNKNOWN_WORK, 64, 3};
-static const struct shelf_condition unsaid = {0}, any = {.match = "*"}, absent = {.absent = true};
+static struct document_store shelf = {folder, ".json", ERROR_UNKNOWN_WORK, 64, 3};
+static const struct document_condition unsaid = {0}, any = {.match = "*"}, absent = {.absent = true};
 
 static int begin(void **state) {
     (void)state;
@@ -39,18 +39,18 @@ static void lay(const char *name, const char *text) {
     fclose(file);
 }
 
-static enum error_code save(const char *name, const char *text, struct shelf_condition condition,
+static enum error_code save(const char *name, const char *text, struct document_condition condition,
                             char tag[ETAG_BYTES]) {
     struct error e;
     bool created;
-    return shelf_save(&shelf, name, text, strlen(text), condition, tag, &created, &e) ? e.code : ERROR_NONE;
+    return document_store_save(&shelf, name, text, strlen(text), condition, tag, &created, &e) ? e.code : ERROR_NONE;
 }
 
 static void assert_holds(const char *name, const char *text) {
     struct buf out = {0};
     char tag[ETAG_BYTES];
     struct error e;
-    assert_int_equal(shelf_read(&shelf, name, &out, tag, &e), 0);
+    assert_int_equal(document_store_read(&shelf, name, &out, tag, &e), 0);
     assert_int_equal(out.size, strlen(text));
     assert_memory_equal(out.data, text, out.size);
     buf_free(&out);
@@ -62,18 +62,18 @@ static void what_was_saved_is_read(void **state) {
     struct buf out = {0};
     struct error e;
     assert_int_equal(save("lunch", "one", unsaid, tag), ERROR_NONE);
-    assert_int_equal(shelf_read(&shelf, "lunch", &out, read, &e), 0);
+    assert_int_equal(document_store_read(&shelf, "lunch", &out, read, &e), 0);
     assert_string_equal(tag, read);
     buf_free(&out);
-    assert_int_equal(save("lunch", "two", (struct shelf_condition){.match = tag}, again), ERROR_NONE);
+    assert_int_equal(save("lunch", "two", (struct document_condition){.match = tag}, again), ERROR_NONE);
     assert_string_not_equal(tag, again);
     assert_holds("lunch", "two");
-    assert_int_equal(shelf_remove(&shelf, "lunch", (struct shelf_condition){.match = tag}, &e), -1);
+    assert_int_equal(document_store_remove(&shelf, "lunch", (struct document_condition){.match = tag}, &e), -1);
     assert_int_equal(e.code, ERROR_CHANGED);
-    assert_int_equal(shelf_remove(&shelf, "lunch", any, &e), 0);
-    assert_int_equal(shelf_read(&shelf, "lunch", &out, read, &e), -1);
+    assert_int_equal(document_store_remove(&shelf, "lunch", any, &e), 0);
+    assert_int_equal(document_store_read(&shelf, "lunch", &out, read, &e), -1);
     assert_int_equal(e.code, ERROR_UNKNOWN_WORK);
-    assert_int_equal(shelf_remove(&shelf, "lunch", unsaid, &e), -1);
+    assert_int_equal(document_store_remove(&shelf, "lunch", unsaid, &e), -1);
     assert_int_equal(e.code, ERROR_UNKNOWN_WORK);
 }
 
@@ -83,11 +83,11 @@ static void who_has_not_seen_it_does_not_replace_it(void **state) {
     assert_int_equal(save("a", "1", absent, first), ERROR_NONE);
     assert_int_equal(save("a", "2", absent, tag), ERROR_CHANGED);
     assert_int_equal(save("a", "2", unsaid, tag), ERROR_CONDITION_NEEDED);
-    assert_int_equal(save("a", "2", (struct shelf_condition){.match = "\"0\""}, tag), ERROR_CHANGED);
+    assert_int_equal(save("a", "2", (struct document_condition){.match = "\"0\""}, tag), ERROR_CHANGED);
     assert_int_equal(save("b", "2", any, tag), ERROR_CHANGED);
     assert_holds("a", "1");
-    assert_int_equal(save("a", "2", (struct shelf_condition){.match = first}, tag), ERROR_NONE);
-    assert_int_equal(save("a", "3", (struct shelf_condition){.match = first}, tag), ERROR_CHANGED);
+    assert_int_equal(save("a", "2", (struct document_condition){.match = first}, tag), ERROR_NONE);
+    assert_int_equal(save("a", "3", (struct document_condition){.match = first}, tag), ERROR_CHANGED);
     assert_holds("a", "2");
 }
 
@@ -124,7 +124,7 @@ static void names_stay_inside(void **state) {
     struct error e;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_int_equal(save(bad[i], "x", unsaid, tag), ERROR_BAD_FIELD);
-        assert_int_equal(shelf_read(&shelf, bad[i], &out, tag, &e), -1);
+        assert_int_equal(document_store_read(&shelf, bad[i], &out, tag, &e), -1);
         assert_string_equal(e.field, "name");
     }
     assert_int_equal(
@@ -134,7 +134,7 @@ static void names_stay_inside(void **state) {
 
 static void other_files_are_not_looked_at(void **state) {
     (void)state;
-    struct shelf_entry *entries;
+    struct document_entry *entries;
     struct buf out = {0};
     size_t count;
     char path[128], tag[ETAG_BYTES];
@@ -149,13 +149,13 @@ static void other_files_are_not_looked_at(void **state) {
     assert_int_equal(mkdir(path, 0700), 0);
     snprintf(path, sizeof path, "%s/pipe.json", folder);
     assert_int_equal(mkfifo(path, 0600), 0);
-    assert_int_equal(shelf_list(&shelf, &entries, &count, &e), 0);
+    assert_int_equal(document_store_list(&shelf, &entries, &count, &e), 0);
     assert_int_equal(count, 1);
     assert_string_equal(entries[0].name, "mine");
     assert_int_equal(entries[0].bytes, 2);
     free(entries);
     for (size_t i = 0; i < 3; i++) {
-        assert_int_equal(shelf_read(&shelf, (const char *[]){"link", "folder", "pipe"}[i], &out, tag, &e),
+        assert_int_equal(document_store_read(&shelf, (const char *[]){"link", "folder", "pipe"}[i], &out, tag, &e),
                          -1);
         assert_int_equal(e.code, ERROR_UNKNOWN_WORK);
     }
@@ -178,24 +178,24 @@ static void bounds(void **state) {
     lay("long.json", "what somebody has laid there is longer than what may be kept, and is not read");
     struct buf out = {0};
     struct error e;
-    assert_int_equal(shelf_read(&shelf, "long", &out, tag, &e), -1);
+    assert_int_equal(document_store_read(&shelf, "long", &out, tag, &e), -1);
     assert_int_equal(e.code, ERROR_DOCUMENT_TOO_LONG);
     buf_free(&out);
 }
 
 static void without_a_folder(void **state) {
     (void)state;
-    struct shelf none = shelf, gone = shelf;
-    struct shelf_entry *entries;
+    struct document_store none = shelf, gone = shelf;
+    struct document_entry *entries;
     struct error e;
     size_t count;
     bool created;
     char tag[ETAG_BYTES];
     none.folder = NULL;
     gone.folder = "/nowhere/at/all";
-    assert_int_equal(shelf_list(&none, &entries, &count, &e), -1);
+    assert_int_equal(document_store_list(&none, &entries, &count, &e), -1);
     assert_int_equal(e.code, ERROR_NOTHING_KEPT);
-    assert_int_equal(shelf_save(&gone, "a", "1", 1, unsaid, tag, &created, &e), -1);
+    assert_int_equal(document_store_save(&gone, "a", "1", 1, unsaid, tag, &created, &e), -1);
     assert_int_equal(e.code, ERROR_CANNOT_KEEP);
 }
 

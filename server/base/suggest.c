@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -41,11 +41,11 @@ static unsigned farthest(size_t length) {
     return length < 4 ? 1 : length < 8 ? 2 : 3;
 }
 
-struct near near_to(const char *wanted) {
-    return (struct near){.wanted = wanted};
+struct suggestions suggestions_for(const char *wanted) {
+    return (struct suggestions){.wanted = wanted};
 }
 
-void near_try(struct near *near, const char *name, const char *shown) {
+void suggest_name(struct suggestions *near, const char *name, const char *shown) {
     size_t length = strlen(near->wanted);
     unsigned far = distance(near->wanted, name), limit = farthest(length);
     if (length >= PREFIX_LEAST && !strncasecmp(near->wanted, name, length))
@@ -55,29 +55,29 @@ void near_try(struct near *near, const char *name, const char *shown) {
     for (size_t i = 0; i < near->count; i++)
         if (!strcmp(near->names[i], shown))
             return;
-    size_t place = near->count < NEAR_MOST ? near->count++ : NEAR_MOST;
+    size_t place = near->count < SUGGESTIONS_MAX ? near->count++ : SUGGESTIONS_MAX;
     while (place && near->distances[place - 1] > far) {
-        if (place < NEAR_MOST) {
+        if (place < SUGGESTIONS_MAX) {
             near->names[place] = near->names[place - 1];
             near->distances[place] = near->distances[place - 1];
         }
         place--;
     }
-    if (place < NEAR_MOST) {
+    if (place < SUGGESTIONS_MAX) {
         near->names[place] = shown;
         near->distances[place] = far;
     }
 }
 
-void near_try_all(struct near *near, const char *const *names) {
+void suggest_names(struct suggestions *near, const char *const *names) {
     for (; names && *names; names++)
-        near_try(near, *names, *names);
+        suggest_name(near, *names, *names);
 }
 
-const char *near_text(const struct near *near, char out[NEAR_TEXT]) {
+const char *suggestions_text(const struct suggestions *near, char out[SUGGESTIONS_TEXT]) {
     size_t used = 0;
     *out = '\0';
-    for (size_t i = 0; i < near->count && used < NEAR_TEXT; i++)
-        used += (size_t)snprintf(out + used, NEAR_TEXT - used, "%s%s", i ? ", " : "; near: ", near->names[i]);
+    for (size_t i = 0; i < near->count && used < SUGGESTIONS_TEXT; i++)
+        used += (size_t)snprintf(out + used, SUGGESTIONS_TEXT - used, "%s%s", i ? ", " : "; near: ", near->names[i]);
     return out;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/turn_end.h"
+#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
 
-struct turn_end {
+struct loop_idle {
     uv_prepare_t before_poll;
     uv_check_t after_poll;
     void (*call)(void *ctx);
@@ -13,25 +13,25 @@ struct turn_end {
 };
 
 static void on_before_poll(uv_prepare_t *handle) {
-    struct turn_end *t = handle->data;
+    struct loop_idle *t = handle->data;
     t->call(t->ctx);
 }
 
 static void on_after_poll(uv_check_t *handle) {
-    struct turn_end *t = handle->data;
+    struct loop_idle *t = handle->data;
     t->call(t->ctx);
 }
 
-struct turn_end *turn_end_open(uv_loop_t *loop, void (*call)(void *ctx), void *ctx) {
-    struct turn_end *t = mem_alloc(sizeof *t);
-    *t = (struct turn_end){.call = call, .ctx = ctx, .handles = 2};
+struct loop_idle *loop_idle_open(uv_loop_t *loop, void (*call)(void *ctx), void *ctx) {
+    struct loop_idle *t = mem_alloc(sizeof *t);
+    *t = (struct loop_idle){.call = call, .ctx = ctx, .handles = 2};
     uv_prepare_init(loop, &t->before_poll);
     uv_check_init(loop, &t->after_poll);
     t->before_poll.data = t->after_poll.data = t;
     return t;
 }
 
-void turn_end_wait(struct turn_end *t, bool waits) {
+void loop_idle_wait(struct loop_idle *t, bool waits) {
     if (t->waits == waits)
         return;
     t->waits = waits;
@@ -44,17 +44,17 @@ void turn_end_wait(struct turn_end *t, bool waits) {
     }
 }
 
-bool turn_end_waits(const struct turn_end *t) {
+bool loop_idle_waits(const struct loop_idle *t) {
     return t->waits;
 }
 
 static void on_closed(uv_handle_t *handle) {
-    struct turn_end *t = handle->data;
+    struct loop_idle *t = handle->data;
     if (!--t->handles)
         free(t);
 }
 
-void turn_end_close(struct turn_end *t) {
+void loop_idle_close(struct loop_idle *t) {
     uv_close((uv_handle_t *)&t->before_poll, on_closed);
     uv_close((uv_handle_t *)&t->after_poll, on_closed);
 }

@@ -7,15 +7,15 @@
 #include <stdbool.h>
 #include <uv.h>
 
-struct turn_end;
+struct loop_idle;
 
-struct turn_end *turn_end_open(uv_loop_t *loop, void (*call)(void *ctx), void *ctx);
+struct loop_idle *loop_idle_open(uv_loop_t *loop, void (*call)(void *ctx), void *ctx);
 
 /* From now on it is called, in each turn, or no more. */
-void turn_end_wait(struct turn_end *turn_end, bool waits);
-bool turn_end_waits(const struct turn_end *turn_end);
+void loop_idle_wait(struct loop_idle *turn_end, bool waits);
+bool loop_idle_waits(const struct loop_idle *turn_end);
 
 /* It is not called again. Its memory is given back when the loop has gone round. */
-void turn_end_close(struct turn_end *turn_end);
+void loop_idle_close(struct loop_idle *turn_end);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/beneath.h"
+#include "server/base/open_below.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -37,7 +37,7 @@ static int open_slowly(int folder, const char *path, int flags) {
     return -1;
 }
 
-int beneath_open_at(int folder, const char *path, int flags) {
+int open_below_at(int folder, const char *path, int flags) {
     const struct open_how how = {.flags = (uint64_t)(flags | O_CLOEXEC | O_NONBLOCK),
                                  .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     int fd = -1;
@@ -49,19 +49,19 @@ int beneath_open_at(int folder, const char *path, int flags) {
     return fd;
 }
 
-int beneath_open(const char *folder, const char *path, int flags) {
+int open_below(const char *folder, const char *path, int flags) {
     int at = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (at < 0)
         return -1;
-    int fd = beneath_open_at(at, path, flags), why = errno;
+    int fd = open_below_at(at, path, flags), why = errno;
     close(at);
     errno = why;
     return fd;
 }
 
-FILE *beneath_file(const char *folder, const char *path) {
+FILE *open_file_below(const char *folder, const char *path) {
     struct stat info;
-    int fd = beneath_open(folder, path, O_RDONLY);
+    int fd = open_below(folder, path, O_RDONLY);
     FILE *file = NULL;
     int why = errno;
     if (fd >= 0 && (fstat(fd, &info) || !S_ISREG(info.st_mode)))
@@ -74,13 +74,13 @@ FILE *beneath_file(const char *folder, const char *path) {
     return NULL;
 }
 
-bool beneath_is_outside(int error) {
+bool error_is_outside(int error) {
     return error == EXDEV || error == ELOOP;
 }
 
-bool beneath_leads_outside(const char *folder, const char *path) {
-    int fd = beneath_open(folder, path, O_RDONLY), why = errno;
+bool path_leads_outside(const char *folder, const char *path) {
+    int fd = open_below(folder, path, O_RDONLY), why = errno;
     if (fd >= 0)
         close(fd);
-    return fd < 0 && beneath_is_outside(why);
+    return fd < 0 && error_is_outside(why);
 }

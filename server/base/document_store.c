@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/shelf.h"
+#include "server/base/document_store.h"
 #include "server/base/mem.h"
 #include "server/base/write_all.h"
 #include <dirent.h>
@@ -19,9 +19,9 @@ static int cannot(struct error *e, const char *what) {
     return error_set(e, ERROR_CANNOT_KEEP, "%s: %s", what, strerror(errno));
 }
 
-int shelf_check_name(const char *name, struct error *e) {
+int document_check_name(const char *name, struct error *e) {
     size_t size = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.");
-    if (!size || name[size] || size >= SHELF_NAME_BYTES || *name == '.')
+    if (!size || name[size] || size >= DOCUMENT_NAME_BYTES || *name == '.')
         return error_in_field(
             e, ERROR_BAD_FIELD, "name",
             "a name has 1 to 64 ASCII letters, digits, '-', '_', '.', and does not begin with a full stop");
@@ -29,7 +29,7 @@ int shelf_check_name(const char *name, struct error *e) {
 }
 
 /* The folder, open; -1 with *e. */
-static int open_folder(const struct shelf *shelf, bool locked, struct error *e) {
+static int open_folder(const struct document_store *shelf, bool locked, struct error *e) {
     if (!shelf->folder)
         return error_plain(e, ERROR_NOTHING_KEPT);
     int folder = open(shelf->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -45,8 +45,8 @@ static int open_folder(const struct shelf *shelf, bool locked, struct error *e) 
     return -1;
 }
 
-static void file_of(const struct shelf *shelf, const char *name, char file[SHELF_NAME_BYTES + 16]) {
-    snprintf(file, SHELF_NAME_BYTES + 16, "%s%s", name, shelf->suffix);
+static void file_of(const struct document_store *shelf, const char *name, char file[DOCUMENT_NAME_BYTES + 16]) {
+    snprintf(file, DOCUMENT_NAME_BYTES + 16, "%s%s", name, shelf->suffix);
 }
 
 static int read_all(int fd, size_t most, struct buf *out, struct error *e) {
@@ -67,9 +67,9 @@ static int read_all(int fd, size_t most, struct buf *out, struct error *e) {
 
 /* 1: it was read; 0: there is none; -1: with *e. Links are not followed: what lies elsewhere is not on the
  * shelf. */
-static int read_file(const struct shelf *shelf, int folder, const char *name, struct buf *out,
+static int read_file(const struct document_store *shelf, int folder, const char *name, struct buf *out,
                      struct error *e) {
-    char file[SHELF_NAME_BYTES + 16];
+    char file[DOCUMENT_NAME_BYTES + 16];
     struct stat about;
     file_of(shelf, name, file);
     int fd = openat(folder, file, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -84,11 +84,11 @@ static int read_file(const struct shelf *shelf, int folder, const char *name, st
 
 /* Opens and locks the folder, and sees to it that the condition holds: its descriptor, or -1. *there: there
  * is such a document. */
-static int open_for_change(const struct shelf *shelf, const char *name, struct shelf_condition condition,
+static int open_for_change(const struct document_store *shelf, const char *name, struct document_condition condition,
                            bool *there, struct error *e) {
     struct buf now = {0};
     char tag[ETAG_BYTES];
-    if (shelf_check_name(name, e))
+    if (document_check_name(name, e))
         return -1;
     int folder = open_folder(shelf, true, e);
     int found = folder < 0 ? -1 : read_file(shelf, folder, name, &now, e);
@@ -109,13 +109,13 @@ static int open_for_change(const struct shelf *shelf, const char *name, struct s
     return refused ? -1 : folder;
 }
 
-static int is_document(const struct shelf *shelf, const char *file) {
+static int is_document(const struct document_store *shelf, const char *file) {
     size_t size = strlen(file), suffix = strlen(shelf->suffix);
-    return *file != '.' && size > suffix && size - suffix < SHELF_NAME_BYTES &&
+    return *file != '.' && size > suffix && size - suffix < DOCUMENT_NAME_BYTES &&
            !strcmp(file + size - suffix, shelf->suffix);
 }
 
-int shelf_list(const struct shelf *shelf, struct shelf_entry **entries, size_t *count, struct error *e) {
+int document_store_list(const struct document_store *shelf, struct document_entry **entries, size_t *count, struct error *e) {
     struct dirent **files;
     struct error unused;
     struct stat about;
@@ -127,14 +127,14 @@ int shelf_list(const struct shelf *shelf, struct shelf_entry **entries, size_t *
     int found = scandirat(folder, ".", &files, NULL, alphasort);
     for (int i = 0; i < found; i++) {
         const char *file = files[i]->d_name;
-        struct shelf_entry entry = {.bytes = 0};
+        struct document_entry entry = {.bytes = 0};
         if (*count < shelf->most && is_document(shelf, file) &&
             !fstatat(folder, file, &about, AT_SYMLINK_NOFOLLOW) && S_ISREG(about.st_mode)) {
             snprintf(entry.name, sizeof entry.name, "%.*s", (int)(strlen(file) - strlen(shelf->suffix)),
                      file);
             entry.bytes = (size_t)about.st_size;
             entry.saved = about.st_mtime;
-            if (!shelf_check_name(entry.name, &unused)) {
+            if (!document_check_name(entry.name, &unused)) {
                 *entries = mem_resize(*entries, (*count + 1) * sizeof entry);
                 (*entries)[(*count)++] = entry;
             }
@@ -147,10 +147,10 @@ int shelf_list(const struct shelf *shelf, struct shelf_entry **entries, size_t *
     return found < 0 ? cannot(e, shelf->folder) : 0;
 }
 
-int shelf_read(const struct shelf *shelf, const char *name, struct buf *out, char tag[ETAG_BYTES],
+int document_store_read(const struct document_store *shelf, const char *name, struct buf *out, char tag[ETAG_BYTES],
                struct error *e) {
     size_t before = out->size;
-    if (shelf_check_name(name, e))
+    if (document_check_name(name, e))
         return -1;
     int folder = open_folder(shelf, false, e);
     int found = folder < 0 ? -1 : read_file(shelf, folder, name, out, e);
@@ -177,10 +177,10 @@ static int replace(int folder, const char *file, const void *data, size_t size, 
     return -1;
 }
 
-int shelf_save(const struct shelf *shelf, const char *name, const void *data, size_t size,
-               struct shelf_condition condition, char tag[ETAG_BYTES], bool *created, struct error *e) {
-    char file[SHELF_NAME_BYTES + 16];
-    struct shelf_entry *entries = NULL;
+int document_store_save(const struct document_store *shelf, const char *name, const void *data, size_t size,
+               struct document_condition condition, char tag[ETAG_BYTES], bool *created, struct error *e) {
+    char file[DOCUMENT_NAME_BYTES + 16];
+    struct document_entry *entries = NULL;
     size_t count = 0;
     bool there;
     if (size > shelf->most_bytes)
@@ -189,7 +189,7 @@ int shelf_save(const struct shelf *shelf, const char *name, const void *data, si
     int folder = open_for_change(shelf, name, condition, &there, e);
     if (folder < 0)
         return -1;
-    int failed = there ? 0 : shelf_list(shelf, &entries, &count, e);
+    int failed = there ? 0 : document_store_list(shelf, &entries, &count, e);
     free(entries);
     if (!failed && !there && count >= shelf->most)
         failed =
@@ -203,9 +203,9 @@ int shelf_save(const struct shelf *shelf, const char *name, const void *data, si
     return failed;
 }
 
-int shelf_remove(const struct shelf *shelf, const char *name, struct shelf_condition condition,
+int document_store_remove(const struct document_store *shelf, const char *name, struct document_condition condition,
                  struct error *e) {
-    char file[SHELF_NAME_BYTES + 16];
+    char file[DOCUMENT_NAME_BYTES + 16];
     bool there;
     int folder = open_for_change(shelf, name, condition, &there, e);
     if (folder < 0)

@@ -11,18 +11,18 @@
 /* The descriptor of `path`, relative to the open folder, or -1 with errno: EXDEV or ELOOP when it leads
  * outside. flags as of open(2), without O_CREAT; O_CLOEXEC and O_NONBLOCK are added, so that a named pipe
  * does not block. */
-int beneath_open_at(int folder, const char *path, int flags);
+int open_below_at(int folder, const char *path, int flags);
 
 /* The same of a folder by its name, which may itself be a link. */
-int beneath_open(const char *folder, const char *path, int flags);
+int open_below(const char *folder, const char *path, int flags);
 
 /* Opens a regular file for reading. NULL with errno. */
-FILE *beneath_file(const char *folder, const char *path);
+FILE *open_file_below(const char *folder, const char *path);
 
 /* Does the path lead outside? It is opened to see. */
-bool beneath_leads_outside(const char *folder, const char *path);
+bool path_leads_outside(const char *folder, const char *path);
 
 /* Does errno say that the path leads outside? */
-bool beneath_is_outside(int error);
+bool error_is_outside(int error);
 
 #endif
