@@ -9,8 +9,8 @@
 #include "server/base/mem.h"
 #include "server/base/program.h"
 #include "server/library/library_files.h"
-#include "server/library/recordings/alignment_state.h"
-#include "server/library/recordings/kept_file.h"
+#include "server/library/recordings/alignments.h"
+#include "server/library/recordings/library_voices.h"
 #include "server/voice/faccia-voice.h"
 #include "server/voice/sandbox.h"
 #include <limits.h>

@@ -4,7 +4,7 @@
  * write to its standard output, and take the processor time and memory that it is told. */
 #include "server/base/program.h"
 #include "server/base/sound_reader.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include "server/voice/memory_limit.h"
 #include "server/voice/sandbox.h"
 #include <signal.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What editors save: works of the library (/v1/library/files) and gestures (/v1/gestures). */
 #include "server/expression/gestures.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include "server/net/shelf_http.h"
 
 enum {
