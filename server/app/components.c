@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/app/stages.h"
+#include "server/app/components.h"
 #include "server/expression/gestures.h"
 #include "server/hear/hear_network.h"
 #include <stdio.h>
@@ -12,13 +12,13 @@ static const char *in_models(const struct settings *settings, const char *name, 
     return path;
 }
 
-/* With the file, where the reader does not say it. */
+/* Adds the file's name to an error that lacks it. */
 static int fail_in(const char *path, const struct error *inner, struct error *e) {
     char text[320];
     return error_set(e, inner->code, "%s: %s", path, error_text(inner, text, sizeof text));
 }
 
-int stages_load_expressions(struct stages *s, const struct settings *settings, struct error *e) {
+int components_load_expressions(struct components *s, const struct settings *settings, struct error *e) {
     char path[PATH_BYTES];
     struct error inner = {0};
     struct expressions *all = expressions_load(in_models(settings, "expressions.json", path), &inner);
@@ -34,14 +34,14 @@ int stages_load_expressions(struct stages *s, const struct settings *settings, s
     return 0;
 }
 
-static int load_boundaries(struct stages *s, const char *path, struct error *e) {
+static int load_boundaries(struct components *s, const char *path, struct error *e) {
     struct error inner = {0};
     s->boundaries = boundary_table_load(path, &inner);
     return s->boundaries ? 0 : fail_in(path, &inner, e);
 }
 
-/* A folder of models may do without: then nobody can be heard. */
-static int load_hearing(struct stages *s, const struct settings *settings, const char *path,
+/* The network is optional; without it lips cannot follow a live voice. */
+static int load_hearing(struct components *s, const struct settings *settings, const char *path,
                         struct error *e) {
     struct error inner = {0};
     s->heard = (struct heard_pool){.most = settings->heard_most,
@@ -54,25 +54,25 @@ static int load_hearing(struct stages *s, const struct settings *settings, const
     return s->heard.network ? 0 : fail_in(path, &inner, e);
 }
 
-int stages_load(struct stages *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
-                struct error *e) {
+int components_load(struct components *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
+                    struct error *e) {
     char path[PATH_BYTES];
-    *s = (struct stages){0};
+    *s = (struct components){0};
     s->pipeline = (struct pipeline){.loop = loop,
                                     .packs = &s->packs,
                                     .default_lang = settings->lang,
                                     .default_contacts = settings->contacts,
                                     .sounds = settings->sounds};
-    if (wanted & STAGES_SPEECH && speech_packs_load(&s->packs, in_models(settings, "speech", path), e))
+    if (wanted & COMPONENTS_SPEECH && speech_packs_load(&s->packs, in_models(settings, "speech", path), e))
         return -1;
-    if (wanted & STAGES_EXPRESSIONS && stages_load_expressions(s, settings, e))
+    if (wanted & COMPONENTS_EXPRESSIONS && components_load_expressions(s, settings, e))
         return -1;
-    if (wanted & STAGES_NORMALIZATION &&
+    if (wanted & COMPONENTS_NORMALIZATION &&
         normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
         return -1;
-    if (wanted & STAGES_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
+    if (wanted & COMPONENTS_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
         return -1;
-    if (wanted & STAGES_HEARING &&
+    if (wanted & COMPONENTS_HEARING &&
         load_hearing(s, settings, in_models(settings, "hear/network.bin", path), e))
         return -1;
     if (s->pipeline.expressions && s->packs.count)
@@ -83,25 +83,25 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
     return 0;
 }
 
-int stages_start_voices(struct stages *s, const struct voice_pool_options *voices, void (*ready)(void *ctx),
-                        void *ctx, struct error *e) {
+int components_start_voices(struct components *s, const struct voice_pool_options *voices,
+                            void (*ready)(void *ctx), void *ctx, struct error *e) {
     struct voice_pool_options options = *voices;
     options.boundaries = s->boundaries;
     s->pipeline.voices = voice_pool_open(s->pipeline.loop, &options, ready, ctx, e);
     return s->pipeline.voices ? 0 : -1;
 }
 
-void stages_stop_voices(struct stages *s) {
+void components_stop_voices(struct components *s) {
     if (s->pipeline.voices)
         voice_pool_close(s->pipeline.voices, NULL, NULL);
 }
 
-void stages_free(struct stages *s) {
+void components_free(struct components *s) {
     speech_packs_free(&s->packs);
     expressions_free(s->pipeline.expressions);
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
     boundary_table_free(s->boundaries);
     hear_network_free(s->heard.network);
-    *s = (struct stages){0};
+    *s = (struct components){0};
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/app/library_place.h"
+#include "server/app/library_setup.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/library/recordings/library_voices.h"
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Makes the folder, of which the one above is there or can be made. */
+/* Creates a folder, and its parents as needed. */
 static bool make(const char *folder) {
     return !mkdir(folder, 0700) || errno == EEXIST;
 }
@@ -18,7 +18,7 @@ static bool make(const char *folder) {
 static char *index_place(const struct settings *s, struct error *e) {
     struct buf path = {0};
     char *real = realpath(s->library, NULL);
-    uint64_t hash = 14695981039346656037u; /* FNV-1a: a library of another folder has another index */
+    uint64_t hash = 14695981039346656037u; /* FNV-1a: each library has its own index */
     for (const char *c = real ? real : s->library; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 1099511628211u;
     free(real);
@@ -45,7 +45,7 @@ static char *index_place(const struct settings *s, struct error *e) {
     return (char *)path.data;
 }
 
-/* The plugin may be set up for a folder of its own: that stays. */
+/* Adds the recordings to the plugin's configuration, unless that names another folder. */
 static char *with_recordings(const char *config, const char *folder, const char *library, const char *lang) {
     json_t *all = config ? json_loads(config, 0, NULL) : json_object();
     char *text = NULL, *real = realpath(library, NULL);
@@ -74,14 +74,14 @@ static int place_voices(const struct settings *s, const char *index, const struc
     if (!*config) {
         free(*folder);
         *folder = NULL;
-    } else if (!count) { /* the plugin would complain of a folder without any */
+    } else if (!count) { /* the plugin would reject an empty folder */
         free(*config);
         *config = NULL;
     }
     return count < 0 ? -1 : 0;
 }
 
-int library_place_open(const struct settings *s, const struct paths *paths, struct library **library,
+int library_setup_open(const struct settings *s, const struct paths *paths, struct library **library,
                        char **voice_config, struct error *e) {
     *library = NULL;
     *voice_config = NULL;
@@ -109,7 +109,7 @@ int library_place_open(const struct settings *s, const struct paths *paths, stru
     return *library ? 0 : -1;
 }
 
-int library_place_voices(const struct settings *s, char **voice_config, struct error *e) {
+int library_setup_voices(const struct settings *s, char **voice_config, struct error *e) {
     char *index = index_place(s, e), *voices = NULL;
     int result = index ? place_voices(s, index, NULL, &voices, voice_config, e) : -1;
     free(index);
