@@ -4,6 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+struct eval_variant eval_variant(const char *engine, enum face_contacts contacts) {
+    bool own = face_engine_contacts(engine, CONTACTS_ENGINE), on = face_engine_contacts(engine, contacts);
+    struct eval_variant v = {engine, on ? CONTACTS_ON : CONTACTS_OFF, ""};
+    snprintf(v.label, sizeof v.label, "%s%s", engine, on == own ? "" : on ? " +contacts" : " -contacts");
+    return v;
+}
+
 static const char usage[] =
     "Usage: faccia eval [OPTION]... (TEXT | --file FILE | -)\n"
     "       faccia eval [OPTION]... --recording CURVES --phones TIMES [--other CURVES --other-phones "

@@ -2,7 +2,7 @@
 #include "server/align/aligned_recording.h"
 #include "server/app/cli.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/base/utf8.h"
 #include "server/export/export.h"
 #include <errno.h>
@@ -395,19 +395,19 @@ static int choose(struct align *a) {
     if (!a->request.lang)
         a->request.lang = mem_strdup("it");
     a->pack = speech_packs_find(a->packs, a->request.lang);
-    char text[NEAR_TEXT];
+    char text[SUGGESTIONS_TEXT];
     if (!a->pack) {
-        struct near near = near_to(a->request.lang);
+        struct suggestions near = suggestions_for(a->request.lang);
         for (size_t i = 0; i < a->packs->count; i++)
-            near_try(&near, speech_pack_lang(a->packs->packs[i]), speech_pack_lang(a->packs->packs[i]));
-        cli_complain("lang: no language '%s'%s", a->request.lang, near_text(&near, text));
+            suggest_name(&near, speech_pack_lang(a->packs->packs[i]), speech_pack_lang(a->packs->packs[i]));
+        cli_complain("lang: no language '%s'%s", a->request.lang, suggestions_text(&near, text));
         return EXIT_USAGE;
     }
     if (!face_engine_speaks(a->request.engine, a->pack)) {
-        struct near near = near_to(a->request.engine);
-        near_try_all(&near, face_engines());
+        struct suggestions near = suggestions_for(a->request.engine);
+        suggest_names(&near, face_engines());
         cli_complain("engine: no engine '%s' for '%s'%s", a->request.engine, a->request.lang,
-                     near_text(&near, text));
+                     suggestions_text(&near, text));
         return EXIT_USAGE;
     }
     return -1;

@@ -5,7 +5,7 @@
 #include "server/app/fit_read.h"
 #include "server/app/settings.h"
 #include "server/base/mem.h"
-#include "server/eval/person_reader.h"
+#include "server/eval/person.h"
 #include "server/face/packs/speech_packs.h"
 #include <errno.h>
 #include <jansson.h>
@@ -35,13 +35,6 @@ struct recordings {
     bool use[PERSON_MEASURES]; /* measures that all recordings have; input of the lip reader */
     struct line lines[LINES];
 };
-
-struct eval_variant eval_variant(const char *engine, enum face_contacts contacts) {
-    bool own = face_engine_contacts(engine, CONTACTS_ENGINE), on = face_engine_contacts(engine, contacts);
-    struct eval_variant v = {engine, on ? CONTACTS_ON : CONTACTS_OFF, ""};
-    snprintf(v.label, sizeof v.label, "%s%s", engine, on == own ? "" : on ? " +contacts" : " -contacts");
-    return v;
-}
 
 /* Words per minute actually spoken, including pauses. */
 static double spoken_rate(const struct eval *e) {

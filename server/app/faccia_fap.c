@@ -5,7 +5,7 @@
 #include "server/app/cli.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
-#include "server/eval/svg.h"
+#include "server/eval/plot.h"
 #include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
@@ -226,7 +226,7 @@ static int fap_decode(int argc, char **argv) {
 
 enum { PANELS_MAX = FAP_COUNT, PANELS = 8, WIDTH = 900, PANEL = 120, LEFT = 70, TOP = 60 };
 
-struct plot {
+struct fap_chart {
     int faps[PANELS_MAX];
     size_t count;
     double from, to; /* s */
@@ -247,7 +247,7 @@ static double movement(const struct fapfile *face, int n) {
 }
 
 /* Chooses the FAPs that move most, in numerical order. */
-static void choose(const struct fapfile *face, struct plot *plot) {
+static void choose(const struct fapfile *face, struct fap_chart *plot) {
     double moves[FAP_COUNT + 1] = {0};
     bool taken[FAP_COUNT + 1] = {0};
     for (int n = 3; n <= FAP_COUNT; n++)
@@ -264,7 +264,7 @@ static void choose(const struct fapfile *face, struct plot *plot) {
             plot->faps[plot->count++] = n;
 }
 
-static int parse_list(const char *list, struct plot *plot) {
+static int parse_list(const char *list, struct fap_chart *plot) {
     char word[64];
     while (*list) {
         size_t length = strcspn(list, ",");
@@ -292,7 +292,7 @@ static int parse_seconds(const char *name, const char *text, double *out) {
     return -1;
 }
 
-static void panel(struct buf *out, const struct fapfile *face, const struct plot *plot, size_t index) {
+static void panel(struct buf *out, const struct fapfile *face, const struct fap_chart *plot, size_t index) {
     int n = plot->faps[index];
     size_t first = (size_t)fmin(ceil(plot->from * face->fps), (double)face->count);
     size_t last = (size_t)fmin(floor(plot->to * face->fps) + 1, (double)face->count);
@@ -316,7 +316,7 @@ static void panel(struct buf *out, const struct fapfile *face, const struct plot
     free(x);
 }
 
-static int draw(const char *in, const char *path, struct plot *plot) {
+static int draw(const char *in, const char *path, struct fap_chart *plot) {
     struct fap_file file;
     struct buf out = {0};
     if (fap_file_read(in, &file))
@@ -346,7 +346,7 @@ static int draw(const char *in, const char *path, struct plot *plot) {
 static int fap_plot(int argc, char **argv) {
     static const struct option options[] = {
         {"fap", 1, NULL, 'p'}, {"from", 1, NULL, 'a'}, {"to", 1, NULL, 'z'}, {0}};
-    struct plot plot = {.to = 1e9};
+    struct fap_chart plot = {.to = 1e9};
     for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
         if (c == '?' || (c == 'p' && parse_list(optarg, &plot)) ||
             (c == 'a' && parse_seconds("from", optarg, &plot.from)) ||

@@ -63,10 +63,10 @@ static int flush(struct library_export_output *o) {
     return well ? 0 : complain(o->path);
 }
 
-static int library_export_segment(struct library_export_files *files, const struct recital *recital,
+static int library_export_segment(struct library_export_files *files, const struct narration *narration,
                                   const struct media_segment *segment, const char *text, const char *markup) {
-    if (recital->samples + segment->audio->samples >= UINT32_MAX) {
-        cli_complain("this takes more than %.0f hours", (double)UINT32_MAX / recital->rate / 3600);
+    if (narration->samples + segment->audio->samples >= UINT32_MAX) {
+        cli_complain("this takes more than %.0f hours", (double)UINT32_MAX / narration->rate / 3600);
         return -1;
     }
     if (files->book && epub_book_sound(files->book, segment->audio))
@@ -85,7 +85,7 @@ static int library_export_segment(struct library_export_files *files, const stru
 }
 
 static int library_export_section(struct library_export_files *files, const struct section *section,
-                                  const struct recital_part *part, uint32_t rate) {
+                                  const struct narration_part *part, uint32_t rate) {
     return files->book && epub_book_section(files->book, section, part, rate) ? complain(files->epub) : 0;
 }
 
@@ -99,7 +99,7 @@ static void finish_wav(struct library_export_output *o) {
 }
 
 /* Completes the files, or discards them unless `well`. */
-static int library_export_close(struct library_export_files *files, const struct recital *recital,
+static int library_export_close(struct library_export_files *files, const struct narration *narration,
                                 bool well) {
     char why[200];
     int result = well ? 0 : -1;
@@ -118,7 +118,7 @@ static int library_export_close(struct library_export_files *files, const struct
     }
     if (!well) {
         epub_book_free(files->book);
-    } else if (files->book && epub_book_close(files->book, recital->voice, why)) {
+    } else if (files->book && epub_book_close(files->book, narration->voice, why)) {
         cli_complain("%s: %s", files->epub, why);
         result = -1;
     }
@@ -149,7 +149,7 @@ static const char usage[] =
 
 struct exporting {
     struct library_export_files files;
-    struct recital recital;
+    struct narration narration;
     struct speech_request request;
     const char *folder, *work, *voice;
     bool silent, progress, failed;
@@ -160,7 +160,7 @@ struct exporting {
 
 static int on_segment(void *ctx, const struct media_segment *segment, const char *text, const char *markup) {
     struct exporting *x = ctx;
-    return library_export_segment(&x->files, &x->recital, segment, text, markup);
+    return library_export_segment(&x->files, &x->narration, segment, text, markup);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
@@ -172,15 +172,15 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
 
 static int on_section(void *ctx, const struct section *section) {
     struct exporting *x = ctx;
-    struct recital_part part = {0};
+    struct narration_part part = {0};
     if (!x->silent)
-        recital_section(&x->recital, section, &part);
-    int stop = x->recital.stopped || library_export_section(&x->files, section, &part, x->recital.rate);
-    recital_part_free(&part);
+        narration_section(&x->narration, section, &part);
+    int stop = x->narration.stopped || library_export_section(&x->files, section, &part, x->narration.rate);
+    narration_part_free(&part);
     x->done++;
     if (x->progress)
         fprintf(stderr, "%u of %u sections, %.0f s\n", x->done, x->sections,
-                x->recital.rate ? (double)x->recital.samples / x->recital.rate : 0);
+                x->narration.rate ? (double)x->narration.samples / x->narration.rate : 0);
     return stop;
 }
 
@@ -279,26 +279,26 @@ static int speak(struct exporting *x, const struct settings *settings) {
         x->request.voice = mem_strdup(recorded ? voice : x->voice);
     x->failed |= !x->silent && cli_open(&cli, &own);
     if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
-        x->recital = (struct recital){.pipeline = &cli.components.pipeline,
-                                      .request = &x->request,
-                                      .lang = x->meta.lang,
-                                      .any_lang = recorded,
-                                      .sentences = x->recital.sentences,
-                                      .segment = on_segment,
-                                      .problem = on_problem,
-                                      .ctx = x};
+        x->narration = (struct narration){.pipeline = &cli.components.pipeline,
+                                          .request = &x->request,
+                                          .lang = x->meta.lang,
+                                          .any_lang = recorded,
+                                          .sentences = x->narration.sentences,
+                                          .segment = on_segment,
+                                          .problem = on_problem,
+                                          .ctx = x};
         struct work_meta again = {.lang = mem_strdup(settings->lang)};
         if (work_read(x->folder, x->file, &again, &sink, &e))
             x->failed = true;
         work_meta_free(&again);
-        if (!x->silent && !x->recital.samples) {
+        if (!x->silent && !x->narration.samples) {
             cli_complain("%s: nothing of it could be spoken", x->file);
             x->failed = true;
         }
-        x->failed |= library_export_close(&x->files, &x->recital, x->silent || x->recital.samples) != 0;
+        x->failed |= library_export_close(&x->files, &x->narration, x->silent || x->narration.samples) != 0;
     } else {
         x->failed = true;
-        library_export_close(&x->files, &x->recital, false);
+        library_export_close(&x->files, &x->narration, false);
     }
     if (!x->silent)
         cli_close(&cli);
@@ -320,7 +320,7 @@ static int library_export_main(int argc, char **argv, const struct settings *set
         {.name = "voice", .letter = 'v', .kind = CLI_TEXT, .out = &x.voice},
         {.name = "rate", .letter = 'r', .kind = CLI_NUMBER, .out = &rate, .min = 40, .max = 500},
         {.name = "fps", .kind = CLI_NUMBER, .out = &fps, .min = 1, .max = 120},
-        {.name = "sentences", .kind = CLI_FLAG, .out = &x.recital.sentences},
+        {.name = "sentences", .kind = CLI_FLAG, .out = &x.narration.sentences},
         {.name = "silent", .kind = CLI_FLAG, .out = &x.silent},
         {.name = "progress", .kind = CLI_FLAG, .out = &x.progress},
         {0}};

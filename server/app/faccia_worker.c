@@ -17,33 +17,33 @@
 
 /* ---- worker side: offers this machine's voices to the work queue and speaks its sentences ---- */
 
-struct worker_hands;
+struct worker_side;
 
-extern const struct work_hands_events worker_hands_events;
+extern const struct work_hands_events worker_side_events;
 
 enum { PLUGINS_MOST = 64 };
 
 /* A plugin's voices, and the number of its sentences in progress. */
-struct hand {
+struct voice_queue {
     size_t plugin; /* index in the pool */
     char queue[REDIS_HASH_BYTES];
     char *voices;
     unsigned live, ahead;
 };
 
-struct worker_hands {
+struct worker_side {
     struct voice_pool *pool;
     struct work_hands *hands;
-    struct hand list[PLUGINS_MOST];
+    struct voice_queue list[PLUGINS_MOST];
     size_t count;
     struct work_offer offers[PLUGINS_MOST];
     bool ended;
 };
 
 struct sentence {
-    struct worker_hands *w;
+    struct worker_side *w;
     struct work_item *item;
-    struct hand *hand;
+    struct voice_queue *queue;
     struct voice_job *job;
     struct buf frames;
     bool whole; /* all audio went out as frames */
@@ -60,43 +60,44 @@ static char *voices_of(const struct voice_plugin *plugin) {
 
 /* Names the queue by a hash of plugin, file and configuration, so that machines with the same voices share
  * it. Hashing keeps secrets in the configuration here. */
-static void name_queue(struct hand *hand, const struct voice_plugin *plugin) {
+static void name_queue(struct voice_queue *queue, const struct voice_plugin *plugin) {
     char form[WORK_FORM_BYTES + 1];
     struct buf key = {0};
     work_form(form);
-    buf_printf(&key, "%s\n%s\n%s\n%s\n%s", form, plugin->name, plugin->edition, plugin->config, hand->voices);
-    redis_hash_of(&key, hand->queue);
+    buf_printf(&key, "%s\n%s\n%s\n%s\n%s", form, plugin->name, plugin->edition, plugin->config,
+               queue->voices);
+    redis_hash_of(&key, queue->queue);
     buf_free(&key);
 }
 
-static struct hand *hand_of(struct worker_hands *w, size_t index, const struct voice_plugin *plugin) {
+static struct voice_queue *queue_of(struct worker_side *w, size_t index, const struct voice_plugin *plugin) {
     for (size_t i = 0; i < w->count; i++)
         if (w->list[i].plugin == index)
             return &w->list[i];
     if (w->count == PLUGINS_MOST)
         return NULL;
-    struct hand *hand = &w->list[w->count++];
-    hand->plugin = index;
-    hand->voices = voices_of(plugin);
-    name_queue(hand, plugin);
+    struct voice_queue *queue = &w->list[w->count++];
+    queue->plugin = index;
+    queue->voices = voices_of(plugin);
+    name_queue(queue, plugin);
     log_info("speaks for others: the voice %s", plugin->name);
-    return hand;
+    return queue;
 }
 
 static size_t offers(void *ctx, const struct work_offer **out) {
-    struct worker_hands *w = ctx;
+    struct worker_side *w = ctx;
     struct voice_plugin plugin;
     size_t count = 0;
     *out = w->offers;
     for (size_t i = 0; w->pool && !w->ended && voice_pool_plugin(w->pool, i, &plugin); i++) {
-        struct hand *hand = plugin.runs && plugin.description ? hand_of(w, i, &plugin) : NULL;
-        if (!hand)
+        struct voice_queue *queue = plugin.runs && plugin.description ? queue_of(w, i, &plugin) : NULL;
+        if (!queue)
             continue;
-        unsigned all = hand->live + hand->ahead;
+        unsigned all = queue->live + queue->ahead;
         w->offers[count++] = (struct work_offer){
-            .source = {hand->queue, plugin.name, hand->voices},
-            .live = plugin.seats > hand->live ? plugin.seats - hand->live
-                                              : 0, /* prerendered sentences give way */
+            .source = {queue->queue, plugin.name, queue->voices},
+            .live = plugin.seats > queue->live ? plugin.seats - queue->live
+                                               : 0, /* prerendered sentences give way */
             .ahead = plugin.seats > all ? plugin.seats - all : 0,
         };
     }
@@ -104,7 +105,7 @@ static size_t offers(void *ctx, const struct work_offer **out) {
 }
 
 static unsigned *count_of(struct sentence *s) {
-    return s->item->turn == WORK_AHEAD ? &s->hand->ahead : &s->hand->live;
+    return s->item->turn == WORK_AHEAD ? &s->queue->ahead : &s->queue->live;
 }
 
 static void forget(struct sentence *s) {
@@ -119,7 +120,7 @@ static void on_frames(void *ctx, const struct buf *frames) {
 }
 
 static void end(struct sentence *s, enum work_end how, const char *why) {
-    struct worker_hands *w = s->w;
+    struct worker_side *w = s->w;
     const struct buf text = {(uint8_t *)why, why ? strlen(why) : 0, 0};
     --*count_of(s);
     work_answer(s->item, how, why ? &text : &s->frames);
@@ -155,7 +156,7 @@ static void on_failed(void *ctx, const struct error *e) {
 static void on_taken(void *ctx, struct work_item *item) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     static const enum voice_turn turns[WORK_TURNS] = {VOICE_TURN_URGENT, VOICE_TURN_USUAL, VOICE_TURN_AHEAD};
-    struct worker_hands *w = ctx;
+    struct worker_side *w = ctx;
     struct error e;
     struct sentence *s = mem_alloc(sizeof *s);
     s->w = w;
@@ -163,9 +164,9 @@ static void on_taken(void *ctx, struct work_item *item) {
     item->mine = s;
     for (size_t i = 0; i < w->count; i++)
         if (!strcmp(w->list[i].queue, item->queue))
-            s->hand = &w->list[i];
+            s->queue = &w->list[i];
     ++*count_of(s);
-    s->job = voice_pool_speak_frames(w->pool, s->hand->plugin, &item->sentence, turns[item->turn], on_frames,
+    s->job = voice_pool_speak_frames(w->pool, s->queue->plugin, &item->sentence, turns[item->turn], on_frames,
                                      &callbacks, s, &e);
     if (s->job)
         return;
@@ -182,31 +183,31 @@ static void on_lost(void *ctx, struct work_item *item) {
     forget(s);
 }
 
-const struct work_hands_events worker_hands_events = {offers, on_taken, on_lost};
+const struct work_hands_events worker_side_events = {offers, on_taken, on_lost};
 
-static struct worker_hands *worker_hands_new(void) {
-    return mem_alloc(sizeof(struct worker_hands));
+static struct worker_side *worker_side_new(void) {
+    return mem_alloc(sizeof(struct worker_side));
 }
 
-static void worker_hands_free(struct worker_hands *w) {
+static void worker_side_free(struct worker_side *w) {
     for (size_t i = 0; w && i < w->count; i++)
         free(w->list[i].voices);
     free(w);
 }
 
 /* Starts to offer the pool's voices. */
-static void worker_hands_begin(struct worker_hands *w, struct voice_pool *pool, struct work_hands *hands) {
+static void worker_side_begin(struct worker_side *w, struct voice_pool *pool, struct work_hands *hands) {
     w->pool = pool;
     w->hands = hands;
 }
 
 /* Stops taking sentences. */
-static void worker_hands_end(struct worker_hands *w) {
+static void worker_side_end(struct worker_side *w) {
     w->ended = true;
 }
 
 /* Number of sentences in progress. */
-static size_t worker_hands_busy(const struct worker_hands *w) {
+static size_t worker_side_busy(const struct worker_side *w) {
     size_t busy = 0;
     for (size_t i = 0; i < w->count; i++)
         busy += w->list[i].live + w->list[i].ahead;
@@ -222,7 +223,7 @@ struct speaker {
     struct settings settings;
     struct voice_pool *pool;
     struct work_hands *hands;
-    struct worker_hands *work;
+    struct worker_side *work;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
     uint64_t end_by;
@@ -253,7 +254,7 @@ static void stop(struct speaker *p) {
 
 static void on_ending(uv_timer_t *timer) {
     struct speaker *p = timer->data;
-    if (!worker_hands_busy(p->work) || uv_now(&p->loop) >= p->end_by)
+    if (!worker_side_busy(p->work) || uv_now(&p->loop) >= p->end_by)
         stop(p);
 }
 
@@ -261,7 +262,7 @@ static void drain(struct speaker *p) {
     p->draining = true;
     p->end_by = uv_now(&p->loop) + (uint64_t)p->settings.stop_seconds * 1000;
     service_stopping();
-    worker_hands_end(p->work);
+    worker_side_end(p->work);
     uv_timer_start(&p->ending, on_ending, 0, LOOK_MS);
 }
 
@@ -288,7 +289,7 @@ static void on_ready(void *ctx) {
     snprintf(status, sizeof status, "%zu voices", count);
     log_info("ready: %s", status);
     service_ready(status);
-    worker_hands_begin(p->work, p->pool, p->hands);
+    worker_side_begin(p->work, p->pool, p->hands);
     work_hands_look(p->hands);
 }
 
@@ -311,8 +312,8 @@ static int start(struct speaker *p, struct error *e) {
     voices.boundaries = NULL;
     if (!p->settings.cluster || !*p->settings.cluster)
         return error_in_field(e, ERROR_BAD_FIELD, "--cluster", "is missing: where to take sentences from");
-    p->work = worker_hands_new();
-    p->hands = redis_hands_open(&p->loop, p->settings.cluster, &worker_hands_events, p->work, e);
+    p->work = worker_side_new();
+    p->hands = redis_hands_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
     if (!p->hands)
         return -1;
     p->pool = voice_pool_open(&p->loop, &voices, on_ready, p, e);
@@ -333,7 +334,7 @@ static int run(struct speaker *p) {
         complain(&e);
     uv_run(&p->loop, UV_RUN_DEFAULT);
     uv_loop_close(&p->loop);
-    worker_hands_free(p->work);
+    worker_side_free(p->work);
     return p->failed;
 }
 

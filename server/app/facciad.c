@@ -17,7 +17,7 @@
 #include "server/http/transport.h"
 #include "server/net/net.h"
 #include "server/net/offer.h"
-#include "server/publish/speak_ahead.h"
+#include "server/publish/prerender.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
 #include <stdio.h>
@@ -156,21 +156,22 @@ static void cluster_setup_close(struct cluster_setup *setup) {
 
 /* Starts to prerender the library once there are voices, if the settings ask for it and it has not
  * started. */
-static void start_prerender(struct speak_ahead **ahead, const struct settings *s,
+static void start_prerender(struct prerender **prerender, const struct settings *s,
                             const struct pipeline *pipeline, struct library *library) {
     const struct cache_options *cache = &s->voices.cache;
     uint64_t kept = cache->file && *cache->file ? cache->file_bytes : cache->bytes;
     uint64_t most = s->ahead_bytes ? s->ahead_bytes : kept / 4 * 3;
     struct error e;
-    if (*ahead || !s->ahead || !library)
+    if (*prerender || !s->ahead || !library)
         return;
     if (!kept)
-        log_warn("nothing is spoken ahead: finished sentences are not kept (--cache, --cache-file)");
+        log_warn("nothing is prerendered: finished sentences are not kept (--cache, --cache-file)");
     else if (voice_pool_settled(pipeline->voices, s->ahead, NULL) &&
              !voice_pool_find(pipeline->voices, s->ahead, NULL, NULL, &e))
-        log_warn("nothing is spoken ahead: --library-ahead: %s", e.message);
+        log_warn("nothing is prerendered: --library-ahead: %s", e.message);
     else
-        *ahead = speak_ahead_open(pipeline, library, s->ahead, most < kept ? most : kept, s->net.text_bytes);
+        *prerender =
+            prerender_open(pipeline, library, s->ahead, most < kept ? most : kept, s->net.text_bytes);
 }
 
 enum {
@@ -364,7 +365,7 @@ struct daemon {
     struct library *library; /* NULL = none */
     char *voice_config;      /* including the library's recordings; NULL: none */
     struct cluster_setup cluster;
-    struct speak_ahead *ahead;
+    struct prerender *prerender;
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -392,7 +393,7 @@ static struct net_options net_options_of(struct daemon *d) {
     options.library = d->library;
     options.reader = d->reader;
     options.gestures = d->settings.gestures;
-    options.on_gestures = (struct shelf_listener){on_gestures, d};
+    options.on_gestures = (struct document_store_listener){on_gestures, d};
     options.works = d->settings.library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
@@ -429,7 +430,7 @@ static void on_ready(void *ctx) {
         return;
     }
     net_set_ready(d->net);
-    start_prerender(&d->ahead, &d->settings, &d->components.pipeline, d->library);
+    start_prerender(&d->prerender, &d->settings, &d->components.pipeline, d->library);
     snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->components.packs.count);
     log_info("ready: %s", status);
     service_ready(status);
@@ -478,7 +479,7 @@ static void stop(struct daemon *d) {
     d->stopped = true;
     if (d->net)
         net_close(d->net);
-    speak_ahead_close(d->ahead);
+    prerender_close(d->prerender);
     components_stop_voices(&d->components);
     cluster_setup_close(&d->cluster);
     coder_pool_close(d->coders);

@@ -4,7 +4,7 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/sampa.h"
-#include "server/fit/arpabet.h"
+#include "server/fit/measured_speech.h"
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>

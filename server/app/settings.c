@@ -3,7 +3,7 @@
 #include "server/app/settings_internal.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
@@ -266,13 +266,14 @@ static int set_member(struct settings *s, enum program program, const char *grou
                        : set_from_json(s, &settings_table[i], value, e);
     if (!strcmp(path, "access.token_file"))
         return setting_was_renamed(path, e);
-    struct near near = near_to(path);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(path);
+    char text[SUGGESTIONS_TEXT];
     for (size_t i = 0; i < settings_count; i++) {
-        near_try(&near, settings_table[i].path, settings_table[i].path);
-        near_try(&near, settings_table[i].option, settings_table[i].path);
+        suggest_name(&near, settings_table[i].path, settings_table[i].path);
+        suggest_name(&near, settings_table[i].option, settings_table[i].path);
     }
-    return error_in_field(e, ERROR_BAD_FIELD, path, "there is no such setting%s", near_text(&near, text));
+    return error_in_field(e, ERROR_BAD_FIELD, path, "there is no such setting%s",
+                          suggestions_text(&near, text));
 }
 
 int settings_from_file(struct settings *s, enum program program, const char *file, struct error *e) {

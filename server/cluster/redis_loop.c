@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/redis_loop.h"
 #include "server/base/buf.h"
+#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
-#include "server/base/turn_end.h"
 #include "server/cluster/redis_link.h"
 #include "server/cluster/reply_check.h"
 #include <errno.h>
@@ -23,7 +23,7 @@ struct question {
 
 struct redis_loop {
     uv_poll_t poll;
-    struct turn_end *end; /* waits while something is to be written then */
+    struct loop_idle *end; /* waits while something is to be written then */
     struct redis_loop_events events;
     void *ctx;
     int fd, polled;
@@ -50,7 +50,7 @@ static void lose(struct redis_loop *l, const char *why) {
     if (l->lost || l->closed)
         return;
     l->lost = true;
-    turn_end_wait(l->end, false);
+    loop_idle_wait(l->end, false);
     uv_poll_stop(&l->poll);
     l->events.lost(l->ctx, why);
 }
@@ -114,7 +114,7 @@ static void write_unsent(struct redis_loop *l) {
     }
     if (size > 0)
         buf_consume(&l->unsent, (size_t)size);
-    turn_end_wait(l->end, false);
+    loop_idle_wait(l->end, false);
     poll_for(l, UV_READABLE | (l->unsent.size ? UV_WRITABLE : 0));
 }
 
@@ -182,7 +182,7 @@ struct redis_loop *redis_loop_open(uv_loop_t *loop, const struct sockaddr *to, s
         return NULL;
     }
     l->poll.data = l;
-    l->end = turn_end_open(loop, write_now, l);
+    l->end = loop_idle_open(loop, write_now, l);
     poll_for(l, UV_WRITABLE); /* it is when it is connected */
     return l;
 }
@@ -195,7 +195,7 @@ static void write_command(struct redis_loop *l, const struct link_text *words, i
         buf_add(&l->unsent, "\r\n", 2);
     }
     if (l->connected && !(l->polled & UV_WRITABLE))
-        turn_end_wait(l->end, true);
+        loop_idle_wait(l->end, true);
 }
 
 void redis_loop_ask(struct redis_loop *l, const struct link_text *words, int count,
@@ -230,7 +230,7 @@ static void on_closed(uv_handle_t *poll) {
 
 void redis_loop_close(struct redis_loop *l) {
     l->closed = true;
-    turn_end_close(l->end);
+    loop_idle_close(l->end);
     uv_close((uv_handle_t *)&l->poll, on_closed);
     close(l->fd);
     while (l->questions) {

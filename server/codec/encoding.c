@@ -2,7 +2,7 @@
 #include "server/codec/encoding.h"
 #include "protocol/chunk.h"
 #include "protocol/compact.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,15 +27,15 @@ const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FAPC, 0, f
 const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, 0, false};
 
 static int find(const struct codec *list, const char *name, const char *field, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (; list->name; list++) {
         if (!strcmp(list->name, name))
             return list->codec;
-        near_try(&near, list->name, list->name);
+        suggest_name(&near, list->name, list->name);
     }
     return error_in_field(e, ERROR_UNKNOWN_CODEC, field, "no %s codec '%.80s'%s", field, name,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 int encoding_audio(const char *name, struct error *e) {

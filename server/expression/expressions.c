@@ -80,12 +80,12 @@ int expressions_sort_names(struct expressions *all, const struct expression_name
     return 0;
 }
 
-struct near expressions_near(const struct expressions *all, const char *kind, const char *name) {
-    struct near near = near_to(name);
+struct suggestions expressions_near(const struct expressions *all, const char *kind, const char *name) {
+    struct suggestions near = suggestions_for(name);
     bool gesture = !strcmp(kind, EXPRESSION_GESTURE);
     for (size_t i = 0; i < all->name_count; i++)
         if (!strcmp(all->names[i].kind, kind) || (gesture && !strcmp(all->names[i].kind, "signal")))
-            near_try(&near, all->names[i].name, all->names[i].name);
+            suggest_name(&near, all->names[i].name, all->names[i].name);
     return near;
 }
 

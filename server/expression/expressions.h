@@ -6,7 +6,7 @@
 #define FACCIA_EXPRESSION_EXPRESSIONS_H
 
 #include "server/base/error.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -47,7 +47,8 @@ struct expression_info expressions_info(const struct expressions *expressions, s
 int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
 
 /* For a name that is not found: those of that kind that come near. */
-struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
+struct suggestions expressions_near(const struct expressions *expressions, const char *kind,
+                                    const char *name);
 
 /* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's
  * factors for rate, pitch, range and volume at its intensity, and names the affect in style.emotion. A cue

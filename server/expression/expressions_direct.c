@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voice's part of the expressions. */
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
@@ -92,10 +92,10 @@ static void hand_down(struct voice_change *tree, size_t count) {
 static int find(const struct expressions *expressions, struct score *score, const struct score_cue *cue) {
     int found = expressions_find(expressions, cue->kind, cue->name);
     if (found < 0) {
-        struct near near = expressions_near(expressions, cue->kind, cue->name);
-        char text[NEAR_TEXT];
+        struct suggestions near = expressions_near(expressions, cue->kind, cue->name);
+        char text[SUGGESTIONS_TEXT];
         score_warn(score, cue->at, ERROR_UNKNOWN_EXPRESSION, "no %s '%.80s': not shown%s", cue->kind,
-                   cue->name, near_text(&near, text));
+                   cue->name, suggestions_text(&near, text));
     }
     return found;
 }

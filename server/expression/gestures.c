@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/expression/gestures.h"
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
 #include <dirent.h>
@@ -211,7 +211,7 @@ int gestures_load(struct expressions *all, const char *folder, struct error *e) 
         char path[4096], text[320];
         struct error inner = {0};
         snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
-        if (!result && beneath_leads_outside(folder, entries[i]->d_name))
+        if (!result && path_leads_outside(folder, entries[i]->d_name))
             result = error_set(e, ERROR_BAD_EXPRESSIONS, "%.200s: leads out of the folder of gestures", path);
         else if (!result && gesture_load(all, path, &inner))
             result = error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));

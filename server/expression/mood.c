@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
@@ -108,11 +108,11 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
     for (size_t i = 0; i < count; i++) {
         int found = expressions_find(mood->expressions, "affect", names[i]);
         if (found < 0) {
-            char field[32], text[NEAR_TEXT];
-            struct near near = expressions_near(mood->expressions, "affect", names[i]);
+            char field[32], text[SUGGESTIONS_TEXT];
+            struct suggestions near = expressions_near(mood->expressions, "affect", names[i]);
             snprintf(field, sizeof field, "mix.%zu.name", i);
             return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, field, "there is no expression '%.80s'%s",
-                                  names[i], near_text(&near, text));
+                                  names[i], suggestions_text(&near, text));
         }
         to[found] += amount(intensities[i]);
         sum += amount(intensities[i]);

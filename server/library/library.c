@@ -154,12 +154,9 @@ void library_reader_done(struct library *l, struct index_reader *r) {
 
 #define OF_LANG " FROM work WHERE (lang = ?1 OR lang LIKE ?1 || '-%') "
 
-static const char *const states[] = {[LIBRARY_AHEAD_NONE] = "",
-                                     [LIBRARY_AHEAD_WAITING] = "waiting",
-                                     [LIBRARY_AHEAD_SPEAKING] = "speaking",
-                                     [LIBRARY_AHEAD_RESTING] = "resting",
-                                     [LIBRARY_AHEAD_DONE] = "done",
-                                     [LIBRARY_AHEAD_FULL] = "full"};
+static const char *const states[] = {
+    [PRERENDER_NONE] = "",           [PRERENDER_WAITING] = "waiting", [PRERENDER_SPEAKING] = "speaking",
+    [PRERENDER_RESTING] = "resting", [PRERENDER_DONE] = "done",       [PRERENDER_FULL] = "full"};
 
 uint64_t library_version(struct library *l) {
     pthread_mutex_lock(&l->mutex);
@@ -215,22 +212,22 @@ void library_sections(struct library *l, const char *lang, unsigned *out) {
         library_reader_done(l, r);
 }
 
-void library_set_ahead(struct library *l, const struct library_ahead *ahead) {
+void library_set_prerender(struct library *l, const struct library_prerender *p) {
     pthread_mutex_lock(&l->mutex);
-    l->ahead = *ahead;
+    l->prerender = *p;
     pthread_mutex_unlock(&l->mutex);
 }
 
-static struct library_ahead ahead_of(struct library *l) {
+static struct library_prerender prerender_of(struct library *l) {
     pthread_mutex_lock(&l->mutex);
-    struct library_ahead ahead = l->ahead;
+    struct library_prerender p = l->prerender;
     pthread_mutex_unlock(&l->mutex);
-    return ahead;
+    return p;
 }
 
-json_t *library_ahead_json(struct library *l) {
-    const struct library_ahead a = ahead_of(l);
-    return a.state == LIBRARY_AHEAD_NONE
+json_t *library_prerender_json(struct library *l) {
+    const struct library_prerender a = prerender_of(l);
+    return a.state == PRERENDER_NONE
                ? NULL
                : json_pack("{ss ss sI sI sI sI}", "voice", a.voice, "state", states[a.state], "done",
                            (json_int_t)a.done, "of", (json_int_t)a.of, "bytes", (json_int_t)a.bytes, "most",
@@ -238,9 +235,9 @@ json_t *library_ahead_json(struct library *l) {
 }
 
 void library_metrics(struct library *l, struct buf *out) {
-    const struct library_ahead a = ahead_of(l);
+    const struct library_prerender a = prerender_of(l);
     alignments_metrics(l->alignments, out);
-    if (a.state == LIBRARY_AHEAD_NONE)
+    if (a.state == PRERENDER_NONE)
         return;
     buf_printf(out,
                "# HELP faccia_library_ahead_sections Sections of the library that are spoken ahead, and that "

@@ -50,20 +50,20 @@ int library_answer(struct library *library, const struct library_question *quest
                    struct error *e);
 
 /* Progress of prerendering (publish/prerender.h), in sections and bytes of sound. */
-struct library_ahead {
+struct library_prerender {
     char voice[80];
-    enum library_ahead_state {
-        LIBRARY_AHEAD_NONE,
-        LIBRARY_AHEAD_WAITING, /* for the voice or the index */
-        LIBRARY_AHEAD_SPEAKING,
-        LIBRARY_AHEAD_RESTING, /* somebody is using the voice */
-        LIBRARY_AHEAD_DONE,
-        LIBRARY_AHEAD_FULL, /* the cache limit is reached */
+    enum library_prerender_state {
+        PRERENDER_NONE,
+        PRERENDER_WAITING, /* for the voice or the index */
+        PRERENDER_SPEAKING,
+        PRERENDER_RESTING, /* somebody is using the voice */
+        PRERENDER_DONE,
+        PRERENDER_FULL, /* the cache limit is reached */
     } state;
     unsigned done, of;
     uint64_t bytes, most;
 };
-void library_set_ahead(struct library *library, const struct library_ahead *ahead);
+void library_set_prerender(struct library *library, const struct library_prerender *prerender);
 
 /* Changes whenever the works change; 0 during the first scan. */
 uint64_t library_version(struct library *library);

@@ -561,7 +561,7 @@ static json_t *list_works(struct library *l, struct index_reader *r, const struc
             json_array_remove(works, limit);
             next = json_incref(json_object_get(json_array_get(works, limit - 1), "id"));
         }
-        json_t *ahead = library_ahead_json(l);
+        json_t *ahead = library_prerender_json(l);
         sqlite3_step(sum);
         pthread_mutex_lock(&l->mutex);
         answer =

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/library_files.h"
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/library/words.h"
 #include "server/library/work.h"
 #include <dirent.h>
@@ -53,10 +53,10 @@ static void add(struct library_files *files, const char *path, const struct stat
  * visited at its real path. */
 static void add_link(struct library_files *files, int root, const char *path, struct stat *info) {
     struct stat target;
-    int fd = beneath_open_at(root, path, O_RDONLY), why = errno;
+    int fd = open_below_at(root, path, O_RDONLY), why = errno;
     if (fd >= 0 && !fstat(fd, &target) && S_ISREG(target.st_mode))
         add(files, path, &target, false);
-    else if (fd < 0 && beneath_is_outside(why) && !fstatat(root, path, &target, 0) &&
+    else if (fd < 0 && error_is_outside(why) && !fstatat(root, path, &target, 0) &&
              (S_ISDIR(target.st_mode) || work_is(path)))
         add(files, path, info, true);
     if (fd >= 0)
@@ -142,7 +142,7 @@ const struct library_file *library_files_sound(const struct library_files *files
 bool library_file_hash(const char *folder, const char *path, char out[65]) {
     unsigned char data[65536], digest[32];
     unsigned length = 0;
-    FILE *file = folder ? beneath_file(folder, path) : fopen(path, "rb");
+    FILE *file = folder ? open_file_below(folder, path) : fopen(path, "rb");
     EVP_MD_CTX *context = EVP_MD_CTX_new();
     size_t got;
     EVP_DigestInit_ex(context, EVP_sha256(), NULL);
@@ -191,7 +191,7 @@ bool library_file_beside(const char *folder, const char *path, const char *endin
     struct stat info;
     if (!dot || snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, ending) >= (int)sizeof file)
         return false;
-    int fd = beneath_open(folder, file, O_RDONLY);
+    int fd = open_below(folder, file, O_RDONLY);
     bool found = fd >= 0 && !fstat(fd, &info) && S_ISREG(info.st_mode) && path_of(fd, out);
     if (fd >= 0)
         close(fd);

@@ -150,14 +150,15 @@ struct library {
     struct reader reader;          /* program is owned */
     struct alignments *alignments; /* NULL: recordings are not used as voices */
     uint64_t signature;            /* hash of the files of the last scan; set by the scanning thread */
-    struct library_ahead ahead;
+    struct library_prerender prerender;
 };
 
 /* library.c */
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
 
-/* search.c: adds the SQL function worth(found): a larger value is a better match. -1: SQLite refuses. */
+/* search_query.c: adds the SQL function worth(found): a larger value is a better match. -1: SQLite refuses.
+ */
 int search_rank_add(sqlite3 *sql);
 
 /* library_scan.c: the scanning thread. */
@@ -166,7 +167,7 @@ void *library_scan(void *library);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct answer_limit *limit, struct error *e);
 
-json_t *library_ahead_json(struct library *library); /* NULL: prerendering is off */
+json_t *library_prerender_json(struct library *library); /* NULL: prerendering is off */
 
 /* A limit that expires `ms` milliseconds from now. */
 struct answer_limit answer_limit_in(unsigned ms, const atomic_bool *given_up);

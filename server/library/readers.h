@@ -163,4 +163,40 @@ int plain_work_read(const char *data, size_t size, struct work_meta *meta, struc
 int markup_work_read(const char *data, size_t size, const char *markup, struct work_meta *meta,
                      struct builder *builder, struct error *e);
 
+/* tei_elements.c: what the TEI reader does with an element. */
+enum tei_act {
+    ACT_PASS, /* only its content counts */
+    ACT_UNKNOWN,
+    ACT_SKIP,
+    ACT_ROOT,
+    ACT_HEADER,
+    ACT_BODY,
+    ACT_DIV,
+    ACT_HEAD,
+    ACT_PARAGRAPH,
+    ACT_ITEM,
+    ACT_GROUP,
+    ACT_LINE,
+    ACT_SPEECH,
+    ACT_SPEAKER,
+    ACT_STAGE,
+    ACT_NOTE,
+    ACT_EMPHASIS,
+    ACT_FOREIGN,
+    ACT_NAME,
+    ACT_PAGE,
+    ACT_COLUMN, /* a column break or another marker that is not white space */
+    ACT_BREAK,
+    ACT_SPACE,
+    ACT_GAP,
+    ACT_CHOICE, /* has alternatives, of which one is read */
+    ACT_EXPANSION,
+    ACT_SIGN, /* abbreviation sign, not read where the abbreviation is expanded */
+    ACT_WORD,
+    ACT_POINT, /* punctuation */
+    ACT_REFERENCE,
+    ACT_FIGURE,
+};
+enum tei_act tei_act_of(const char *name);
+
 #endif

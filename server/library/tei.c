@@ -8,40 +8,6 @@
 
 /* TEI P5 (Guidelines, https://tei-c.org/guidelines/p5): the elements that literature needs. */
 
-enum tei_act {
-    ACT_PASS, /* only its content counts */
-    ACT_UNKNOWN,
-    ACT_SKIP,
-    ACT_ROOT,
-    ACT_HEADER,
-    ACT_BODY,
-    ACT_DIV,
-    ACT_HEAD,
-    ACT_PARAGRAPH,
-    ACT_ITEM,
-    ACT_GROUP,
-    ACT_LINE,
-    ACT_SPEECH,
-    ACT_SPEAKER,
-    ACT_STAGE,
-    ACT_NOTE,
-    ACT_EMPHASIS,
-    ACT_FOREIGN,
-    ACT_NAME,
-    ACT_PAGE,
-    ACT_COLUMN, /* a column break or another marker that is not white space */
-    ACT_BREAK,
-    ACT_SPACE,
-    ACT_GAP,
-    ACT_CHOICE, /* has alternatives, of which one is read */
-    ACT_EXPANSION,
-    ACT_SIGN, /* abbreviation sign, not read where the abbreviation is expanded */
-    ACT_WORD,
-    ACT_POINT, /* punctuation */
-    ACT_REFERENCE,
-    ACT_FIGURE,
-};
-
 struct tei_frame {
     enum tei_act act;
     bool opened;            /* it opened something that its end must close */
@@ -86,68 +52,6 @@ struct tei {
     size_t unknown_count;
     bool is_tei;
 };
-
-/* Element names by action, separated by spaces. */
-static const struct {
-    enum tei_act act;
-    const char *names;
-} elements[] = {
-    {ACT_ROOT, "TEI TEI.2 teiCorpus text"},
-    {ACT_HEADER, "teiHeader"},
-    {ACT_BODY, "front body back"},
-    {ACT_DIV, "div div0 div1 div2 div3 div4 div5 div6 div7 prologue epilogue performance"},
-    {ACT_HEAD, "head titlePart"},
-    {ACT_PARAGRAPH, "p ab byline dateline salute signed trailer docAuthor docImprint docDate docEdition "
-                    "imprimatur addrLine"},
-    {ACT_ITEM, "item cell castItem person personGrp place org"},
-    {ACT_GROUP, "lg"},
-    {ACT_LINE, "l"},
-    {ACT_SPEECH, "sp"},
-    {ACT_SPEAKER, "speaker"},
-    {ACT_STAGE, "stage move sound camera tech view caption"},
-    {ACT_NOTE, "note"},
-    {ACT_EMPHASIS, "emph hi title"},
-    {ACT_FOREIGN, "foreign"},
-    {ACT_NAME, "persName placeName name rs orgName geogName"},
-    {ACT_PAGE, "pb"},
-    {ACT_COLUMN, "cb gb handShift anchor"},
-    {ACT_BREAK, "lb"},
-    {ACT_SPACE, "milestone caesura space"},
-    {ACT_GAP, "gap"},
-    {ACT_CHOICE, "choice app rdgGrp"},
-    {ACT_EXPANSION, "expan"},
-    {ACT_SIGN, "am"},
-    {ACT_WORD, "w"},
-    {ACT_POINT, "pc"},
-    {ACT_REFERENCE, "ref"},
-    {ACT_FIGURE, "figure"},
-    {ACT_PASS, "group q quote said cit seg s phr cl m c list table row reg corr ex add supplied unclear "
-               "lem rdg sic orig abbr date num bibl author mentioned term gloss distinct soCalled opener "
-               "closer epigraph floatingText titlePage docTitle label subst forename surname roleName "
-               "addName genName nameLink rhyme met ptr damage surplus secl g restore retrace measure "
-               "measureGrp time country settlement region district bloc geogFeat address street postCode "
-               "postscript castList castGroup argument role roleDesc actor listPerson listPlace listOrg "
-               "set desc publisher pubPlace editor biblScope imprint listBibl biblStruct email idno age "
-               "sex birth death occupation formula ident code eg val att tag gi undo mod link linkGrp "
-               "substJoin damageSpan addSpan delSpan alt altGrp join joinGrp"},
-    {ACT_SKIP, "del fw metamark figDesc graphic media binaryObject standOff facsimile sourceDoc "
-               "witDetail wit interp interpGrp span spanGrp index"},
-};
-
-static bool has_name(const char *names, const char *name, size_t size) {
-    for (const char *at = names; (at = strstr(at, name)); at += size)
-        if ((at == names || at[-1] == ' ') && (at[size] == ' ' || !at[size]))
-            return true;
-    return false;
-}
-
-static enum tei_act tei_act_of(const char *name) {
-    const size_t size = strlen(name);
-    for (size_t i = 0; size && i < sizeof elements / sizeof *elements; i++)
-        if (has_name(elements[i].names, name, size))
-            return elements[i].act;
-    return ACT_UNKNOWN;
-}
 
 /* ---- first pass: the best alternative of choice and app may come last ---- */
 

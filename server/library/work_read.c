@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/base/utf8.h"
 #include "server/base/wire_bytes.h"
 #include "server/base/write_all.h"
@@ -142,9 +142,9 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
 }
 
 FILE *work_open(const char *folder, const char *path, struct error *e) {
-    FILE *file = beneath_file(folder, path);
+    FILE *file = open_file_below(folder, path);
     if (!file)
-        error_set(e, ERROR_BAD_WORK, "%s", beneath_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
+        error_set(e, ERROR_BAD_WORK, "%s", error_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
     return file;
 }
 

@@ -2,21 +2,21 @@
 /* What is there for a room in one turn of the loop leaves together at its end. A daemon that keeps up has one
  * thing at a time, which leaves no later by that; one that does not has several, and writes once for them to
  * each who follows. */
+#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
-#include "server/base/turn_end.h"
 #include "server/net/channel_internal.h"
 #include "server/net/net_internal.h"
 #include <stdlib.h>
 
 struct channel_turn {
-    struct turn_end *end;
+    struct loop_idle *end;
     struct channel *first;
     void (*say)(struct channel *channel);
 };
 
 static void say_all(void *data) {
     struct channel_turn *turn = data;
-    turn_end_wait(turn->end, false);
+    loop_idle_wait(turn->end, false);
     while (turn->first) {
         struct channel *c = turn->first;
         channel_turn_forget(c);
@@ -31,7 +31,7 @@ void channel_turn_add(struct channel *c) {
     c->in_turn = true;
     c->next_in_turn = turn->first;
     turn->first = c;
-    turn_end_wait(turn->end, true);
+    loop_idle_wait(turn->end, true);
 }
 
 void channel_turn_forget(struct channel *c) {
@@ -47,7 +47,7 @@ void channel_turn_forget(struct channel *c) {
 void channel_turn_open(struct net *net, void (*say)(struct channel *channel)) {
     struct channel_turn *turn = mem_alloc(sizeof *turn);
     *turn = (struct channel_turn){.say = say};
-    turn->end = turn_end_open(net->pipeline->loop, say_all, turn);
+    turn->end = loop_idle_open(net->pipeline->loop, say_all, turn);
     net->turn = turn;
 }
 
@@ -58,6 +58,6 @@ void channel_turn_close(struct net *net) {
     while (turn->first)
         channel_turn_forget(turn->first);
     net->turn = NULL;
-    turn_end_close(turn->end);
+    loop_idle_close(turn->end);
     free(turn);
 }

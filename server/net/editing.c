@@ -21,8 +21,8 @@ int gestures_serve(struct exchange *x) {
                                                  gesture_check, NULL};
     const struct net *net = exchange_net(x);
     return shelf_serve(x, &service,
-                       &(struct shelf){folder_of(net, net->options.gestures), ".json", ERROR_NOT_FOUND,
-                                       GESTURE_BYTES, GESTURES_KEPT},
+                       &(struct document_store){folder_of(net, net->options.gestures), ".json",
+                                                ERROR_NOT_FOUND, GESTURE_BYTES, GESTURES_KEPT},
                        net->options.on_gestures);
 }
 
@@ -30,8 +30,8 @@ int works_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
                                                  NULL, work_check_apart};
     const struct net *net = exchange_net(x);
-    return shelf_serve(
-        x, &service,
-        &(struct shelf){folder_of(net, net->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
-        (struct shelf_listener){0});
+    return shelf_serve(x, &service,
+                       &(struct document_store){folder_of(net, net->options.works), "", ERROR_NOT_FOUND,
+                                                WORK_BYTES, WORKS_KEPT},
+                       (struct document_store_listener){0});
 }

@@ -5,8 +5,8 @@
 
 #include "server/access/token.h"
 #include "server/base/buf.h"
+#include "server/base/document_store.h"
 #include "server/base/reader_process.h"
-#include "server/base/shelf.h"
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
@@ -41,7 +41,7 @@ struct net_options {
     struct library *library;      /* NULL = none */
     bool editing;                 /* who may operate saves gestures and works */
     const char *gestures, *works; /* folders of those; NULL = none */
-    struct shelf_listener on_gestures;
+    struct document_store_listener on_gestures;
     unsigned text_bytes;          /* longest text of one speak or POST */
     unsigned message_bytes;       /* longest message of a client */
     unsigned play_bytes;          /* of an uploaded recording, or of a .fap file */

@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/query.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/net/http_request.h"
 #include "server/synthesis/speech_request.h"
 #include <string.h>
 
 static void check(const char *name, const struct members *known,
                   void (*warn)(void *ctx, const struct error *e), void *ctx) {
-    struct near near = near_to(name);
+    struct suggestions near = suggestions_for(name);
     struct error e;
-    char text[NEAR_TEXT];
+    char text[SUGGESTIONS_TEXT];
     const char *field;
     for (const char *const *more = known->more; more && *more; more++) {
         if (!strcmp(*more, name))
             return;
-        near_try(&near, *more, *more);
+        suggest_name(&near, *more, *more);
     }
     for (size_t i = 0; known->speech && (field = request_field(i)); i++) {
         if (!strcmp(field, "text"))
             continue;
         if (!strcmp(field, name))
             return;
-        near_try(&near, field, field);
+        suggest_name(&near, field, field);
     }
-    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name, near_text(&near, text));
+    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name,
+                   suggestions_text(&near, text));
     warn(ctx, &e);
 }
 

@@ -130,7 +130,7 @@ int scenes_serve(struct exchange *x) {
     static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check,
                                                 NULL};
     const struct net_options *options = &exchange_net(x)->options;
-    struct shelf shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
-                          options->scene_count};
-    return shelf_serve(x, &scenes, &shelf, (struct shelf_listener){0});
+    struct document_store shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
+                                   options->scene_count};
+    return shelf_serve(x, &scenes, &shelf, (struct document_store_listener){0});
 }

@@ -15,14 +15,14 @@ struct keeping {
     struct exchange *x;   /* NULL: its client is gone */
     atomic_bool given_up; /* for the thread: likewise */
     const struct shelf_service *service;
-    struct shelf shelf;
-    struct shelf_listener listener;
+    struct document_store shelf;
+    struct document_store_listener listener;
     enum doing doing;
-    char name[SHELF_NAME_BYTES];
+    char name[DOCUMENT_NAME_BYTES];
     char *match;
-    struct shelf_condition condition;
+    struct document_condition condition;
     struct buf document; /* as it was read, or is to be saved */
-    struct shelf_entry *entries;
+    struct document_entry *entries;
     size_t count;
     char tag[ETAG_BYTES];
     bool created;
@@ -49,16 +49,16 @@ static void in_thread(struct coder_job *job) {
     struct error *e = &k->error;
     askers_step_back();
     if (k->doing == LISTING)
-        k->result = shelf_list(&k->shelf, &k->entries, &k->count, e);
+        k->result = document_store_list(&k->shelf, &k->entries, &k->count, e);
     else if (k->doing == READING)
-        k->result = shelf_read(&k->shelf, k->name, &k->document, k->tag, e);
+        k->result = document_store_read(&k->shelf, k->name, &k->document, k->tag, e);
     else if (k->doing == SAVING)
-        k->result = check(k) || shelf_save(&k->shelf, k->name, k->document.data, k->document.size,
-                                           k->condition, k->tag, &k->created, e)
+        k->result = check(k) || document_store_save(&k->shelf, k->name, k->document.data, k->document.size,
+                                                    k->condition, k->tag, &k->created, e)
                         ? -1
                         : 0;
     else
-        k->result = shelf_remove(&k->shelf, k->name, k->condition, e);
+        k->result = document_store_remove(&k->shelf, k->name, k->condition, e);
 }
 
 static int answer_list(struct keeping *k) {
@@ -138,7 +138,7 @@ static int on_body_end(void *self) {
 static void read_condition(struct keeping *k, const struct http_request *request) {
     const char *match = http_header(request, "if-match"), *none = http_header(request, "if-none-match");
     k->match = match ? mem_strdup(match) : NULL;
-    k->condition = (struct shelf_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
+    k->condition = (struct document_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
 }
 
 /* What is asked for, by method and address. -1 with *e. */
@@ -149,7 +149,7 @@ static int read_request(struct keeping *k, const struct http_request *request, s
         return error_plain(e, ERROR_NOTHING_KEPT);
     if (!*rest)
         return get ? 0 : error_set(e, ERROR_METHOD_NOT_ALLOWED, "name what is to be saved or removed");
-    if (shelf_check_name(rest + 1, e))
+    if (document_check_name(rest + 1, e))
         return -1;
     snprintf(k->name, sizeof k->name, "%s", rest + 1);
     k->doing = get ? READING : request->method == HTTP_PUT ? SAVING : REMOVING;
@@ -157,8 +157,8 @@ static int read_request(struct keeping *k, const struct http_request *request, s
     return 0;
 }
 
-int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
-                struct shelf_listener listener) {
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct document_store *shelf,
+                struct document_store_listener listener) {
     struct keeping *k = mem_alloc(sizeof *k);
     struct error e;
     *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};

@@ -4,7 +4,7 @@
 #ifndef FACCIA_NET_SHELF_HTTP_H
 #define FACCIA_NET_SHELF_HTTP_H
 
-#include "server/base/shelf.h"
+#include "server/base/document_store.h"
 #include "server/net/net_internal.h"
 
 struct shelf_service {
@@ -19,7 +19,7 @@ struct shelf_service {
 };
 
 /* The shelf is copied; what it and the listener point to lives as long as the daemon. */
-int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
-                struct shelf_listener listener);
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct document_store *shelf,
+                struct document_store_listener listener);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/base/utf8.h"
 #include "server/net/socket_internal.h"
 #include "server/net/surrogates.h"
@@ -124,11 +124,12 @@ static void act(struct socket *s, const json_t *message) {
             types[i].act(s, message);
             return;
         }
-    struct near near = near_to(type);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(type);
+    char text[SUGGESTIONS_TEXT];
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        near_try(&near, types[i].type, types[i].type);
-    error_in_field(&e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type, near_text(&near, text));
+        suggest_name(&near, types[i].type, types[i].type);
+    error_in_field(&e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type,
+                   suggestions_text(&near, text));
     socket_complain(s, &e);
 }
 
@@ -136,7 +137,8 @@ static void act(struct socket *s, const json_t *message) {
 void socket_act(struct socket *s, const json_t *message) {
     const json_t *id = json_object_get(message, "id");
     const char *value = json_string_value(id);
-    s->asked = value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
+    s->asked =
+        value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
     act(s, message);
     s->asked = NULL;
 }
@@ -172,7 +174,8 @@ static void refuse_unread(struct socket *s, const char *data, size_t size, const
     s->asked = NULL;
 }
 
-static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data, size_t size) {
+static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data,
+                 size_t size) {
     struct error e;
     if (message) {
         socket_act(s, message);

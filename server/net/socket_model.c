@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model for a WebSocket client, part by part. */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/net/socket_internal.h"
 #include <string.h>
 
@@ -37,12 +37,12 @@ void socket_send_model(struct socket *s, const json_t *message) {
     if (s->model) {
         push_part(s);
     } else {
-        struct near near = near_to(name ? name : "");
-        char text[NEAR_TEXT];
+        struct suggestions near = suggestions_for(name ? name : "");
+        char text[SUGGESTIONS_TEXT];
         for (size_t i = 0; i < assets->model_count; i++)
-            near_try(&near, assets->models[i].name, assets->models[i].name);
+            suggest_name(&near, assets->models[i].name, assets->models[i].name);
         error_in_field(&e, ERROR_UNKNOWN_MODEL, "name", "no model '%.80s'%s", near.wanted,
-                       near_text(&near, text));
+                       suggestions_text(&near, text));
         socket_complain(s, &e);
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* /v1/speech: a text is asked for, the answer is its sound, its FAPs or its timing. */
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/export/speech_export.h"
 #include "server/net/net_internal.h"
 #include "server/net/post_text.h"
@@ -52,12 +52,12 @@ static void on_failed(void *ctx, const struct error *e) {
 }
 
 static int no_format(const char *name, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (const struct export_format *format = export_formats; format->name; format++)
-        near_try(&near, format->name, format->name);
+        suggest_name(&near, format->name, format->name);
     return error_in_field(e, ERROR_UNKNOWN_FORMAT, "format", "no format '%s'%s", name,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 static int read_request(struct post *p, struct speech_request *request, struct error *e) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sub-protocol for people who type: a line is spoken, /word is a command, and what happens is told in
  * lines. What is typed is turned into the messages of the other protocol. */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/net/socket_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -107,14 +107,14 @@ static void do_command(struct socket *s, const char *line, size_t size) {
     } else if (is("help", line, word)) {
         socket_say(s, json_pack("{ss ss}", "type", "help", "text", help));
     } else {
-        char name[33], text[NEAR_TEXT];
+        char name[33], text[SUGGESTIONS_TEXT];
         snprintf(name, sizeof name, "%.*s", word < 32 ? (int)word : 32, line);
-        struct near near = near_to(name);
+        struct suggestions near = suggestions_for(name);
         for (size_t i = 0; i < sizeof simple / sizeof *simple; i++)
-            near_try(&near, simple[i].command, simple[i].command);
-        near_try_all(&near, settings);
+            suggest_name(&near, simple[i].command, simple[i].command);
+        suggest_names(&near, settings);
         error_set(&e, ERROR_UNKNOWN_COMMAND, "no command /%s; /help tells which there are%s", name,
-                  near_text(&near, text));
+                  suggestions_text(&near, text));
         socket_complain(s, &e);
     }
 }

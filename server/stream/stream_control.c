@@ -75,12 +75,12 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     if (!t)
         return error_set(e, ERROR_NOT_SPEAKING, "nothing is spoken");
     if (!t->synthesis || !synthesis_find_mark(t->synthesis, mark, &sentence)) {
-        struct near near = near_to(mark);
-        char text[NEAR_TEXT];
+        struct suggestions near = suggestions_for(mark);
+        char text[SUGGESTIONS_TEXT];
         if (t->synthesis)
             synthesis_near_marks(t->synthesis, &near);
         return error_in_field(e, ERROR_UNKNOWN_MARK, "mark", "the utterance has no mark '%.80s'%s", mark,
-                              near_text(&near, text));
+                              suggestions_text(&near, text));
     }
     stream_forget_unheard(s);
     utterance_seek(t, sentence, mark);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/base/work_gate.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
@@ -72,7 +72,7 @@ int recording_source_in(struct recording_source *source, const char *folder, con
 /* The .fap as text, from its file. */
 static int read_fap(struct recording *r) {
     struct recording_source *source = &r->source;
-    int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
+    int fd = source->folder ? open_below(source->folder, source->fap_path, O_RDONLY)
                             : open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     ssize_t got = 1;

@@ -24,7 +24,7 @@ struct synthesis_callbacks;
 /* Where it lies: in files, or in memory. All is released with recording_source_free. */
 struct recording_source {
     char *name, *id;  /* what it is called; the client's own name for it, or NULL */
-    char *folder;     /* NULL, or where the files lie: nothing outside it is opened (beneath.h) */
+    char *folder;     /* NULL, or where the files lie: nothing outside it is opened (open_below.h) */
     char *fap_path;   /* of the .fap, in the folder if there is one; NULL = fap holds it */
     char *sound_path; /* NULL = sound holds it, or when that is empty: beside fap_path, or there is none */
     struct buf fap, sound; /* their contents */

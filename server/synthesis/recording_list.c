@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/base/utf8.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/recording_internal.h"
@@ -30,7 +30,7 @@ void recording_list(const char *folder, bool (*each)(void *ctx, const char *name
     bool wanted = true;
     for (int i = 0; i < count; i++) {
         char *name = entries[i]->d_name;
-        FILE *file = wanted ? beneath_file(folder, name) : NULL;
+        FILE *file = wanted ? open_file_below(folder, name) : NULL;
         int sound = file ? recording_sound_beside(folder, name) : -1;
         name[strlen(name) - 4] = '\0';
         if (file && recording_is_name(name))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/base/sound_reader.h"
 #include "server/synthesis/recording_internal.h"
 #include <errno.h>
@@ -25,7 +25,7 @@ int recording_sound_beside(const char *folder, const char *fap_path) {
         size_t size = stem + strlen(*ending) + 2;
         char *path = mem_alloc(size);
         snprintf(path, size, "%.*s.%s", (int)stem, fap_path, *ending);
-        fd = folder ? beneath_open(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+        fd = folder ? open_below(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
         free(path);
     }
     return fd;

@@ -6,7 +6,7 @@
 #define FACCIA_SYNTHESIS_SYNTHESIS_H
 
 #include "server/base/metrics.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/face/high_level.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/normalize/normalizers.h"
@@ -79,7 +79,7 @@ void synthesis_set_rate(struct synthesis *synthesis, double rate);
 
 /* The sentence in which the first mark of that name stands. */
 bool synthesis_find_mark(const struct synthesis *synthesis, const char *name, size_t *sentence);
-void synthesis_near_marks(const struct synthesis *synthesis, struct near *near);
+void synthesis_near_marks(const struct synthesis *synthesis, struct suggestions *near);
 
 /* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
 bool synthesis_is_read(const struct synthesis *synthesis);

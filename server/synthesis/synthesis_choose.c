@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Who speaks a text, in which language, and how its script is made of what it says. */
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <string.h>
@@ -22,19 +22,19 @@ bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
 }
 
 static int no_language(const struct pipeline *pipeline, const char *lang, struct error *e) {
-    struct near near = near_to(lang);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(lang);
+    char text[SUGGESTIONS_TEXT];
     size_t count;
     const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
     for (size_t i = 0; i < pipeline->packs->count; i++) {
         const struct speech_pack *pack = pipeline->packs->packs[i];
-        near_try(&near, speech_pack_lang(pack), speech_pack_lang(pack));
-        near_try(&near, speech_pack_name(pack), speech_pack_lang(pack));
+        suggest_name(&near, speech_pack_lang(pack), speech_pack_lang(pack));
+        suggest_name(&near, speech_pack_name(pack), speech_pack_lang(pack));
     }
     for (size_t i = 0; i < count; i++)
-        near_try(&near, voices[i].lang, voices[i].lang);
+        suggest_name(&near, voices[i].lang, voices[i].lang);
     return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'%s", lang,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 /* The language and the voice that the request asks for; each may follow from the other. When it fails, the
@@ -88,11 +88,11 @@ static int check_engine(const struct synthesis *s, struct error *e) {
                        ? 0
                        : error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine",
                                         "the engine '%s' does not speak '%s'", *engine, synthesis_lang(s));
-    struct near near = near_to(s->request.engine);
-    char text[NEAR_TEXT];
-    near_try_all(&near, face_engines());
+    struct suggestions near = suggestions_for(s->request.engine);
+    char text[SUGGESTIONS_TEXT];
+    suggest_names(&near, face_engines());
     return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s'%s", s->request.engine,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 int synthesis_choose(struct synthesis *s, struct error *e) {

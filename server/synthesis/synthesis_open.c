@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a request to a score with its voices: what can be said of it before anything is spoken. */
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
 static int no_markup(const char *name, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
-        near_try(&near, kind->name, kind->name);
+        suggest_name(&near, kind->name, kind->name);
     return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
-                          near_text(&near, text));
+                          suggestions_text(&near, text));
 }
 
 /* From here on the request's text is what all places count in. */

@@ -19,10 +19,10 @@ bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *se
     return false;
 }
 
-void synthesis_near_marks(const struct synthesis *s, struct near *near) {
+void synthesis_near_marks(const struct synthesis *s, struct suggestions *near) {
     for (size_t i = 0; s->score && i < s->score->item_count; i++)
         if (s->score->items[i].kind == SCORE_MARK)
-            near_try(near, s->score->items[i].text, s->score->items[i].text);
+            suggest_name(near, s->score->items[i].text, s->score->items[i].text);
 }
 
 size_t synthesis_sentences(const struct synthesis *s) {

@@ -2,7 +2,7 @@
 /* The voices that the plugins have, and the choice among them. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
+#include "server/base/suggest.h"
 #include "server/voice/voice_pool_internal.h"
 #include <jansson.h>
 #include <stdio.h>
@@ -187,15 +187,15 @@ int voice_lang_fit(const char *lang, const char *wanted) {
 
 /* With or without its plugin's name, as it was asked for. */
 void voice_unknown(struct voice_list list, const char *name, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
     for (size_t i = 0; i < list.count; i++) {
         const struct voice *voice = &list.voices[i];
-        near_try(&near, voice->id, voice->id);
-        near_try(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
+        suggest_name(&near, voice->id, voice->id);
+        suggest_name(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
     }
     error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no voice \"%.80s\"%s", name,
-                   near_text(&near, text));
+                   suggestions_text(&near, text));
 }
 
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/recordings/library_voices.h"
-#include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/library/library_files.h"
 #include "server/library/work.h"
 #include <dirent.h>
@@ -197,7 +197,7 @@ int library_voice_prepare(const char *library, const char *file, const char *wor
                           struct error *e) {
     char sound[PATH_MAX];
     struct stat info;
-    int fd = library_file_sound(library, file, sound) ? beneath_open(library, file, O_RDONLY) : -1;
+    int fd = library_file_sound(library, file, sound) ? open_below(library, file, O_RDONLY) : -1;
     bool there = fd >= 0 && !fstat(fd, &info);
     if (fd >= 0)
         close(fd);
