@@ -11,7 +11,7 @@ struct bridge_loop {
     uv_signal_t signals[2];
 };
 
-void bridge_loop_open(struct bridge_loop *loop, uv_loop_t *loop);
+void bridge_loop_open(struct bridge_loop *bridge, uv_loop_t *loop);
 /* Runs the loop until it is empty, and closes it. */
 void bridge_loop_close(struct bridge_loop *loop);
 
