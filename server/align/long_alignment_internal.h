@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The inside of a long alignment: what is looked for next, and where. */
+/* State of a long alignment, shared by its two files. */
 #ifndef FACCIA_ALIGN_LONG_ALIGNMENT_INTERNAL_H
 #define FACCIA_ALIGN_LONG_ALIGNMENT_INTERNAL_H
 
@@ -12,10 +12,10 @@ enum { PIECES_MAX = 96 };
 struct reference_span {
     size_t from, to;      /* bytes of the text */
     uint64_t start, end;  /* samples of the reference */
-    size_t phones, words; /* the first of each */
+    size_t phones, words; /* index of the first phone and word */
 };
 
-/* Pieces of the text as the voice speaks them. */
+/* Pieces of the text, spoken by the voice. */
 struct spoken {
     struct reference_speech speech;
     struct reference_span spans[PIECES_MAX + 1];
@@ -26,45 +26,45 @@ struct long_alignment {
     struct window window;
     struct reference *reference;
     const char *text;
-    size_t size, at; /* the text that is to come */
+    size_t size, at; /* remaining text */
     const atomic_bool *stop;
     bool made;
-    const char *voices[2], *chosen; /* chosen: NULL = not yet */
+    const char *voices[2], *chosen; /* chosen: NULL = undecided */
     size_t voice_count;
-    double pace;  /* 0 = not known yet */
-    double other; /* the distance of other words; 0 = not known yet */
-    double until; /* s: what is before has been handed out */
-    bool found;   /* some of the text has been */
-    bool lost;    /* where the recording is in the text */
-    bool likely;  /* all of the window is nearer than other words */
-    bool failed;  /* nothing of the text is in it: */
+    double pace;  /* 0 = unknown */
+    double other; /* distance of other words; 0 = unknown */
+    double until; /* s: everything before has been returned */
+    bool found;   /* some of the text was found */
+    bool lost;    /* position of the recording in the text is unknown */
+    bool likely;  /* all of the window is closer than other words */
+    bool failed;  /* the recording contains nothing of the text */
     struct error failure;
-    size_t skip; /* samples of the window that are passed over */
+    size_t skip; /* samples of the window to skip */
     struct spoken said;
-    struct long_alignment_piece *ready; /* found and not yet handed out */
+    struct long_alignment_piece *ready; /* found, to be returned */
     size_t ready_count, ready_at, ready_cap;
 };
 
-/* How the text is cut, and how much of it is spoken: seconds of speech, the least bytes of a piece. */
+/* How the text is cut: seconds of speech at a time, least bytes of a piece. */
 struct speak_amount {
     double seconds;
     size_t least;
 };
 extern const struct speak_amount long_alignment_window;
 
-/* Has the voice speak pieces of the text from c->at on, until there are enough. */
+/* Speaks pieces of the text from c->at on, until the amount is reached. */
 int long_alignment_speak(struct long_alignment *c, struct spoken *out, const char *voice,
                          const struct speak_amount *amount, struct error *e);
 
-/* Where the speaker may pause: samples of the reference, in order; to be freed. */
+/* Samples of the reference where the speaker may pause, ascending. Free them. */
 uint64_t *long_alignment_pauses(const struct reference_speech *speech, size_t *count);
 
-/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
- * is far too short. Free the map in any case. */
+/* Locates the spoken pieces in the window, extending it if necessary. -1 when the recording is far too
+ * short. Free the map in either case. */
 int long_alignment_find(struct long_alignment *c, struct align_map *map);
 
-/* At the beginning: which of the voices comes closest, by what it makes of the first window; where in the
- * window the text begins. */
+/* At the start: choose the closest voice by the first window, and find where in the window the text
+ * begins. */
 int long_alignment_choose_voice(struct long_alignment *c, struct error *e);
 int long_alignment_choose_start(struct long_alignment *c, struct error *e);
 
@@ -74,19 +74,13 @@ struct fit {
     const struct window *window;
     const struct spoken *said;
     uint64_t from; /* sample of the reference at which the map begins */
-    size_t base;   /* of the window */
+    size_t base;   /* window offset */
 };
-double fit_time(const struct fit *fit, uint64_t sample); /* s of the recording */
 
-/* Hands out a piece that was found there, apart of other words' distance; one that was not found. */
+/* Queue a piece that was found, with its distance relative to other words, or one that was not found. */
 void long_alignment_take(struct long_alignment *c, const struct fit *fit, const struct reference_span *span,
                          double apart);
 void long_alignment_miss(struct long_alignment *c, const struct reference_span *span);
-
-/* Text and recording seem to differ: looks for what comes next of both, in a stretch of each. 1: what was
- * found, and what was not, is ready, and the window is behind it. 0: all of the text up to that byte is
- * there, one after the other. -1 with *e. */
-int long_alignment_recover(struct long_alignment *c, size_t until, struct error *e);
 
 bool long_alignment_stopped(const struct long_alignment *c);
 int long_alignment_cancelled(struct error *e);

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a long alignment looks for, and where. */
 #include "server/align/long_alignment_internal.h"
 #include "server/base/mem.h"
 #include "server/markup/plain.h"
@@ -7,27 +6,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So much synthetic speech is looked for at once, at least two pieces; they are not cut where they would be
- * shorter than the least. */
+/* ---- speaking and locating the next pieces ---- */
+
+/* Amount of synthetic speech to locate at once, at least two pieces; pieces are not cut below the least
+ * size. */
 const struct speak_amount long_alignment_window = {20, 40};
-/* A piece is at most so long, bytes (about 13 s). */
+/* Longest piece in bytes (about 13 s). */
 enum { PIECE_BYTES = 200, TRIES = 3 };
-/* Seconds of the recording for each of the reference: what people need at most, until it is known. */
+/* Slowest reading pace relative to the reference, until it is known. */
 #define PACE_FIRST 1.7
-/* The window is longer than what is expected by this factor, and by so many seconds. */
+/* The window exceeds the expected length by this factor and these seconds. */
 #define WINDOW_FACTOR 1.35
 #define WINDOW_MORE 3.0
-/* A way that ends within this share of the window's end may have been cut off by it. */
+/* A path that ends within this share of the window's end may be cut off. */
 #define NEAR_END 0.03
-/* The beginning: so many places are tried, if the first words (s) are so much farther than the others are;
- * each must be so much better than the ones before. */
+/* At the start: places to try if the first words (s) are so much more distant than the rest; each must be
+ * this much better than those before. */
 #define FIRST_SECONDS 1.0
 #define FIRST_APART 1.05
 #define BETTER_START 0.98
 enum { STARTS = 5 };
 
-/* The length of the piece at the head of the text: a sentence, or what stands before a comma or a space in
- * one that is too long. */
+/* Length of the first piece: a sentence, or up to a comma or space in a long one. */
 static size_t piece_length(const char *text, size_t size, size_t least) {
     size_t length = plain_sentence(text, size, NULL), comma = 0, space = 0;
     while (length < least && length < size)
@@ -154,9 +154,8 @@ int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
     return 0;
 }
 
-/* The text may begin after something else, such as noise or another voice, and a pause: then its first words
- * are farther from what is heard first than the others are from theirs, and nearer to what follows the pause.
- */
+/* The text may begin after other sound, such as noise or another voice, and a pause. Then its first words
+ * are more distant than the rest, and closer to what follows the pause. */
 int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
     uint64_t first = (uint64_t)(FIRST_SECONDS * c->said.speech.rate);
     double best = INFINITY;
@@ -178,4 +177,150 @@ int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
     c->skip = 0;
     window_drop(&c->window, start);
     return long_alignment_stopped(c) ? long_alignment_cancelled(e) : 0;
+}
+
+/* ---- results: phones and words of a piece with times and confidence ---- */
+
+/* Shorter pauses (s) belong to the phone before. */
+#define PAUSE_LEAST 0.03
+#define PHONE_LEAST 0.02
+/* Shares of other words' distance at which confidence is 1, and 0 (see align.h). */
+#define CERTAIN 0.86
+#define WORTHLESS 1.0
+/* Seconds for which one moment of a word is held when it is doubtful, and when confidence is 0. */
+#define HELD_DOUBTFUL 0.25
+#define HELD_WORTHLESS 0.9
+/* A word that takes this many times as long as the voice's contains a pause, noise or its neighbours'
+ * sounds: the excess counts as held. */
+#define DRAWN_OUT 3.0
+/* A word is too short to be judged alone: includes its neighbours on both sides. */
+enum { BESIDE = 2 };
+
+static double seconds_of(const struct fit *fit, uint64_t at) {
+    return (double)window_place(fit->window, fit->base + (size_t)at) / fit->window->source->rate;
+}
+
+static uint64_t inside(const struct fit *fit, uint64_t sample) {
+    return sample > fit->from ? sample - fit->from : 0;
+}
+
+/* s of the recording */
+static double fit_time(const struct fit *fit, uint64_t sample) {
+    return seconds_of(fit, align_time(fit->map, inside(fit, sample)));
+}
+
+static double end_time(const struct fit *fit, uint64_t sample) {
+    return seconds_of(fit, align_end_time(fit->map, inside(fit, sample)));
+}
+
+static double apart_of(const struct fit *fit, uint64_t from, uint64_t to) {
+    return align_apart(fit->map, inside(fit, from), inside(fit, to));
+}
+
+static double confidence(double apart) {
+    return fmax(0, fmin(1, (WORTHLESS - apart) / (WORTHLESS - CERTAIN)));
+}
+
+/* The warp may give a phone no time: it takes some from its longer neighbour. */
+static void widen(struct long_alignment_piece *piece, size_t i) {
+    struct long_alignment_phone *p = &piece->phones[i], *before = i ? p - 1 : NULL;
+    struct long_alignment_phone *after = i + 1 < piece->phone_count ? p + 1 : NULL;
+    double missing = PHONE_LEAST - (p->end - p->start);
+    double left = before ? p->start - before->start : 0, right = after ? after->end - p->end : 0;
+    if (missing <= 0)
+        return;
+    if (left >= right && left > missing + PHONE_LEAST) {
+        p->start -= missing;
+        before->end = fmin(before->end, p->start);
+    } else if (right > missing + PHONE_LEAST) {
+        p->end += missing;
+        after->start = fmax(after->start, p->end);
+    }
+}
+
+static void take_phones(const struct fit *fit, const struct reference_span *span,
+                        struct long_alignment_piece *piece) {
+    piece->phones = mem_alloc((span[1].phones - span->phones + 1) * sizeof *piece->phones);
+    for (size_t i = span->phones; i < span[1].phones; i++) {
+        const struct reference_phone *from = &fit->said->speech.phones[i];
+        struct long_alignment_phone *p = &piece->phones[piece->phone_count];
+        struct long_alignment_phone *before = piece->phone_count ? p - 1 : NULL;
+        if (!*from->ipa)
+            continue;
+        p->start = fit_time(fit, from->start);
+        p->end = fmax(p->start, end_time(fit, from->end));
+        p->stress = from->stress;
+        memcpy(p->ipa, from->ipa, sizeof p->ipa);
+        if (before && p->start - before->end < PAUSE_LEAST)
+            before->end = p->start;
+        piece->phone_count++;
+    }
+    for (size_t i = 0; i < piece->phone_count; i++)
+        widen(piece, i);
+}
+
+/* ---- confidence of a word: its sound and its neighbours', on the piece's scale, and its duration ---- */
+/* Confidence of word i, which lasts that many seconds. */
+static double word_confidence(const struct fit *fit, const struct reference_span *span, size_t i, double took,
+                              const struct long_alignment_piece *piece, double apart) {
+    const struct reference_word *words = fit->said->speech.words;
+    size_t first = i >= span->words + BESIDE ? i - BESIDE : span->words, last = i + BESIDE + 1;
+    uint64_t end = last < span[1].words ? words[last].start : span->end;
+    uint64_t own = i + 1 < span[1].words ? words[i + 1].start : span->end;
+    double here = apart_of(fit, words[first].start, end);
+    double spoken = (double)(own - words[i].start) / fit->said->speech.rate;
+    double held =
+        fmax(align_held(fit->map, inside(fit, words[i].start), inside(fit, own)), took - DRAWN_OUT * spoken);
+    double lasts = fmax(0, fmin(1, (HELD_WORTHLESS - held) / (HELD_WORTHLESS - HELD_DOUBTFUL)));
+    return lasts *
+           (here < 0 || piece->apart <= 0 ? confidence(apart) : confidence(apart * here / piece->apart));
+}
+
+/* A word ends with its last phone. */
+static void take_words(const struct fit *fit, const struct reference_span *span,
+                       struct long_alignment_piece *piece, double apart) {
+    size_t phone = 0;
+    piece->words = mem_alloc((span[1].words - span->words + 1) * sizeof *piece->words);
+    for (size_t i = span->words; i < span[1].words; i++) {
+        const struct reference_word *from = &fit->said->speech.words[i];
+        struct long_alignment_word *w = &piece->words[piece->word_count++];
+        *w = (struct long_alignment_word){
+            .from = from->from, .to = from->to, .start = fit_time(fit, from->start)};
+        w->end = w->start;
+        double next = i + 1 < span[1].words ? fit_time(fit, from[1].start) : INFINITY;
+        for (; phone < piece->phone_count && piece->phones[phone].start < next - 1e-9; phone++)
+            w->end = fmax(w->end, piece->phones[phone].end);
+        w->end = fmin(w->end, fmax(w->start, next));
+        w->confidence = word_confidence(fit, span, i, w->end - w->start, piece, apart);
+    }
+}
+
+static struct long_alignment_piece *add(struct long_alignment *c, const struct reference_span *span) {
+    c->ready = mem_grow(c->ready, &c->ready_cap, c->ready_count + 1, sizeof *c->ready);
+    struct long_alignment_piece *piece = &c->ready[c->ready_count++];
+    *piece = (struct long_alignment_piece){.from = span->from, .to = span->to};
+    return piece;
+}
+
+void long_alignment_take(struct long_alignment *c, const struct fit *fit, const struct reference_span *span,
+                         double apart) {
+    struct long_alignment_piece *piece = add(c, span);
+    piece->found = true;
+    piece->apart = apart_of(fit, span->start, span->end);
+    piece->confidence = confidence(apart);
+    take_phones(fit, span, piece);
+    take_words(fit, span, piece, apart);
+    piece->start = piece->end = fit_time(fit, span->start);
+    if (piece->phone_count) {
+        piece->start = piece->phones[0].start;
+        piece->end = piece->phones[piece->phone_count - 1].end;
+    }
+    c->until = piece->end;
+    c->found = true;
+}
+
+void long_alignment_miss(struct long_alignment *c, const struct reference_span *span) {
+    struct long_alignment_piece *piece = add(c, span);
+    piece->start = piece->end = c->until;
+    piece->apart = -1;
 }

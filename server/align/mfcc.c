@@ -12,9 +12,9 @@ enum { FFT = 512, BANDS = 26, SLOPE = 2 };
 #define LOWEST_HZ 90.0
 #define HIGHEST_HZ 7600.0
 #define PRE_EMPHASIS 0.97
-/* Loudness counts from the loud parts (the 95th percentile) down to so many dB below. */
+/* Loudness is measured over this range below the loud parts (95th percentile). */
 #define DEPTH_DB 45.0
-/* Silent is what lies less than this share of the way from the softest to the loud. */
+/* Silence is below this share of the range from the softest to the loud. */
 #define SILENT_SHARE 0.25
 #define TAU 6.283185307179586
 
@@ -42,7 +42,7 @@ static void analysis_make(struct analysis *a) {
             a->cosine[c][b] = cos(TAU / 2 * c * (b + 0.5) / BANDS) * sqrt(2.0 / BANDS);
 }
 
-/* The sound at FEATURE_RATE; free it. */
+/* Resamples to FEATURE_RATE. Free the result. */
 static float *resampled(const int16_t *pcm, size_t samples, uint32_t rate, size_t *count) {
     size_t cap = (size_t)((double)samples * FEATURE_RATE / rate) + 16;
     float *out = mem_alloc(cap * sizeof *out);
@@ -84,7 +84,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Loudness 0 to 1 from DEPTH_DB below the loud parts up to them, and what is silence. */
+/* Scales loudness to 0 to 1 over DEPTH_DB, and marks silence. */
 static void set_loudness(struct features *f, const double *loudness) {
     double *sorted = mem_alloc(f->count * sizeof *sorted);
     memcpy(sorted, loudness, f->count * sizeof *sorted);
@@ -97,7 +97,7 @@ static void set_loudness(struct features *f, const double *loudness) {
     }
 }
 
-/* Mean 0 and spread 1 over what is not silent; loudness keeps its meaning. */
+/* Normalises to mean 0 and deviation 1 over the frames that are not silent, except the loudness. */
 static void normalise(struct features *f) {
     for (int c = 1; c < FEATURE_CEPSTRA; c++) {
         double sum = 0, squares = 0, n = 1e-9;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a stretch of speech sounds like, frame by frame: mel-frequency cepstral coefficients (S. Davis and P.
- * Mermelstein, IEEE Trans. ASSP 28, 1980) with their slopes, freed of the speaker's mean and spread. */
+/* Features of speech, frame by frame: mel-frequency cepstral coefficients (S. Davis and P. Mermelstein,
+ * IEEE Trans. ASSP 28, 1980) with their slopes, normalised for the speaker. */
 #ifndef FACCIA_ALIGN_MFCC_H
 #define FACCIA_ALIGN_MFCC_H
 
@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 enum {
-    FEATURE_RATE = 16000, /* Hz: what the sound is brought to */
-    FEATURE_HOP = 128,    /* samples from one frame to the next: 8 ms */
+    FEATURE_RATE = 16000, /* Hz */
+    FEATURE_HOP = 128,    /* samples between frames: 8 ms */
     FEATURE_WINDOW = 400, /* 25 ms */
     FEATURE_CEPSTRA = 13, /* the first is the loudness */
     FEATURE_COUNT = 2 * FEATURE_CEPSTRA,
@@ -22,8 +22,8 @@ struct features {
     size_t count;
 };
 
-/* Mono sound of that rate. Frame k is centred at k * FEATURE_HOP / FEATURE_RATE seconds. The frames cover the
- * whole sound; there is at least one. */
+/* Computes features of mono sound. Frame k is centred at k * FEATURE_HOP / FEATURE_RATE seconds. The
+ * frames cover the whole sound; there is at least one. */
 void features_make(struct features *features, const int16_t *pcm, size_t samples, uint32_t rate);
 void features_free(struct features *features);
 

@@ -1,21 +1,159 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/reference.h"
-#include "server/align/reference_worker.h"
+#include "server/base/error.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
+#include "server/voice/wire.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
+#include <poll.h>
+#include <spawn.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- the voice worker (faccia-voice), driven without an event loop: one request, then its replies ---- */
+
+struct reference_worker {
+    int fd;    /* -1 = not running */
+    pid_t pid; /* 0 = started by the keeper */
+    struct buf in;
+    size_t used; /* bytes of `in` taken by the last frame */
+};
 
 #define CODE ERROR_NO_REFERENCE
-/* A man and a woman for every language. */
+enum { READ_BYTES = 64 << 10 };
+
+extern char **environ;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Starts it with an empty input and its output on standard error. */
+static int spawn(pid_t *pid, int fd, const char *program, const char *plugin) {
+    char *args[] = {(char *)program, (char *)plugin, NULL};
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, 2, 1);
+    posix_spawn_file_actions_adddup2(&files, fd, WIRE_FD);
+    int result = posix_spawn(pid, program, &files, NULL, args, environ);
+    posix_spawn_file_actions_destroy(&files);
+    return result;
+}
+
+/* Passes the other end of the socket to the keeper. */
+static int ask_keeper(int fd) {
+    union {
+        struct cmsghdr header;
+        char room[CMSG_SPACE(sizeof fd)];
+    } control = {.room = {0}};
+    char byte = 0;
+    struct iovec data = {&byte, 1};
+    struct msghdr message = {
+        .msg_iov = &data, .msg_iovlen = 1, .msg_control = &control, .msg_controllen = sizeof control.room};
+    struct cmsghdr *part = CMSG_FIRSTHDR(&message);
+    part->cmsg_level = SOL_SOCKET;
+    part->cmsg_type = SCM_RIGHTS;
+    part->cmsg_len = CMSG_LEN(sizeof fd);
+    memcpy(CMSG_DATA(part), &fd, sizeof fd);
+    return sendmsg(WIRE_SPAWNER_FD, &message, MSG_NOSIGNAL) < 0 ? errno : 0;
+}
+
+/* Starts `program plugin`. An empty program asks the keeper (worker_keeper.h) on the descriptor that a
+ * plugin's worker has for that. -1 with *e ("no-reference"). */
+static int reference_worker_start(struct reference_worker *w, const char *program, const char *plugin,
+                                  struct error *e) {
+    int ends[2];
+    *w = (struct reference_worker){.fd = -1};
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
+        return error_set(e, CODE, "no voice to align to: no socket (%s)", strerror(errno));
+    int result = *program ? spawn(&w->pid, ends[1], program, plugin) : ask_keeper(ends[1]);
+    close(ends[1]);
+    if (!result) {
+        w->fd = ends[0];
+        return 0;
+    }
+    close(ends[0]);
+    w->pid = 0;
+    return error_set(e, CODE, "no voice to align to: %.180s cannot be started (%s)",
+                     *program ? program : "a worker", strerror(result));
+}
+
+/* Asks it to end, and waits. */
+static void reference_worker_stop(struct reference_worker *w) {
+    if (w->fd >= 0)
+        close(w->fd);
+    while (w->pid && waitpid(w->pid, NULL, 0) < 0 && errno == EINTR)
+        continue;
+    buf_free(&w->in);
+    *w = (struct reference_worker){.fd = -1};
+}
+
+static int lost(struct reference_worker *w, const char *why, struct error *e) {
+    reference_worker_stop(w);
+    return error_set(e, CODE, "the voice to align to %s", why);
+}
+
+/* Sends a frame made by wire_begin and wire_end, and empties b. -1 with *e. */
+static int reference_worker_send(struct reference_worker *w, struct buf *b, struct error *e) {
+    for (size_t at = 0; at < b->size;) {
+        ssize_t n = send(w->fd, b->data + at, b->size - at, MSG_NOSIGNAL);
+        if (n < 0 && errno != EINTR)
+            return lost(w, "has ended", e);
+        at += n > 0 ? (size_t)n : 0;
+    }
+    b->size = 0;
+    return 0;
+}
+
+static int read_more(struct reference_worker *w, double until, struct error *e) {
+    struct pollfd socket = {.fd = w->fd, .events = POLLIN};
+    double left = until - now();
+    int ready = poll(&socket, 1, left > 0 ? (int)(left * 1000) + 1 : 0);
+    if (!ready)
+        return lost(w, "is silent", e);
+    ssize_t n = ready < 0 ? -1 : read(w->fd, buf_reserve(&w->in, READ_BYTES), READ_BYTES);
+    if (n == 0 || (n < 0 && errno != EINTR))
+        return lost(w, "has ended", e);
+    w->in.size += n > 0 ? (size_t)n : 0;
+    return 0;
+}
+
+/* Returns the next frame other than a keepalive, valid until the next call. -1 with *e when it ended, sent
+ * garbage or timed out. */
+static int reference_worker_hear(struct reference_worker *w, struct wire_frame *frame, double seconds,
+                                 struct error *e) {
+    double until = now() + seconds;
+    for (;;) {
+        buf_consume(&w->in, w->used);
+        w->used = 0;
+        int found = wire_next(w->in.data, w->in.size, frame, &w->used);
+        if (found < 0)
+            return lost(w, "sent garbage", e);
+        if (found && frame->type != WIRE_ALIVE)
+            return 0;
+        if (!found && read_more(w, until, e))
+            return -1;
+    }
+}
+
+/* A male and a female variant for every language. */
 #define CONFIG "{\"variants\": [\"f2\"]}"
 
-/* What the worker may take, as those of the daemon do: megabytes of address space; seconds to start, and of
- * silence while it speaks, with so much for each byte; seconds of processor time for a sentence. */
+/* Limits of the worker, as the daemon sets them: megabytes of address space; seconds to start, and of
+ * silence while speaking, plus some for each byte; processor seconds per sentence. */
 enum { MEGABYTES = 4096, START_SECONDS = 30, SILENCE_SECONDS = 10, PROCESSOR_SECONDS = 600 };
 #define SILENCE_PER_BYTE 0.05
 
@@ -30,10 +168,10 @@ struct reference {
     struct reference_worker worker;
     struct known *voices;
     size_t voice_count, voice_cap;
-    uint32_t job; /* the last sentence */
+    uint32_t job; /* number of the last sentence */
 };
 
-/* The voices, once: they are named by those that use the reference. */
+/* Stores the list of voices. */
 static void keep_voices(struct reference *r, const char *description) {
     json_t *root = json_loads(description, 0, NULL), *voice;
     size_t i;
@@ -76,7 +214,8 @@ static int start(struct reference *r, struct error *e) {
     return -1;
 }
 
-struct reference *reference_open(const struct reference_slot *from, struct error *e) {
+/* NULL with *e ("no-reference"). */
+static struct reference *reference_open(const struct reference_slot *from, struct error *e) {
     struct reference *r = mem_alloc(sizeof *r);
     const char *sandbox = getenv("FACCIA_SANDBOX");
     r->from = *from;
@@ -138,7 +277,7 @@ static bool take_audio(struct reference_speech *s, const struct wire_frame *fram
     return !r.bad && s->rate;
 }
 
-/* before: the samples that were there; from: where its text begins. */
+/* before: samples spoken earlier; from: byte where its text begins. */
 static bool take_events(struct reference_speech *s, const struct wire_frame *frame, uint64_t before,
                         size_t from) {
     struct wire_reader r = wire_read(frame);
@@ -161,7 +300,7 @@ static bool take_events(struct reference_speech *s, const struct wire_frame *fra
     return !r.bad;
 }
 
-/* 1 = more is to come, 0 = all of it was spoken. */
+/* 1 = more will come, 0 = finished. */
 static int take(struct reference *r, const struct wire_frame *frame, struct reference_speech *out,
                 uint64_t before, size_t from, struct error *e) {
     struct wire_reader reader = wire_read(frame);

@@ -16,7 +16,7 @@ struct sound_file {
     SNDFILE *file;
     unsigned channels;
     struct mixdown mixdown;
-    uint64_t at; /* the frame that is read next */
+    uint64_t at; /* next frame to read */
     struct sound_source source;
     float frames[FRAMES * CHANNELS_MAX];
 };
@@ -29,7 +29,7 @@ static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) 
     s->at = from;
     while (done < count) {
         size_t want = count - done < FRAMES ? count - done : FRAMES;
-        /* as shorts, files of floats would be read as a whole first, to scale them */
+        /* reading floats as shorts would first scan the whole file to scale them */
         sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)want);
         for (sf_count_t i = 0; i < got; i++) {
             double mono =

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <utf8proc.h>
 
-/* Letters, marks, digits, and signs that are not seen, such as soft hyphens. */
+/* True for letters, marks, digits and invisible characters such as soft hyphens. */
 static bool is_of_word(utf8proc_int32_t cp) {
     switch (utf8proc_category(cp)) {
     case UTF8PROC_CATEGORY_LU:
@@ -25,7 +25,7 @@ static bool is_of_word(utf8proc_int32_t cp) {
     }
 }
 
-/* FNV-1a of the normal form. */
+/* FNV-1a hash of the normal form. */
 static uint64_t hash_of(const char *text, size_t size) {
     utf8proc_uint8_t *normal = NULL;
     uint64_t hash = 14695981039346656037u;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The words of a text as what they are compared by: letters and digits without case, accents and
- * punctuation, so that a text finds its place in another edition of itself. */
+/* Words of a text in a form for comparison: letters and digits without case, accents and punctuation, so
+ * that a text matches another edition of itself. */
 #ifndef FACCIA_ALIGN_TEXT_WORDS_H
 #define FACCIA_ALIGN_TEXT_WORDS_H
 
@@ -17,19 +17,20 @@ struct text_words {
     size_t count, cap;
 };
 
-/* Adds the words of UTF-8 text, their bytes counted from `base`. */
+/* Appends the words of UTF-8 text, with byte offsets counted from `base`. */
 void text_words_add(struct text_words *tokens, const char *text, size_t size, size_t base);
 void text_words_free(struct text_words *tokens);
 
-/* The first place at or after `from` where the sequence stands, or SIZE_MAX. */
+/* First occurrence of the sequence at or after `from`, or SIZE_MAX. */
 size_t text_words_find(const struct text_words *in, const struct text_word *sequence, size_t count,
                        size_t from);
 
-/* How many of its first words stand at a place, and how many of its last just before one. */
+/* Number of leading words of the sequence that match at a place, and of trailing words that match just
+ * before one. */
 size_t text_words_from(const struct text_words *in, size_t at, const struct text_words *sequence);
 size_t text_words_up_to(const struct text_words *in, size_t at, const struct text_words *sequence);
 
-/* How many words of the sequence stand at the place where most of it does, and that place in *at. */
+/* Number of words in the best match of the sequence, and its place in *at. */
 size_t text_words_longest(const struct text_words *in, const struct text_word *sequence, size_t count,
                           size_t *at);
 

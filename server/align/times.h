@@ -23,20 +23,21 @@ enum times_format {
     TIMES_JSON,
     TIMES_OFFSETS,
     TIMES_FORMATS,
-    TIMES_GUESS = TIMES_FORMATS, /* from what the file holds */
+    TIMES_GUESS = TIMES_FORMATS, /* detect it */
 };
 extern const char *const times_format_names[TIMES_FORMATS];
 
 struct times_options {
     enum times_format format;
-    const char *tier; /* textgrid: of the phones; NULL = "phones", "MAU", "anna - phones"..., or the only one
-                         besides the words */
-    const char *word_tier; /* textgrid: NULL = "words", "ORT-MAU", "anna - words"..., if there is one */
-    const char *entry;     /* htk, in a master label file: the sound's name; NULL = its first */
-    const json_t *names;   /* the file's name -> IPA, a stress mark before it, "" = a pause; NULL = it has IPA
-                              (or X-SAMPA) */
-    const struct speech_pack *pack;   /* offsets: with its table of symbols */
-    struct transcription_sound sound; /* offsets: that they count in; rate 0 = transcription_wav */
+    const char *tier; /* textgrid: tier of the phones; NULL = "phones", "MAU", "anna - phones"..., or the only
+                         one besides the words */
+    const char *
+        word_tier; /* textgrid: tier of the words; NULL = "words", "ORT-MAU", "anna - words"..., if present */
+    const char *entry;   /* htk, in a master label file: name of the sound; NULL = the first */
+    const json_t *names; /* name in the file -> IPA with optional stress mark, "" = a pause; NULL = names are
+                            IPA (or X-SAMPA) */
+    const struct speech_pack *pack;   /* offsets: its table of symbols */
+    struct transcription_sound sound; /* offsets: their sound; rate 0 = transcription_wav */
 };
 
 /* Times in seconds. */
@@ -53,14 +54,14 @@ struct times_word {
 };
 
 struct times {
-    struct times_phone *phones; /* in order; they do not overlap */
+    struct times_phone *phones; /* ascending, without overlap */
     size_t phone_count, phone_cap;
-    struct times_word *words; /* in order */
+    struct times_word *words; /* ascending */
     size_t word_count, word_cap;
-    char unnamed[32]; /* a name that the table does not have */
+    char unnamed[32]; /* a name missing from the table */
 };
 
-/* -1 with *e ("bad-times"; line, field or byte). Free the times in any case. */
+/* -1 with *e ("bad-times"; line, field or byte). Free the times in either case. */
 int times_read(struct times *times, const struct times_options *options, const char *data, size_t size,
                struct error *e);
 void times_free(struct times *times);

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Loudness is judged in frames of this length. Of a pause, so many frames are kept at its beginning and at
- * its end, where sounds fade. */
+/* Loudness is measured in frames of this length. This many frames of a pause are kept at its start and
+ * end, where sounds fade. */
 #define FRAME_SECONDS 0.01
 enum { KEEP_AFTER = 70, KEEP_BEFORE = 30, FIRST_LOOK = 3000, PAUSE_FRAMES = 50 };
-/* As in mfcc.c: silent is what lies less than this share of the way from the softest to the loud. */
+/* As in mfcc.c: silence is below this share of the range from the softest to the loud. */
 #define DEPTH_DB 45.0
 #define SILENT_SHARE 0.25
 
@@ -40,7 +40,7 @@ static double silence_level(const struct window *w) {
     return soft + SILENT_SHARE * (loud - soft);
 }
 
-/* One frame at that sample of the recording, into out; its length, and whether it is silent. */
+/* Reads a frame at that sample of the recording; returns its length and whether it is silent. */
 static size_t look(struct window *w, uint64_t at, double silence, int16_t *out, bool *silent) {
     size_t count = w->source->read(w->source->ctx, at, out, frame_samples(w));
     int level = level_of(out, count);
@@ -83,7 +83,7 @@ static void add_piece(struct window *w, uint64_t there) {
     w->pieces[w->piece_count++] = (struct window_piece){w->samples, there};
 }
 
-/* After a long silence: goes to where it ends, less what is kept of it. */
+/* Skips the middle of a long silence. */
 static void leap(struct window *w, double silence) {
     size_t length = frame_samples(w), count = length;
     int16_t *frame = mem_alloc(length * sizeof *frame);
@@ -92,7 +92,7 @@ static void leap(struct window *w, double silence) {
     while ((count = look(w, at, silence, frame, &silent)) == length && silent)
         at += count;
     free(frame);
-    if (silent) { /* to the recording's end */
+    if (silent) { /* up to the recording's end */
         w->next = at + count;
     } else if (at - w->next > keep) {
         w->next = at - keep;

@@ -7,7 +7,7 @@
 #include "server/base/mem.h"
 #include "server/base/document_store.h"
 #include "server/expression/gestures.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,24 +1,239 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-align: aligns one recording for the daemon's library (server/library/recordings), confined, behind
- * all that anybody else does, and by no more than its share of a processor. It reads what library_voices.h
- * prepared and keeps times and report beside it. On its standard output it says how far it is, a share of the
- * sound in each line; the last line is "done", "failed: WHY" (which is kept, too) or "later: WHY". */
-#include "server/app/aligner_pace.h"
-#include "server/app/aligner_report.h"
+#include "server/align/aligned_recording.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
+#include "server/base/utf8.h"
 #include "server/library/library_files.h"
-#include "server/library/recordings/alignment_state.h"
-#include "server/library/recordings/kept_file.h"
+#include "server/library/recordings/alignments.h"
+#include "server/library/recordings/library_voices.h"
 #include "server/voice/faccia-voice.h"
 #include "server/voice/sandbox.h"
+#include <jansson.h>
 #include <limits.h>
 #include <math.h>
+#include <sched.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/types.h>
+#include <time.h>
 #include <unistd.h>
+
+/* ---- yielding the processor to everything else ---- */
+
+struct pace {
+    double percent; /* of one processor */
+    double begun;   /* s of the monotonic clock */
+};
+
+/* ---- the report: sentences by passage of the work, see recordings/alignments.h ---- */
+
+struct aligner_sentences {
+    const struct aligned_recording_sentence *list;
+    size_t count;
+    double rest; /* s of sound after the last sentence */
+};
+
+enum { LOWEST = 19, STEP_SECONDS = 900 };
+
+static double clock_of(clockid_t id) {
+    struct timespec t;
+    return clock_gettime(id, &t) ? 0 : (double)t.tv_sec + (double)t.tv_nsec / 1e9;
+}
+
+/* Lowers the priority of this process and of those it starts, limits its memory, and ends it with its
+ * parent. */
+static void pace_give_way(unsigned megabytes) {
+    const struct sched_param none = {0};
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    setpriority(PRIO_PROCESS, 0, LOWEST);
+    sched_setscheduler(0, SCHED_IDLE, &none);
+    memory_limit(megabytes);
+}
+
+static void limit_step(void) {
+    struct rlimit time;
+    getrlimit(RLIMIT_CPU, &time);
+    time.rlim_cur = (rlim_t)clock_of(CLOCK_PROCESS_CPUTIME_ID) + STEP_SECONDS;
+    if (time.rlim_cur > time.rlim_max)
+        time.rlim_cur = time.rlim_max;
+    setrlimit(RLIMIT_CPU, &time);
+}
+
+static void pace_begin(struct pace *pace, double percent) {
+    *pace = (struct pace){percent, clock_of(CLOCK_MONOTONIC)};
+    limit_step();
+}
+
+/* Sleeps until the processor time of this process and its helper (0 = none) is within its share of the
+ * elapsed time. The work until the next call may take some minutes of processor time; more ends the
+ * process (SIGXCPU). */
+static void pace_keep(struct pace *pace, pid_t helper) {
+    clockid_t other;
+    double used = clock_of(CLOCK_PROCESS_CPUTIME_ID), left;
+    if (helper && !clock_getcpuclockid(helper, &other))
+        used += clock_of(other);
+    double due = pace->begun + used * 100 / pace->percent;
+    while ((left = due - clock_of(CLOCK_MONOTONIC)) > 0)
+        nanosleep(&(struct timespec){(time_t)left, (long)(1e9 * (left - floor(left)))}, NULL);
+    limit_step();
+}
+
+/* Confidence below which a sentence is doubtful, as in faccia align. Shorter unmatched sound, in seconds,
+ * may be a breath. */
+#define UNSURE 0.15
+#define PASSED_LEAST 0.8
+enum { TOLD_MAX = 200 };
+
+struct report {
+    const char *text, *work;
+    size_t size;
+    const json_t *places;
+    json_t *unread, *unwritten;
+};
+
+static double hundredths(double x) {
+    return round(100 * x) / 100;
+}
+
+/* Start of the i-th passage; the last one ends with the text. */
+static size_t place_at(const struct report *r, size_t i) {
+    const json_t *place = json_array_get(r->places, i);
+    size_t byte = place ? (size_t)json_integer_value(json_array_get(place, 0)) : r->size;
+    return byte < r->size ? byte : r->size;
+}
+
+/* Index of the passage that contains a byte. */
+static size_t passage_of(const struct report *r, size_t byte) {
+    size_t low = 0, high = json_array_size(r->places);
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (place_at(r, middle) <= byte)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static json_t *id_of(const struct report *r, size_t passage) {
+    const char *name = json_string_value(json_array_get(json_array_get(r->places, passage), 1));
+    return json_sprintf("%s:%s", r->work, name ? name : "1");
+}
+
+static size_t utf16_in(const struct report *r, size_t passage, size_t byte) {
+    struct utf16_counter counter = {0};
+    size_t from = place_at(r, passage);
+    return utf16_offset(&counter, r->text + from, byte > from ? byte - from : 0);
+}
+
+static bool is_white(char c) {
+    return c == ' ' || c == '\n' || c == '\r' || c == '\t';
+}
+
+static void trim(const struct report *r, size_t *from, size_t *to) {
+    while (*from < *to && is_white(r->text[*from]))
+        ++*from;
+    while (*to > *from && is_white(r->text[*to - 1]))
+        --*to;
+}
+
+/* A sentence that spans two passages is reported in both. */
+static void add_unread(struct report *r, const struct aligned_recording_sentence *s) {
+    size_t from = s->from, to = s->to;
+    trim(r, &from, &to);
+    while (from < to && json_array_size(r->unread) < TOLD_MAX) {
+        size_t passage = passage_of(r, from), next = place_at(r, passage + 1), end = to < next ? to : next;
+        size_t start = from;
+        from = end;
+        trim(r, &start, &end);
+        if (end > start)
+            json_array_append_new(r->unread,
+                                  json_pack("{so sI sI sf sf}", "passage", id_of(r, passage), "start",
+                                            (json_int_t)utf16_in(r, passage, start), "end",
+                                            (json_int_t)utf16_in(r, passage, end), "confidence",
+                                            s->found ? hundredths(s->confidence) : 0.0, "time",
+                                            hundredths(s->start)));
+    }
+}
+
+static void add_unwritten(struct report *r, size_t byte, double time, double seconds) {
+    size_t passage = passage_of(r, byte);
+    if (json_array_size(r->unwritten) < TOLD_MAX)
+        json_array_append_new(r->unwritten,
+                              json_pack("{so sI sf sf}", "passage", id_of(r, passage), "at",
+                                        (json_int_t)utf16_in(r, passage, byte), "time",
+                                        hundredths(fmax(0, time)), "seconds", hundredths(seconds)));
+}
+
+/* Adds figures and lists to the report. text: NUL-terminated; places: [[byte, "SECTION:NAME"]...], in order.
+ */
+static void aligner_report(json_t *report, const struct aligner_sentences *sentences, const char *text,
+                           const char *work, const json_t *places) {
+    struct report r = {text, work, strlen(text), places, json_array(), json_array()};
+    size_t missing = 0, doubtful = 0, begin, end = 0;
+    double sum = 0;
+    for (size_t i = 0; i < sentences->count; i++) {
+        const struct aligned_recording_sentence *s = &sentences->list[i];
+        sum += s->found ? s->confidence : 0;
+        missing += !s->found;
+        doubtful += s->found && s->confidence < UNSURE;
+        if (!s->found || s->confidence < UNSURE)
+            add_unread(&r, s);
+        begin = s->from;
+        end = s->to;
+        trim(&r, &begin, &end);
+        if (s->passed >= PASSED_LEAST)
+            add_unwritten(&r, begin, s->start - s->passed, s->passed);
+    }
+    if (sentences->count && sentences->rest >= PASSED_LEAST)
+        add_unwritten(&r, end, sentences->list[sentences->count - 1].end, sentences->rest);
+    json_object_set_new(report, "sentences", json_integer((json_int_t)sentences->count));
+    json_object_set_new(report, "missing", json_integer((json_int_t)missing));
+    json_object_set_new(report, "doubtful", json_integer((json_int_t)doubtful));
+    json_object_set_new(
+        report, "confidence",
+        json_real(sentences->count ? hundredths(fmin(1, sum / (double)sentences->count)) : 0));
+    json_object_set_new(report, "unread", r.unread);
+    json_object_set_new(report, "unwritten", r.unwritten);
+}
+
+/* Loads the sentences from a file of times that alignment wrote. Free them. NULL: there are none. */
+static struct aligned_recording_sentence *aligner_sentences_kept(const json_t *times, size_t text_size,
+                                                                 size_t *count) {
+    const json_t *list = json_object_get(times, "sentences");
+    struct aligned_recording_sentence *sentences = NULL;
+    *count = json_array_size(list);
+    if (*count)
+        sentences = mem_alloc(*count * sizeof *sentences);
+    for (size_t i = 0; i < *count; i++) {
+        const json_t *one = json_array_get(list, i);
+        struct aligned_recording_sentence *s = &sentences[i];
+        s->from = (size_t)json_integer_value(json_object_get(one, "byte_start"));
+        s->to = (size_t)json_integer_value(json_object_get(one, "byte_end"));
+        s->start = json_number_value(json_object_get(one, "start"));
+        s->end = json_number_value(json_object_get(one, "end"));
+        s->confidence = json_number_value(json_object_get(one, "confidence"));
+        s->passed = json_number_value(json_object_get(one, "passed"));
+        s->found = s->end > s->start;
+        if (s->to > text_size || s->from > s->to) { /* belongs to another text */
+            free(sentences);
+            *count = 0;
+            return NULL;
+        }
+    }
+    return sentences;
+}
+
+/* faccia-align: aligns one recording for the daemon's library (server/library/recordings), sandboxed, at
+ * low priority and within its share of a processor. It reads what library_voices.h prepared, and stores
+ * times and report beside it. Each line of standard output is the share of the sound that is aligned; the
+ * last is "done", "failed: REASON" (which is stored, too) or "later: REASON". */
 
 #define TIMES_ENDING ".timing.json"
 
@@ -29,7 +244,7 @@ struct aligner_run {
     const char *folder, *work, *sound;
     struct reference_slot reference;
     struct pace pace;
-    struct buf text; /* with its NUL */
+    struct buf text; /* including its NUL */
     json_t *places, *report;
 };
 
@@ -43,14 +258,14 @@ static int later_as(const struct error *e) {
     return later(error_text(e, text, sizeof text));
 }
 
-/* A message that begins with the sound's path: where the library lies is nobody's business. */
+/* Removes the sound's path from the start of a message, so that the library's location stays private. */
 static const char *without_folder(const struct aligner_run *a, const char *why) {
     const char *slash = strrchr(a->sound, '/');
     size_t folder = slash ? (size_t)(slash + 1 - a->sound) : 0;
     return why && !strncmp(why, a->sound, folder) ? why + folder : why;
 }
 
-/* The state of the report says what it is. */
+/* Stores the report; its state is already set. */
 static int keep(struct aligner_run *a, const char *message) {
     struct error e;
     const char *why = without_folder(a, message);
@@ -81,7 +296,7 @@ static int read_file(const char *path, struct buf *out) {
     return well ? 0 : -1;
 }
 
-/* What it is made of, before that is read: what changes meanwhile is seen to be another. */
+/* Records size and time of a source before it is read, so that a later change is noticed. */
 static int stamp(struct aligner_run *a, const char *member, const char *path) {
     char hash[65];
     json_t *of = alignment_stamp(path);
@@ -100,7 +315,8 @@ static bool is_hash_of(const json_t *old, const json_t *now, const char *member)
     return a && b && !strcmp(a, b);
 }
 
-/* Files that were only touched have what they had. True when that was all; *status is the exit's. */
+/* Renews the stamps of files that were only touched. True when nothing else changed; *status is the exit
+ * status. */
 static bool is_known(struct aligner_run *a, int *status) {
     json_t *old = kept_json(a->folder, a->work, ALIGNMENT_ENDING);
     const char *state = json_string_value(json_object_get(old, "state"));
@@ -119,7 +335,7 @@ static bool is_known(struct aligner_run *a, int *status) {
     return known;
 }
 
-/* Times that the voice has found, when it was asked before this came to it. */
+/* Takes over times that the voice has already found on demand. */
 static bool take_kept(struct aligner_run *a, uint64_t samples) {
     char path[PATH_MAX];
     struct buf data = {0};
@@ -204,7 +420,7 @@ static int run(struct aligner_run *a) {
     return status;
 }
 
-/* Its folder it may write to, its sound read; nothing else, and no programs. */
+/* Allows writing to its folder and reading its sound; no other files, and no programs. */
 static void confine(const struct aligner_run *a, const char *plugin) {
     const struct plugin_needs needs = {.capabilities = FACCIA_VOICE_FILES};
     const struct sandbox_path paths[] = {{a->folder, true}, {a->sound, false}};

@@ -1,48 +1,85 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of the command line share. Exit codes: 0 done, 1 it could not be done, 2 it was asked
- * wrongly. */
+/* Shared by the commands of faccia: output files, options, and the components without the network. */
 #ifndef FACCIA_APP_CLI_H
 #define FACCIA_APP_CLI_H
 
-#include "server/app/stages.h"
+#include "server/app/components.h"
 #include "server/base/buf.h"
+#include <stdbool.h>
 #include <stdio.h>
+
+/* An output file. It appears under its name only when complete; until then, and after a failure, an
+ * existing file stays untouched. Devices and pipes are written to directly. Zeroed: not open. */
+struct cli_file {
+    FILE *file;
+    const char *path; /* as given by the user; borrowed */
+    char *place;      /* destination with links resolved; NULL: not a regular file */
+    char *part;       /* temporary name; NULL: none */
+};
+
+/* "-" is standard output. -1 after a message. */
+int cli_create(struct cli_file *file, const char *path);
+
+/* Closes the file, and discards it unless `well`. 0: all was written, or it was not open. -1 after a
+ * message; without one if not `well`. */
+int cli_finish(struct cli_file *file, bool well);
+
+/* A command's options as a table. */
+
+enum cli_option_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_NUMBER, CLI_CALL };
+
+struct cli_option {
+    const char *name;
+    char letter; /* 0 = none */
+    enum cli_option_kind kind;
+    void *out;       /* FLAG: bool; TEXT: const char *; WHOLE: int; NUMBER: double */
+    double min, max; /* WHOLE, NUMBER */
+    /* CALL: receives the argument; may be repeated. Returns an exit code after a message, or -1 to
+     * continue. */
+    int (*take)(void *ctx, const char *name, const char *text);
+};
+
+/* The list ends with a NULL name; --help and -h are implied. argv[0] is the command's name. Returns an
+ * exit code after a message or the usage, or -1 to continue with argv from optind on. */
+int cli_options(int argc, char **argv, const char *usage, const struct cli_option *list, void *ctx);
+
+/* Exit codes: 0 success, 1 failure, 2 wrong usage. */
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-/* The stages, without the network. */
 struct cli {
     uv_loop_t loop;
-    struct stages stages;
+    struct components components;
 };
 
-/* Loads all, starts the voices and waits until they are there. -1 after a message; cli_close all the same. */
+/* Loads everything, starts the voices and waits for them. -1 after a message; call cli_close in either
+ * case. */
 int cli_open(struct cli *cli, const struct settings *settings);
 void cli_close(struct cli *cli);
 
-/* Loads what is wanted, for commands that speak nothing (loop NULL) or only play. As stages_load, after a
- * message. */
-int cli_load(struct stages *stages, const struct settings *settings, unsigned wanted, uv_loop_t *loop);
+/* Like components_load, but prints the error. For commands that do not speak (loop NULL) or only play. */
+int cli_load(struct components *components, const struct settings *settings, unsigned wanted,
+             uv_loop_t *loop);
 
-/* The error with its code, as "faccia: FIELD: message (code)". */
+/* Prints the error with its code: "faccia: FIELD: message (code)". */
 void cli_complain_of(const struct error *e);
 
-/* "faccia: ..." on standard error. */
+/* Prints "faccia: ..." on standard error. */
 void cli_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Reads the file, or standard input when it is "-". -1 after a message. */
+/* Reads a file, or standard input for "-". -1 after a message. */
 int cli_read(const char *path, struct buf *text);
 
-/* The text that a command is to work on: its words from optind on, joined by spaces, or the file path (NULL =
- * none), or standard input when the only word is "-". The exit code after a message, or -1 to go on. */
+/* Reads a command's text: its words from optind on, joined by spaces; or the file `path` (NULL = none); or
+ * standard input if the only word is "-". Returns an exit code after a message, or -1 to continue. */
 int cli_text(int argc, char **argv, const char *path, struct buf *text);
 
-/* Whether the request could be spoken with that engine. -1 with *e; its field (PLACE_FIELD) is "engine" when
- * that is what does not fit. */
+/* Checks that the engine can speak the request. -1 with *e, whose field is "engine" if the engine does not
+ * fit. */
 int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
                    struct error *e);
 
-/* The commands. argv[0] is the name. */
+/* The commands. argv[0] is the command's name. */
 int say_main(int argc, char **argv, const struct settings *settings);
 int play_main(int argc, char **argv, const struct settings *settings);
 int voices_main(int argc, char **argv, const struct settings *settings);

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/eval_options.h"
 #include "server/app/cli.h"
-#include "server/app/cli_options.h"
 #include <stdlib.h>
 #include <string.h>
+
+struct eval_variant eval_variant(const char *engine, enum face_contacts contacts) {
+    bool own = face_engine_contacts(engine, CONTACTS_ENGINE), on = face_engine_contacts(engine, contacts);
+    struct eval_variant v = {engine, on ? CONTACTS_ON : CONTACTS_OFF, ""};
+    snprintf(v.label, sizeof v.label, "%s%s", engine, on == own ? "" : on ? " +contacts" : " -contacts");
+    return v;
+}
 
 static const char usage[] =
     "Usage: faccia eval [OPTION]... (TEXT | --file FILE | -)\n"
@@ -68,10 +74,9 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* What the options fill. */
 struct parse {
     struct eval_options *o;
-    bool contacts; /* were named */
+    bool contacts; /* contacts were chosen explicitly */
 };
 
 static int read_rates(void *ctx, const char *name, const char *list) {
@@ -150,7 +155,7 @@ static int add_recording(void *ctx, const char *name, const char *path) {
     return -1;
 }
 
-/* A further file of the person that --recording named last. */
+/* Adds a file to the latest --recording. */
 static int add_person_file(void *ctx, const char *name, const char *path) {
     struct eval_options *o = ((struct parse *)ctx)->o;
     if (!o->people) {

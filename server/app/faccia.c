@@ -47,7 +47,7 @@ static int run(int argc, char **argv, const struct settings *settings) {
     const char *name = argc ? argv[0] : "";
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (!strcmp(commands[i].name, name)) {
-            optind = 0; /* the command's options are of another kind */
+            optind = 0; /* the command has options of its own */
             return commands[i].run(argc, argv, settings);
         }
     if (!strcmp(name, "help")) {

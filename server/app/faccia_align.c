@@ -1,15 +1,227 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia align: when a recording says what, and the face that goes with it. */
 #include "protocol/say_options.h"
-#include "server/app/align_write.h"
+#include "server/align/aligned_recording.h"
+#include "server/app/cli.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
+#include "server/base/utf8.h"
+#include "server/export/export.h"
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- output: timing, face and sound, by segment as times become known ---- */
+
+/* Sentences below this confidence are reported. */
+#define ALIGN_UNSURE 0.15
+
+enum { WAV, FAP, JSON, OUTPUTS };
+
+struct output {
+    const char *path; /* NULL = not requested */
+    struct cli_file file;
+    struct export export;
+};
+
+struct align {
+    const char *sound, *text, *timing, *names, *tier, *word_tier, *gender;
+    struct speech_request request; /* lang, engine, fps, still, seed */
+    struct output outputs[OUTPUTS];
+    bool progress;
+    const struct speech_packs *packs;
+    const struct speech_pack *pack;
+    struct aligned_recording *reading;
+    uint64_t at;                         /* sample up to which segments are written */
+    size_t phone;                        /* first phone that ends after it */
+    size_t sentence, told, line, column; /* last sentence reported; its byte, line and column in the text */
+};
+
+/* ---- reports where the recording differs from its text ---- */
+
+/* Shorter unmatched sound, in seconds, may be a breath. */
+#define PASSED_LEAST 0.8
+enum { SHOWN_CHARACTERS = 40 };
+
+/* Advances line and column to that byte of the text. */
+static void go_to(struct align *a, size_t byte) {
+    const char *text = a->reading->text;
+    for (; a->told < byte; a->told++) {
+        a->column += (text[a->told] & 0xC0) != 0x80;
+        if (text[a->told] == '\n') {
+            a->line++;
+            a->column = 0;
+        }
+    }
+}
+
+/* Length of the beginning of a sentence that messages quote. */
+static int shown(const char *text, size_t size) {
+    size_t at = 0;
+    uint32_t cp;
+    for (int i = 0; i < SHOWN_CHARACTERS && at < size && text[at] != '\n'; i++)
+        at += utf8_next(text + at, size - at, &cp);
+    while (at && text[at - 1] == ' ')
+        at--;
+    return (int)at;
+}
+
+static void tell(struct align *a, const struct aligned_recording_sentence *s) {
+    const char *text = a->reading->text;
+    size_t from = s->from;
+    int minutes = (int)(s->start / 60);
+    while (from < s->to && (text[from] == ' ' || text[from] == '\n' || text[from] == '\r'))
+        from++;
+    go_to(a, from);
+    if (s->passed >= PASSED_LEAST)
+        cli_complain("warning: before %d:%04.1f %.1f s are heard that are not in the text", minutes,
+                     s->start - 60 * minutes, s->passed);
+    if (!s->found)
+        cli_complain("warning: %s:%zu:%zu: is not read: \"%.*s\"", a->text, a->line + 1, a->column + 1,
+                     shown(text + from, s->to - from), text + from);
+    else if (s->confidence < ALIGN_UNSURE)
+        cli_complain(
+            "warning: %s:%zu:%zu: is perhaps not what is read at %d:%04.1f (confidence %.2f): \"%.*s\"",
+            a->text, a->line + 1, a->column + 1, minutes, s->start - 60 * minutes, s->confidence,
+            shown(text + from, s->to - from), text + from);
+}
+
+/* Reports new sentences that are missing or read differently, on standard error and in the JSON. */
+static void align_tell(struct align *a) {
+    for (; a->sentence < a->reading->sentence_count; a->sentence++) {
+        const struct aligned_recording_sentence *s = &a->reading->sentences[a->sentence];
+        tell(a, s);
+        if (a->outputs[JSON].path)
+            export_json_sentence(&a->outputs[JSON].export, aligned_recording_sentence_json(s));
+    }
+}
+
+/* Segments end in a pause of at least SCENE_PAUSE seconds after a minimum length, or at any phone when
+ * they are too long. */
+#define SCENE_PAUSE 0.15
+#define SCENE_LEAST 3.0
+#define SCENE_MOST 20.0
+
+static int write_out(struct output *o) {
+    struct buf *out = &o->export.out;
+    bool well = !out->size || fwrite(out->data, 1, out->size, o->file.file) == out->size;
+    out->size = 0;
+    if (!well)
+        cli_complain("%s: %s", o->path, strerror(errno));
+    return well ? 0 : -1;
+}
+
+static void on_warning(void *ctx, const char *message) {
+    (void)ctx;
+    cli_complain("warning: %s", message);
+}
+
+static int write_segment(struct align *a, uint64_t to) {
+    struct sentence_audio *u = aligned_recording_audio(a->reading, a->at, to);
+    const struct face_options options = {
+        .engine = a->request.engine, .contacts = a->request.contacts, .still = a->request.still};
+    struct media_segment segment = {.audio = u,
+                                    .track = face_track_new(a->pack, u, &options, on_warning, NULL),
+                                    .start = (int64_t)a->at,
+                                    .alone = {.life = a->request.life < 0 ? 1 : a->request.life,
+                                              .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
+                                              .begin = (double)a->at / u->sample_rate}};
+    int result = 0;
+    for (struct output *o = a->outputs; o < a->outputs + OUTPUTS && !result; o++) {
+        if (!o->path)
+            continue;
+        export_segment(&o->export, &segment);
+        result = write_out(o);
+    }
+    media_segment_free(&segment);
+    a->at = to;
+    return result;
+}
+
+/* End of the segment that begins at a->at, at most at `known` seconds. 0 = not known yet. */
+static uint64_t segment_end(struct align *a, double known) {
+    const struct aligned_recording *r = a->reading;
+    double rate = r->sound->rate, start = (double)a->at / rate, total = (double)r->sound->samples / rate;
+    while (a->phone < r->phone_count && r->phones[a->phone].end <= start)
+        a->phone++;
+    for (size_t i = a->phone; i < r->phone_count && r->phones[i].end < known; i++) {
+        double end = r->phones[i].end, next = i + 1 < r->phone_count ? r->phones[i + 1].start : total;
+        if (next - start > SCENE_MOST && end - start < SCENE_MOST && next - end > SCENE_PAUSE)
+            return (uint64_t)(fmin((end + next) / 2, start + SCENE_MOST) * rate);
+        if ((end - start >= SCENE_LEAST && next - end >= SCENE_PAUSE && next < known) ||
+            end - start >= SCENE_MOST)
+            return (uint64_t)(fmin((end + next) / 2, end + 1) * rate);
+    }
+    if (known < total)
+        return 0;
+    uint64_t most = a->at + (uint64_t)(SCENE_MOST * rate);
+    return most < r->sound->samples ? most : r->sound->samples;
+}
+
+static void show_progress(const struct align *a, double share) {
+    enum { WIDTH = 40 };
+    static const char bar[WIDTH + 1] = "########################################";
+    int done = (int)(share * WIDTH);
+    if (a->progress)
+        fprintf(stderr, "\r[%-*.*s] %3.0f %%", WIDTH, done, bar, share * 100);
+}
+
+/* Writes the segments before `known` seconds; INFINITY = the rest. -1 after a message. */
+static int align_write(struct align *a, double known) {
+    for (uint64_t to; a->at < a->reading->sound->samples && (to = segment_end(a, known)) > a->at;) {
+        show_progress(a, (double)to / (double)a->reading->sound->samples);
+        if (write_segment(a, to))
+            return -1;
+    }
+    return 0;
+}
+
+/* -1 after a message. */
+static int align_open_outputs(struct align *a) {
+    static const char *const names[OUTPUTS] = {"wav", "fap", "json"};
+    const struct export_source source = {
+        .text = a->reading->text,
+        .lang = a->request.lang,
+        .voice = a->sound,
+        .engine = a->request.engine ? a->request.engine : face_engines()[0],
+        .fps = a->request.fps,
+        .aligned = a->text != NULL,
+        .frames = frame_from_sample(a->reading->sound->samples, a->reading->sound->rate, a->request.fps)};
+    for (int i = 0; i < OUTPUTS; i++) {
+        struct output *o = &a->outputs[i];
+        if (!o->path)
+            continue;
+        if (cli_create(&o->file, o->path))
+            return -1;
+        export_begin(&o->export, export_by_name(names[i]), &source);
+    }
+    return 0;
+}
+
+/* Sets the true length of a seekable WAV file. Discards the file unless `well`. -1 after a message. */
+static int align_close_output(struct output *o, bool wav, bool well) {
+    uint8_t header[WAV_HEADER_BYTES];
+    if (wav && o->file.file && o->export.sample_rate && !fseek(o->file.file, 0, SEEK_SET)) {
+        wav_header(header, o->export.sample_rate, o->export.samples);
+        fwrite(header, 1, sizeof header, o->file.file);
+    }
+    return cli_finish(&o->file, well);
+}
+
+/* Completes the files. -1 after a message. */
+static int align_end_outputs(struct align *a) {
+    for (struct output *o = a->outputs; o < a->outputs + OUTPUTS; o++)
+        if (o->path) {
+            export_end(&o->export);
+            if (write_out(o))
+                return -1;
+        }
+    return 0;
+}
+
+/* faccia align: finds when a recording says its text, and makes the face for it. */
 
 static const char usage[] =
     "Usage: faccia align [OPTION]... SOUND [--text FILE] [--timing FILE]\n"
@@ -122,7 +334,7 @@ static int run(struct align *a, const struct settings *settings) {
     return result ? EXIT_FAILED : EXIT_DONE;
 }
 
-/* The exit code, or -1 to go on. */
+/* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, struct align *a) {
     static const struct option options[] = {
         {"text", 1, NULL, 't'},      {"timing", 1, NULL, 'T'}, {"names", 1, NULL, 'N'},
@@ -176,7 +388,7 @@ static int parse(int argc, char **argv, struct align *a) {
     return -1;
 }
 
-/* The language and the engine. The exit code, or -1 to go on. */
+/* Chooses language and engine. Returns an exit code, or -1 to continue. */
 static int choose(struct align *a) {
     if (!a->request.lang)
         a->request.lang = mem_strdup("it");
@@ -201,20 +413,20 @@ static int choose(struct align *a) {
 
 int align_main(int argc, char **argv, const struct settings *settings) {
     struct align a = {.progress = isatty(STDERR_FILENO)};
-    struct stages stages;
+    struct components components;
     request_init(&a.request);
     int status = parse(argc, argv, &a);
     if (status < 0) {
         if (!a.outputs[WAV].path && !a.outputs[FAP].path && !a.outputs[JSON].path)
             a.outputs[JSON].path = "-";
-        if (cli_load(&stages, settings, STAGES_SPEECH, NULL)) {
+        if (cli_load(&components, settings, COMPONENTS_SPEECH, NULL)) {
             status = EXIT_FAILED;
         } else {
-            a.packs = &stages.packs;
+            a.packs = &components.packs;
             status = choose(&a);
             status = status < 0 ? run(&a, settings) : status;
         }
-        stages_free(&stages);
+        components_free(&components);
     }
     request_free(&a.request);
     return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia anova: do the modes of a listening test differ? */
+/* faccia anova: tests whether the conditions of a listening test differ. */
 #include "server/app/cli.h"
 #include "server/eval/results.h"
 #include <getopt.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia check: what in a text would not be acted on. */
+/* faccia check: reports what in a text has no effect. */
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
 #include "server/base/lines.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
@@ -34,7 +33,7 @@ static void report(const char *path, const char *severity, const struct error *e
     printf("%s:%zu:%zu: %s: %s\n", path, line, column, severity, e->message);
 }
 
-/* Puts UTF-8 into the buffer. */
+/* Decodes the text to UTF-8, in place. */
 static int decode(struct buf *text, struct error *e) {
     char *decoded;
     size_t size;
@@ -54,7 +53,7 @@ static int by_place(const void *a, const void *b) {
     return (x->column > y->column) - (x->column < y->column);
 }
 
-/* What no expression is known for is warned of, at its place among the others. */
+/* Warns of unknown expressions, in order with the other warnings. */
 static void look_for_expressions(const struct check *c, struct score *score) {
     expressions_direct(c->expressions, score);
     if (score->warning_count)
@@ -71,7 +70,7 @@ static int check(const struct check *c, const char *path) {
         return -1;
     }
     bool read = !decode(&text, &e);
-    /* A stream speaks the words of what is no document; an author wants to know what is wrong with it. */
+    /* A stream speaks malformed markup as plain text; an author wants its errors. */
     const struct markup_kind *kind =
         read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
     if (kind == markup_by_name("plain"))
@@ -124,17 +123,17 @@ int check_main(int argc, char **argv, const struct settings *settings) {
         cli_complain("a file is needed, or - for standard input");
         return EXIT_USAGE;
     }
-    struct stages stages;
-    if (cli_load(&stages, settings, STAGES_EXPRESSIONS, NULL)) {
-        stages_free(&stages);
+    struct components components;
+    if (cli_load(&components, settings, COMPONENTS_EXPRESSIONS, NULL)) {
+        components_free(&components);
         return EXIT_FAILED;
     }
-    c.expressions = stages.pipeline.expressions;
+    c.expressions = components.pipeline.expressions;
     struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)
         if (check(&c, argv[i]))
             result = EXIT_FAILED;
-    stages_free(&stages);
+    components_free(&components);
     return cli_finish(&out, true) ? EXIT_FAILED : result;
 }

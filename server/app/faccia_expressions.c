@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia expressions: what the expressions file offers, and how it looks. */
+/* faccia expressions: lists the expressions and shows their FAPs. */
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
 #include "server/expression/expressions.h"
@@ -109,7 +109,7 @@ static int write_poses(const struct expressions *all, const struct asked *asked)
     return result;
 }
 
-/* The exit code, or -1 to go on. */
+/* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, struct asked *asked) {
     static const struct option options[] = {
         {"kind", 1, NULL, 'k'}, {"json", 0, NULL, 'j'}, {"fap", 1, NULL, 'f'}, {"help", 0, NULL, 'h'}, {0}};
@@ -132,7 +132,7 @@ static int parse(int argc, char **argv, struct asked *asked) {
             return EXIT_USAGE;
         }
     }
-    /* "--fap joy fear anger": what follows belongs to it. */
+    /* "--fap joy fear anger": the option takes all words up to the next option. */
     for (; optind < argc && asked->wish_count; optind++)
         asked->wishes[asked->wish_count++] = argv[optind];
     if (optind < argc) {
@@ -146,11 +146,11 @@ int expressions_main(int argc, char **argv, const struct settings *settings) {
     struct asked asked = {.wishes = calloc((size_t)argc + 1, sizeof *asked.wishes)};
     int result = asked.wishes ? parse(argc, argv, &asked) : EXIT_FAILED;
     if (result < 0) {
-        struct stages stages;
-        result = cli_load(&stages, settings, STAGES_EXPRESSIONS, NULL) ? EXIT_FAILED
-                 : asked.wish_count ? write_poses(stages.pipeline.expressions, &asked)
-                                    : list(stages.pipeline.expressions, &asked);
-        stages_free(&stages);
+        struct components components;
+        result = cli_load(&components, settings, COMPONENTS_EXPRESSIONS, NULL) ? EXIT_FAILED
+                 : asked.wish_count ? write_poses(components.pipeline.expressions, &asked)
+                                    : list(components.pipeline.expressions, &asked);
+        components_free(&components);
     }
     free(asked.wishes);
     return result;

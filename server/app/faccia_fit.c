@@ -1,23 +1,125 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia fit: from recordings of a speaker's face to a speech pack. */
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
-#include "server/app/fit_options.h"
 #include "server/app/fit_read.h"
-#include "server/app/phone_times.h"
 #include "server/base/mem.h"
 #include "server/fit/fit.h"
 #include <getopt.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+/* ---- options ---- */
+
+enum { FIT_TESTS = 64 };
+
+struct fit_choices {
+    const char *base, *tag, *name, *output; /* NULL = not given */
+    int first, then;
+    double strength; /* 0 = search for it */
+    bool compare, rest, own;
+    const char *tests[FIT_TESTS];
+    size_t test_count;
+};
+
+static const char usage[] =
+    "Usage: faccia fit [OPTION]... NAME.csv...\n"
+    "Fits the coefficients of the visible-speech model to recordings of a speaker, and writes them as a "
+    "speech pack that\n"
+    "inherits all else. How much may move (all vowels and all consonants alike; the targets of viseme "
+    "groups; from 8\n"
+    "recordings on each phone), and how firmly it is held to the pack that it starts from, is chosen for "
+    "each "
+    "parameter\n"
+    "by what foretells sounds that were held out; where that gains less than its standard error, the "
+    "parameter "
+    "is kept as\n"
+    "it was.\n"
+    "\n"
+    "NAME.csv holds the curves: a line of names, then time (s) and any of LI, LS, AR, PI, PS, EM, TH, TA, "
+    "TB, or of the\n"
+    "markers of an articulograph (ul_x, ul_z, ll_x, ll_z, jaw_z, tt_x, tt_z, tb_z or tr_z; x forward, z up), "
+    "all in\n"
+    "mm, best at 100 Hz (models/tools/articulograph.py makes it from .mat and .pos files). Frames whose "
+    "`confidence`, or\n"
+    "`LI_confidence`... of one parameter, is below 0.25 do not count (faccia head lips writes them). Its "
+    "phones are in\n"
+    "NAME.phones.csv (start, end in s, and a name), NAME.TextGrid, NAME.json, NAME.lab or NAME.mlf, in IPA, "
+    "X-SAMPA or\n"
+    "ARPAbet. Recordings of the same phones are averaged.\n"
+    "\n"
+    "  -b, --base NAME      the pack to start from (it)\n"
+    "  -t, --tag TAG        language tag of the new pack (that of the base, then -x-fitted)\n"
+    "  -n, --name TEXT      its name (that of the base)\n"
+    "      --test NAME.csv  a recording that is not fitted: its error before and after; may be repeated\n"
+    "      --rest           the mouth is at rest in the pauses, lips closed, and the curves count from "
+    "there; without\n"
+    "                       this the level of the curves is free, and pauses do not count\n"
+    "      --own            the pack is to be of this speaker alone. Without this it goes half of the way "
+    "from "
+    "the base to the\n"
+    "                       speaker, and moves as far as the base, so that it serves others, too\n"
+    "      --strength S     how firmly it is held, in mm, all being let move, instead of what is chosen\n"
+    "      --first N        iterations of each trial of the choice (3)\n"
+    "      --then N         iterations of the fit itself (10)\n"
+    "      --compare        fit the function of Cohen and Massaro to the same, to see its error\n"
+    "  -o, --output FILE    the pack; standard output when left out. It is found in models/speech, beside "
+    "its base\n"
+    "  -h, --help           print this and exit\n"
+    "Errors are told with the scale that suits the recordings best, those of tests with and without one of "
+    "their own.\n"
+    "Exit status: 0 fitted, 1 failed, 2 wrong usage.\n";
+
+/* Number of iterations, and mm. */
+enum { MAX_ITERATIONS = 1000 };
+#define STRENGTH_MIN 0.001
+#define STRENGTH_MAX 1000
+
+static int add_test(void *ctx, const char *name, const char *path) {
+    struct fit_choices *f = ctx;
+    if (f->test_count == FIT_TESTS) {
+        cli_complain("--%s: at most %d", name, FIT_TESTS);
+        return EXIT_USAGE;
+    }
+    f->tests[f->test_count++] = path;
+    return -1;
+}
+
+/* Returns an exit code after a message, or -1 to continue: the recordings are argv from optind on. */
+static int fit_options_parse(int argc, char **argv, struct fit_choices *f) {
+    const struct cli_option options[] = {
+        {"base", 'b', CLI_TEXT, &f->base, 0, 0, NULL},
+        {"tag", 't', CLI_TEXT, &f->tag, 0, 0, NULL},
+        {"name", 'n', CLI_TEXT, &f->name, 0, 0, NULL},
+        {"output", 'o', CLI_TEXT, &f->output, 0, 0, NULL},
+        {"test", 0, CLI_CALL, NULL, 0, 0, add_test},
+        {"rest", 0, CLI_FLAG, &f->rest, 0, 0, NULL},
+        {"own", 0, CLI_FLAG, &f->own, 0, 0, NULL},
+        {"strength", 0, CLI_NUMBER, &f->strength, STRENGTH_MIN, STRENGTH_MAX, NULL},
+        {"first", 0, CLI_WHOLE, &f->first, 1, MAX_ITERATIONS, NULL},
+        {"then", 0, CLI_WHOLE, &f->then, 1, MAX_ITERATIONS, NULL},
+        {"compare", 0, CLI_FLAG, &f->compare, 0, 0, NULL},
+        {0},
+    };
+    int status = cli_options(argc, argv, usage, options, f);
+    if (f->output && !strcmp(f->output, "-"))
+        f->output = NULL;
+    if (status < 0 && optind == argc) {
+        cli_complain("no recordings");
+        status = EXIT_USAGE;
+    }
+    return status;
+}
+
+/* faccia fit: makes a speech pack from recordings of a speaker's face. */
+
 struct fitting {
     struct fit_choices choices;
     bool show_progress;
-    struct measured_speech *recordings; /* as recorded, then averaged */
+    struct measured_speech *recordings; /* first as recorded, then averaged */
     size_t count;
     struct measured_speech tests[FIT_TESTS];
 };
@@ -28,7 +130,7 @@ static int fail_at(const char *path, const struct error *e) {
     return -1;
 }
 
-/* path without its last length bytes, then suffix. */
+/* Replaces the last `length` bytes of the path by the suffix. */
 static char *renamed(const char *path, size_t length, const char *suffix) {
     size_t kept = strlen(path) - length, size = kept + strlen(suffix) + 1;
     char *out = mem_alloc(size);
@@ -55,7 +157,7 @@ static int read_recording(const char *path, const struct speech_rest *rest, stru
         free(phones);
         phones = renamed(path, strlen(".csv"), endings[i]);
     }
-    if (access(phones, F_OK)) { /* the message names the first */
+    if (access(phones, F_OK)) { /* the message names the first candidate */
         free(phones);
         phones = renamed(path, strlen(".csv"), endings[0]);
     }
@@ -77,7 +179,7 @@ static int read_recordings(struct fitting *f, char **paths, int count, const str
     f->recordings = mem_alloc(((size_t)count + 1) * sizeof *f->recordings);
     for (int i = 0; i < count; i++) {
         if (ends_with(paths[i], ".phones.csv"))
-            continue; /* *.csv finds these too */
+            continue; /* *.csv matches the files of phones, too */
         struct measured_speech *r = &f->recordings[f->count++];
         if (read_recording(paths[i], rest, r))
             return -1;
@@ -125,7 +227,7 @@ static struct speech_pack *load_base(const struct fitting *f, const char *models
     return pack;
 }
 
-/* All are roots of mean squares. */
+/* Errors are root mean squares. */
 static void print_errors(const struct fit *fit, const char *function) {
     for (int p = 0; p < PARAM_COUNT; p++) {
         if (!fit->fitted[p])
@@ -141,7 +243,7 @@ static void print_errors(const struct fit *fit, const char *function) {
     }
 }
 
-/* Of the test recordings. */
+/* Errors of the test recordings. */
 struct test_errors {
     double error[PARAM_COUNT], shape[PARAM_COUNT];
 };
@@ -174,7 +276,7 @@ static int write_pack(const struct fitting *f, const struct speech_pack *pack, c
     return failed ? EXIT_FAILED : EXIT_DONE;
 }
 
-/* Fits, and says how well. */
+/* Fits the pack and prints the errors. */
 static void fit_pack_of(struct fitting *f, struct speech_pack *pack, enum targets_function function,
                         struct fit *fit) {
     const struct fit_choices *c = &f->choices;
@@ -182,7 +284,7 @@ static void fit_pack_of(struct fitting *f, struct speech_pack *pack, enum target
                                   on_progress, on_warning, f};
     struct test_errors before, after;
     if (function == TARGETS_ORIGINAL)
-        options.warn = NULL; /* said already */
+        options.warn = NULL; /* already printed */
     fit_errors(pack, f->tests, c->test_count, &options, before.error, before.shape);
     fit_run(pack, f->recordings, f->count, &options, fit);
     fit_errors(pack, f->tests, c->test_count, &options, after.error, after.shape);

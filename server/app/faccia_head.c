@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia head: what is done with heads. `export` hands out the avatars that lie beside them, made while
- * building by models/tools/avatar/export-head.mjs; `lips` is done by models/tools/lips/faccia-lips.mjs, the
- * rest by models/tools/import/faccia-head.mjs, in Node.js. */
+/* faccia head: imports, exports and rigs heads. `export` copies the avatars that the build made with
+ * models/tools/avatar/export-head.mjs; `lips` runs models/tools/lips/faccia-lips.mjs, the rest
+ * models/tools/import/faccia-head.mjs, in Node.js. */
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
 #include "server/base/program.h"
 #include <errno.h>
 #include <getopt.h>
@@ -65,7 +64,7 @@ static int write_avatar(const struct settings *settings, const char *name, const
 
 enum { WORDS = 64 };
 
-/* The tool takes the place of the program. */
+/* Replaces this process by the Node.js tool. */
 static int run_tool(int argc, char **argv, const struct settings *settings) {
     char tool[4096], node[] = "node";
     char *words[WORDS + 3] = {node, tool};

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia life: what the face does of itself, while nobody speaks or while it speaks a text, in figures. */
+/* faccia life: measures idle movement, in silence or while speaking a text. */
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
 #include "server/eval/life_statistics.h"
 #include "server/face/life/life.h"
 #include <getopt.h>
@@ -30,7 +29,7 @@ struct life_run {
     double seconds, seed, strength, fps;
     const char *lang, *fap, *file;
     struct cli_file out;
-    struct buf frames; /* of speech, until it is known how many they are */
+    struct buf frames; /* speech, until the number of frames is known */
     struct cli cli;
     struct synthesis *synthesis;
     struct life_statistics statistics;
@@ -45,7 +44,7 @@ static void frame_of(const struct face_layer *layer, double t, struct fap_frame 
         fap_frame_set(frame, n, fap_clamp(n, (int32_t)lround(faps[n])));
 }
 
-/* The frames of the clock up to `end`, of a layer that began at `begin`. */
+/* Samples the layer, which began at `begin`, up to `end`. */
 static void live(struct life_run *r, const struct face_layer *layer, double begin, double end, bool speech) {
     struct fap_frame frame;
     char text[4096];
@@ -110,7 +109,8 @@ static int speak(struct life_run *r, const struct settings *settings, const stru
                             (struct request_value){REQUEST_WORD, r->lang, strlen(r->lang), 0}, &e);
     int status = EXIT_FAILED;
     if (!cli_open(&r->cli, settings)) {
-        r->synthesis = wrong ? NULL : synthesis_open(&r->cli.stages.pipeline, &request, &callbacks, r, &e);
+        r->synthesis =
+            wrong ? NULL : synthesis_open(&r->cli.components.pipeline, &request, &callbacks, r, &e);
         if (r->synthesis) {
             synthesis_start(r->synthesis);
             while (!r->finished && uv_run(&r->cli.loop, UV_RUN_ONCE))
@@ -162,7 +162,7 @@ static int read_number(const char *name, const char *text, double min, double ma
     return -1;
 }
 
-/* The exit code, or -1 to go on. */
+/* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, struct life_run *r) {
     enum { HELP = 256, SECONDS, SEED, STRENGTH, FPS, FAP };
     static const struct option options[] = {

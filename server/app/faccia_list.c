@@ -11,7 +11,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* Both lists take --json and --help; voices takes --lang and --model, too. The exit code, or -1 to go on. */
+/* Both lists take --json and --help; voices also takes --lang and --model. Returns an exit code, or -1 to
+ * continue. */
 static int parse(int argc, char **argv, const char *usage, const char **lang, const char **model,
                  bool *json) {
     static const struct option options[] = {
@@ -52,7 +53,7 @@ static int print_json(json_t *list, const char *name) {
     return EXIT_DONE;
 }
 
-/* The gender of the voices that suit a head, to be freed: "" when all do, NULL when there is no such head. */
+/* Gender of the voices that suit a head: "" for any, NULL if the head is unknown. Free it. */
 static char *gender_of(const char *models, const char *model) {
     char file[4096];
     json_error_t why;
@@ -81,7 +82,7 @@ int voices_main(int argc, char **argv, const struct settings *settings) {
         return EXIT_FAILED;
     status = cli_open(&cli, settings) ? EXIT_FAILED : EXIT_DONE;
     size_t count = 0;
-    const struct voice *v = status ? NULL : voice_pool_voices(cli.stages.pipeline.voices, &count);
+    const struct voice *v = status ? NULL : voice_pool_voices(cli.components.pipeline.voices, &count);
     json_t *list = json_array();
     for (size_t i = 0; i < count; i++) {
         if ((lang && !matches(v[i].lang, lang)) || (gender && *gender && strcmp(v[i].gender, gender)))

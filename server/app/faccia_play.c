@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia play: a recording, that is, a .fap file and its sound, into the forms that a speech can be written
- * in. */
+/* faccia play: converts a recording, a .fap file and its sound, to the output formats of speech. */
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
 #include "server/base/mem.h"
 #include "server/export/export.h"
 #include "server/synthesis/recording.h"
@@ -34,7 +32,7 @@ static const char *const names[OUTPUTS] = {"ndjson", "wav",   "ogg",          "f
 struct play {
     struct recording *recording;
     struct {
-        const char *path; /* NULL = not asked for */
+        const char *path; /* NULL = not requested */
         struct cli_file file;
         struct export export;
     } outputs[OUTPUTS];
@@ -112,12 +110,12 @@ static int run(struct play *p, const struct settings *settings, const char *fap,
                                       .fap_path = mem_strdup(fap),
                                       .sound_path = sound ? mem_strdup(sound) : NULL,
                                       .fap_bytes_max = (size_t)1 << 30};
-    struct stages stages;
+    struct components components;
     uv_loop_t loop;
     int status = open_outputs(p, fap);
     uv_loop_init(&loop);
-    if (!status && cli_load(&stages, settings, STAGES_SPEECH | STAGES_EXPRESSIONS, &loop)) {
-        stages_free(&stages);
+    if (!status && cli_load(&components, settings, COMPONENTS_SPEECH | COMPONENTS_EXPRESSIONS, &loop)) {
+        components_free(&components);
         status = EXIT_FAILED;
     }
     if (status) {
@@ -126,7 +124,7 @@ static int run(struct play *p, const struct settings *settings, const char *fap,
         uv_loop_close(&loop);
         return status;
     }
-    p->recording = recording_open(&loop, stages.pipeline.high_level, NULL, NULL, &source, &callbacks, p);
+    p->recording = recording_open(&loop, components.pipeline.high_level, NULL, NULL, &source, &callbacks, p);
     recording_start(p->recording);
     while (!p->finished && uv_run(&loop, UV_RUN_ONCE))
         ;
@@ -134,7 +132,7 @@ static int run(struct play *p, const struct settings *settings, const char *fap,
     recording_free(p->recording);
     uv_run(&loop, UV_RUN_DEFAULT);
     uv_loop_close(&loop);
-    stages_free(&stages);
+    components_free(&components);
     return p->failed ? EXIT_FAILED : EXIT_DONE;
 }
 

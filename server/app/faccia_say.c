@@ -1,18 +1,226 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia say: a text through all stages into files. */
 #include "protocol/say_options.h"
 #include "server/app/cli.h"
-#include "server/app/cli_file.h"
-#include "server/app/cli_written.h"
-#include "server/app/osc_play.h"
 #include "server/base/buf.h"
+#include "server/base/mem.h"
+#include "server/codec/arkit_weights.h"
+#include "server/codec/osc.h"
 #include "server/export/export.h"
+#include "server/synthesis/synthesis.h"
 #include <errno.h>
 #include <getopt.h>
+#include <math.h>
+#include <netdb.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <uv.h>
+
+/* ---- standard input, spoken while it is being written ---- */
+
+struct cli_written {
+    uv_poll_t poll;
+    struct synthesis *synthesis; /* NULL: released, or never begun */
+    bool watches, failed;        /* failed: after a message */
+};
+
+/* ---- plays the face to a puppet: sends frames as OSC datagrams (codec/osc.h) when they are due ---- */
+
+struct osc_play;
+
+static void finish(struct cli_written *w) {
+    if (w->watches)
+        uv_poll_stop(&w->poll);
+    synthesis_close(w->synthesis);
+}
+
+/* False at the end. */
+static bool take(struct cli_written *w) {
+    char bytes[65536], text[400];
+    struct error e;
+    ssize_t size = read(STDIN_FILENO, bytes, sizeof bytes);
+    if (size < 0 && (errno == EINTR || errno == EAGAIN))
+        return true;
+    if (size < 0)
+        cli_complain("-: %s", strerror(errno));
+    bool wrong = size > 0 && synthesis_write(w->synthesis, bytes, (size_t)size, SIZE_MAX, &e);
+    if (wrong)
+        cli_complain("%s", error_text(&e, text, sizeof text));
+    w->failed |= size < 0 || wrong;
+    if (size > 0 && !wrong)
+        return true;
+    finish(w);
+    return false;
+}
+
+static void on_poll(uv_poll_t *poll, int status, int events) {
+    (void)status;
+    (void)events;
+    take(poll->data);
+}
+
+/* Feeds standard input to the open synthesis, and closes it at the end. */
+static void cli_written_begin(struct cli_written *w, uv_loop_t *loop, struct synthesis *synthesis) {
+    w->synthesis = synthesis;
+    w->poll.data = w;
+    w->watches = !uv_poll_init(loop, &w->poll, STDIN_FILENO);
+    if (w->watches && !uv_poll_start(&w->poll, UV_READABLE, on_poll))
+        return;
+    while (take(w)) /* a regular file cannot be polled: read all of it */
+        ;
+}
+
+/* Call before the synthesis is freed; the loop has to run once more. */
+static void cli_written_end(struct cli_written *w) {
+    if (w->watches)
+        uv_close((uv_handle_t *)&w->poll, NULL);
+    w->watches = false;
+}
+
+struct osc_play {
+    uv_udp_t socket;
+    uv_timer_t timer;
+    struct sockaddr_storage target;
+    struct export export; /* its output: the weights of the queued frames */
+    struct osc_packets packets;
+    double fps;
+    uint64_t start; /* loop time of frame 0 in us; 0 = nothing received yet */
+    uint64_t shown; /* number of frames */
+    int open;       /* open handles */
+    bool ended;
+};
+
+enum { FRAME_BYTES = ARKIT_SHAPES * sizeof(double) };
+
+static void piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    uint32_t end = export_frames_until(x, segment, to);
+    for (; x->frames < end; x->frames++) {
+        struct fap_frame frame;
+        export_frame(x, segment, x->frames, &frame);
+        arkit_weights(x->coder, &frame, buf_reserve(&x->out, FRAME_BYTES));
+        x->out.size += FRAME_BYTES;
+    }
+}
+
+static const struct export_format weights_format = {
+    .name = "weights", .piece = piece, .free = export_arkit_free};
+
+static int find(const char *target, struct sockaddr_storage *out) {
+    const char *colon = strrchr(target, ':');
+    bool bracketed = target[0] == '[' && colon && colon > target && colon[-1] == ']';
+    if (!colon || colon == target || !colon[1])
+        return -1;
+    char *host = mem_strndup(target + bracketed, (size_t)(colon - target) - (bracketed ? 2 : 0));
+    struct addrinfo hints = {.ai_socktype = SOCK_DGRAM, .ai_flags = AI_NUMERICSERV}, *found = NULL;
+    int result = getaddrinfo(host, colon + 1, &hints, &found);
+    free(host);
+    if (result)
+        return -1;
+    memcpy(out, found->ai_addr, found->ai_addrlen);
+    freeaddrinfo(found);
+    return 0;
+}
+
+/* Target "HOST:PORT" or "[ADDRESS]:PORT". NULL after a message. */
+static struct osc_play *osc_play_open(uv_loop_t *loop, const char *target,
+                                      const struct export_source *source) {
+    struct sockaddr_storage address;
+    if (find(target, &address)) {
+        cli_complain("--osc: no address like '%s': HOST:PORT is wanted", target);
+        return NULL;
+    }
+    struct osc_play *p = mem_alloc(sizeof *p);
+    p->target = address;
+    p->fps = source->fps;
+    export_begin(&p->export, &weights_format, source);
+    p->export.coder = arkit_solver_new();
+    uv_udp_init(loop, &p->socket);
+    uv_timer_init(loop, &p->timer);
+    p->socket.data = p->timer.data = p;
+    p->open = 2;
+    return p;
+}
+
+/* Ignores errors: no receiver may be listening. */
+static void send_frame(struct osc_play *p, const double *weights) {
+    osc_frame(weights, &p->packets);
+    for (size_t i = 0, from = 0; i < p->packets.count; from = p->packets.ends[i++]) {
+        uv_buf_t bytes =
+            uv_buf_init((char *)p->packets.bytes.data + from, (unsigned)(p->packets.ends[i] - from));
+        uv_udp_try_send(&p->socket, &bytes, 1, (const struct sockaddr *)&p->target);
+    }
+}
+
+static uint64_t waiting(const struct osc_play *p) {
+    return p->export.out.size / FRAME_BYTES;
+}
+
+static void on_time(uv_timer_t *timer);
+
+static void wait_for_next(struct osc_play *p) {
+    uint64_t due = p->start + (uint64_t)((double)p->shown / p->fps * 1e6), now = uv_hrtime() / 1000;
+    uv_timer_start(&p->timer, on_time, due > now ? (due - now + 999) / 1000 : 0, 0);
+}
+
+/* Skips late frames except the last. */
+static void on_time(uv_timer_t *timer) {
+    struct osc_play *p = timer->data;
+    uint64_t now = uv_hrtime() / 1000;
+    double late = (double)(now - p->start) / 1e6 * p->fps - (double)p->shown;
+    uint64_t skip = late > 1 ? (uint64_t)late : 0, most = waiting(p) - 1;
+    skip = skip < most ? skip : most;
+    double weights[ARKIT_SHAPES];
+    memcpy(weights, p->export.out.data + skip * FRAME_BYTES, sizeof weights);
+    buf_consume(&p->export.out, (skip + 1) * FRAME_BYTES);
+    p->shown += skip + 1;
+    send_frame(p, weights);
+    if (waiting(p))
+        wait_for_next(p);
+}
+
+/* Queues a segment's frames; the first frame of all is sent at once. */
+static void osc_play_add(struct osc_play *p, const struct media_segment *segment) {
+    bool idle = !waiting(p);
+    export_segment(&p->export, segment);
+    if (!idle || !waiting(p))
+        return;
+    /* A late segment is shown now, and delays all that follow. */
+    uint64_t now = uv_hrtime() / 1000, since = (uint64_t)((double)p->shown / p->fps * 1e6);
+    if (!p->start || p->start + since < now)
+        p->start = now - since;
+    wait_for_next(p);
+}
+
+/* Marks the end of the frames. */
+static void osc_play_end(struct osc_play *p) {
+    p->ended = true;
+}
+
+/* True while frames are queued. */
+static bool osc_play_busy(const struct osc_play *p) {
+    return !p->ended || waiting(p);
+}
+
+static void on_close(uv_handle_t *handle) {
+    struct osc_play *p = handle->data;
+    if (--p->open)
+        return;
+    export_free(&p->export);
+    osc_packets_free(&p->packets);
+    free(p);
+}
+
+/* Run the loop afterwards until it is empty. */
+static void osc_play_free(struct osc_play *p) {
+    if (!p)
+        return;
+    uv_close((uv_handle_t *)&p->socket, on_close);
+    uv_close((uv_handle_t *)&p->timer, on_close);
+}
+
+/* faccia say: speaks a text to files. */
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
@@ -36,16 +244,16 @@ static const char usage[] =
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
 
-/* One file to be written. */
+/* An output file. */
 struct output {
-    const char *path; /* NULL = not asked for, or it cannot be written */
+    const char *path; /* NULL = not requested, or it cannot be written */
     struct cli_file file;
     struct export export;
 };
 
 enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, OUTPUTS };
-enum { OUTPUT_OPTION = 256 }; /* of the first of them */
-enum { HEARD = -2 };          /* a recording is to be heard: not for us */
+enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
+enum { HEARD = -2 };          /* exit code of parse: play a recording instead */
 
 struct say {
     struct cli cli;
@@ -53,7 +261,7 @@ struct say {
     struct output outputs[OUTPUTS];
     const char *sounds, *puppet; /* NULL = none */
     struct osc_play *osc;
-    struct cli_written written; /* of a text that is open */
+    struct cli_written written; /* of an open text */
     bool failed, finished, spoken;
 };
 
@@ -65,7 +273,7 @@ static int flush(struct say *s, struct output *o) {
     }
     cli_complain("%s: %s", o->path, strerror(errno));
     s->failed = true;
-    o->path = NULL; /* one message is enough */
+    o->path = NULL; /* reports the failure once */
     return -1;
 }
 
@@ -95,7 +303,7 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
             export_warning(&o->export, e);
 }
 
-/* A WAV file that can be rewound gets its true length; a pipe keeps "unknown". */
+/* Sets the true length of a seekable WAV file; in a pipe it stays "unknown". */
 static void finish_wav(struct output *o) {
     uint8_t header[WAV_HEADER_BYTES];
     if (!o->export.sample_rate || fseek(o->file.file, 0, SEEK_SET))
@@ -149,7 +357,7 @@ static int open_outputs(struct say *s) {
     return EXIT_DONE;
 }
 
-/* A sentence that failed costs itself; what nothing was said in, or could not be written, is no file. */
+/* A failed sentence does not fail the file. Files without speech or with write errors are discarded. */
 static void close_outputs(struct say *s) {
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
         s->failed |= cli_finish(&o->file, s->spoken && o->path) != 0;
@@ -157,7 +365,7 @@ static void close_outputs(struct say *s) {
     }
 }
 
-/* The exit code, -1 to go on, or HEARD. */
+/* Returns an exit code, -1 to continue, or HEARD. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
         SPEAK_OPTIONS{"file", 1, NULL, 'f'},
@@ -230,8 +438,8 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
     char message[400];
-    s->cli.stages.pipeline.sounds = s->sounds ? s->sounds : s->cli.stages.pipeline.sounds;
-    s->synthesis = synthesis_open(&s->cli.stages.pipeline, request, &callbacks, s, &e);
+    s->cli.components.pipeline.sounds = s->sounds ? s->sounds : s->cli.components.pipeline.sounds;
+    s->synthesis = synthesis_open(&s->cli.components.pipeline, request, &callbacks, s, &e);
     if (!s->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
@@ -259,7 +467,7 @@ int say_main(int argc, char **argv, const struct settings *settings) {
     request_init(&request);
     int status = parse(argc, argv, &s, &request, &text);
     if (status == HEARD) {
-        optind = 0; /* from the beginning */
+        optind = 0; /* restarts the scan */
         status = hear_main(argc, argv, settings);
     } else if (status < 0) {
         status = cli_open(&s.cli, settings) ? EXIT_FAILED : speak(&s, &request);

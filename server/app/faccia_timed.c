@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia timed: the face for recorded speech, from a timed transcription. No voice is needed. */
+/* faccia timed: makes the face for recorded speech from a timed transcription, without a voice. */
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
 #include "server/base/buf.h"
@@ -139,9 +139,10 @@ int timed_main(int argc, char **argv, const struct settings *settings) {
         cli_complain("one file is needed");
         return EXIT_USAGE;
     }
-    struct stages stages;
-    int result =
-        cli_load(&stages, settings, STAGES_SPEECH, NULL) ? EXIT_FAILED : run(&o, argv[optind], &stages.packs);
-    stages_free(&stages);
+    struct components components;
+    int result = cli_load(&components, settings, COMPONENTS_SPEECH, NULL)
+                     ? EXIT_FAILED
+                     : run(&o, argv[optind], &components.packs);
+    components_free(&components);
     return result;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia token: signs what a page or a person may do. */
+/* faccia token: signs tokens, which grant a page or a person permissions. */
 #include "server/access/token.h"
 #include "server/app/cli.h"
 #include <getopt.h>
@@ -32,7 +32,7 @@ static int complain(const struct error *e) {
     return EXIT_USAGE;
 }
 
-/* "15m" in seconds; -1 when it is no such thing. */
+/* Converts "15m" to seconds; -1 if it is not a duration. */
 static long seconds_of(const char *text) {
     static const struct {
         char unit;

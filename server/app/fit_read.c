@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/fit_read.h"
+#include "server/align/times.h"
+#include "server/base/buf.h"
 #include "server/base/mem.h"
+#include "server/base/sampa.h"
+#include "server/fit/measured_speech.h"
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The name may have any of these headings. */
+/* Accepted headings of the phone's name. */
 static const char *const phone_columns[] = {"start", "end",     "ipa",   "phone", "label",
                                             "name",  "arpabet", "sampa", NULL};
 enum { START, END, NAME, NAMES_END = 8 };
-/* After the parameters, markers in mm: _x forward, _z up. The body of the tongue is rather where the rear one
- * is (with two speakers the packs' TB correlates by .75 with tr and by .54 with tb). */
+/* Markers in mm follow the parameters: _x forward, _z up. The rear tongue marker represents the tongue
+ * body best (with two speakers the packs' TB correlates by .75 with tr and by .54 with tb). */
 static const char *const curve_columns[] = {"time",
                                             "t",
                                             "LI",
@@ -52,28 +57,28 @@ static const struct {
                {PARAM_TH, 1},  {PARAM_TA, 1}, {PARAM_TB, 1}, {PARAM_TB, 1}};
 enum {
     MARKER_COUNT = sizeof markers / sizeof *markers,
-    CONFIDENCE = MARKERS + MARKER_COUNT, /* of the frame; behind it of each parameter */
+    CONFIDENCE = MARKERS + MARKER_COUNT, /* of the frame; those of the parameters follow */
     MAX_WANTED = 32,
     NO_COLUMN = 1 << 20
 };
-/* What is believed less was not seen. */
+/* Values with less confidence count as missing. */
 #define LEAST_CONFIDENCE 0.25
 _Static_assert(sizeof curve_columns / sizeof *curve_columns == CONFIDENCE + 1 + PARAM_COUNT + 1,
                "the columns are the time, the parameters, the markers and what is to be believed of them");
 _Static_assert(CONFIDENCE + 1 + PARAM_COUNT < MAX_WANTED, "a line has room for all columns");
 
-/* A table, line by line. */
+/* A CSV table, read line by line. */
 struct table {
     FILE *file;
     const char *const *wanted;
-    size_t column[MAX_WANTED]; /* of each wanted name; NO_COLUMN when it is not there */
+    size_t column[MAX_WANTED]; /* by wanted name; NO_COLUMN if absent */
     char *line;
     size_t capacity, number;
-    const char *field[MAX_WANTED]; /* of the present line; "" where there is none */
+    const char *field[MAX_WANTED]; /* of the current line; "" if absent */
     struct error *error;
 };
 
-/* "A" as CSV quotes it, with "" for a quote in it. A quote at the start alone is X-SAMPA's mark of stress. */
+/* Unquotes "A" with "" for a quote. A single leading quote is X-SAMPA's stress mark. */
 static void unquote(char **field) {
     size_t length = strlen(*field);
     if (length < 2 || **field != '"' || (*field)[length - 1] != '"')
@@ -84,7 +89,7 @@ static void unquote(char **field) {
         from += from[0] == '"' && from[1] == '"';
 }
 
-/* Cuts off the first field: without blanks and quotes around it. */
+/* Splits off the first field, without surrounding blanks and quotes. */
 static char *next_field(char **rest) {
     char *field = *rest, *end = field + strcspn(field, ",;\t\r\n");
     *rest = *end && strchr(",;\t", *end) ? end + 1 : NULL;
@@ -96,7 +101,7 @@ static char *next_field(char **rest) {
     return field;
 }
 
-/* The next line that is not empty. */
+/* Reads the next line that is not empty. */
 static bool next_line(struct table *t) {
     while (getline(&t->line, &t->capacity, t->file) >= 0) {
         t->number++;
@@ -160,7 +165,7 @@ static int needs(struct table *t, size_t wanted) {
                                           : 0;
 }
 
-/* Which column tells each parameter: its own, or that of its marker. */
+/* Finds the column of each parameter: its own, or its marker's. */
 static size_t find_sources(const struct table *t, size_t source[PARAM_COUNT], double sign[PARAM_COUNT]) {
     size_t found = 0;
     for (size_t p = 0; p < PARAM_COUNT; p++) {
@@ -177,13 +182,13 @@ static size_t find_sources(const struct table *t, size_t source[PARAM_COUNT], do
     return found;
 }
 
-/* The column that says how much is to be believed of each parameter: its own, or that of the frame. */
+/* Finds each parameter's confidence column: its own, or the frame's. */
 static void find_confidences(const struct table *t, size_t of[PARAM_COUNT]) {
     for (size_t p = 0; p < PARAM_COUNT; p++)
         of[p] = t->column[CONFIDENCE + 1 + p] != NO_COLUMN ? CONFIDENCE + 1 + p : CONFIDENCE;
 }
 
-/* Of frame n, which has been read. */
+/* Reads the confidences of frame n. */
 static int read_confidences(struct table *t, struct measured_speech *r, const size_t of[PARAM_COUNT],
                             size_t n) {
     for (size_t p = 0; p < PARAM_COUNT; p++) {
@@ -269,9 +274,128 @@ static int read_phone_table(struct table *t, struct measured_speech *r) {
     return 0;
 }
 
-int fit_read_phones(const char *path, struct measured_speech *r, struct error *e) {
+/* CSV with a heading: "start", "end" (s) and the name as "ipa", "phone", "label", "name", "arpabet" or
+ * "sampa". Errors as above. */
+static int fit_read_phones(const char *path, struct measured_speech *r, struct error *e) {
     struct table t;
     int result = table_open(&t, path, phone_columns, e) || read_phone_table(&t, r) ? -1 : 0;
     table_close(&t);
+    return result;
+}
+
+static bool is_pause(const char *name) {
+    return !*name || !strcmp(name, "_") || !strcmp(name, "sil") || !strcmp(name, "sp");
+}
+
+static bool is_arpabet(const struct measured_speech *r) {
+    bool telling = false;
+    for (size_t i = 0; i < r->phone_count; i++) {
+        uint8_t stress;
+        const char *name = r->phones[i].ipa;
+        if (is_pause(name))
+            continue;
+        if (!arpabet_ipa(name, &stress))
+            return false;
+        telling |= arpabet_is_telling(name);
+    }
+    return telling;
+}
+
+/* True for X-SAMPA: ASCII with capitals, digits or signs that IPA lacks. */
+static bool is_sampa(const struct measured_speech *r) {
+    bool telling = false;
+    for (size_t i = 0; i < r->phone_count; i++)
+        for (const char *c = is_pause(r->phones[i].ipa) ? "" : r->phones[i].ipa; *c; c++) {
+            if (*c & 0x80)
+                return false;
+            telling |= isupper((unsigned char)*c) || strchr("@{}0123456789\\&?=~", *c);
+        }
+    return telling;
+}
+
+/* Removes a stress mark from the start of the name. */
+static void take_stress(struct recorded_phone *phone) {
+    static const char *const marks[] = {"ˌ", "ˈ"};
+    for (uint8_t i = 0; i < 2; i++)
+        if (!strncmp(phone->ipa, marks[i], strlen(marks[i]))) {
+            phone->stress = i + 1;
+            memmove(phone->ipa, phone->ipa + strlen(marks[i]), strlen(phone->ipa + strlen(marks[i])) + 1);
+        }
+}
+
+static void to_ipa(struct measured_speech *r) {
+    bool arpabet = is_arpabet(r), sampa = !arpabet && is_sampa(r);
+    for (size_t i = 0; i < r->phone_count; i++) {
+        struct recorded_phone *phone = &r->phones[i];
+        char name[PHONE_NAME_BYTES];
+        snprintf(name, sizeof name, "%s", is_pause(phone->ipa) ? "" : phone->ipa);
+        snprintf(phone->ipa, sizeof phone->ipa, "%s", name);
+        if (!*name)
+            continue;
+        if (arpabet) {
+            snprintf(phone->ipa, sizeof phone->ipa, "%s", arpabet_ipa(name, &phone->stress));
+        } else if (sampa) {
+            bool marked = *name == '"' || *name == '%';
+            if (marked)
+                phone->stress = *name == '"' ? 2 : 1;
+            sampa_to_ipa(name + marked, phone->ipa, sizeof phone->ipa);
+        }
+        take_stress(phone);
+    }
+}
+
+static int read_file(const char *path, struct buf *out, struct error *e) {
+    FILE *file = fopen(path, "rb");
+    char block[65536];
+    size_t n;
+    if (!file)
+        return error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno));
+    while ((n = fread(block, 1, sizeof block, file)) > 0 && out->size < 100 << 20)
+        buf_add(out, block, n);
+    int result = ferror(file) ? error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno)) : 0;
+    fclose(file);
+    return result;
+}
+
+static int read_times(const struct buf *text, struct measured_speech *r, struct error *e) {
+    const struct times_options options = {.format = TIMES_GUESS};
+    struct times times;
+    int result = times_read(&times, &options, (const char *)text->data, text->size, e);
+    for (size_t i = 0; !result && i < times.phone_count; i++) {
+        const struct times_phone *from = &times.phones[i];
+        struct recorded_phone phone = {.start = from->start, .end = from->end, .stress = from->stress};
+        if (strlen(from->ipa) >= sizeof phone.ipa) {
+            result = error_set(e, ERROR_BAD_CURVES, "'%.31s' is too long for a phone", from->ipa);
+            break;
+        }
+        memcpy(phone.ipa, from->ipa, strlen(from->ipa) + 1);
+        result = measured_speech_add(r, &phone, e);
+    }
+    if (result)
+        e->code = ERROR_BAD_CURVES;
+    times_free(&times);
+    return result;
+}
+
+/* True when the first line names start and end, with a separator between them. */
+static bool is_table(const struct buf *text) {
+    size_t length = 0;
+    char line[256];
+    while (length < text->size && length + 1 < sizeof line && text->data[length] != '\n')
+        length++;
+    memcpy(line, text->data, length);
+    line[length] = '\0';
+    return line[strspn(line, " \t\r")] != '{' && strstr(line, "start") && strstr(line, "end") &&
+           strpbrk(line, ",;\t");
+}
+
+int phone_times_read(const char *path, struct measured_speech *r, struct error *e) {
+    struct buf text = {0};
+    int result = read_file(path, &text, e);
+    if (!result)
+        result = text.size && is_table(&text) ? fit_read_phones(path, r, e) : read_times(&text, r, e);
+    buf_free(&text);
+    if (!result)
+        to_ipa(r);
     return result;
 }

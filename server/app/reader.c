@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-reader: parses one input that cannot be trusted for the daemon, which starts this program for each
- * (base/reader_process.h). It may read that input, which is its standard input, and the system's libraries,
- * write to its standard output, and take the processor time and memory that it is told. */
+/* faccia-reader: parses one untrusted input for the daemon, which starts it for each input
+ * (base/reader_process.h). It may read standard input and the system's libraries, write to standard
+ * output, and use limited processor time and memory. */
 #include "server/base/program.h"
 #include "server/base/sound_reader.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include "server/voice/sandbox.h"
 #include <signal.h>
 #include <stdio.h>
@@ -21,13 +21,13 @@ static void limit(const char *seconds, const char *megabytes) {
     const struct rlimit time = {most, most + 1}, nothing = {0, 0};
     signal(SIGINT, SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    close_range(3, ~0u, 0); /* whatever the daemon left open is none of its business */
+    close_range(3, ~0u, 0); /* closes descriptors that the daemon leaked */
     setrlimit(RLIMIT_CPU, &time);
     setrlimit(RLIMIT_FSIZE, &nothing);
     memory_limit((uint32_t)strtoul(megabytes, NULL, 10));
 }
 
-/* No file at all: the input has come with the process. */
+/* Denies all files: the input is already open. */
 static void confine(const char *program) {
     const struct plugin_needs needs = {.capabilities = 0};
     const struct sandbox sandbox = {program, &needs, NULL, 0, getppid()};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of the settings: the table, and one setting in and out of text and JSON. */
+/* The table of settings, and conversion of a setting from and to text and JSON. */
 #ifndef FACCIA_APP_SETTINGS_INTERNAL_H
 #define FACCIA_APP_SETTINGS_INTERNAL_H
 
@@ -13,43 +13,32 @@ struct setting {
     const char *option; /* "max-text" */
     enum {
         SETTING_STRING,
-        SETTING_FOLDER, /* one that is there */
-        SETTING_NUMBER, /* whole */
+        SETTING_FOLDER, /* an existing folder */
+        SETTING_NUMBER, /* an integer */
         SETTING_REAL,
-        SETTING_MEGABYTES, /* whole; kept as bytes, in a uint64_t */
+        SETTING_MEGABYTES, /* an integer; stored as bytes in a uint64_t */
         SETTING_FLAG,
-        SETTING_LIST,   /* of strings; the option may be repeated, the variable has commas */
-        SETTING_OBJECT, /* JSON, kept as text; as an option or variable: the name of a file */
-        SETTING_CHOICE, /* one of the words of shape, with | between, kept as its index */
+        SETTING_LIST,   /* of strings; the option may be repeated, the variable is separated by commas */
+        SETTING_OBJECT, /* JSON, stored as text; an option or variable names a file */
+        SETTING_CHOICE, /* one of the words in shape, separated by |; stored as its index */
     } type;
     size_t offset;                         /* in struct settings */
-    enum { FOR_DAEMON, FOR_BOTH } program; /* that has it: facciad, or faccia, too */
+    enum { FOR_DAEMON, FOR_BOTH } program; /* facciad only, or faccia, too */
     double min, max;
     const char *value; /* default, as text; NULL = none */
-    const char *shape; /* "N", "FILE": for the help */
+    const char *shape; /* for the help: "N", "FILE" */
     const char *help;
 };
 
 extern const struct setting settings_table[];
 extern const size_t settings_count;
 
-/* Does the setting concern the program? */
-bool setting_is_of(enum program program, const struct setting *setting);
-
-/* Is its value the tag of a language (base/lang.h)? */
+/* True when the value is a language tag (base/lang.h). */
 bool setting_is_tag(const struct setting *setting);
 
-/* The daemon's --token-file, as it was called once: -1 with *e, which says what it is called now. name: as
- * the setting was written. */
-int setting_was_renamed(const char *name, struct error *e);
-
-/* -1 with *e, whose field is name. */
+/* -1 with *e, whose field is `name`. */
 int setting_from_text(struct settings *s, const struct setting *setting, const char *text, const char *name,
                       struct error *e);
 int settings_from_file(struct settings *s, enum program program, const char *file, struct error *e);
-
-/* Puts it where its path says. */
-void setting_to_json(const struct settings *s, const struct setting *setting, json_t *root);
-void setting_clear(struct settings *s, const struct setting *setting);
 
 #endif

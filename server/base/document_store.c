@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What is being written: no document's name begins so. */
+/* Name of a file being written; no document's name begins like it. */
 static const char part[] = ".part";
 
 static int cannot(struct error *e, const char *what) {
@@ -28,7 +28,7 @@ int document_check_name(const char *name, struct error *e) {
     return 0;
 }
 
-/* The folder, open; -1 with *e. */
+/* Opens the folder; -1 with *e. */
 static int open_folder(const struct document_store *shelf, bool locked, struct error *e) {
     if (!shelf->folder)
         return error_plain(e, ERROR_NOTHING_KEPT);
@@ -45,7 +45,8 @@ static int open_folder(const struct document_store *shelf, bool locked, struct e
     return -1;
 }
 
-static void file_of(const struct document_store *shelf, const char *name, char file[DOCUMENT_NAME_BYTES + 16]) {
+static void file_of(const struct document_store *shelf, const char *name,
+                    char file[DOCUMENT_NAME_BYTES + 16]) {
     snprintf(file, DOCUMENT_NAME_BYTES + 16, "%s%s", name, shelf->suffix);
 }
 
@@ -65,8 +66,8 @@ static int read_all(int fd, size_t most, struct buf *out, struct error *e) {
     }
 }
 
-/* 1: it was read; 0: there is none; -1: with *e. Links are not followed: what lies elsewhere is not on the
- * shelf. */
+/* 1: read; 0: no such document; -1 with *e. Does not follow links, so that documents cannot point
+ * elsewhere. */
 static int read_file(const struct document_store *shelf, int folder, const char *name, struct buf *out,
                      struct error *e) {
     char file[DOCUMENT_NAME_BYTES + 16];
@@ -82,10 +83,10 @@ static int read_file(const struct document_store *shelf, int folder, const char 
     return result;
 }
 
-/* Opens and locks the folder, and sees to it that the condition holds: its descriptor, or -1. *there: there
- * is such a document. */
-static int open_for_change(const struct document_store *shelf, const char *name, struct document_condition condition,
-                           bool *there, struct error *e) {
+/* Opens and locks the folder and checks the condition. Returns its descriptor, or -1. *there: the document
+ * exists. */
+static int open_for_change(const struct document_store *shelf, const char *name,
+                           struct document_condition condition, bool *there, struct error *e) {
     struct buf now = {0};
     char tag[ETAG_BYTES];
     if (document_check_name(name, e))
@@ -115,7 +116,8 @@ static int is_document(const struct document_store *shelf, const char *file) {
            !strcmp(file + size - suffix, shelf->suffix);
 }
 
-int document_store_list(const struct document_store *shelf, struct document_entry **entries, size_t *count, struct error *e) {
+int document_store_list(const struct document_store *shelf, struct document_entry **entries, size_t *count,
+                        struct error *e) {
     struct dirent **files;
     struct error unused;
     struct stat about;
@@ -147,8 +149,8 @@ int document_store_list(const struct document_store *shelf, struct document_entr
     return found < 0 ? cannot(e, shelf->folder) : 0;
 }
 
-int document_store_read(const struct document_store *shelf, const char *name, struct buf *out, char tag[ETAG_BYTES],
-               struct error *e) {
+int document_store_read(const struct document_store *shelf, const char *name, struct buf *out,
+                        char tag[ETAG_BYTES], struct error *e) {
     size_t before = out->size;
     if (document_check_name(name, e))
         return -1;
@@ -162,9 +164,9 @@ int document_store_read(const struct document_store *shelf, const char *name, st
     return found < 0 ? -1 : 0;
 }
 
-/* The new file is whole on the disk before it takes the old one's name. */
+/* Syncs the new file to disk before it replaces the old one. */
 static int replace(int folder, const char *file, const void *data, size_t size, struct error *e) {
-    unlinkat(folder, part, 0); /* of somebody who was stopped */
+    unlinkat(folder, part, 0); /* left by a process that was killed */
     int fd = openat(folder, part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     bool well = fd >= 0 && write_all(fd, data, size) && !fsync(fd);
     if (fd >= 0)
@@ -178,7 +180,8 @@ static int replace(int folder, const char *file, const void *data, size_t size, 
 }
 
 int document_store_save(const struct document_store *shelf, const char *name, const void *data, size_t size,
-               struct document_condition condition, char tag[ETAG_BYTES], bool *created, struct error *e) {
+                        struct document_condition condition, char tag[ETAG_BYTES], bool *created,
+                        struct error *e) {
     char file[DOCUMENT_NAME_BYTES + 16];
     struct document_entry *entries = NULL;
     size_t count = 0;
@@ -203,8 +206,8 @@ int document_store_save(const struct document_store *shelf, const char *name, co
     return failed;
 }
 
-int document_store_remove(const struct document_store *shelf, const char *name, struct document_condition condition,
-                 struct error *e) {
+int document_store_remove(const struct document_store *shelf, const char *name,
+                          struct document_condition condition, struct error *e) {
     char file[DOCUMENT_NAME_BYTES + 16];
     bool there;
     int folder = open_for_change(shelf, name, condition, &there, e);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What went wrong with somebody's input, with its place. */
+/* An error in some input, with its place. */
 #ifndef FACCIA_BASE_ERROR_H
 #define FACCIA_BASE_ERROR_H
 
@@ -25,7 +25,7 @@ struct error {
     char field[64];      /* PLACE_FIELD */
 };
 
-/* Fill *e; return -1 so that a caller can `return error_set(...)`. */
+/* Fill *e and return -1, so that a caller can `return error_set(...)`. */
 int error_set(struct error *e, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 int error_at_byte(struct error *e, enum error_code code, size_t byte, const char *format, ...)
@@ -35,15 +35,16 @@ int error_at_line(struct error *e, enum error_code code, size_t line, size_t col
 int error_in_field(struct error *e, enum error_code code, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The same with what error_codes.h says of it. */
+/* The same with the message of error_codes.h. */
 int error_plain(struct error *e, enum error_code code);
 int error_plain_in_field(struct error *e, enum error_code code, const char *field);
 
-/* Of the table: "bad-json"; the status of the answer that is this error. ERROR_NONE: "" and 500. */
+/* From the table: "bad-json"; the HTTP status. ERROR_NONE: "" and 500. */
 const char *error_name(enum error_code code);
 unsigned error_status(enum error_code code);
 
-/* "LINE:COLUMN: message", "byte N: message", "FIELD: message" or the message alone, into out. Returns out. */
+/* Writes "LINE:COLUMN: message", "byte N: message", "FIELD: message" or the message alone to out. Returns
+ * out. */
 const char *error_text(const struct error *e, char *out, size_t cap);
 
 #endif

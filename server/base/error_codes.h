@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Every error and warning that there is: its identifier, its code, which is stable and which
- * protocol/README.md explains, the status of an HTTP answer that it is (0: it is never one, so that it would
- * be 500), and what is said of it where nothing more exact is known. tests/protocol/errors.test.mjs holds
- * this table, the protocol's text and the schemas together. */
+/* All errors and warnings: identifier, stable code (explained in protocol/README.md), HTTP status (0:
+ * never an answer; would be 500) and default message. tests/protocol/errors.test.mjs checks that this
+ * table, the protocol's text and the schemas agree. */
 #ifndef FACCIA_BASE_ERROR_CODES_H
 #define FACCIA_BASE_ERROR_CODES_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What tells one content from another (RFC 9110, 8.8.3): an entity tag, with its quotes. */
+/* Entity tags (RFC 9110, 8.8.3), including their quotes. */
 #ifndef FACCIA_BASE_ETAG_H
 #define FACCIA_BASE_ETAG_H
 
@@ -8,10 +8,10 @@
 
 enum { ETAG_BYTES = 24 };
 
-/* FNV-1a of 64 bits: not against those who look for two contents of one tag. */
+/* 64-bit FNV-1a: does not resist deliberate collisions. */
 void etag_of(const void *data, size_t size, char tag[ETAG_BYTES]);
 
-/* Is it in the list of tags that If-Match and If-None-Match have, weak ones too, or is the list "*"? */
+/* True when the tag is in a list as in If-Match and If-None-Match, weak tags included, or the list is "*". */
 bool etag_listed(const char *list, const char *tag);
 
 #endif

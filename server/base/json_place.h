@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reading a JSON file strictly: every value knows where it stands, so that an error names its path
- * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after filling the root's error (its code says
- * what kind of file it is; field = path). */
+/* Strict reading of a JSON file: every value knows its path, so that an error can name it
+ * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after setting the root's error (code of the
+ * kind of file; field = path). */
 #ifndef FACCIA_BASE_JSON_PLACE_H
 #define FACCIA_BASE_JSON_PLACE_H
 
@@ -13,13 +13,13 @@ struct json_place {
     const struct json_place *up; /* NULL at the root */
     const char *key;             /* NULL for an array's item */
     size_t index;
-    json_t *json;         /* NULL when there is no such value */
-    enum error_code code; /* when something is wrong with it */
+    json_t *json;         /* NULL when the value is missing */
+    enum error_code code; /* code for errors */
     struct error *error;
 };
 
-/* Reads a file into *root; what is wrong with it has that code. The caller releases root->json with
- * json_decref. Duplicate keys are an error. */
+/* Reads a file into *root; its errors have that code. The caller releases root->json with json_decref.
+ * Duplicate keys are an error. */
 int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e);
 int json_place_parse(const void *data, size_t size, enum error_code code, struct json_place *root,
                      struct error *e);
@@ -30,23 +30,23 @@ struct json_place json_place_item(const struct json_place *up, size_t index);
 int json_place_fail(const struct json_place *at, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* What stands there names a file, in which something is wrong: its code, and where in it. */
+/* Reports an error within the file that this value names. */
 int json_place_fail_in(const struct json_place *at, const char *name, const struct error *inner);
 
 int json_place_object(const struct json_place *at);
 int json_place_array(const struct json_place *at);
-/* An object with no other keys than these; the list ends with NULL. */
+/* Requires an object with no other keys; the list ends with NULL. */
 int json_place_keys(const struct json_place *at, const char *const *allowed);
 int json_place_real(const struct json_place *at, double min, double max, double *out);
-int json_place_whole(const struct json_place *at, int min, int max, int *out); /* 3.0 is one, too */
-/* A string that is not empty; *out belongs to the JSON value. */
+int json_place_whole(const struct json_place *at, int min, int max, int *out); /* accepts 3.0 */
+/* A non-empty string; *out belongs to the JSON value. */
 int json_place_text(const struct json_place *at, const char **out);
-/* BCP 47: a language of two or three letters, and what narrows it down. As json_place_text. */
+/* A BCP 47 language tag. Otherwise like json_place_text. */
 int json_place_tag(const struct json_place *at, const char **out);
-/* An array of strings, copied; *out ends with NULL; release it with json_texts_free. */
+/* Copies an array of strings; *out ends with NULL; free it with json_texts_free. */
 int json_place_texts(const struct json_place *at, char ***out);
 void json_texts_free(char **texts);
-/* One of the names, as its index. */
+/* Index of one of the names. */
 int json_place_choice(const struct json_place *at, const char *const *names, size_t *out);
 
 #endif

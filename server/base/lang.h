@@ -9,19 +9,17 @@
 /* The longest tag, in bytes (RFC 5646, 4.4.1). */
 enum { LANG_BYTES = 35 };
 
-/* Whether s[0..n) has a tag's form: subtags of 1 to 8 letters and digits, the first one of 2 to 8 letters, or
- * "x" or "i", with hyphens between. That is the syntax that all of BCP 47's tags have, and voices' own
- * ("en-us-nyc") besides. *bad is the byte where it ends to have it. */
+/* True when s[0..n) has the syntax of a BCP 47 tag: subtags of 1 to 8 letters and digits separated by
+ * hyphens, the first of 2 to 8 letters, or "x" or "i". Voices' own tags ("en-us-nyc") match, too. *bad is
+ * the first offending byte. */
 bool lang_is_tag(const char *s, size_t n, size_t *bad);
 
-/* Writes the tag of s[0..n), which may also be the name of a POSIX locale with a territory or a codeset
- * ("it_IT", "pt_BR.UTF-8", "ca_ES@valencia": its modifier is left out). False, and *bad as above, when it is
- * neither. */
+/* Reads a tag, or a POSIX locale with territory or codeset ("it_IT", "pt_BR.UTF-8", "ca_ES@valencia"; the
+ * modifier is dropped). False, with *bad as above, if it is neither. */
 bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad);
 
-/* The tag, or the one that it stands for: a macrolanguage for the language that is usually meant by it ("zh"
- * for Mandarin, RFC 5646, 4.1.2), a code that ISO 639 has given up for its successor ("iw" for "he"). Static,
- * or the argument. */
+/* Replaces a macrolanguage by the language usually meant ("zh" for Mandarin, RFC 5646, 4.1.2), and a
+ * withdrawn ISO 639 code by its successor ("iw" by "he"). Returns a static string or the argument. */
 const char *lang_usual(const char *tag);
 
 #endif

@@ -28,7 +28,7 @@ const char *log_format_name(void) {
     return names[current];
 }
 
-/* The text as a JSON string. */
+/* Quotes the text as a JSON string. */
 static void quote(char *out, size_t cap, const char *text) {
     size_t n = 0;
     for (; *text && n + 8 < cap; text++) {
@@ -55,12 +55,12 @@ static void write_json(char *out, size_t cap, const char *word, const char *text
              (long)getpid(), quoted);
 }
 
-/* One write per line, so that lines of several processes do not mix. The priority prefix is for journald
- * alone. */
+/* Writes a line at once, so that lines of several processes do not mix. Only journald gets the priority
+ * prefix. */
 static void line(int priority, const char *word, const char *format, va_list args) {
     char text[1024], out[1200];
     vsnprintf(text, sizeof text, format, args);
-    utf8_mend(text); /* what others wrote makes no lines of its own, and moves no cursor of a terminal */
+    utf8_mend(text); /* untrusted text must not start lines or control the terminal */
     if (current == LOG_JSON)
         write_json(out, sizeof out, word, text);
     else if (current == LOG_JOURNAL)

@@ -8,11 +8,11 @@
 
 enum log_format { LOG_TEXT, LOG_JSON, LOG_JOURNAL };
 
-/* As the process says it from now on; until then, as text. Like standard error, this is one for the whole
- * process: main decides it. Any thread may log meanwhile. */
+/* Sets the format of this process; text by default. Like standard error it is global to the process: main
+ * calls it. Other threads may log meanwhile. */
 void log_open(enum log_format format);
 
-/* The same by its name, which is what a process tells another that it starts. False: there is no such. */
+/* The same by name, as passed to a child process. False: unknown. */
 bool log_open_named(const char *name);
 const char *log_format_name(void);
 

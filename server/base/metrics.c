@@ -2,7 +2,7 @@
 #include "server/base/metrics.h"
 #include <string.h>
 
-/* Metrics of one name stand together and differ in their label. */
+/* Metrics with the same name must be adjacent; their labels differ. */
 static const struct {
     const char *name, *label, *type, *help;
 } table[METRICS] = {

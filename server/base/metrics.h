@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the daemon counts, and its report in the text format of Prometheus (version 0.0.4). */
+/* Counters of the daemon, reported in Prometheus' text format (version 0.0.4). */
 #ifndef FACCIA_BASE_METRICS_H
 #define FACCIA_BASE_METRICS_H
 
 #include "server/base/buf.h"
 #include <stddef.h>
 
-/* The order of the table in metrics.c. */
+/* In the order of the table in metrics.c. */
 enum metric {
     METRIC_CONNECTIONS,
     METRIC_CONNECTIONS_TOTAL,
@@ -47,16 +47,16 @@ enum metric {
     METRICS,
 };
 
-/* Seconds from an utterance's request to its first media. */
+/* Seconds from a request to its first media message. */
 enum { METRIC_BUCKETS = 10 };
 
 struct metrics {
     double values[METRICS];
     double first_media_sum;
-    unsigned long first_media[METRIC_BUCKETS + 1]; /* not cumulated; the last is beyond all bounds */
+    unsigned long first_media[METRIC_BUCKETS + 1]; /* not cumulative; the last one has no upper bound */
 };
 
-/* metrics may be NULL: nobody counts. */
+/* metrics may be NULL. */
 void metrics_add(struct metrics *metrics, enum metric metric, double by);
 void metrics_first_media(struct metrics *metrics, double seconds);
 

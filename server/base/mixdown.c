@@ -2,15 +2,15 @@
 #include "server/base/mixdown.h"
 #include <math.h>
 
-/* Correlations at which a channel counts as inverted, and no longer: below what the sides of a wide stereo
- * recording come to. */
+/* Correlations below which a channel counts as inverted, and above which it no longer does: beyond what a
+ * wide stereo recording reaches. */
 #define INVERTED (-0.7)
 #define UPRIGHT 0.0
-/* Each frame keeps so much of what was heard before: about half a second at 44,100 frames a second. */
+/* Decay per frame: about half a second at 44,100 frames a second. */
 #define KEEP (1 - 1.0 / 20000)
-/* So many frames are heard before a channel is judged: 5 to 30 ms. */
+/* Frames needed to judge a channel: 5 to 30 ms. */
 enum { HEARD_LEAST = 256 };
-#define LOUDEST 16.0 /* a file of floats may hold anything; sums of squares must stay finite */
+#define LOUDEST 16.0 /* float files may hold anything; keeps sums of squares finite */
 
 static double sane(float x) {
     return isfinite(x) ? fmax(-LOUDEST, fmin(LOUDEST, (double)x)) : 0;

@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* Component by component, following no link. */
+/* Opens component by component, without following links. */
 static int open_slowly(int folder, const char *path, int flags) {
     char name[NAME_MAX + 1];
     int at = dup(folder);
@@ -41,7 +41,7 @@ int open_below_at(int folder, const char *path, int flags) {
     const struct open_how how = {.flags = (uint64_t)(flags | O_CLOEXEC | O_NONBLOCK),
                                  .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     int fd = -1;
-    /* EAGAIN: something on the path was renamed meanwhile */
+    /* EAGAIN: a part of the path was renamed concurrently */
     for (int tries = 0; tries < 8 && fd < 0 && (!tries || errno == EAGAIN); tries++)
         fd = (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
     if (fd < 0 && (errno == ENOSYS || errno == EPERM))

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where the programs lie in a build tree and below a prefix, and beside them the rest. A tree that was moved,
- * or staged for a package (DESTDIR), is found by its programs. */
+/* Locations of the files in a build tree and below a prefix. A moved tree, or one staged for a package
+ * (DESTDIR), is found from its programs. */
 enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, READER, PLACES };
 
 static const struct layout {
@@ -28,7 +28,7 @@ static const struct layout {
 
 enum { INSTALLED = 1 };
 
-/* Cuts the programs' folder off, if it is the last part of the path. */
+/* Removes the programs' folder from the end of the path, if it is there. */
 static bool cut(char *path, const char *folder) {
     size_t length = strlen(path), part = strlen(folder);
     if (length <= part || path[length - part - 1] != '/' || strcmp(path + length - part, folder) != 0)
@@ -37,7 +37,7 @@ static bool cut(char *path, const char *folder) {
     return true;
 }
 
-/* The layout, and in root the folder that its places are relative to. */
+/* Detects the layout, and sets root to the folder that its locations are relative to. */
 static const struct layout *look_round(char *root, size_t cap) {
     char program[PATH_MAX];
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);

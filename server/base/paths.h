@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the program's own files lie: in its build tree; or below the prefix that the program itself lies in,
- * which may have been moved; or, when it lies elsewhere, below the prefix that it was built for. */
+/* Locations of the program's own files: in its build tree; or below the prefix that contains the program,
+ * which may have been moved; or else below the configured prefix. */
 #ifndef FACCIA_BASE_PATHS_H
 #define FACCIA_BASE_PATHS_H
 
-/* Absolute paths; free with paths_free. An empty string where nothing was found. */
+/* Absolute paths; "" if not found. Free with paths_free. */
 struct paths {
     char *models;  /* holds speech/, heads/ */
     char *web;     /* the page and its bundle */

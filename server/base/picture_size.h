@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How large a picture is, by its header: one of 31 kB may take gigabytes when it is decoded. Decodes nothing.
- * web/src/picture-size.mjs is the same for pages. */
+/* Reads the size of a picture from its header, without decoding: a file of 31 kB may decode to gigabytes.
+ * web/src/picture-size.mjs does the same for pages. */
 #ifndef FACCIA_BASE_PICTURE_SIZE_H
 #define FACCIA_BASE_PICTURE_SIZE_H
 
@@ -13,8 +13,7 @@ struct picture_size {
     uint32_t width, height;
 };
 
-/* Reads the header of a PNG, JPEG or WebP. false: it is none of them, or its header is cut short or damaged.
- */
+/* Reads the header of a PNG, JPEG or WebP. False: another format, or the header is truncated or damaged. */
 bool picture_size_read(const uint8_t *data, size_t size, struct picture_size *out);
 
 #endif

@@ -10,12 +10,12 @@
 
 static const int ignored[] = {SIGPIPE, SIGXFSZ};
 
-/* Opened the wrong way round, so that its use fails instead of vanishing. open gives the lowest free number.
- */
+/* Opens them for the wrong direction, so that use fails instead of being ignored. open returns the lowest
+ * free number. */
 static void open_standard_descriptors(void) {
     for (int fd = 0; fd <= 2; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF && open("/dev/null", fd ? O_RDONLY : O_WRONLY) < 0)
-            return; /* no /dev/null: nothing better is there */
+            return; /* no /dev/null: give up */
 }
 
 void program_begin(void) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How every program begins. What starts it may have left anything behind: closed descriptors, blocked
- * signals, limits on the size of files. */
+/* Start of every program. The parent may have left closed descriptors, blocked signals or limits on file
+ * sizes. */
 #ifndef FACCIA_BASE_PROGRAM_H
 #define FACCIA_BASE_PROGRAM_H
 
@@ -14,8 +14,8 @@
  * - files that it makes cannot be written by others; the group's right is the user's affair (umask). */
 void program_begin(void);
 
-/* Call it in a child between fork and exec of a foreign program: what it does with SIGPIPE and SIGXFSZ is its
- * own affair, and ignored signals stay ignored over exec. */
+/* Call it in a child between fork and exec of another program: restores the default handling of SIGPIPE
+ * and SIGXFSZ, as ignored signals stay ignored over exec. */
 void program_give_back_signals(void);
 
 #endif

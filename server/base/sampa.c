@@ -83,9 +83,8 @@ size_t sampa_from_ipa(const char *ipa, char *out, size_t cap) {
     return unknown;
 }
 
-/* Code points whose X-SAMPA means another one first: ligatures, letters with a tilde of their own, signs that
- * may stand above or below, and what is coarser in X-SAMPA (which nasal comes before; lips that are
- * compressed). */
+/* Code points whose X-SAMPA is read back as another one: ligatures, precomposed letters with a tilde,
+ * diacritics that may stand above or below, and distinctions that X-SAMPA lacks. */
 static bool is_second(uint32_t ipa) {
     static const uint32_t second[] = {0x00E3, 0x00F1, 0x00F5, 0x0129, 0x0169, 0x02A3, 0x02A4,
                                       0x02A5, 0x02A6, 0x02A7, 0x02A8, 0x030A, 0x030D, 0x03B5,
@@ -96,7 +95,7 @@ static bool is_second(uint32_t ipa) {
     return false;
 }
 
-/* The longest symbol at the head of the string; NULL when there is none. */
+/* Longest symbol at the start of the string, or NULL. */
 static const struct symbol *longest(const char *sampa) {
     const struct symbol *best = NULL;
     for (size_t i = 0; i < sizeof symbols / sizeof *symbols; i++) {

@@ -11,30 +11,30 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Processor time of a process: SECONDS_LEAST, plus SECONDS_EACH for every megabyte of the file, since one
- * megabyte of Opus can hold an hour of speech, which takes half a minute to decode. While its output is not
- * read, the process blocks and uses none. */
+/* Processor time: SECONDS_LEAST, plus SECONDS_EACH per megabyte, as a megabyte of Opus can hold an hour of
+ * speech, which takes half a minute to decode. While its output is not read, the process blocks and uses
+ * none. */
 enum {
     BLOCK = 4096,
     MEGABYTES = 512,
     SECONDS_LEAST = 5,
     SECONDS_EACH = 30,
     SECONDS_MOST = 1800,
-    BLOCK_SECONDS = 10 /* by the clock, for the next block of samples */
+    BLOCK_SECONDS = 10 /* wall time for the next block of samples */
 };
 
-/* What the process says first; then blocks of samples, each with its count before it; 0 = the end. */
+/* First message of the process. Blocks of samples follow, each preceded by its count; 0 = end. */
 struct greeting {
-    uint32_t rate; /* 0: it cannot be read */
+    uint32_t rate; /* 0: unreadable */
     char message[SOUND_MESSAGE_BYTES];
 };
 
-/* libsndfile, in this process. */
+/* Decodes with libsndfile in this process. */
 struct decoder {
     SNDFILE *file;
     unsigned rate, channels;
     struct mixdown mixdown;
-    float *frames; /* BLOCK of all channels */
+    float *frames; /* BLOCK frames of all channels */
 };
 
 struct sound_reader {
@@ -42,10 +42,10 @@ struct sound_reader {
     struct decoder decoder;
     struct reader_process process;
     unsigned rate;
-    float block[BLOCK]; /* of the process, that have not been taken */
+    float block[BLOCK]; /* samples of the process that have not been consumed */
     size_t at, count;
     bool ended;
-    char wrong[SOUND_MESSAGE_BYTES]; /* "": nothing */
+    char wrong[SOUND_MESSAGE_BYTES]; /* "": none */
 };
 
 static void close_decoder(struct decoder *d) {
@@ -79,7 +79,7 @@ static bool open_decoder(struct decoder *d, int fd, const char *path, unsigned m
     return false;
 }
 
-/* At most BLOCK samples; fewer at the end. */
+/* Decodes at most BLOCK samples; fewer at the end. */
 static size_t decode(struct decoder *d, float *samples, size_t count) {
     sf_count_t got = sf_readf_float(d->file, d->frames, (sf_count_t)(count < BLOCK ? count : BLOCK));
     for (sf_count_t i = 0; i < got; i++)
@@ -87,7 +87,7 @@ static size_t decode(struct decoder *d, float *samples, size_t count) {
     return got > 0 ? (size_t)got : 0;
 }
 
-/* ---- the process ---- */
+/* ---- child ---- */
 
 int sound_reader_serve(unsigned most, int in, int out) {
     struct decoder d;
@@ -104,7 +104,7 @@ int sound_reader_serve(unsigned most, int in, int out) {
     return heard ? 0 : -1;
 }
 
-/* ---- who has it read ---- */
+/* ---- parent ---- */
 
 static struct reader_limits limits_of(int fd) {
     struct stat info;
@@ -116,11 +116,11 @@ static struct reader_limits limits_of(int fd) {
 
 enum outcome {
     WELL,
-    BROKEN_OFF, /* it says no more */
-    GARBAGE     /* what it says means nothing */
+    BROKEN_OFF, /* the output ended early */
+    GARBAGE     /* protocol error */
 };
 
-/* The process is through, or has to be: says why where that is no end of the sound. */
+/* Ends the process, and records the reason if the sound is incomplete. */
 static void end_process(struct sound_reader *s, enum outcome outcome) {
     char why[160] = "";
     bool ended = !reader_process_end(&s->process, why, sizeof why);
@@ -184,7 +184,7 @@ unsigned sound_reader_rate(const struct sound_reader *s) {
     return s->rate;
 }
 
-/* The next block of the process. */
+/* Reads the next block from the process. */
 static bool take_block(struct sound_reader *s) {
     uint32_t count;
     reader_process_go_on(&s->process, BLOCK_SECONDS);

@@ -15,7 +15,7 @@ static char at(const char *text, size_t i) {
     return (char)tolower((unsigned char)text[i]);
 }
 
-/* Three rows of the table are enough, as a swap looks back two. */
+/* Three rows of the table suffice, as a swap looks back two. */
 static unsigned distance(const char *a, const char *b) {
     unsigned rows[3][NAME_MOST + 1];
     size_t n = strlen(a), m = strlen(b);
@@ -36,7 +36,7 @@ static unsigned distance(const char *a, const char *b) {
     return rows[n % 3][m];
 }
 
-/* So much may be wrong in a name of so many letters. */
+/* Largest accepted distance for a name of that length. */
 static unsigned farthest(size_t length) {
     return length < 4 ? 1 : length < 8 ? 2 : 3;
 }
@@ -45,39 +45,40 @@ struct suggestions suggestions_for(const char *wanted) {
     return (struct suggestions){.wanted = wanted};
 }
 
-void suggest_name(struct suggestions *near, const char *name, const char *shown) {
-    size_t length = strlen(near->wanted);
-    unsigned far = distance(near->wanted, name), limit = farthest(length);
-    if (length >= PREFIX_LEAST && !strncasecmp(near->wanted, name, length))
+void suggest_name(struct suggestions *s, const char *name, const char *shown) {
+    size_t length = strlen(s->wanted);
+    unsigned far = distance(s->wanted, name), limit = farthest(length);
+    if (length >= PREFIX_LEAST && !strncasecmp(s->wanted, name, length))
         far = least(far, limit);
     if (!length || far > limit)
         return;
-    for (size_t i = 0; i < near->count; i++)
-        if (!strcmp(near->names[i], shown))
+    for (size_t i = 0; i < s->count; i++)
+        if (!strcmp(s->names[i], shown))
             return;
-    size_t place = near->count < SUGGESTIONS_MAX ? near->count++ : SUGGESTIONS_MAX;
-    while (place && near->distances[place - 1] > far) {
+    size_t place = s->count < SUGGESTIONS_MAX ? s->count++ : SUGGESTIONS_MAX;
+    while (place && s->distances[place - 1] > far) {
         if (place < SUGGESTIONS_MAX) {
-            near->names[place] = near->names[place - 1];
-            near->distances[place] = near->distances[place - 1];
+            s->names[place] = s->names[place - 1];
+            s->distances[place] = s->distances[place - 1];
         }
         place--;
     }
     if (place < SUGGESTIONS_MAX) {
-        near->names[place] = shown;
-        near->distances[place] = far;
+        s->names[place] = shown;
+        s->distances[place] = far;
     }
 }
 
-void suggest_names(struct suggestions *near, const char *const *names) {
+void suggest_names(struct suggestions *s, const char *const *names) {
     for (; names && *names; names++)
-        suggest_name(near, *names, *names);
+        suggest_name(s, *names, *names);
 }
 
-const char *suggestions_text(const struct suggestions *near, char out[SUGGESTIONS_TEXT]) {
+const char *suggestions_text(const struct suggestions *s, char out[SUGGESTIONS_TEXT]) {
     size_t used = 0;
     *out = '\0';
-    for (size_t i = 0; i < near->count && used < SUGGESTIONS_TEXT; i++)
-        used += (size_t)snprintf(out + used, SUGGESTIONS_TEXT - used, "%s%s", i ? ", " : "; near: ", near->names[i]);
+    for (size_t i = 0; i < s->count && used < SUGGESTIONS_TEXT; i++)
+        used +=
+            (size_t)snprintf(out + used, SUGGESTIONS_TEXT - used, "%s%s", i ? ", " : "; near: ", s->names[i]);
     return out;
 }

@@ -56,7 +56,7 @@ size_t utf8_check(const char *s, size_t n) {
     return n;
 }
 
-/* The first byte of a character (RFC 3629, 4). False: it is none. */
+/* First byte of a character (RFC 3629, 4). False: invalid. */
 static bool utf8_begin(struct utf8_reader *r, uint8_t c) {
     r->need = c < 0x80 ? 0 : c < 0xE0 ? 1 : c < 0xF0 ? 2 : 3;
     r->done = r->need > 0;

@@ -6,10 +6,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The header is looked for in so many bytes: metadata may stand before the sound. */
+/* The header is searched in the first HEAD_BYTES, as metadata may precede the sound. */
 enum { HEAD_BYTES = 65536, UNKNOWN = 0xFFFFFFFFu, FORMAT_BYTES = 16, EXTENSIBLE_BYTES = 26 };
 
-/* A WAV file whose header does not say how long its sound is. */
+/* A WAV file whose header lacks the length of the sound. */
 struct unclosed {
     int format; /* of libsndfile */
     int rate, channels, frame_bytes;
@@ -29,7 +29,7 @@ static void put_u32(uint8_t *at, uint64_t value) {
         at[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* 0 = compressed, which has no rest that could be read as it is. */
+/* 0 = compressed, which cannot be read to the end of the file. */
 static int format_of(const uint8_t *chunk, size_t size) {
     uint32_t tag = get_u16(chunk), bits = get_u16(chunk + 14);
     if (tag == 0xFFFE && size >= EXTENSIBLE_BYTES)
@@ -45,12 +45,12 @@ static int format_of(const uint8_t *chunk, size_t size) {
     return tag == 6 ? SF_FORMAT_ALAW : tag == 7 ? SF_FORMAT_ULAW : 0;
 }
 
-/* A length of 0 is the truth in a file that is as long as it says. */
+/* A length of 0 is true if the RIFF length matches the file. */
 static bool is_missing(uint32_t length, uint32_t riff, uint64_t file_size) {
     return length == UNKNOWN || (!length && (uint64_t)riff + 8 != file_size);
 }
 
-/* The place of the data chunk's length in the head, or 0: it is no WAV file, or one that is well. */
+/* Position of the data chunk's length in the head; 0: no WAV file, or an intact one. */
 static size_t find_missing(const uint8_t *head, size_t size, uint64_t file_size, size_t *format,
                            size_t *format_size) {
     *format = *format_size = 0;
@@ -113,7 +113,7 @@ SNDFILE *wav_file_open_fd(int fd, int close_it, SF_INFO *info) {
     return file;
 }
 
-/* Only what needs it is opened by a descriptor: of a path, libsndfile knows the format by its ending, too. */
+/* Opens by descriptor only if necessary: libsndfile also uses the path's ending to detect the format. */
 SNDFILE *wav_file_open(const char *path, SF_INFO *info) {
     struct unclosed u;
     uint64_t size;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opens sound files of any kind that libsndfile reads. A WAV file whose recorder died has no lengths in its
- * header (0 or 0xFFFFFFFF), since they are written last; libsndfile finds no sound in it. Here its sound goes
- * on to the end of the file. */
+/* Opens sound files of any format of libsndfile. A WAV file whose recorder died lacks lengths in its
+ * header (0 or 0xFFFFFFFF), and libsndfile finds no sound in it; here its sound extends to the end of the
+ * file. */
 #ifndef FACCIA_BASE_WAV_FILE_H
 #define FACCIA_BASE_WAV_FILE_H
 
 #include <sndfile.h>
 #include <stdint.h>
 
-/* As sf_open and sf_open_fd for reading. close_it: SF_TRUE closes the descriptor with the file, and on
+/* Like sf_open and sf_open_fd for reading. close_it: SF_TRUE closes the descriptor with the file, and on
  * failure. */
 SNDFILE *wav_file_open(const char *path, SF_INFO *info);
 SNDFILE *wav_file_open_fd(int fd, int close_it, SF_INFO *info);
 
-/* Writes the missing lengths into the header of a WAV file in memory; leaves everything else as it is. */
+/* Fills in the missing lengths of a WAV file in memory; changes nothing else. */
 void wav_file_mend(uint8_t *data, size_t size);
 
 #endif

@@ -2,7 +2,7 @@
 #include "server/base/wire_bytes.h"
 #include <string.h>
 
-/* The length that stands for NULL. */
+/* Length that stands for NULL. */
 #define NO_STRING UINT32_MAX
 
 void wire_put_u32(struct buf *b, uint32_t v) {

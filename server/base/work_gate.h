@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Works of one kind that may take long, on libuv's few threads, which all share: so many of them run at a
- * time, and the others wait here, so that the rest of the threads is free for everything else. For the loop's
- * thread. */
+/* Limits how many long jobs of a kind run on libuv's few shared threads; the rest wait here, so that other
+ * work finds a free thread. Call it on the loop's thread. */
 #ifndef FACCIA_BASE_WORK_GATE_H
 #define FACCIA_BASE_WORK_GATE_H
 
@@ -12,7 +11,7 @@
 enum { WORK_GATE_MOST = 2 };
 
 struct gated_work {
-    uv_work_t work; /* its data are the owner's */
+    uv_work_t work; /* `data` belongs to the owner */
     uv_work_cb in_thread;
     uv_after_work_cb after;
     struct work_gate *gate;
@@ -20,19 +19,19 @@ struct gated_work {
     bool waits;
 };
 
-/* All zeros = nothing runs. */
+/* Zeroed = idle. */
 struct work_gate {
     uv_loop_t *loop;
     unsigned running;
-    struct gated_work *first, *last; /* that wait */
+    struct gated_work *first, *last; /* waiting jobs */
 };
 
-/* As uv_queue_work; gate NULL: at once. `after` may submit the same work again, or free it. */
+/* Like uv_queue_work; gate NULL: without limit. `after` may submit the same job again, or free it. */
 void work_gate_submit(struct work_gate *gate, uv_loop_t *loop, struct gated_work *work, uv_work_cb in_thread,
                       uv_after_work_cb after);
 
-/* As uv_cancel: `after` comes all the same, later. One that waits comes to its turn, and has to see for
- * itself that it is not wanted. */
+/* Like uv_cancel: `after` is still called, later. A waiting job is run in its turn, and must check itself
+ * whether it is still wanted. */
 void work_gate_cancel(struct gated_work *work);
 
 #endif

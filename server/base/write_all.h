@@ -5,8 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Writes to a blocking descriptor until all has left, however often a signal interrupts. False: errno says
- * why the rest could not be written. */
+/* Writes everything to a blocking descriptor, and continues after signals. False: errno is set. */
 bool write_all(int fd, const void *data, size_t size);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-say: an announcement in a room, from a shell script or a timer, and whether it was heard. */
+/* faccia-say: speaks an announcement in a room, from a shell script or timer, and reports whether it was
+ * heard. */
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/doors/place.h"
+#include "server/doors/bridge.h"
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,7 +40,7 @@ enum {
     EXIT_CUT = 5,
     EXIT_BLOCKED = 6
 };
-enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* media that have left are heard within that */ };
+enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* clients play media within that time */ };
 
 enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
 
@@ -49,7 +50,7 @@ struct announcement {
     struct remote_member members[MEMBERS + 1];
     struct buf text;
     char id[40];
-    uv_timer_t last; /* until the end has been heard */
+    uv_timer_t last; /* runs until the end has been played */
     bool wait, said;
     int status;
 };
@@ -130,7 +131,7 @@ static void on_following(void *ctx, const char *why) {
     leave(a, EXIT_FAILED);
 }
 
-static int announce(struct announcement *a, const struct place *place) {
+static int announce(struct announcement *a, const struct daemon_address *place) {
     static const struct remote_events events = {on_event, on_following};
     uv_loop_init(&a->loop);
     a->remote = remote_new(&a->loop, place->url, place->token);
@@ -152,7 +153,7 @@ static int announce(struct announcement *a, const struct place *place) {
     return a->status;
 }
 
-/* The words, or standard input. -1 after a message. */
+/* Joins the words, or reads standard input. -1 after a message. */
 static int read_text(struct buf *text, int count, char **words) {
     if (count == 1 && !strcmp(words[0], "-")) {
         for (size_t got = 1; got && text->size <= TEXT_MOST;) {
@@ -172,7 +173,7 @@ static int read_text(struct buf *text, int count, char **words) {
     return -1;
 }
 
-static int read_options(struct announcement *a, struct place *place, int argc, char **argv) {
+static int read_options(struct announcement *a, struct daemon_address *place, int argc, char **argv) {
     enum { TOKEN_FILE = 256, OPT_RATE, OPT_MARKUP };
     static const struct option options[] = {{"room", 1, NULL, 'r'},
                                             {"url", 1, NULL, 'u'},
@@ -201,7 +202,7 @@ static int read_options(struct announcement *a, struct place *place, int argc, c
             a->members[member].value = optarg;
         else if (c == 'u')
             place->url = optarg;
-        else if (c == TOKEN_FILE && place_read_token(place, optarg))
+        else if (c == TOKEN_FILE && daemon_address_read_token(place, optarg))
             return EXIT_FAILED;
         else if (c == 'w')
             a->wait = true;
@@ -224,19 +225,19 @@ int main(int argc, char **argv) {
     static const char *const names[MEMBERS] = {"room", "lang",     "voice", "rate", "markup",
                                                "mode", "priority", "topic", "id"};
     struct announcement a = {0};
-    struct place place;
+    struct daemon_address place;
     const char *room = getenv("FACCIA_ROOM");
     program_begin();
-    place_open(&place);
+    daemon_address_open(&place);
     for (int i = 0; i < MEMBERS; i++)
         a.members[i].name = names[i];
     a.members[ROOM].value = room ? room : "home";
-    place_make_id(a.id, sizeof a.id);
+    daemon_address_make_id(a.id, sizeof a.id);
     a.members[ID].value = a.id;
     int status = read_options(&a, &place, argc, argv);
     if (status < 0)
         status = read_text(&a.text, argc - optind, argv + optind) ? EXIT_USAGE : announce(&a, &place);
     buf_free(&a.text);
-    place_close(&place);
+    daemon_address_close(&place);
     return status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of a remote daemon share. */
+/* Private parts of the HTTP client, for the bridge programs. */
 #ifndef FACCIA_DOORS_REMOTE_INTERNAL_H
 #define FACCIA_DOORS_REMOTE_INTERNAL_H
 
@@ -7,16 +7,16 @@
 #include "server/doors/remote.h"
 #include <curl/curl.h>
 
-/* One request under way. Its owner embeds it. */
+/* A transfer in progress, embedded by its owner. */
 struct transfer {
     CURL *easy;
     struct curl_slist *headers;
-    struct transfer *next, **self; /* of the remote's */
+    struct transfer *next, **self; /* in the remote's list */
     void (*done)(struct transfer *transfer, CURLcode code);
-    /* Tells what has come, when curl is not at work: it cannot be asked for anything then. NULL: in the end.
-     * It may end its own transfer, and no other. */
+    /* Delivers received data outside curl's callbacks, where requests are not allowed. NULL: deliver at
+     * the end. May end its own transfer, and no other. */
     void (*tell)(struct transfer *transfer);
-    void (*drop)(struct transfer *transfer); /* the remote is freed: no callback */
+    void (*drop)(struct transfer *transfer); /* the remote is being freed: no callback */
 };
 
 struct remote {
@@ -26,33 +26,30 @@ struct remote {
     uv_timer_t *timer;
     struct transfer *transfers;
     struct follow *follows;
-    /* Ends all that is followed; NULL: nothing is. */
+    /* Stops following; NULL: nothing is followed. */
     void (*drop_follows)(struct remote *remote);
 };
 
-/* Appends the daemon's address, without slashes at its end, the path, and those members that have a value; no
+/* Appends the daemon's address without trailing slashes, the path, and the members that have a value; no
  * NUL. */
 void remote_address(struct buf *url, const char *daemon, const char *path,
                     const struct remote_member *members);
 
-/* Copies up to one with the name NULL; members NULL: none. Free with remote_free_members. */
+/* Copies up to the member with name NULL; NULL: none. Free with remote_free_members. */
 struct remote_member *remote_copy_members(const struct remote_member *members);
 void remote_free_members(struct remote_member *members);
 
-/* Takes a member's value away. False: it has none. */
+/* Removes a member's value. False: it has none. */
 bool remote_drop_member(struct remote_member *members, const char *name);
 
-/* Leaves out what the daemon does not know, as the code and the field (NULL: none) of its error say: a voice,
- * a language, a gender. Each time one value goes, so that it ends. instead: the language in place of an
- * unknown voice; NULL: none. False: the error is about none of them. */
+/* Removes the member that the daemon does not know, according to the code and field (NULL: none) of its
+ * error: a voice, a language or a gender. Each call removes one, so retries end. instead: language in
+ * place of an unknown voice; NULL: none. False: another error. */
 bool remote_leave_out(struct remote_member *members, const char *code, const char *field,
                       const char *instead);
 
-/* A handle for an address below the daemon's, with the token. */
+/* Makes a handle for an address of the daemon, with the token. */
 CURL *remote_handle(struct remote *remote, struct transfer *transfer, const char *path,
                     const struct remote_member *members);
-void remote_start(struct remote *remote, struct transfer *transfer);
-/* Frees what remote_handle made. */
-void remote_finish(struct remote *remote, struct transfer *transfer);
 
 #endif

@@ -6,11 +6,11 @@
 
 #define DEGREE 1745.33
 #define LIDS 940.0  /* FAP 19 of a closed eye */
-#define FOLLOW 15.0 /* what it follows the eye for each degree */
+#define FOLLOW 15.0 /* units by which the lid follows the eye per degree */
 #define BLINK_BEGINS 0.08
 #define BLINK_COUNTS 0.4
 #define BLINK_COMPLETE 0.95
-#define SACCADE_SPEED 20.0 /* degrees a second; slower is drift or the head */
+#define SACCADE_SPEED 20.0 /* degrees per second; slower movement is drift or the head */
 #define SACCADE_SMALLEST 0.5
 
 static void push(struct life_list *list, double x) {

@@ -80,7 +80,7 @@ struct fit {
  *
  * The fit is held to the pack that it starts from: Z has a further sum, of the squares of all moves in units
  * of what may be expected of them, times a strength. Strength and level are chosen by cross-validation
- * (folds.h, choice.c). */
+ * (fit_task.c, fit.c). */
 void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out);
 void fit_free(struct fit *fit);

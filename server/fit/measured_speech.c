@@ -1,15 +1,115 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/fit/measured_speech.h"
 #include "server/base/mem.h"
+#include <ctype.h>
 #include <gsl/gsl_interp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Times in files are rounded. */
+static const struct {
+    const char *name, *ipa;
+} names[] = {
+    {"aa", "ɑː"},
+    {"ae", "æ"},
+    {"ah", "ʌ"},
+    {"ao", "ɔː"},
+    {"aw", "aʊ"},
+    {"ax", "ə"},
+    {"axr", "ɚ"},
+    {"ay", "aɪ"},
+    {"eh", "ɛ"},
+    {"er", "ɜː"},
+    {"ey", "eɪ"},
+    {"ih", "ɪ"},
+    {"ix", "ɪ"},
+    {"iy", "iː"},
+    {"ow", "oʊ"},
+    {"oy", "ɔɪ"},
+    {"uh", "ʊ"},
+    {"uw", "uː"},
+    {"ux", "uː"},
+    {"ax-h", "ə"},
+    {"b", "b"},
+    {"ch", "tʃ"},
+    {"d", "d"},
+    {"dh", "ð"},
+    {"dx", "ɾ"},
+    {"el", "l"},
+    {"em", "m"},
+    {"en", "n"},
+    {"eng", "ŋ"},
+    {"f", "f"},
+    {"g", "ɡ"},
+    {"hh", "h"},
+    {"hv", "h"},
+    {"h", "h"},
+    {"jh", "dʒ"},
+    {"k", "k"},
+    {"l", "l"},
+    {"m", "m"},
+    {"n", "n"},
+    {"ng", "ŋ"},
+    {"nx", "n"},
+    {"p", "p"},
+    {"q", "ʔ"},
+    {"r", "ɹ"},
+    {"s", "s"},
+    {"sh", "ʃ"},
+    {"t", "t"},
+    {"th", "θ"},
+    {"v", "v"},
+    {"w", "w"},
+    {"wh", "w"},
+    {"y", "j"},
+    {"z", "z"},
+    {"zh", "ʒ"},
+    /* closures of stops, which TIMIT labels separately */
+    {"bcl", "b"},
+    {"dcl", "d"},
+    {"gcl", "ɡ"},
+    {"kcl", "k"},
+    {"pcl", "p"},
+    {"tcl", "t"},
+    {"sil", ""},
+    {"sp", ""},
+    {"spn", ""},
+    {"pau", ""},
+    {"epi", ""},
+    {"h#", ""},
+};
+
+static bool is_same(const char *name, size_t length, const char *entry) {
+    for (size_t i = 0; i < length; i++)
+        if (tolower((unsigned char)name[i]) != entry[i])
+            return false;
+    return !entry[length];
+}
+
+const char *arpabet_ipa(const char *name, uint8_t *stress) {
+    size_t length = strlen(name);
+    *stress = 0;
+    if (length > 2 && name[length - 1] >= '0' && name[length - 1] <= '2') {
+        static const uint8_t levels[] = {0, 2, 1};
+        *stress = levels[name[length - 1] - '0'];
+        length--;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (is_same(name, length, names[i].name)) /* an unstressed AH is a schwa */
+            return !strcmp(names[i].name, "ah") && name[length] == '0' ? "ə" : names[i].ipa;
+    return NULL;
+}
+
+bool arpabet_is_telling(const char *name) {
+    uint8_t stress;
+    const char *ipa = arpabet_ipa(name, &stress);
+    return ipa && *ipa && strlen(name) > 1;
+}
+
+/* Tolerance for rounded times. */
 #define SAME_TIME 1e-3
-/* As far as curves may fall short of the phones, s: two frames. */
+/* Curves may be shorter than the phones by this, s: two frames. */
 #define SHORT_CURVES 0.02
 #define LONGEST 3600 /* s */
 /* Cubic splines need three points. */
@@ -81,7 +181,7 @@ int measured_speech_check(const struct measured_speech *r, struct error *e) {
         return error_set(e, ERROR_BAD_CURVES, "there are no phones but pauses");
     if (r->frame_count < LEAST_FRAMES)
         return error_set(e, ERROR_BAD_CURVES, "there are fewer than %d frames", LEAST_FRAMES);
-    /* the pauses before and behind may be longer than the curves */
+    /* surrounding pauses may be longer than the curves */
     double start = r->phones[0].ipa[0] ? r->phones[0].start : r->phones[0].end,
            end = last_phone(r)->ipa[0] ? last_phone(r)->end : last_phone(r)->start;
     if (r->times[0] > start + SHORT_CURVES || r->times[r->frame_count - 1] < end - SHORT_CURVES)
@@ -95,7 +195,7 @@ int measured_speech_subtract_rest(struct measured_speech *r, const struct speech
     if (r->phone_count < 3 || r->phones[0].ipa[0] || last_phone(r)->ipa[0])
         return error_set(e, ERROR_BAD_CURVES,
                          "must begin and end with a pause, so that the mouth can be seen at rest");
-    /* The pauses may be longer than the curves, which must show some of both. */
+    /* Pauses may be longer than the curves, which must show a part of both. */
     double first_end = r->phones[0].end, last_start = last_phone(r)->start;
     if (r->frame_count < LEAST_FRAMES || r->times[0] >= first_end ||
         r->times[r->frame_count - 1] <= last_start)
@@ -104,7 +204,7 @@ int measured_speech_subtract_rest(struct measured_speech *r, const struct speech
                          first_end, last_start);
     double start = fmax(r->phones[0].start, r->times[0]),
            end = fmin(last_phone(r)->end, r->times[r->frame_count - 1]);
-    /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
+    /* A third of a pause that is too short for rest is better than nothing. */
     double until = fmax(start + (first_end - start) / 3, first_end - rest->leave),
            since = fmin(end - (end - last_start) / 3, last_start + rest->reach);
     for (int p = 0; p < PARAM_COUNT; p++) {
@@ -135,7 +235,7 @@ static bool repeats(const struct measured_speech *a, const struct measured_speec
     return fmax(x, y) <= RECORDING_SAME_RATE * fmin(x, y);
 }
 
-/* The phones with their mean lengths, from 0 s. */
+/* Averages the phones' lengths, from 0 s. */
 static void average_phones(const struct measured_speech *const *same, size_t count,
                            struct measured_speech *out) {
     double at = 0;
@@ -150,7 +250,7 @@ static void average_phones(const struct measured_speech *const *same, size_t cou
     }
 }
 
-/* When in r that happens which happens at t in the mean. */
+/* Time in r that corresponds to t in the mean. */
 static double warp(const struct measured_speech *mean, const struct measured_speech *r, double t) {
     size_t i = 0;
     while (i + 1 < mean->phone_count && t >= mean->phones[i].end)
@@ -171,7 +271,7 @@ static void add_curve(struct measured_speech *mean, const struct measured_speech
     gsl_interp_free(spline);
 }
 
-/* The frames in which r does not count, in the mean's time: by the nearer of r's. */
+/* Marks the frames of the mean that are missing in r, by r's nearest frame. */
 static void add_unseen(struct measured_speech *mean, const struct measured_speech *r, int p) {
     size_t k = 0;
     if (!r->unseen[p])
@@ -229,7 +329,7 @@ struct measured_speech *measured_speech_average_all(const struct measured_speech
     return out;
 }
 
-/* Fine enough for any recording, and an hour fits. */
+/* Fine enough for any recording of up to an hour. */
 enum { TICKS = 1000000 };
 
 void measured_speech_segments(const struct speech_pack *pack, const struct measured_speech *r,

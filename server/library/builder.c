@@ -1,15 +1,61 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/builder.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/library/readers.h"
+#include "server/library/work.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <utf8proc.h>
 
-enum { NAME_BYTES_MAX = 200 }; /* of a speaker, or a number: each block may repeat it */
+void work_meta_free(struct work_meta *m) {
+    char *const texts[] = {m->title, m->author, m->lang, m->date, m->publisher, m->licence, m->source};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        free(texts[i]);
+    *m = (struct work_meta){0};
+}
 
-/* What a block, a line and a mark take in the index beside their text, about. */
+void work_meta_set(char **field, const char *text) {
+    if (!*field && text && *text)
+        *field = mem_strdup(text);
+}
+
+void block_spoken(const struct block *block, struct buf *out) {
+    size_t from = out->size;
+    buf_add(out, block->text.data, block->text.size);
+    for (size_t i = 0; i < block->mark_count; i++) {
+        const struct block_mark *m = &block->marks[i];
+        if (m->kind == MARK_STAGE && m->start < m->end && m->end <= block->text.size)
+            utf8_blank((char *)out->data + from + m->start, m->end - m->start);
+    }
+}
+
+static void block_free(struct block *b) {
+    for (size_t i = 0; i < b->mark_count; i++)
+        free(b->marks[i].value);
+    for (size_t i = 0; i < b->line_count; i++)
+        free(b->lines[i].n);
+    free(b->marks);
+    free(b->lines);
+    free(b->lang);
+    free(b->speaker);
+    free(b->n);
+    free(b->source);
+    buf_free(&b->text);
+    *b = (struct block){0};
+}
+
+void section_free(struct section *s) {
+    for (size_t i = 0; i < s->count; i++)
+        block_free(&s->blocks[i]);
+    free(s->blocks);
+    free(s->title);
+    *s = (struct section){.level = 1};
+}
+
+enum { NAME_BYTES_MAX = 200 }; /* bytes of a speaker's name or a number, which each block may repeat */
+
+/* Approximate size in the index of a block, a line and a mark, without the text. */
 enum { BLOCK_WEIGHT = 200, LINE_WEIGHT = 64, MARK_WEIGHT = 64 };
 
 static const char letters[] = {
@@ -41,7 +87,7 @@ static void stop(struct builder *b, const char *format, int most) {
     place_of(b, &b->why);
 }
 
-/* Counts what is to be kept. False: it is too much, and nothing more is taken. */
+/* Adds to the work's size. False: the limit is reached, and nothing more is accepted. */
 static bool weigh(struct builder *b, size_t bytes) {
     b->bytes += bytes;
     if (b->bytes > b->bytes_max)
@@ -63,7 +109,7 @@ int builder_why(const struct builder *b, struct error *e) {
     return -1;
 }
 
-/* A copy that repeats no more than a name's length. */
+/* Copies the text, cut to NAME_BYTES_MAX. */
 static char *name_of(const char *text) {
     char *name = mem_strndup(text, strnlen(text, NAME_BYTES_MAX));
     utf8_mend(name);
@@ -105,7 +151,7 @@ static void append(struct section *s, struct block *block) {
     s->blocks[s->count++] = *block;
 }
 
-/* Sets what follows from its place in the section. */
+/* Sets the block's name and numbers from its position in the section. */
 static void name_block(struct builder *b, struct block *block) {
     struct section *s = &b->section;
     unsigned count = ++s->counts[block->kind];
@@ -147,7 +193,7 @@ enum block_kind build_kind(const struct builder *b) {
     return b->open[b->depth - 1]->kind;
 }
 
-/* A continued section has the title of its beginning. */
+/* Starts a continuation of the section under the same title. */
 static void divide(struct builder *b) {
     char *title = b->section.title ? mem_strdup(b->section.title) : NULL;
     unsigned level = b->section.level;
@@ -191,12 +237,13 @@ void build_end(struct builder *b) {
         if (line->end == line->start)
             free(line->n);
     }
-    for (size_t i = 0; i < block->mark_count; i++) { /* open ones, and those of the line that has gone */
+    for (size_t i = 0; i < block->mark_count;
+         i++) { /* marks that are still open, and those of the removed line */
         struct block_mark *mark = &block->marks[i];
         mark->start = mark->start < block->text.size ? mark->start : block->text.size;
         mark->end = mark->end < block->text.size ? mark->end : block->text.size;
     }
-    if (b->depth) { /* an inset: behind the block that it stands in */
+    if (b->depth) { /* an inset follows the block that contains it */
         b->pending = mem_grow(b->pending, &b->pending_cap, b->pending_count + 1, sizeof *b->pending);
         b->pending[b->pending_count++] = *block;
         free(block);
@@ -211,8 +258,8 @@ void build_end(struct builder *b) {
         divide(b);
 }
 
-/* A block that is too long goes on in another of its kind. Inside another block there is none: that is told.
- */
+/* Returns the block to append to. A block that is too long continues in another of its kind; inside
+ * another block the rest is dropped and reported. */
 static struct block *room_for(struct builder *b, size_t size) {
     struct block *block = build_top(b);
     if (block->text.size + size <= BLOCK_BYTES_MAX)
@@ -253,7 +300,7 @@ void build_cut(struct builder *b, size_t size) {
     }
 }
 
-/* The length of the character that ends there, and what it is. */
+/* Returns the character that ends at `end`, and its length. */
 static uint32_t before(const struct block *block, size_t end, size_t *length) {
     size_t at = end;
     uint32_t cp = 0;
@@ -274,7 +321,7 @@ static bool is_figure(uint32_t cp) {
     return utf8proc_category((utf8proc_int32_t)cp) == UTF8PROC_CATEGORY_ND;
 }
 
-/* The bytes of the hyphen at the end of a word that the text ends with; 0: there is none. */
+/* Length in bytes of the hyphen that the text ends with, after a letter; 0: none. */
 static size_t hyphen_of(const struct block *block) {
     size_t length = 0, other;
     uint32_t cp = before(block, block->text.size, &length);
@@ -300,7 +347,7 @@ void build_apart(struct builder *b) {
         b->line_break = BREAK_APART;
 }
 
-/* What a break of the line means, now that it is known what follows. */
+/* Resolves a pending line break now that the following text is known. */
 static void end_break(struct builder *b, const char *text, size_t size) {
     struct block *block = build_top(b);
     size_t length;
@@ -316,7 +363,7 @@ static void end_break(struct builder *b, const char *text, size_t size) {
     b->line_break = BREAK_NONE;
 }
 
-/* A soft hyphen, or a character of no width that only says where a line may end. */
+/* Length of a soft hyphen or zero-width break opportunity at `text`; 0: none. */
 static size_t unseen(const char *text, size_t left) {
     static const char *const signs[] = {"\xC2\xAD", "\xE2\x80\x8B", "\xE2\x81\xA0", "\xEF\xBB\xBF"};
     for (size_t i = 0; i < sizeof signs / sizeof *signs; i++) {
@@ -412,7 +459,7 @@ void build_line(struct builder *b, const char *n, bool indent) {
         block = build_top(b);
     }
     if (block->line_count && block->lines[block->line_count - 1].start == block->text.size)
-        free(block->lines[--block->line_count].n); /* it stayed empty */
+        free(block->lines[--block->line_count].n); /* the line stayed empty */
     else if (block->text.size)
         put(b, "\n", 1);
     block->lines = mem_grow(block->lines, &block->line_cap, block->line_count + 1, sizeof *block->lines);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* EPUB 3.3 (W3C) and 2.0.1: the container's first package, its spine in order. */
+/* EPUB 3.3 (W3C) and 2.0.1: reads the container's first package, its spine in order. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
-#include "server/library/xml_walk.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,7 +13,7 @@ enum { ITEMS_MAX = 10000, PATH_BYTES_MAX = 1024 };
 
 struct manifest_item {
     char *id, *href, *type;
-    size_t line, column; /* in the package */
+    size_t line, column; /* position in the package document */
 };
 
 struct spine_item {
@@ -24,7 +23,7 @@ struct spine_item {
 
 struct package {
     struct zip *zip;
-    uint64_t left; /* bytes that may still be read */
+    uint64_t left; /* bytes that may still be unpacked */
     struct builder *b;
     struct work_meta *meta;
     char *opf;
@@ -32,14 +31,15 @@ struct package {
     size_t item_count, item_cap;
     struct spine_item *spine;
     size_t spine_count, spine_cap;
-    char **read; /* the paths of the documents so far, sorted */
+    char **read; /* paths of the documents read, sorted */
     size_t read_count, read_cap;
-    char **wanted; /* the meta that is being captured */
+    char **wanted; /* metadata field that is being captured */
     struct buf capture;
-    bool too_many, told_again; /* items; documents that are referred to again */
+    bool too_many,
+        told_again; /* too_many: the item limit was reported; told_again: so was a repeated document */
 };
 
-/* The path without "." and ".." and empty parts, in place; an error where it leaves the archive. */
+/* Resolves ".", ".." and empty parts in place. Fails if the path leaves the archive. */
 static int normalise(char *path, struct error *e) {
     struct buf out = {0};
     bool leaves = path[0] == '/' || strchr(path, '\\') || strlen(path) > PATH_BYTES_MAX;
@@ -65,7 +65,7 @@ static int normalise(char *path, struct error *e) {
     return leaves ? -1 : 0;
 }
 
-/* The file whole. -1 with *e. */
+/* Unpacks a whole file. -1 with *e. */
 static int get(struct package *p, const char *path, struct buf *out, struct error *e) {
     struct zip_stat stat;
     if (zip_stat(p->zip, path, 0, &stat) || !(stat.valid & ZIP_STAT_SIZE))
@@ -78,7 +78,7 @@ static int get(struct package *p, const char *path, struct buf *out, struct erro
     if (!file)
         return error_set(e, ERROR_BAD_WORK, "'%.100s': %.100s", path, zip_strerror(p->zip));
     zip_int64_t got = 1;
-    while (got > 0 && out->size <= most) { /* what a file says of its size need not be true */
+    while (got > 0 && out->size <= most) { /* the size in the directory is not trustworthy */
         got = zip_fread(file, buf_reserve(out, 65536), 65536);
         out->size += got > 0 ? (size_t)got : 0;
     }
@@ -161,7 +161,7 @@ static void package_end(struct xml_walk *w, const char *name) {
         if (p->wanted != &p->meta->lang) {
             work_meta_set(p->wanted, text);
         } else if (lang_read(text + space, strcspn(text + space, white), tag, &bad)) {
-            free(p->meta->lang); /* it was the default's */
+            free(p->meta->lang); /* replaces the default */
             p->meta->lang = mem_strdup(tag);
         } else {
             struct error e;
@@ -181,7 +181,7 @@ static void package_text(struct xml_walk *w, const char *text, size_t size) {
         buf_add(&p->capture, text, size);
 }
 
-/* The path of a reference that stands in the package's file: %-codes decoded, beside that file. */
+/* Resolves a reference in the package document: decodes %XX, relative to that document. */
 static char *resolve(const struct package *p, const char *href) {
     const char *slash = strrchr(p->opf, '/');
     struct buf out = {0};
@@ -205,7 +205,7 @@ static int compare_items(const void *a, const void *b) {
     return strcmp(((const struct manifest_item *)a)->id, ((const struct manifest_item *)b)->id);
 }
 
-/* A problem of the package, where it refers to what is wrong. */
+/* Reports a problem at the package's reference. */
 static void tell(struct package *p, const struct spine_item *ref, bool serious, const char *format,
                  const char *what) {
     struct error e, why;
@@ -214,7 +214,7 @@ static void tell(struct package *p, const struct spine_item *ref, bool serious, 
     build_problem(p->b, &e, serious);
 }
 
-/* Where among the sorted paths that one is, or would be. */
+/* Index of the path in the sorted list, or where to insert it. */
 static size_t place_of(const struct package *p, const char *path, bool *there) {
     size_t low = 0, high = p->read_count;
     while (low < high) {
@@ -228,7 +228,7 @@ static size_t place_of(const struct package *p, const char *path, bool *there) {
     return low;
 }
 
-/* Each document is read once, however often it is referred to. Takes the path. */
+/* True when the document has not been read yet. Takes ownership of the path. */
 static bool is_new(struct package *p, const struct spine_item *ref, char *path) {
     bool there;
     size_t at = place_of(p, path, &there);
@@ -253,7 +253,7 @@ static bool is_text(const char *type) {
     return xml_is_one(type, types);
 }
 
-/* What is wrong in one document costs that document. */
+/* An error in a document drops that document only. */
 static void read_document(struct package *p, const struct spine_item *ref) {
     struct error e, told;
     struct buf data = {0};
@@ -306,7 +306,7 @@ static int read_package(struct package *p, struct error *e) {
     return result ? -1 : 0;
 }
 
-/* libzip closes the descriptor that it is given. */
+/* libzip closes its descriptor, so it gets a copy. */
 static struct zip *open_zip(int fd, int *why) {
     int own = dup(fd);
     struct zip *zip = own >= 0 ? zip_fdopen(own, 0, why) : NULL;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/library.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
@@ -6,7 +7,52 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
+
+static uint64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
+struct answer_limit answer_limit_in(unsigned ms, const atomic_bool *given_up) {
+    return (struct answer_limit){given_up, now() + ms, false};
+}
+
+bool answer_is_late(struct answer_limit *limit) {
+    limit->late = limit->late || (limit->given_up && atomic_load(limit->given_up)) || now() > limit->until;
+    return limit->late;
+}
+
+void library_reader_look(struct index_reader *r) {
+    r->damaged = r->damaged || index_is_damaged(r->sql);
+}
+
+sqlite3_stmt *library_prepare(struct index_reader *r, const char *sql, struct error *e) {
+    sqlite3_stmt *s = NULL;
+    library_reader_look(r);
+    if (sqlite3_prepare_v2(r->sql, sql, -1, &s, NULL) != SQLITE_OK)
+        error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(r->sql));
+    library_reader_look(r);
+    return s;
+}
+
+json_t *library_text(sqlite3_stmt *s, int column) {
+    const char *text = (const char *)sqlite3_column_text(s, column);
+    json_t *string = text ? json_string(text) : NULL;
+    return string ? string : json_null();
+}
+
+int library_number(const char *field, const char *text, unsigned min, unsigned max, unsigned otherwise,
+                   unsigned *out, struct error *e) {
+    char *end;
+    unsigned long value = text ? strtoul(text, &end, 10) : otherwise;
+    if (text && (*text < '0' || *text > '9' || *end || value < min || value > max))
+        return error_in_field(e, ERROR_BAD_FIELD, field, "must be a whole number from %u to %u", min, max);
+    *out = (unsigned)value;
+    return 0;
+}
 
 struct library *library_open(const struct library_options *options, struct error *e) {
     struct index_writer writer;
@@ -16,7 +62,7 @@ struct library *library_open(const struct library_options *options, struct error
                        strerror(stat(options->folder, &info) ? errno : ENOTDIR));
         return NULL;
     }
-    if (index_open(&writer, options->index, e)) /* it is there, and whole, before anybody reads it */
+    if (index_open(&writer, options->index, e)) /* creates or repairs it before anybody reads it */
         return NULL;
     index_close(&writer);
     struct library *l = mem_alloc(sizeof *l);
@@ -104,103 +150,101 @@ void library_reader_done(struct library *l, struct index_reader *r) {
         close_reader(r);
 }
 
-/* The voice that the work's recording is; NULL: it has none. To be freed. */
-static char *voice_of(const struct library *l, const char *work) {
-    struct buf path = {0};
-    if (!l->voices)
-        return NULL;
-    buf_printf(&path, "%s/%s.txt", l->voices, work);
-    buf_add(&path, "", 1);
-    bool there = !access((char *)path.data, R_OK);
-    path.size = 0;
-    buf_printf(&path, "recording:%s", work);
-    buf_add(&path, "", 1);
-    if (!there)
-        buf_free(&path);
-    return (char *)path.data;
+/* For the prerenderer: works of one language and its progress; and the metrics. */
+
+#define OF_LANG " FROM work WHERE (lang = ?1 OR lang LIKE ?1 || '-%') "
+
+static const char *const states[] = {
+    [PRERENDER_NONE] = "",           [PRERENDER_WAITING] = "waiting", [PRERENDER_SPEAKING] = "speaking",
+    [PRERENDER_RESTING] = "resting", [PRERENDER_DONE] = "done",       [PRERENDER_FULL] = "full"};
+
+uint64_t library_version(struct library *l) {
+    pthread_mutex_lock(&l->mutex);
+    uint64_t version = l->indexing ? 0 : l->signature;
+    pthread_mutex_unlock(&l->mutex);
+    return version;
 }
 
-/* Keeps the places of the rest: so many units at the beginning are spaces. */
-static int blank(struct buf *text, double units, struct error *e) {
-    struct buf out = {0};
-    size_t at = 0;
-    double done = 0;
-    while (at < text->size && done < units) {
-        uint32_t cp;
-        size_t n = utf8_next((char *)text->data + at, text->size - at, &cp);
-        at += n ? n : 1;
-        buf_add(&out, "  ", n == 4 ? 2 : 1);
-        done += n == 4 ? 2 : 1;
-    }
-    if (done < units || at == text->size) {
-        buf_free(&out);
-        return error_in_field(e, ERROR_BAD_FIELD, "from", "must be a place in the passage's text");
-    }
-    buf_add(&out, text->data + at, text->size - at);
-    buf_free(text);
-    *text = out;
+/* Reads a row about the works of a language. 1: found, and the caller finalises *s; 0: none; -1 with *e. */
+static int row(struct index_reader *r, const char *sql, const char *lang, const char *after, sqlite3_stmt **s,
+               struct error *e) {
+    *s = library_prepare(r, sql, e);
+    if (!*s)
+        return -1;
+    sqlite3_bind_text(*s, 1, lang, -1, SQLITE_STATIC);
+    if (after)
+        sqlite3_bind_text(*s, 2, after, -1, SQLITE_STATIC);
+    if (sqlite3_step(*s) == SQLITE_ROW)
+        return 1;
+    sqlite3_finalize(*s);
     return 0;
 }
 
-/* White space in place of what is not spoken: as many bytes and units. Returns the languages of the rest. */
-static char *direct(struct found_passage *p) {
-    struct buf languages = {0};
-    struct utf16_counter at = {0};
-    for (size_t i = 0; i < p->run_count; i++) {
-        const struct found_run *run = &p->runs[i];
-        if (*run->lang) {
-            buf_printf(&languages, "%s%zu-%zu:%s", languages.size ? " " : "", run->start, run->end,
-                       run->lang);
-        } else {
-            size_t from = utf16_byte(&at, (char *)p->text.data, p->text.size, run->start);
-            size_t to = utf16_byte(&at, (char *)p->text.data, p->text.size, run->end);
-            utf8_blank((char *)p->text.data + from, to - from);
-        }
-    }
-    if (languages.size)
-        buf_add(&languages, "", 1);
-    return (char *)languages.data;
-}
-
-int library_passage(struct library *l, const char *id, double from, size_t most, struct library_passage *out,
-                    struct error *e) {
-    static const char *const markups[] = {"apml", "jsml", "ssml", NULL};
-    struct found_passage found;
-    *out = (struct library_passage){.markup = "plain"};
+int library_next_work(struct library *l, const char *lang, const char *after, struct library_place *out,
+                      struct error *e) {
+    char from[sizeof out->work];
+    sqlite3_stmt *s;
+    snprintf(from, sizeof from, "%s", after); /* `after` may point into *out */
     struct index_reader *r = library_reader(l, e);
-    int result = r ? library_find(r, id, most, &found, e) : -1;
-    if (r)
-        library_reader_look(r);
-    if (r && r->damaged && result)
-        error_plain(e, ERROR_BAD_INDEX);
+    int found =
+        r ? row(r, "SELECT name, sections" OF_LANG "AND name > ?2 ORDER BY name LIMIT 1", lang, from, &s, e)
+          : -1;
+    if (found > 0) {
+        snprintf(out->work, sizeof out->work, "%s", (const char *)sqlite3_column_text(s, 0));
+        out->sections = (unsigned)sqlite3_column_int64(s, 1);
+        sqlite3_finalize(s);
+    }
     if (r)
         library_reader_done(l, r);
-    if (result)
-        return -1;
-    bool whole = found.source.size && from <= 0;
-    struct buf *text = whole ? &found.source : &found.text;
-    out->languages = whole || !found.text.size ? NULL : direct(&found);
-    if (from > 0)
-        result = blank(text, from, e);
-    if (result) {
-        free(out->languages);
-        out->languages = NULL;
-    } else {
-        out->text = mem_strndup(text->size ? (char *)text->data : "", text->size);
-        out->lang = mem_strdup(found.lang);
-        out->voice = voice_of(l, found.work);
-        for (const char *const *m = markups; whole && *m; m++)
-            if (!strcmp(*m, found.markup))
-                out->markup = *m;
-    }
-    found_passage_free(&found);
-    return result;
+    return found;
 }
 
-void library_passage_free(struct library_passage *p) {
-    free(p->text);
-    free(p->lang);
-    free(p->languages);
-    free(p->voice);
-    *p = (struct library_passage){0};
+void library_sections(struct library *l, const char *lang, unsigned *out) {
+    struct error e;
+    sqlite3_stmt *s;
+    struct index_reader *r = library_reader(l, &e);
+    *out = 0;
+    if (r && row(r, "SELECT coalesce(sum(sections), 0)" OF_LANG, lang, NULL, &s, &e) > 0) {
+        *out = (unsigned)sqlite3_column_int64(s, 0);
+        sqlite3_finalize(s);
+    }
+    if (r)
+        library_reader_done(l, r);
+}
+
+void library_set_prerender(struct library *l, const struct library_prerender *p) {
+    pthread_mutex_lock(&l->mutex);
+    l->prerender = *p;
+    pthread_mutex_unlock(&l->mutex);
+}
+
+static struct library_prerender prerender_of(struct library *l) {
+    pthread_mutex_lock(&l->mutex);
+    struct library_prerender p = l->prerender;
+    pthread_mutex_unlock(&l->mutex);
+    return p;
+}
+
+json_t *library_prerender_json(struct library *l) {
+    const struct library_prerender a = prerender_of(l);
+    return a.state == PRERENDER_NONE
+               ? NULL
+               : json_pack("{ss ss sI sI sI sI}", "voice", a.voice, "state", states[a.state], "done",
+                           (json_int_t)a.done, "of", (json_int_t)a.of, "bytes", (json_int_t)a.bytes, "most",
+                           (json_int_t)a.most);
+}
+
+void library_metrics(struct library *l, struct buf *out) {
+    const struct library_prerender a = prerender_of(l);
+    alignments_metrics(l->alignments, out);
+    if (a.state == PRERENDER_NONE)
+        return;
+    buf_printf(out,
+               "# HELP faccia_library_ahead_sections Sections of the library that are spoken ahead, and that "
+               "are to be.\n# TYPE faccia_library_ahead_sections gauge\n"
+               "faccia_library_ahead_sections{which=\"done\"} %u\n"
+               "faccia_library_ahead_sections{which=\"all\"} %u\n"
+               "# HELP faccia_library_ahead_bytes Bytes of sound that were spoken ahead.\n"
+               "# TYPE faccia_library_ahead_bytes gauge\nfaccia_library_ahead_bytes %llu\n",
+               a.done, a.of, (unsigned long long)a.bytes);
 }

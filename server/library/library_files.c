@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/library_files.h"
-#include "server/base/open_below.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/library/words.h"
 #include "server/library/work.h"
 #include <dirent.h>
@@ -21,7 +21,7 @@ char *library_file_path(const char *folder, const char *path) {
     return (char *)out.data;
 }
 
-/* Of a recording; the first one counts where there are several. */
+/* Endings of recordings, in order of preference. */
 static const char *const sound_endings[] = {".flac", ".wav", ".ogg", ".mp3", NULL};
 
 static bool is_sound(const char *path) {
@@ -49,8 +49,8 @@ static void add(struct library_files *files, const char *path, const struct stat
         free(file.path);
 }
 
-/* A link to a file counts where it stays in the folder. One to a folder is not followed: inside, that folder
- * is walked at its own place. */
+/* Adds a link to a file if it stays in the folder. Links to folders are ignored: a folder inside is
+ * visited at its real path. */
 static void add_link(struct library_files *files, int root, const char *path, struct stat *info) {
     struct stat target;
     int fd = open_below_at(root, path, O_RDONLY), why = errno;
@@ -63,7 +63,7 @@ static void add_link(struct library_files *files, int root, const char *path, st
         close(fd);
 }
 
-/* Takes dir. Folders below that cannot be read are passed over: the rest of the library goes on. */
+/* Takes ownership of dir. Skips folders that cannot be read. */
 static void walk(struct library_files *files, int root, DIR *dir, const char *below, int depth) {
     for (struct dirent *entry; (entry = readdir(dir));) {
         struct stat info;
@@ -176,7 +176,7 @@ void library_file_name(const char *path, bool with_ending, char out[64]) {
         memcpy(out, "work", 5);
 }
 
-/* The path that the kernel knows an open file by: the links on the way to it are resolved. */
+/* Returns the canonical path of an open file. */
 static bool path_of(int fd, char out[PATH_MAX]) {
     char link[32];
     snprintf(link, sizeof link, "/proc/self/fd/%d", fd);

@@ -1,109 +1,188 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the library share. */
+/* The index, the search and the queries of the library. The index is an SQLite database of works as they
+ * are shown and of the words that find them. One thread writes, many read (write-ahead logging);
+ * uncommitted changes are lost when the process dies. */
 #ifndef FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 #define FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 
+#include "server/base/buf.h"
+#include "server/base/error.h"
 #include "server/base/utf8.h"
-#include "server/library/index_internal.h"
 #include "server/library/library.h"
 #include "server/library/library_files.h"
 #include "server/library/recordings/alignments.h"
+#include "server/library/words.h"
+#include "server/library/work.h"
 #include <jansson.h>
 #include <pthread.h>
+#include <sqlite3.h>
 #include <stdatomic.h>
+#include <stdint.h>
+
+/* A block, or a part of a long block, is one row of `passage`, with the same row id in `found`. */
+enum { PART_LINES = 12, PART_BYTES = 4000 };
+
+struct index_writer {
+    sqlite3 *sql;
+    struct stems *stems;
+    sqlite3_stmt *statements[16];
+    bool open;         /* a transaction is open */
+    size_t characters; /* written in the open transaction */
+    int64_t next;      /* next row id */
+    bool damaged;      /* SQLite reported that the file is corrupt or no database */
+};
+
+/* True when SQLite's last error means a damaged file. */
+bool index_is_damaged(sqlite3 *sql);
+
+/* Deletes the file and its WAL, with a warning in the log. The next index_open creates it anew. */
+void index_discard(const char *file);
+
+/* Opens or creates the index. Recreates a damaged file or one of another version. -1 with *e. */
+int index_open(struct index_writer *writer, const char *file, struct error *e);
+void index_close(struct index_writer *writer);
+sqlite3 *index_open_reader(const char *file); /* NULL: it cannot be opened */
+
+int index_step(struct index_writer *writer, sqlite3_stmt *statement, struct error *e);
+int index_begin(struct index_writer *writer, struct error *e);
+int index_commit(struct index_writer *writer, struct error *e);
+void index_roll_back(struct index_writer *writer);
+
+/* A text column; "" for NULL. Valid until the statement is stepped or reset. */
+const char *index_text(sqlite3_stmt *statement, int column);
+
+/* What the index knows of a file. */
+struct index_file {
+    int64_t size, modified; /* bytes; ns since the epoch */
+    char hash[65];
+    char work[80]; /* id; "" = the file could not be read */
+};
+bool index_file_get(struct index_writer *writer, const char *path, struct index_file *out);
+int index_file_set(struct index_writer *writer, const char *path, const struct index_file *file,
+                   struct error *e);
+
+/* Removes the file's work and its problems. */
+int index_remove(struct index_writer *writer, const char *path, struct error *e);
+
+/* Adds a section to a work. */
+int index_add_section(struct index_writer *writer, const char *work, const char *lang,
+                      const struct section *section, struct error *e);
+
+/* Adds the work itself, after its sections. */
+int index_add_work(struct index_writer *writer, const char *name, const char *path, const char *hash,
+                   const struct work_meta *meta, int64_t first_row, bool recording, struct error *e);
+int index_add_problem(struct index_writer *writer, const char *path, const struct error *problem,
+                      bool serious, struct error *e);
+
+/* Describes a block without its text, as JSON. Free it. */
+char *index_shape(const struct block *block);
+
+/* Parses what people type into a search box into an FTS5 query, and matches words of a text against it. */
+
+enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 9, QUERY_DEPTH_MAX = 16 };
+
+struct query_term {
+    char word[WORD_BYTES_MAX];
+    char stems[QUERY_STEMS_MAX][WORD_BYTES_MAX]; /* the word itself, which may be a stem, and its stems in the
+                                                    searched languages; without duplicates */
+    size_t stem_count;                           /* 0: matches the written form, or a prefix of it */
+    bool prefix;
+};
+
+struct search_query {
+    struct buf match; /* FTS5 query; NUL-terminated */
+    struct query_term terms[QUERY_TERMS_MAX];
+    size_t count;
+};
+
+struct query_options {
+    struct stems *stems;
+    const char *langs; /* languages to stem for, separated by commas; NULL: all */
+};
+
+/* -1 with *e: "bad-query" with the byte. Free the query in either case. */
+int search_query_read(struct search_query *query, const char *text, const struct query_options *options,
+                      struct error *e);
+void search_query_free(struct search_query *query);
+
+/* True when a word of a text has the written form of the term. */
+bool search_term_written(const struct query_term *term, const struct word *word);
+
+/* True when a word of a text in that language matches one of the terms. */
+bool search_query_means(const struct search_query *query, struct stems *stems, const char *lang,
+                        const struct word *word);
+
+/* True when the list contains the tag, or with `language` the tag's language. A NULL list contains
+ * everything. */
+bool search_list_has(const char *list, const char *tag, bool language);
+
+/* ---- the library ---- */
 
 enum { READERS_MAX = 8 };
 
-/* A connection for one question at a time. */
+/* A database connection, used for one query at a time. */
 struct index_reader {
     sqlite3 *sql;
     struct stems *stems;
-    unsigned generation; /* of the index that it has open */
-    bool damaged;        /* it met a damaged page: what it has read is not all */
+    unsigned generation; /* of the index file that it has open */
+    bool damaged;        /* it met a damaged page, so what it has read is incomplete */
 };
 
-/* How long an answer may take. SQLite asks now and then. */
+/* Time limit of an answer, checked by SQLite's progress handler. */
 struct answer_limit {
-    const atomic_bool *given_up; /* or NULL */
+    const atomic_bool *given_up; /* may be NULL */
     uint64_t until;              /* ms of the monotonic clock */
-    bool late;                   /* it took longer, or nobody waits any more */
+    bool late;                   /* the limit has passed or the client has gone */
 };
 
 struct library {
     char *folder, *index, *voices, *lang;
     pthread_t thread;
-    pthread_mutex_t mutex; /* over what follows */
+    pthread_mutex_t mutex; /* protects what follows */
     pthread_cond_t wake;
-    struct index_reader *idle[READERS_MAX]; /* that nobody uses now */
+    struct index_reader *idle[READERS_MAX]; /* unused connections */
     unsigned idle_count;
-    unsigned generation; /* of the index; another one, when it was begun anew */
-    size_t done, of;     /* files of this pass */
+    unsigned generation; /* of the index; changes when the file is recreated */
+    size_t done, of;     /* files of this scan */
     bool indexing, closing;
     atomic_bool stop;
-    atomic_bool damaged;  /* somebody who reads the index has found it so: the thread begins it anew */
-    struct reader reader; /* its program is owned */
-    struct alignments *alignments; /* NULL: recordings are no voices */
-    uint64_t signature;            /* of the files that were looked through last; the thread sets it */
-    struct library_ahead ahead;
+    atomic_bool damaged;           /* a reader found the index damaged: the scan recreates it */
+    struct reader reader;          /* program is owned */
+    struct alignments *alignments; /* NULL: recordings are not used as voices */
+    uint64_t signature;            /* hash of the files of the last scan; set by the scanning thread */
+    struct library_prerender prerender;
 };
 
 /* library.c */
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
 
-/* library_scan.c: the thread. */
+/* search_query.c: adds the SQL function worth(found): a larger value is a better match. -1: SQLite refuses.
+ */
+int search_rank_add(sqlite3 *sql);
+
+/* library_scan.c: the scanning thread. */
 void *library_scan(void *library);
 
-/* library_recorded.c: hands what has a recording now to the alignments, and sets it right in the index. -1
- * with *e. */
-int library_recorded(struct library *library, struct index_writer *writer, const struct library_files *files,
-                     struct error *e);
-
-/* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
-json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
-                             const char *section, struct error *e);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct answer_limit *limit, struct error *e);
-json_t *library_newest_json(struct index_reader *reader, unsigned most, struct error *e);
-json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
 
-/* library_ahead.c */
-json_t *library_ahead_json(struct library *library); /* NULL: nothing is spoken ahead */
+json_t *library_prerender_json(struct library *library); /* NULL: prerendering is off */
 
-/* library_read.c */
+/* A limit that expires `ms` milliseconds from now. */
+struct answer_limit answer_limit_in(unsigned ms, const atomic_bool *given_up);
 
-/* Sets late when it is. */
+/* True when the limit has passed; sets late. */
 bool answer_is_late(struct answer_limit *limit);
 
-/* After statements: notes whether the file turned out to be damaged. */
+/* Call after statements: notes whether SQLite found the file damaged. */
 void library_reader_look(struct index_reader *reader);
 
-/* A statement, to be finalised; NULL with *e. */
+/* Prepares a statement; the caller finalises it. NULL with *e. */
 sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, struct error *e);
 json_t *library_text(sqlite3_stmt *statement, int column); /* a string, or null */
 
-/* library_section.c: a passage's place and text. */
-struct found_run {
-    size_t start, end; /* UTF-16 units of the text */
-    char lang[36];     /* "": a stage direction, which is not spoken */
-};
-struct found_passage {
-    char work[80], name[24]; /* name "": a section */
-    unsigned section;
-    char kind[16], block[16]; /* "line" of a verse block */
-    char lang[36], markup[8];
-    struct buf text, source; /* source: what is spoken, when it is not the text */
-    struct found_run *runs;  /* of the text, in another language or not spoken; they may nest */
-    size_t run_count, run_cap;
-    struct utf16_counter units; /* of the text so far */
-    char n[32];
-};
-/* Of a text longer than `most` bytes no more than its beginning, a little longer than that. */
-int library_find(struct index_reader *reader, const char *id, size_t most, struct found_passage *out,
-                 struct error *e);
-void found_passage_free(struct found_passage *passage);
-
-/* A whole number from min to max; otherwise when there is none. -1 with *e. */
+/* Parses a whole number from min to max; `otherwise` if text is NULL. -1 with *e. */
 int library_number(const char *field, const char *text, unsigned min, unsigned max, unsigned otherwise,
                    unsigned *out, struct error *e);
 

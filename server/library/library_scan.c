@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library's thread: what has changed in the folder is read anew, as often as it is looked through. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,9 +12,100 @@
 #include <time.h>
 #include <unistd.h>
 
+/* ---- recordings: checked again whenever a file has changed ---- */
+
+/* FNV-1a hash of the list of files, chained from `hash`. */
+static uint64_t sign(uint64_t hash, const struct library_file *files, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        for (const char *c = files[i].path; *c; c++)
+            hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+        hash = (hash ^ (uint64_t)files[i].size) * 1099511628211u;
+        hash = (hash ^ (uint64_t)files[i].modified) * 1099511628211u;
+    }
+    return hash * 1099511628211u;
+}
+
+static const struct library_file *file_of(const struct library_files *files, const char *path) {
+    size_t low = 0, high = files->count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (strcmp(files->list[middle].path, path) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < files->count && !strcmp(files->list[low].path, path) ? &files->list[low] : NULL;
+}
+
+/* Only one of several works with the same name owns the voice, see library_voices.h. */
+static void add(struct recorded_works *works, const char *name, const struct library_file *file,
+                const struct library_file *sound) {
+    char plain[64];
+    library_file_name(file->path, false, plain);
+    if (strcmp(plain, name) != 0)
+        return;
+    works->list = mem_grow(works->list, &works->cap, works->count + 1, sizeof *works->list);
+    struct recorded_work *w = &works->list[works->count++];
+    *w = (struct recorded_work){.path = mem_strdup(file->path),
+                                .sound = mem_strdup(sound->path),
+                                .size = file->size,
+                                .modified = file->modified,
+                                .sound_size = sound->size,
+                                .sound_modified = sound->modified};
+    snprintf(w->work, sizeof w->work, "%s", name);
+}
+
+static int set_flag(struct index_writer *w, const char *name, struct error *e) {
+    sqlite3_stmt *s = NULL;
+    if (index_begin(w, e))
+        return -1;
+    sqlite3_prepare_v2(w->sql, "UPDATE work SET recording = NOT recording WHERE name = ?", -1, &s, NULL);
+    sqlite3_bind_text(s, 1, name, -1, SQLITE_STATIC);
+    int result = index_step(w, s, e);
+    sqlite3_finalize(s);
+    return result < 0 ? -1 : 0;
+}
+
+/* Passes the works with recordings to the alignments, and updates the index. -1 with *e. */
+static int library_recorded(struct library *l, struct index_writer *w, const struct library_files *files,
+                            struct error *e) {
+    uint64_t signature = sign(14695981039346656037u, files->list, files->count);
+    signature = sign(signature, files->sounds, files->sound_count);
+    if (signature == l->signature)
+        return 0;
+    struct recorded_works works = {0};
+    struct buf wrong = {0}; /* names of works whose `recording` is out of date */
+    sqlite3_stmt *s = NULL;
+    int result = 0;
+    if (sqlite3_prepare_v2(w->sql, "SELECT name, path, recording FROM work", -1, &s, NULL) != SQLITE_OK)
+        return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(w->sql));
+    while (sqlite3_step(s) == SQLITE_ROW) {
+        const char *name = (const char *)sqlite3_column_text(s, 0);
+        const char *path = (const char *)sqlite3_column_text(s, 1);
+        const struct library_file *file = name && path ? file_of(files, path) : NULL;
+        const struct library_file *sound = file ? library_files_sound(files, path) : NULL;
+        if (sound)
+            add(&works, name, file, sound);
+        if (file && !sound == !!sqlite3_column_int(s, 2))
+            buf_add(&wrong, name, strlen(name) + 1);
+    }
+    sqlite3_finalize(s);
+    for (size_t at = 0; at < wrong.size && !result; at += strlen((char *)wrong.data + at) + 1)
+        result = set_flag(w, (char *)wrong.data + at, e);
+    buf_free(&wrong);
+    alignments_see(l->alignments, &works);
+    pthread_mutex_lock(&l->mutex);
+    if (!result)
+        l->signature = signature;
+    pthread_mutex_unlock(&l->mutex);
+    return result;
+}
+
+/* ---- the scanning thread: rereads what has changed in the folder ---- */
+
 enum {
     LOOK_SECONDS = 3,
-    COMMIT_CHARACTERS = 8 << 20, /* one transaction has so many, or little more */
+    COMMIT_CHARACTERS = 8 << 20, /* approximate size of a transaction */
     NICE = 10,
 };
 
@@ -54,7 +144,7 @@ static bool name_is_free(struct index_writer *w, const char *name) {
     return is_free;
 }
 
-/* The work's id: of two files of one name the second has its ending in it. */
+/* Chooses the work's id: its file name; with the ending when that name is taken. */
 static void choose_name(struct index_writer *w, const char *path, char name[80]) {
     char plain[64], whole[64];
     library_file_name(path, false, plain);
@@ -66,7 +156,7 @@ static void choose_name(struct index_writer *w, const char *path, char name[80])
         snprintf(name, 80, "%s-%d", whole, i);
 }
 
-/* Reads one file into the index. -1 with *e: the index cannot be written. */
+/* Reads a file into the index. -1 with *e: the index cannot be written. */
 static int take(struct pass *p, const char *path, struct index_file *file, struct error *e) {
     struct library *l = p->library;
     struct taking t = {.pass = p, .path = path, .name = file->work, .meta = {.lang = mem_strdup(l->lang)}};
@@ -97,7 +187,7 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     return t.failed ? -1 : 0;
 }
 
-/* A link that leads outside: told of, and not read. */
+/* Reports a link that leads out of the folder, without reading it. */
 static int refuse(struct pass *p, const char *path, struct index_file *file, struct error *e) {
     struct error why;
     error_set(&why, ERROR_BAD_WORK, "%s", WORK_OUTSIDE);
@@ -108,7 +198,7 @@ static int refuse(struct pass *p, const char *path, struct index_file *file, str
                : 0;
 }
 
-/* Only what has changed in size or time is looked into, and only what is another text is read. */
+/* Hashes a file only if its size or time changed, and reads it only if the hash changed. */
 static int look(struct pass *p, const struct library_file *f, struct error *e) {
     struct index_file known;
     char hash[65];
@@ -187,7 +277,7 @@ static void rest(struct library *l) {
     pthread_mutex_unlock(&l->mutex);
 }
 
-/* Those who read have the old file open; what they ask next they ask of the new one. */
+/* Recreates the index. Open readers keep the old file until their next query. */
 static void begin_anew(struct pass *p) {
     struct library *l = p->library;
     if (p->writer.sql)
@@ -204,7 +294,7 @@ void *library_scan(void *library) {
     struct pass p = {.library = library};
     struct error e;
     char text[512];
-    setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* of this thread alone */
+    setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* for this thread only */
     while (!atomic_load(&p.library->stop)) {
         if (p.writer.damaged || atomic_exchange(&p.library->damaged, false))
             begin_anew(&p);

@@ -1,8 +1,85 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/search_query.h"
-#include "server/library/search_terms.h"
+#include "server/library/library_internal.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+bool search_list_has(const char *list, const char *tag, bool language) {
+    size_t length = strlen(tag);
+    if (!list)
+        return true;
+    for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',') {
+        size_t size = strcspn(at, ",");
+        if ((size == length || (language && size < length && tag[size] == '-')) && !memcmp(at, tag, size))
+            return true;
+    }
+    return false;
+}
+
+static bool same_language(const char *list, const char *tag) {
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        if (!strncmp(at, tag, 2))
+            return true;
+    return !list;
+}
+
+static void add_stem(struct query_term *t, const char *stem) {
+    for (size_t i = 0; i < t->stem_count; i++)
+        if (!strcmp(t->stems[i], stem))
+            return;
+    memcpy(t->stems[t->stem_count++], stem, sizeof t->stems[0]);
+}
+
+/* Adds the word's stems in the searched languages. */
+static void search_term_stems(const struct query_options *options, struct query_term *t,
+                              const struct word *word) {
+    const char *lang;
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    add_stem(t, t->word);
+    for (size_t i = 0; (lang = stems_language(i)); i++) {
+        size_t count =
+            same_language(options->langs, lang) ? stems_forms(options->stems, lang, word, forms) : 0;
+        for (size_t k = 0; k < count; k++)
+            add_stem(t, forms[k]);
+    }
+}
+
+/* Splits [from, to) into at most `most` words. Without `all`, drops elided articles before an apostrophe. */
+static size_t search_words(const char *text, size_t from, size_t to, bool all, struct word *words,
+                           size_t most) {
+    size_t count = 0;
+    for (size_t at = from; count < most && words_next(text, to, false, &at, &words[count]);) {
+        size_t end = words[count].to;
+        bool elided =
+            end < to && (text[end] == '\'' || !strncmp(text + end, "’", to - end < 3 ? to - end : 3));
+        bool more = false;
+        for (size_t i = end + 1; i < to && !more; i++)
+            more = (unsigned char)text[i] >= 0x80 || (text[i] | 32) >= 'a';
+        if (words[count].folded[0] && (all || !elided || !more || !words_elided(words[count].folded)))
+            count++;
+    }
+    return count;
+}
+
+bool search_term_written(const struct query_term *t, const struct word *word) {
+    return t->prefix ? !strncmp(t->word, word->folded, strlen(t->word)) : !strcmp(t->word, word->folded);
+}
+
+bool search_query_means(const struct search_query *q, struct stems *stems, const char *lang,
+                        const struct word *word) {
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    size_t count = stems_forms(stems, lang, word, forms);
+    for (size_t i = 0; i < q->count; i++) {
+        const struct query_term *t = &q->terms[i];
+        if (search_term_written(t, word))
+            return true;
+        for (size_t k = 0; k < t->stem_count; k++)
+            for (size_t n = 0; n < count; n++)
+                if (!strcmp(t->stems[k], forms[n]))
+                    return true;
+    }
+    return false;
+}
 
 struct reading {
     struct search_query *query;
@@ -13,7 +90,7 @@ struct reading {
     struct error *e;
 };
 
-/* A part of the query: its FTS5 text. */
+/* Part of the query, as FTS5 text. */
 struct node {
     struct buf text;
     bool negative;
@@ -34,7 +111,7 @@ static void skip_white(struct reading *r) {
         r->at++;
 }
 
-/* An operator: in capitals, by itself. */
+/* True for an operator: upper case, standing alone. */
 static bool is_word(const struct reading *r, const char *word) {
     size_t length = strlen(word), end = r->at + length;
     return end <= r->size && !memcmp(r->text + r->at, word, length) &&
@@ -51,7 +128,7 @@ static struct query_term *new_term(struct reading *r, const struct word *word) {
     return t;
 }
 
-/* One or more words that follow each other, as they are written. */
+/* Adds one or more consecutive words, as written. */
 static int add_phrase(struct reading *r, struct node *out, const struct word *words, size_t count,
                       size_t at) {
     buf_printf(&out->text, "word : \"");
@@ -157,7 +234,7 @@ static int read_one(struct reading *r, struct node *out) {
     return 0;
 }
 
-/* Adds what must be there, too. */
+/* Adds a required part. */
 static void join(struct node *all, struct node *one, bool *any) {
     if (one->text.size) {
         if (*any)
@@ -252,4 +329,89 @@ int search_query_read(struct search_query *q, const char *text, const struct que
 
 void search_query_free(struct search_query *q) {
     buf_free(&q->match);
+}
+
+/* Ranks rows by Okapi BM25 (S. Robertson et al., TREC-3, 1994; k1 = 1.2, b = 0.75), as FTS5 does, but
+ * estimates a term's frequency from its first rows: counting them would take longer than the rest of the
+ * search. */
+
+#define K1 1.2
+#define B 0.75
+/* A term that occurs nearly everywhere still counts a little. */
+#define WEIGHT_LEAST 1e-6
+enum { PHRASES_MAX = QUERY_TERMS_MAX * (QUERY_STEMS_MAX + 1), LOOKED_AT = 100 };
+
+/* of one query */
+struct ranking {
+    double weights[PHRASES_MAX], mean_size; /* mean number of words in a row */
+};
+
+struct counting {
+    sqlite3_int64 rows, last; /* rows counted; id of the last one */
+};
+
+static int count(const Fts5ExtensionApi *api, Fts5Context *fts, void *ctx) {
+    struct counting *c = ctx;
+    c->last = api->xRowid(fts);
+    return ++c->rows < LOOKED_AT ? SQLITE_OK : SQLITE_DONE;
+}
+
+static double weight_of(const Fts5ExtensionApi *api, Fts5Context *fts, int phrase, sqlite3_int64 rows) {
+    struct counting c = {0};
+    if (api->xQueryPhrase(fts, phrase, &c, count) != SQLITE_OK)
+        return WEIGHT_LEAST;
+    double hits = (double)c.rows;
+    if (c.rows == LOOKED_AT && c.last > 0)
+        hits = fmin((double)rows, fmax(hits, hits * (double)rows / (double)c.last));
+    return fmax(WEIGHT_LEAST, log(((double)rows - hits + 0.5) / (hits + 0.5)));
+}
+
+static struct ranking *ranking_of(const Fts5ExtensionApi *api, Fts5Context *fts) {
+    struct ranking *r = api->xGetAuxdata(fts, 0);
+    sqlite3_int64 rows = 0, words = 0;
+    int phrases = api->xPhraseCount(fts);
+    if (r)
+        return r;
+    r = calloc(1, sizeof *r); /* freed by SQLite */
+    if (!r || api->xRowCount(fts, &rows) != SQLITE_OK || api->xColumnTotalSize(fts, 0, &words) != SQLITE_OK ||
+        api->xSetAuxdata(fts, r, free) != SQLITE_OK) {
+        free(r);
+        return NULL;
+    }
+    r->mean_size = rows > 0 && words > 0 ? (double)words / (double)rows : 1;
+    for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
+        r->weights[i] = weight_of(api, fts, i, rows);
+    return r;
+}
+
+static void worth(const Fts5ExtensionApi *api, Fts5Context *fts, sqlite3_context *out, int count_of_values,
+                  sqlite3_value **values) {
+    double often[PHRASES_MAX] = {0}, sum = 0;
+    const struct ranking *r = ranking_of(api, fts);
+    int instances = 0, size = 0, phrases = api->xPhraseCount(fts);
+    (void)count_of_values;
+    (void)values;
+    if (!r || api->xInstCount(fts, &instances) != SQLITE_OK || api->xColumnSize(fts, 0, &size) != SQLITE_OK) {
+        sqlite3_result_error_nomem(out);
+        return;
+    }
+    for (int i = 0; i < instances; i++) {
+        int phrase, column, offset;
+        if (api->xInst(fts, i, &phrase, &column, &offset) == SQLITE_OK && phrase < PHRASES_MAX)
+            often[phrase]++;
+    }
+    for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
+        sum += r->weights[i] * often[i] * (K1 + 1) / (often[i] + K1 * (1 - B + B * size / r->mean_size));
+    sqlite3_result_double(out, sum);
+}
+
+int search_rank_add(sqlite3 *sql) {
+    sqlite3_stmt *s = NULL;
+    fts5_api *api = NULL;
+    if (sqlite3_prepare_v2(sql, "SELECT fts5(?)", -1, &s, NULL) == SQLITE_OK) {
+        sqlite3_bind_pointer(s, 1, &api, "fts5_api_ptr", NULL);
+        sqlite3_step(s);
+    }
+    sqlite3_finalize(s);
+    return api && api->xCreateFunction(api, "worth", NULL, worth, NULL) == SQLITE_OK ? 0 : -1;
 }

@@ -1,13 +1,275 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* TEI P5 (Guidelines, https://tei-c.org/guidelines/p5): the elements that literature is made of. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
-#include "server/library/tei_internal.h"
+#include "server/library/readers.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Once for each name. */
+/* TEI P5 (Guidelines, https://tei-c.org/guidelines/p5): the elements that literature needs. */
+
+struct tei_frame {
+    enum tei_act act;
+    bool opened;            /* it opened something that its end must close */
+    bool foreign;           /* it opened a stretch in another language */
+    bool aside;             /* a stage direction within a line of a speech */
+    unsigned child, chosen; /* CHOICE: children so far; the one to read */
+    size_t from;            /* REFERENCE: size of the block's text at its start */
+    char lang[36];
+};
+
+enum { UNKNOWN_MAX = 32 };
+
+/* Collected in a first pass: which child of each CHOICE to read, in document order, and the sorted ids of
+ * notes. */
+struct tei_outline {
+    unsigned *choices;
+    size_t count, cap;
+    char **notes;
+    size_t note_count, note_cap;
+};
+
+struct tei {
+    struct tei_frame frames[WORK_DEPTH_MAX + 1];
+    struct builder *b;
+    struct work_meta *meta;
+    struct tei_outline outline;
+    size_t choice;       /* number of CHOICE elements started */
+    struct buf capture;  /* text of a header field */
+    char **wanted;       /* metadata field that is being captured */
+    unsigned capture_at; /* depth of the captured element */
+    unsigned names;      /* names in it; only the first is used */
+    unsigned left_out;   /* open elements in it that are skipped */
+    char *first_date;    /* publication date, used if the source has none */
+    unsigned skip, header, title_stmt, publication, source, bodies, divs; /* numbers of open elements */
+    unsigned asides, expansions, figures;                                 /* likewise */
+    enum { AFTER_TEXT, AFTER_WORD, AFTER_POINT } after; /* kind of the element that ended last */
+    bool joins;                                         /* it declares that the next word joins it */
+    bool text_lang;                                     /* the text declared the work's language */
+    bool line;                                          /* a line of verse is open */
+    bool told_reading;
+    char *unknown[UNKNOWN_MAX];
+    size_t unknown_count;
+    bool is_tei;
+};
+
+/* ---- first pass: the best alternative of choice and app may come last ---- */
+
+struct alternatives {
+    bool is; /* the element has alternatives */
+    size_t number;
+    unsigned children;
+    int best;
+};
+
+struct outline_walk {
+    struct tei_outline *outline;
+    struct alternatives frames[WORK_DEPTH_MAX + 1];
+    uint64_t bytes;
+    bool stop;
+};
+
+/* Ranks an alternative; the first of the best is read. Corrections, regularisations and expansions come
+ * before what they replace, certain readings before uncertain ones. Notes rank last. */
+static int rank_of(const char *name, const char **attributes) {
+    static const char *const chosen[] = {"corr", "reg", "expan", "ex", "lem", NULL};
+    static const char *const original[] = {"sic", "orig", "abbr", "am", NULL};
+    static const char *const none[] = {"note", "witDetail", "wit", "del", NULL};
+    const char *cert = xml_attribute(attributes, "cert");
+    int rank = xml_is_one(name, none)       ? 0
+               : xml_is_one(name, chosen)   ? 30
+               : xml_is_one(name, original) ? 10
+                                            : 20;
+    if (rank && cert)
+        rank += !strcmp(cert, "high") ? 1 : !strcmp(cert, "low") ? -1 : 0;
+    return rank;
+}
+
+static void outline_start(struct xml_walk *w, const char *name, const char **attributes) {
+    struct outline_walk *o = w->ctx;
+    struct tei_outline *out = o->outline;
+    struct alternatives *f = &o->frames[w->depth], *up = &o->frames[w->depth - 1];
+    *f = (struct alternatives){.is = tei_act_of(name) == ACT_CHOICE};
+    if (up->is) {
+        int rank = rank_of(name, attributes);
+        if (rank > up->best) {
+            up->best = rank;
+            out->choices[up->number] = up->children;
+        }
+        up->children++;
+    }
+    if (f->is) {
+        f->number = out->count;
+        out->choices = mem_grow(out->choices, &out->cap, out->count + 1, sizeof *out->choices);
+        out->choices[out->count++] = 0;
+    }
+    const char *id = !strcmp(name, "note") ? xml_attribute(attributes, "id") : NULL;
+    if (id) {
+        out->notes = mem_grow(out->notes, &out->note_cap, out->note_count + 1, sizeof *out->notes);
+        out->notes[out->note_count++] = mem_strdup(id);
+    }
+    o->bytes += id ? strlen(id) + sizeof id : sizeof *out->choices;
+    o->stop = o->bytes > WORK_BYTES_MAX;
+}
+
+static void outline_end(struct xml_walk *w, const char *name) {
+    (void)w;
+    (void)name;
+}
+
+static void outline_text(struct xml_walk *w, const char *text, size_t size) {
+    struct outline_walk *o = w->ctx;
+    (void)text;
+    o->bytes += size;
+    o->stop = o->bytes > 2 * (uint64_t)WORK_BYTES_MAX; /* nested entities: the second pass stops earlier */
+}
+
+static int compare_ids(const void *a, const void *b) {
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Fills the outline. Errors in the document are left to the second pass. */
+static void tei_outline_read(struct tei_outline *outline, const char *data, size_t size) {
+    struct outline_walk *o = mem_alloc(sizeof *o);
+    struct error ignored;
+    struct xml_walk walk = {
+        .ctx = o, .start = outline_start, .end = outline_end, .text = outline_text, .stop = &o->stop};
+    o->outline = outline;
+    xml_walk(&walk, data, size, &ignored);
+    if (outline->note_count)
+        qsort(outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
+    free(o);
+}
+
+static void tei_outline_free(struct tei_outline *outline) {
+    for (size_t i = 0; i < outline->note_count; i++)
+        free(outline->notes[i]);
+    free(outline->notes);
+    free(outline->choices);
+}
+
+static bool tei_outline_has_note(const struct tei_outline *outline, const char *id) {
+    return outline->note_count &&
+           bsearch(&id, outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
+}
+
+enum { FIELD_BYTES_MAX = 4096 };
+
+static void count_header(struct tei *t, const char *name, int by) {
+    unsigned *counts[] = {&t->title_stmt, &t->publication, &t->source};
+    static const char *const names[] = {"titleStmt", "publicationStmt", "sourceDesc"};
+    for (size_t i = 0; i < 3; i++)
+        if (!strcmp(name, names[i]))
+            *counts[i] += (unsigned)by;
+}
+
+/* ---- header ---- */
+static bool is_left_out(const char *name) {
+    static const char *const names[] = {"idno", "note", "ptr", NULL};
+    return xml_is_one(name, names);
+}
+
+static bool is_name(const char *name) {
+    static const char *const names[] = {"persName", "name", "orgName", NULL};
+    return xml_is_one(name, names);
+}
+
+/* Chooses where a date goes. The source's date wins over the publication's. */
+static char **date_of(struct tei *t, const char **attributes) {
+    static const char *const when[] = {"when", "from", "notBefore", NULL};
+    char **to = t->source ? &t->meta->date : t->publication ? &t->first_date : NULL;
+    for (const char *const *name = when; to && !*to && *name; name++) {
+        const char *value = xml_attribute(attributes, *name);
+        if (value && strlen(value) < 40)
+            work_meta_set(to, value);
+    }
+    return to && !*to ? to : NULL;
+}
+
+static void tei_header_start(struct tei *t, const struct xml_walk *w, const char *name,
+                             const char **attributes) {
+    struct work_meta *m = t->meta;
+    char **wanted = NULL;
+    bool again = false;
+    count_header(t, name, 1);
+    if (t->wanted) {
+        if (!strcmp(name, "date"))
+            date_of(t, attributes);
+        if (is_left_out(name) || (t->wanted == &m->author && is_name(name) && t->names++ > 0) || t->left_out)
+            t->left_out++;
+        else if (t->capture.size && t->wanted == &m->author)
+            buf_add(&t->capture, " ", 1); /* separates the parts of a name */
+        return;
+    }
+    if (t->title_stmt && !strcmp(name, "title"))
+        wanted = &m->title;
+    else if (t->title_stmt && !strcmp(name, "author"))
+        wanted = &m->author, again = true;
+    else if (t->publication && !strcmp(name, "publisher"))
+        wanted = &m->publisher;
+    else if (!strcmp(name, "date"))
+        wanted = date_of(t, attributes);
+    else if (t->publication && !strcmp(name, "licence"))
+        wanted = &m->licence;
+    else if (t->source && (!strcmp(name, "bibl") || !strcmp(name, "p")))
+        wanted = &m->source;
+    if (wanted && (!*wanted || again)) {
+        t->wanted = wanted;
+        t->capture_at = w->depth;
+        t->names = t->left_out = 0;
+    }
+    const char *target = wanted == &m->licence ? xml_attribute(attributes, "target") : NULL;
+    if (target && t->wanted == wanted && strlen(target) < FIELD_BYTES_MAX)
+        buf_printf(&t->capture, "%s ", target);
+}
+
+static void tei_header_text(struct tei *t, const char *text, size_t size) {
+    if (t->wanted && !t->left_out && t->capture.size + size < FIELD_BYTES_MAX)
+        buf_add(&t->capture, text, size);
+}
+
+/* Joins several authors with semicolons. */
+static void keep_field(struct tei *t, const char *text) {
+    if (t->wanted == &t->meta->author && t->meta->author && *text) {
+        struct buf both = {0};
+        if (strlen(t->meta->author) + strlen(text) < FIELD_BYTES_MAX) {
+            buf_printf(&both, "%s; %s", t->meta->author, text);
+            buf_add(&both, "", 1);
+            free(t->meta->author);
+            t->meta->author = (char *)both.data;
+        }
+    } else {
+        work_meta_set(t->wanted, text);
+    }
+}
+
+static void tei_header_end(struct tei *t, const struct xml_walk *w, const char *name) {
+    count_header(t, name, -1);
+    if (!t->wanted)
+        return;
+    if (t->capture_at != w->depth) {
+        t->left_out -= t->left_out > 0;
+        return;
+    }
+    char *text = mem_strndup(t->capture.size ? (char *)t->capture.data : "", t->capture.size);
+    char *to = text;
+    for (const char *c = text; *c; c++)
+        if (!strchr(" \t\r\n", *c))
+            *to++ = *c;
+        else if (to > text && to[-1] != ' ')
+            *to++ = ' ';
+    *to = '\0';
+    if (to > text && to[-1] == ' ')
+        to[-1] = '\0';
+    keep_field(t, text);
+    free(text);
+    buf_free(&t->capture);
+    t->wanted = NULL;
+}
+
+/* ---- text ---- */
+
+/* Reports each unknown name once. */
 static void tell_unknown(struct tei *t, const struct xml_walk *w, const char *name) {
     struct error e;
     for (size_t i = 0; i < t->unknown_count; i++)
@@ -21,7 +283,7 @@ static void tell_unknown(struct tei *t, const struct xml_walk *w, const char *na
     build_problem(t->b, &e, false);
 }
 
-/* The language tag, written to `out`; NULL, with a problem told, for what is none. */
+/* Reads a language tag into `out`. NULL if it is invalid, which is reported. */
 static const char *tei_lang(struct tei *t, const struct xml_walk *w, const char *lang,
                             char out[LANG_BYTES + 1]) {
     struct error e;
@@ -36,7 +298,7 @@ static const char *tei_lang(struct tei *t, const struct xml_walk *w, const char 
     return NULL;
 }
 
-/* A stretch in another language than what is around it. */
+/* Starts a stretch in another language than its surroundings. */
 static void start_foreign(struct tei *t, struct tei_frame *f) {
     build_mark(t->b, MARK_FOREIGN, *f->lang ? f->lang : NULL);
     f->foreign = true;
@@ -68,7 +330,7 @@ static void start_inline(struct tei *t, struct tei_frame *f, const char **attrib
         build_text(b, "[…]", strlen("[…]"));
 }
 
-/* Words of a text that is cut into words have white space between them where they do not say otherwise. */
+/* Tokenised text: words are separated by white space unless they say otherwise. */
 static void start_word(struct tei *t, const struct tei_frame *f, const char **attributes) {
     const char *join = xml_attribute(attributes, "join"), *part = xml_attribute(attributes, "part");
     bool joins = join && (!strcmp(join, "left") || !strcmp(join, "both"));
@@ -87,20 +349,20 @@ static void end_word(struct tei *t, const struct tei_frame *f) {
     t->joins = f->opened;
 }
 
-/* In a note, and in a stretch of a line, all that would be a block of its own is a line. */
+/* True in a note or within a line, where a nested block becomes a line. */
 static bool in_inset(const struct tei *t) {
     return build_is_open(t->b) &&
            (t->asides || build_kind(t->b) == BLOCK_NOTE || build_kind(t->b) == BLOCK_STAGE);
 }
 
-/* Is a block open, and in verse a line of it? */
+/* True when a block is open, and in verse a line of it. */
 static bool in_line(const struct tei *t) {
     const struct block *block = build_top(t->b);
     return block && (block->kind != BLOCK_VERSE || t->line);
 }
 
-/* A stage direction inside what somebody says stays there; a figure's title likewise. Between two lines it
- * stands for itself. */
+/* A stage direction or a figure's title inside a speech stays within it; between two lines it becomes a
+ * block. */
 static bool start_aside(struct tei *t, struct tei_frame *f) {
     if (!in_line(t))
         return false;
@@ -130,7 +392,7 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
     struct block *top = build_top(b);
     f->opened = true;
     if (f->act == ACT_PARAGRAPH && top && top->item && !top->text.size)
-        return; /* it is all that the item has, or its beginning */
+        return; /* the item has no text before it */
     switch (f->act) {
     case ACT_HEAD:
         build_block(b, t->figures ? BLOCK_PARAGRAPH : BLOCK_HEAD);
@@ -158,7 +420,7 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
     }
 }
 
-/* The language of the work is that of its text, else of the document; what nobody says is inherited. */
+/* The work's language is that of its text, else of the document; elements inherit it. */
 static void set_lang(struct tei *t, struct tei_frame *f, const char *name, const char *lang) {
     snprintf(f->lang, sizeof f->lang, "%s", lang ? lang : (f - 1)->lang);
     t->b->lang = f->lang;
@@ -168,7 +430,7 @@ static void set_lang(struct tei *t, struct tei_frame *f, const char *name, const
     }
 }
 
-/* The alternative that is not read is skipped. */
+/* Skips the alternatives that are not chosen. */
 static void choose(struct tei *t, struct tei_frame *f, const struct xml_walk *w, const char *name) {
     struct tei_frame *up = f - 1;
     if (f->act == ACT_CHOICE) {
@@ -199,7 +461,7 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
     const char *target;
     switch (f->act) {
     case ACT_BODY:
-        f->opened = !t->bodies++; /* not that of a floating text */
+        f->opened = !t->bodies++; /* not of a floating text */
         if (f->opened)
             build_section(t->b, 1);
         break;
@@ -286,7 +548,8 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     if (lang && is_inline(f->act) && in_line(t) && strcmp(lang, (f - 1)->lang) != 0)
         start_foreign(t, f);
     start_other(t, f, w, name, attributes);
-    if (f->act == ACT_LINE && f->opened && build_is_open(t->b)) { /* the block may have begun in another */
+    if (f->act == ACT_LINE && f->opened &&
+        build_is_open(t->b)) { /* the line may have opened a block of its own */
         const char *around = build_top(t->b)->lang;
         if (*f->lang && strcmp(f->lang, around ? around : "") != 0)
             start_foreign(t, f);
@@ -295,7 +558,7 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
         t->after = AFTER_TEXT;
 }
 
-/* The name of who speaks: without a stage direction beside it. */
+/* The speaker's name without stage directions. */
 static char *name_of(const struct block *block) {
     struct buf text = {0};
     block_spoken(block, &text);
@@ -326,7 +589,7 @@ static void end_block(struct tei *t, const struct tei_frame *f) {
     }
 }
 
-/* Figures, stars and what stands in brackets: the sign of a note, not a word of the text. */
+/* True for digits, asterisks and brackets: a note's sign rather than a word. */
 static bool is_sign(const char *text, size_t size) {
     size_t letters = 0;
     for (size_t i = 0; i < size; i++)

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/words.h"
+#include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include <libstemmer.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <utf8proc.h>
 
 enum { DOTLESS = 0x131, DOTTED = 0x130 };
@@ -11,7 +15,7 @@ static bool is_ascii_word(unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
-/* Letters and figures; *mark: what is set on the letter before. */
+/* True for letters and digits; *mark: for combining marks. */
 static bool is_word(uint32_t cp, bool *mark) {
     utf8proc_category_t category = utf8proc_category((utf8proc_int32_t)cp);
     *mark = category >= UTF8PROC_CATEGORY_MN && category <= UTF8PROC_CATEGORY_ME;
@@ -19,7 +23,7 @@ static bool is_word(uint32_t cp, bool *mark) {
            (category >= UTF8PROC_CATEGORY_ND && category <= UTF8PROC_CATEGORY_NO);
 }
 
-/* False: it has no room. */
+/* False: no room. */
 static bool put(char *out, size_t *length, uint32_t cp) {
     char bytes[4];
     size_t n = utf8_put(cp, bytes);
@@ -89,7 +93,8 @@ bool words_next(const char *text, size_t size, bool turkish, size_t *at, struct 
     return begun;
 }
 
-void words_fold(const char *lower, char out[WORD_BYTES_MAX]) {
+/* Removes the accents of a lower-case word. */
+static void words_fold(const char *lower, char out[WORD_BYTES_MAX]) {
     size_t at = 0, length = 0, size = strlen(lower);
     out[0] = '\0';
     while (at < size) {
@@ -109,4 +114,93 @@ bool words_elided(const char *folded) {
         if (!strcmp(*one, folded))
             return true;
     return false;
+}
+
+/* Entries of the cache of stems: most words recur. */
+enum { KEPT = 1 << 14 };
+
+static const struct {
+    const char *tag, *name;
+} languages[] = {{"it", "italian"}, {"pt", "portuguese"}, {"tr", "turkish"}, {"en", "english"}};
+enum { LANGUAGES = sizeof languages / sizeof *languages };
+
+struct kept {
+    char lower[WORD_BYTES_MAX], stem[WORD_BYTES_MAX];
+};
+
+struct stems {
+    struct sb_stemmer *stemmers[LANGUAGES];
+    struct kept *kept[LANGUAGES];
+};
+
+struct stems *stems_open(void) {
+    struct stems *s = mem_alloc(sizeof *s);
+    for (size_t i = 0; i < LANGUAGES; i++)
+        s->stemmers[i] = sb_stemmer_new(languages[i].name, "UTF_8");
+    return s;
+}
+
+void stems_close(struct stems *s) {
+    if (!s)
+        return;
+    for (size_t i = 0; i < LANGUAGES; i++) {
+        sb_stemmer_delete(s->stemmers[i]);
+        free(s->kept[i]);
+    }
+    free(s);
+}
+
+const char *stems_language(size_t i) {
+    return i < LANGUAGES ? languages[i].tag : NULL;
+}
+
+static size_t number_of(const char *lang) {
+    size_t i = 0;
+    while (i < LANGUAGES &&
+           (strncasecmp(lang, languages[i].tag, 2) != 0 || (lang[2] != '\0' && lang[2] != '-')))
+        i++;
+    return i;
+}
+
+static uint32_t hash(const char *s) {
+    uint32_t h = 2166136261u; /* FNV-1a */
+    for (; *s; s++)
+        h = (h ^ (unsigned char)*s) * 16777619u;
+    return h;
+}
+
+/* False: no stemmer for the language. */
+static bool stem_of(struct stems *s, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]) {
+    size_t i = number_of(lang);
+    if (i == LANGUAGES || !s->stemmers[i])
+        return false;
+    if (!s->kept[i])
+        s->kept[i] = mem_alloc(KEPT * sizeof(struct kept));
+    struct kept *k = &s->kept[i][hash(word->lower) % KEPT];
+    if (!k->lower[0] || strcmp(k->lower, word->lower) != 0) {
+        char stem[WORD_BYTES_MAX];
+        const sb_symbol *made =
+            sb_stemmer_stem(s->stemmers[i], (const sb_symbol *)word->lower, (int)strlen(word->lower));
+        size_t length = made ? (size_t)sb_stemmer_length(s->stemmers[i]) : 0;
+        if (length >= sizeof stem)
+            length = sizeof stem - 1;
+        if (length)
+            memcpy(stem, made, length);
+        stem[length] = '\0';
+        memcpy(k->lower, word->lower, sizeof k->lower);
+        words_fold(length ? stem : word->lower, k->stem);
+    }
+    memcpy(out, k->stem, WORD_BYTES_MAX);
+    return true;
+}
+
+size_t stems_forms(struct stems *s, const char *lang, const struct word *word,
+                   char out[STEM_FORMS_MAX][WORD_BYTES_MAX]) {
+    struct word bare;
+    size_t count = stem_of(s, lang, word, out[0]) && out[0][0];
+    if (count && strcmp(word->lower, word->folded) != 0) {
+        memcpy(bare.lower, word->folded, sizeof bare.lower);
+        count += stem_of(s, lang, &bare, out[1]) && out[1][0] && strcmp(out[0], out[1]) != 0;
+    }
+    return count;
 }

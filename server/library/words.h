@@ -1,28 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The words of a text as the index has them: without case and accents, i for the Turkish dotless one; what
- * stands between apostrophes is a word by itself (l'amor: l, amor). */
+/* Splits text into words as the index compares them: without case and accents, with i for the Turkish
+ * dotless i. An apostrophe separates words (l'amor: l, amor). */
 #ifndef FACCIA_LIBRARY_WORDS_H
 #define FACCIA_LIBRARY_WORDS_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { WORD_BYTES_MAX = 64 }; /* a longer word is cut */
+enum { WORD_BYTES_MAX = 64 }; /* longer words are cut */
 
 struct word {
-    size_t from, to;             /* bytes of the text */
-    char lower[WORD_BYTES_MAX];  /* in small letters, with its accents: what stems are made of */
-    char folded[WORD_BYTES_MAX]; /* as it is compared */
+    size_t from, to;             /* byte offsets in the text */
+    char lower[WORD_BYTES_MAX];  /* lower case, with accents: input of the stemmer */
+    char folded[WORD_BYTES_MAX]; /* form used for comparison */
 };
 
-/* The first word from *at on, which is moved behind it. turkish: I is the capital of the dotless one. False:
- * there is no more. */
+/* Finds the next word at or after *at, and moves *at past it. turkish: I is the capital of the dotless i.
+ * False: none. */
 bool words_next(const char *text, size_t size, bool turkish, size_t *at, struct word *word);
 
-/* Takes the accents off a word that is in small letters. */
-void words_fold(const char *lower, char out[WORD_BYTES_MAX]);
-
-/* Is it an article or the like that an apostrophe joins to the next word, in Italian or English? */
+/* True for an Italian or English article or the like that an apostrophe joins to the next word. */
 bool words_elided(const char *folded);
+
+/* Stems of words, by libstemmer's Snowball stemmers (M. F. Porter, 2001). Not thread-safe. */
+
+struct stems;
+
+/* Marks stems in the index, a private-use letter (U+E000). Without it a stem that is also a word would
+ * share that word's postings, and searches would read both. */
+#define STEM_SIGN "\xEE\x80\x80"
+
+struct stems *stems_open(void);
+void stems_close(struct stems *stems);
+
+/* Writes the folded stems that find a word of that language (BCP 47): its own, and that of the word
+ * without accents if it differs. 0: no stemmer for the language. */
+enum { STEM_FORMS_MAX = 2 };
+size_t stems_forms(struct stems *stems, const char *lang, const struct word *word,
+                   char out[STEM_FORMS_MAX][WORD_BYTES_MAX]);
+
+/* Languages with a stemmer, by number from 0; NULL: no more. */
+const char *stems_language(size_t i);
 
 #endif

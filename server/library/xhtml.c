@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* XHTML as EPUBs have it. */
+/* XHTML documents of an EPUB. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
-#include "server/library/xml_walk.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,24 +13,24 @@
 enum html_act {
     HTML_PASS,
     HTML_SKIP,
-    HTML_GROUP, /* ends the block before it, and the one that it ends in */
+    HTML_GROUP, /* ends the current block at its start and its end */
     HTML_HEAD,
     HTML_PARAGRAPH,
     HTML_ITEM,
     HTML_NOTE,
-    HTML_NOTES, /* notes, one after the other */
+    HTML_NOTES, /* a list of notes */
     HTML_MARK,
     HTML_PAGE,
     HTML_BREAK,
     HTML_LINK,
-    HTML_ALTERNATIVE, /* a picture or a formula: what its author says in words */
+    HTML_ALTERNATIVE, /* a picture or a formula, replaced by its author's text */
     HTML_SUPERSCRIPT,
 };
 
 struct html_frame {
     enum html_act act;
-    bool opened, foreign, sign; /* sign: a link that may be that of a note */
-    size_t from;                /* LINK: bytes of the block when it began */
+    bool opened, foreign, sign; /* sign: a link that may be a note's sign */
+    size_t from;                /* LINK: size of the block's text at its start */
     char lang[36];
 };
 
@@ -39,10 +38,10 @@ struct html {
     struct html_frame frames[WORK_DEPTH_MAX + 1];
     struct builder *b;
     const char *name;
-    unsigned skip, body, notes, superscripts, svg; /* how many are open */
+    unsigned skip, body, notes, superscripts, svg; /* numbers of open elements */
 };
 
-/* Sets the line and says in which file of the archive. */
+/* Reports a problem with its line and the file in the archive. */
 static void tell(struct html *h, const struct xml_walk *w, enum error_code code, const char *what,
                  const char *which) {
     struct error e;
@@ -50,14 +49,14 @@ static void tell(struct html *h, const struct xml_walk *w, enum error_code code,
     build_problem(h->b, &e, false);
 }
 
-/* epub:type or role, by their words: "footnote" is "doc-footnote" as a role. */
+/* Looks in epub:type and role: "footnote" is "doc-footnote" as a role. */
 static bool has_type(const char **attributes, const char *word) {
     char role[32];
     snprintf(role, sizeof role, "doc-%s", word);
     return xml_has_token(attributes, "type", word) || xml_has_token(attributes, "role", role);
 }
 
-/* Does a style have "property: value"? */
+/* True when a style contains "property: value". */
 static bool has_style(const char *style, const char *property, const char *value) {
     for (const char *at = style; (at = strstr(at, property)); at++) {
         const char *end = at + strlen(property);
@@ -72,7 +71,7 @@ static bool has_style(const char *style, const char *property, const char *value
     return false;
 }
 
-/* What no reader sees, or hears. */
+/* True for content hidden from readers and from assistive technology. */
 static bool is_hidden(const char **attributes) {
     const char *hidden = xml_attribute(attributes, "hidden"),
                *aria = xml_attribute(attributes, "aria-hidden"), *style = xml_attribute(attributes, "style");
@@ -136,7 +135,7 @@ static bool in_note(const struct html *h) {
     return build_is_open(h->b) && build_kind(h->b) == BLOCK_NOTE;
 }
 
-/* The lines of a paragraph that has such are verse. */
+/* Turns the paragraph into verse, one line per break. */
 static void break_line(struct html *h) {
     struct block *block = build_top(h->b);
     if (!block || block->kind == BLOCK_HEAD) {
@@ -172,8 +171,7 @@ static void start_note(struct html *h, struct html_frame *f) {
     f->opened = true;
 }
 
-/* A link within a book whose text is a sign: that of a note where it is raised, in brackets, or leads to one
- * by its name. */
+/* True for a link within the book to a note: raised, in brackets, or by the target's name. */
 static bool leads_to_note(const struct html *h, const char **attributes) {
     static const char *const names[] = {"note", "fn", "ftn", "endn", "footn", NULL};
     const char *href = xml_attribute(attributes, "href"), *part = href ? strchr(href, '#') : NULL;
@@ -244,7 +242,7 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
         build_top(b)->level = level;
         f->opened = true;
     } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
-        f->opened = true; /* it is all that the item has, or its beginning */
+        f->opened = true; /* the item has no text before it */
     } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
         build_block(b, BLOCK_PARAGRAPH);
         build_top(b)->item = f->act == HTML_ITEM;
@@ -271,7 +269,7 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     const char *lang = xml_attribute(attributes, "lang");
     char tag[LANG_BYTES + 1];
     size_t bad;
-    if (lang && *lang) { /* a book's own mistake changes nothing */
+    if (lang && *lang) { /* an invalid tag is ignored */
         bool known = lang_read(lang, strlen(lang), tag, &bad);
         if (!known)
             tell_lang(h, w, lang);
@@ -300,7 +298,7 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     start_inline(h, f, name, attributes);
 }
 
-/* No word, but figures, stars, arrows, brackets. */
+/* True for text without letters: digits, asterisks, arrows, brackets. */
 static bool is_sign(const struct block *block, size_t from, bool *brackets) {
     const char *text = (const char *)block->text.data + from;
     size_t size = block->text.size - from, letters = 0, length;
@@ -358,7 +356,7 @@ static void on_text(struct xml_walk *w, const char *text, size_t size) {
         add_text(h, text, size);
 }
 
-/* EPUB 2 takes HTML's names of characters from a DTD that nobody brings along. */
+/* EPUB 2 takes HTML's entities from a DTD that is not available. */
 static void on_entity(struct xml_walk *w, const char *name) {
     struct html *h = w->ctx;
     char text[ENTITY_BYTES_MAX];

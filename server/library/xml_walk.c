@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/xml_walk.h"
+#include "server/library/readers.h"
 #include "server/library/work.h"
 #include <cmark.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ size_t xml_walk_column(const struct xml_walk *w) {
     return XML_GetCurrentColumnNumber(w->parser) + 1;
 }
 
-/* Does somebody want no more? The parser may still have a few events. */
+/* True when the caller asked to stop. The parser may still deliver a few events. */
 static bool is_stopped(struct xml_walk *w) {
     if (w->stop && *w->stop)
         XML_StopParser(w->parser, XML_FALSE);
@@ -61,7 +61,7 @@ static void on_entity(void *ctx, const char *name, int is_parameter) {
         w->entity(w, name);
 }
 
-/* Whether `standalone="yes"` stands at text[at..size); *end: where it ends. */
+/* True when `standalone="yes"` stands at text[at..size); *end: its end. */
 static bool is_standalone(const char *text, size_t size, size_t at, size_t *end) {
     static const char name[] = "standalone", white[] = " \t\r\n";
     const size_t length = sizeof name - 1;
@@ -73,8 +73,8 @@ static bool is_standalone(const char *text, size_t size, size_t at, size_t *end)
     return size - at >= 5 && (!memcmp(text + at, "\"yes\"", 5) || !memcmp(text + at, "'yes'", 5));
 }
 
-/* Parses the XML declaration, if there is one, without what says that it needs no DTD: entities that nobody
- * declares would be errors then, and the rest of a book would be lost for a `&nbsp;`. Returns its size. */
+/* Passes the XML declaration to the parser without standalone="yes": with it an undeclared entity such as
+ * `&nbsp;` would be a fatal error, and the rest of the book would be lost. Returns the declaration's size. */
 static size_t parse_declaration(struct xml_walk *w, const char *data, size_t size, enum XML_Status *status) {
     char text[DECLARATION_BYTES_MAX];
     size_t begin = size >= 3 && !memcmp(data, "\xEF\xBB\xBF", 3) ? 3 : 0, end;
@@ -99,7 +99,7 @@ int xml_walk(struct xml_walk *w, const char *data, size_t size, struct error *e)
     XML_SetCharacterDataHandler(w->parser, on_text);
     XML_SetSkippedEntityHandler(w->parser, on_entity);
     XML_SetParamEntityParsing(w->parser, XML_PARAM_ENTITY_PARSING_NEVER);
-    XML_UseForeignDTD(w->parser, XML_TRUE); /* entities that nobody declares are told, and are no error */
+    XML_UseForeignDTD(w->parser, XML_TRUE); /* undeclared entities are reported instead of being errors */
     enum XML_Status status = XML_STATUS_OK;
     for (size_t at = parse_declaration(w, data, size, &status); status == XML_STATUS_OK && !w->result;
          at += PIECE) {
@@ -137,7 +137,7 @@ bool xml_has_token(const char **attributes, const char *name, const char *word) 
     return false;
 }
 
-/* By cmark, which knows the names of HTML 5. */
+/* cmark knows the entities of HTML 5. */
 size_t xml_entity(const char *name, char out[ENTITY_BYTES_MAX]) {
     char text[48];
     size_t length = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789");

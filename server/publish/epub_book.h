@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A work as an EPUB 3 with media overlays, written section by section; only what is said of the sections is
- * held, and their text and sound wait on the disk. */
+/* Writes a work as an EPUB 3 with media overlays, section by section. Only the navigation stays in memory;
+ * text and sound wait in a temporary file. */
 #ifndef FACCIA_PUBLISH_EPUB_BOOK_H
 #define FACCIA_PUBLISH_EPUB_BOOK_H
 
@@ -8,20 +8,20 @@
 
 struct epub_book;
 
-/* NULL with errno. hash: of the work's file, 64 figures: its identifier is made of it. */
+/* hash: SHA-256 of the work's file, 64 hexadecimal digits, the source of its identifier. NULL with errno. */
 struct epub_book *epub_book_open(const char *path, const struct work_meta *meta, const char *hash);
 
-/* Sound of the section that comes next. -1 with errno. */
+/* Adds sound to the next section. -1 with errno. */
 int epub_book_sound(struct epub_book *book, const struct sentence_audio *audio);
 
-/* The section; of what it was spoken like, part may be zeroed. -1 with errno. */
-int epub_book_section(struct epub_book *book, const struct section *section, const struct recital_part *part,
-                      uint32_t rate);
+/* Adds the section; part may be zeroed if it was not spoken. -1 with errno. */
+int epub_book_section(struct epub_book *book, const struct section *section,
+                      const struct narration_part *part, uint32_t rate);
 
-/* Writes the archive; voice "": nobody spoke. -1, with why it could not be. Frees the book all the same. */
+/* Writes the archive; voice "": without sound. -1 with the reason. Frees the book in either case. */
 int epub_book_close(struct epub_book *book, const char *voice, char why[200]);
 
-/* Nothing is written. NULL is ignored. */
+/* Discards the book. NULL is ignored. */
 void epub_book_free(struct epub_book *book);
 
 #endif

@@ -84,13 +84,13 @@ int main(int argc, char **argv) {
     request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0},
                 &e);
     request_set(&request, "lang", (struct request_value){REQUEST_WORD, argv[2], strlen(argv[2]), 0}, &e);
-    b.synthesis = synthesis_open(&b.cli.stages.pipeline, &request, &callbacks, &b, &e);
+    b.synthesis = synthesis_open(&b.cli.components.pipeline, &request, &callbacks, &b, &e);
     if (!b.synthesis)
         return 1;
     synthesis_start(b.synthesis);
     while (!b.finished && uv_run(&b.cli.loop, UV_RUN_ONCE))
         ;
-    const struct speech_pack *pack = speech_packs_find(&b.cli.stages.packs, argv[2]);
+    const struct speech_pack *pack = speech_packs_find(&b.cli.components.packs, argv[2]);
     double fps = atof(argv[3]);
     printf("{\"seconds\":%.1f,\"fps\":%g,\"cpu\":[", b.seconds, fps);
     for (int i = 0; i < 5; i++) {

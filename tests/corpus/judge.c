@@ -6,7 +6,7 @@
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
 #include "server/face/packs/context_table.h"
-#include "server/face/packs/speech_pack.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include "server/face/packs/spelling.h"
 #include "server/api/heads.h"
 #include "server/normalize/normalizers.h"

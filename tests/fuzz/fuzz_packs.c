@@ -3,7 +3,7 @@
  */
 #include "server/base/mem.h"
 #include "server/face/packs/context_table.h"
-#include "server/face/packs/speech_pack.h"
+#include "server/face/packs/speech_pack_internal.h"
 #include "server/face/packs/spelling.h"
 #include "server/face/track.h"
 #include "tests/fuzz/fuzz.h"

@@ -2,7 +2,6 @@
 /* What faccia fit and faccia eval --recording read of a person: the first line that is "---" divides the
  * curves from the phones. What can be read is compared with another person's: itself, a little later. */
 #include "server/app/fit_read.h"
-#include "server/app/phone_times.h"
 #include "server/eval/person.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>

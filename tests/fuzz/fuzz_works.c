@@ -3,9 +3,8 @@
  * text, or the query's. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/library/index_internal.h"
+#include "server/library/library_internal.h"
 #include "server/library/readers.h"
-#include "server/library/search_query.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

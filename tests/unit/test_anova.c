@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/eval/anova.h"
 #include "server/eval/results.h"
 #include <math.h>
 #include <setjmp.h>

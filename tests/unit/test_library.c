@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Parts of the library that need no work to be read. */
 #include "server/base/mem.h"
-#include "server/library/index_internal.h"
+#include "server/library/library_internal.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>

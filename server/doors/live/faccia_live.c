@@ -1,14 +1,295 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-live: somebody's own voice in a room, from a microphone, a pipe or a file. */
+#include "server/base/buf.h"
+#include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/doors/ending.h"
-#include "server/doors/live/live_line.h"
-#include "server/doors/live/live_sound.h"
+#include "server/base/wav_file.h"
+#include "server/doors/bridge.h"
+#include "server/doors/remote_internal.h"
+#include "server/http/websocket_client.h"
 #include <curl/curl.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <getopt.h>
+#include <math.h>
+#include <poll.h>
+#include <sndfile.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- the stream to the daemon (protocol/README.md, "WebSocket"): JSON in both directions, sound to the
+ * daemon ---- */
+
+struct live_line;
+
+struct live_line_calls {
+    void (*message)(void *ctx, const json_t *message);
+    void (*lost)(void *ctx, const char *why); /* last call */
+};
+
+/* ---- sound source, paced in real time: a microphone through a pipe as raw samples, or a file of
+ * libsndfile ---- */
+
+struct live_sound;
+
+enum {
+    SECOND = 1000000, /* of the clock */
+    RATE_LEAST = 8000,
+    RATE_MOST = 96000,
+    CHANNELS_MOST = 8,
+    /* A pipe's clock may run fast, but those of sound cards by less than one part in this many. */
+    FAST_PART = 500,
+    /* Backlog that is sent at once: little for a file, as it can wait; for a pipe as much as it buffers. */
+    BEHIND_FILE = 10, /* of a second */
+    BEHIND_PIPE = 2,  /* seconds */
+    AT_ONCE = 4,      /* of a second */
+};
+
+struct live_sound {
+    SNDFILE *file; /* NULL: raw samples from fd */
+    int fd;
+    unsigned rate, channels;
+    bool flows, begun;
+    uint64_t clock, read; /* start time; frames since then, including dropped ones */
+    struct buf odd;       /* incomplete frame of a pipe */
+    float *frames;
+};
+
+static int fail(const char *name, const char *why) {
+    fprintf(stderr, "faccia-live: %.200s: %s\n", name, why);
+    return -1;
+}
+
+static int open_file(struct live_sound *s, const char *name) {
+    SF_INFO info = {0};
+    s->file = s->fd == STDIN_FILENO ? wav_file_open_fd(s->fd, SF_FALSE, &info) : wav_file_open(name, &info);
+    if (!s->file)
+        return fail(name, sf_strerror(NULL));
+    if (info.channels > CHANNELS_MOST || info.samplerate < RATE_LEAST || info.samplerate > RATE_MOST)
+        return fail(name, "1 to 8 channels of 8000 to 96000 samples a second can be sent");
+    s->rate = (unsigned)info.samplerate;
+    s->channels = (unsigned)info.channels;
+    s->frames = mem_alloc(sizeof *s->frames * (s->rate / AT_ONCE) * s->channels);
+    return 0;
+}
+
+static int open_sound(struct live_sound *s, const char *name) {
+    struct stat stat;
+    bool in = !strcmp(name, "-");
+    s->fd = in ? STDIN_FILENO : s->rate ? open(name, O_RDONLY | O_CLOEXEC) : -1;
+    if (s->rate && s->fd < 0)
+        return fail(name, strerror(errno));
+    bool file = s->fd < 0 || (!fstat(s->fd, &stat) && S_ISREG(stat.st_mode));
+    s->flows = !file;
+    if (!s->rate && in && !file)
+        return fail("-", "how many samples a second are they? Tell it: --raw 16000");
+    return s->rate ? 0 : open_file(s, name);
+}
+
+static void live_sound_close(struct live_sound *s);
+
+/* name: a file, or "-". rate 0: from the file. NULL after a message. */
+static struct live_sound *live_sound_open(const char *name, unsigned rate, unsigned channels) {
+    struct live_sound *s = mem_alloc(sizeof *s);
+    *s = (struct live_sound){.rate = rate, .channels = channels, .fd = -1};
+    if (!open_sound(s, name))
+        return s;
+    live_sound_close(s);
+    return NULL;
+}
+
+static void live_sound_close(struct live_sound *s) {
+    if (!s)
+        return;
+    if (s->file)
+        sf_close(s->file);
+    if (s->fd > STDIN_FILENO)
+        close(s->fd);
+    free(s->frames);
+    buf_free(&s->odd);
+    free(s);
+}
+
+static unsigned live_sound_rate(const struct live_sound *s) {
+    return s->rate;
+}
+
+static unsigned live_sound_channels(const struct live_sound *s) {
+    return s->channels;
+}
+
+/* True for a live source such as a microphone, which does not wait. */
+static bool live_sound_flows(const struct live_sound *s) {
+    return s->flows;
+}
+
+static size_t frames_due(struct live_sound *s, uint64_t now) {
+    const uint64_t behind = s->flows ? BEHIND_PIPE * s->rate : s->rate / BEHIND_FILE;
+    if (!s->begun)
+        s->clock = now;
+    s->begun = true;
+    uint64_t gone = now - s->clock;
+    uint64_t due = (gone + (s->flows ? gone / FAST_PART : 0)) * s->rate / SECOND;
+    if (due > s->read + behind)
+        s->read = due - behind;
+    uint64_t count = due > s->read ? due - s->read : 0;
+    return count < s->rate / AT_ONCE ? (size_t)count : s->rate / AT_ONCE;
+}
+
+static bool read_file(struct live_sound *s, size_t count, struct buf *out) {
+    sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)count);
+    size_t values = got > 0 ? (size_t)got * s->channels : 0;
+    uint8_t *bytes = buf_reserve(out, 2 * values + 1);
+    for (size_t i = 0; i < values; i++) {
+        int value = (int)lrintf(fmaxf(-32768, fminf(32767, s->frames[i] * 32768)));
+        bytes[2 * i] = (uint8_t)(value & 255);
+        bytes[2 * i + 1] = (uint8_t)(value >> 8 & 255);
+    }
+    out->size += 2 * values;
+    s->read += got > 0 ? (uint64_t)got : 0;
+    return got == (sf_count_t)count;
+}
+
+static bool read_pipe(struct live_sound *s, size_t count, struct buf *out) {
+    struct pollfd look = {.fd = s->fd, .events = POLLIN};
+    const size_t frame = 2 * (size_t)s->channels, want = count * frame - s->odd.size;
+    if (poll(&look, 1, 0) <= 0)
+        return true;
+    ssize_t got = read(s->fd, buf_reserve(&s->odd, want), want);
+    if (got <= 0)
+        return got < 0 && (errno == EINTR || errno == EAGAIN);
+    s->odd.size += (size_t)got;
+    size_t whole = s->odd.size / frame;
+    buf_add(out, s->odd.data, whole * frame);
+    buf_consume(&s->odd, whole * frame);
+    s->read += whole;
+    return true;
+}
+
+/* Appends the samples that are due, 16-bit little endian, by a clock in microseconds that starts with the
+ * first call; false at the end. Leaves the rest in the pipe or file. */
+static bool live_sound_read(struct live_sound *s, uint64_t now, struct buf *samples) {
+    size_t count = frames_due(s, now);
+    return !count || (s->file ? read_file(s, count, samples) : read_pipe(s, count, samples));
+}
+
+enum { ASK_MS = 5000 };
+
+static const char stream_path[] = "/v1/stream";
+
+struct live_line {
+    struct websocket_client *client;
+    struct live_line_calls calls;
+    void *ctx;
+    bool open, lost, asked;
+    char why[400];
+};
+
+static void on_open(void *ctx) {
+    struct live_line *l = ctx;
+    l->open = true;
+}
+
+static void on_text(void *ctx, const char *text, size_t size) {
+    struct live_line *l = ctx;
+    json_t *message = json_loadb(text, size, 0, NULL);
+    if (message)
+        l->calls.message(l->ctx, message);
+    json_decref(message);
+}
+
+static void on_lost(void *ctx, const char *why) {
+    struct live_line *l = ctx;
+    bool was_open = l->open && !l->lost;
+    l->lost = true;
+    snprintf(l->why, sizeof l->why, "%s", why);
+    if (was_open)
+        l->calls.lost(l->ctx, "the daemon is gone");
+}
+
+static void on_refused(void *ctx, const struct remote_answer *answer) {
+    struct live_line *l = ctx;
+    bool own = answer->status && answer->status != 426 && json_object_get(answer->body, "message");
+    l->asked = true;
+    snprintf(l->why, sizeof l->why, "%s", own ? answer->why : "there is no stream of a daemon");
+}
+
+/* libwebsockets discards the response of a failed handshake, so asks the daemon again by HTTP for the
+ * reason. */
+static void ask_why(struct live_line *l, uv_loop_t *loop, const struct daemon_address *place,
+                    const struct remote_member *members) {
+    struct remote *remote = remote_new(loop, place->url, place->token);
+    uint64_t until = uv_now(loop) + ASK_MS;
+    snprintf(l->why, sizeof l->why, "there is no stream of a daemon");
+    remote_fetch(remote, stream_path, members, NULL, NULL, NULL, on_refused, l);
+    while (!l->asked && uv_now(loop) < until)
+        uv_run(loop, UV_RUN_ONCE);
+    remote_free(remote);
+}
+
+static void live_line_close(struct live_line *l);
+
+static void live_line_free(struct live_line *l);
+
+/* Waits for the connection. NULL after a message. The callbacks must not close it. */
+static struct live_line *live_line_open(uv_loop_t *loop, const struct daemon_address *place,
+                                        const struct remote_member *members,
+                                        const struct live_line_calls *calls, void *ctx) {
+    static const struct websocket_calls own = {on_open, on_text, on_lost};
+    struct live_line *l = mem_alloc(sizeof *l);
+    struct buf url = {0};
+    *l = (struct live_line){.calls = *calls, .ctx = ctx};
+    snprintf(l->why, sizeof l->why, "it is no address of a daemon, such as http://127.0.0.1:8080");
+    remote_address(&url, place->url, stream_path, members);
+    buf_add(&url, "", 1);
+    if (!strncmp(place->url, "http://", 7) || !strncmp(place->url, "https://", 8))
+        l->client = websocket_client_new(loop, (const char *)url.data, place->token, false, &own, l);
+    while (l->client && !l->open && !l->lost)
+        uv_run(loop, UV_RUN_ONCE);
+    if (l->client && !l->open && strcmp(l->why, websocket_unreachable) != 0)
+        ask_why(l, loop, place, members);
+    buf_free(&url);
+    if (l->open)
+        return l;
+    fprintf(stderr, "faccia-live: %.200s: %s\n", place->url, l->why);
+    live_line_close(l);
+    uv_run(loop, UV_RUN_DEFAULT); /* until its handles are closed */
+    live_line_free(l);
+    return NULL;
+}
+
+/* Run the loop until it is empty before freeing the line. */
+static void live_line_close(struct live_line *l) {
+    websocket_client_close(l->client);
+}
+
+static void live_line_free(struct live_line *l) {
+    websocket_client_free(l->client);
+    free(l);
+}
+
+/* Sends a message; takes ownership. */
+static void live_line_tell(struct live_line *l, json_t *message) {
+    char *text = json_dumps(message, JSON_COMPACT);
+    websocket_client_text(l->client, text, strlen(text));
+    free(text);
+    json_decref(message);
+}
+
+static void live_line_sound(struct live_line *l, const void *bytes, size_t size) {
+    websocket_client_binary(l->client, bytes, size);
+}
+
+/* True when everything has been sent. Queue at most one piece of sound. */
+static bool live_line_is_free(const struct live_line *l) {
+    return !websocket_client_unsent(l->client);
+}
+
+/* faccia-live: streams a live voice into a room, from a microphone, a pipe or a file. */
 
 static const char usage[] =
     "Usage: faccia-live [OPTION]... (SOUND | --raw RATE -)\n"
@@ -72,7 +353,7 @@ static void hang_up(struct live *l) {
     live_line_tell(l->line, json_pack("{ss ss}", "type", "close", "id", l->id));
 }
 
-/* A voice begins when it is heard: until then a file sends silence, and while it is paused. */
+/* Sends silence from a file that is paused or not yet followed, since a voice begins with its first sound. */
 static void add_silence(const struct live *l, struct buf *samples) {
     const size_t count = (size_t)live_sound_rate(l->sound) * TICK_MS / 1000;
     const size_t size = 2 * count * live_sound_channels(l->sound);
@@ -80,7 +361,7 @@ static void add_silence(const struct live *l, struct buf *samples) {
     samples->size += size;
 }
 
-/* Sends what is due. What waits to leave is one piece at most: meanwhile nothing is read. */
+/* Sends what is due, one piece at a time; reads nothing while a piece is queued. */
 static void on_tick(uv_timer_t *timer) {
     struct live *l = timer->data;
     struct buf samples = {0};
@@ -104,7 +385,7 @@ static void on_problem(struct live *l, const json_t *message, bool own) {
     fprintf(stderr, "faccia-live: %s\n", why ? why : "something is wrong");
     l->status = code && !strcmp(code, "busy") ? EXIT_BUSY : EXIT_FAILED;
     if (!own)
-        leave(l, EXIT_FAILED); /* the connection's, before it could speak: there is no room, or no right */
+        leave(l, EXIT_FAILED); /* refused before speaking: no such room, or no permission */
 }
 
 static void on_end(struct live *l, const char *reason) {
@@ -135,7 +416,7 @@ static void on_message(void *ctx, const json_t *message) {
         on_end(l, reason ? reason : "");
 }
 
-static void on_lost(void *ctx, const char *why) {
+static void on_connection_lost(void *ctx, const char *why) {
     struct live *l = ctx;
     if (!l->ended)
         fprintf(stderr, "faccia-live: %s\n", why);
@@ -154,11 +435,11 @@ static void ask(struct live *l) {
     uv_timer_start(&l->tick, on_tick, TICK_MS, TICK_MS);
 }
 
-static int run(struct live *l, const struct place *place) {
-    static const struct live_line_calls calls = {on_message, on_lost};
+static int run(struct live *l, const struct daemon_address *place) {
+    static const struct live_line_calls calls = {on_message, on_connection_lost};
     const struct remote_member members[] = {
         {"room", l->room}, {"watch", "1"}, {"audio", "none"}, {"fap", "none"}, {NULL, NULL}};
-    struct ending ending;
+    struct bridge_loop ending;
     l->status = EXIT_FAILED;
     l->sound = live_sound_open(l->name, l->rate, l->channels);
     if (!l->sound)
@@ -169,7 +450,7 @@ static int run(struct live *l, const struct place *place) {
         return EXIT_FAILED;
     }
     l->status = 0;
-    ending_open(&ending, &l->loop);
+    bridge_loop_open(&ending, &l->loop);
     uv_timer_init(&l->loop, &l->tick);
     uv_timer_init(&l->loop, &l->farewell);
     l->tick.data = l->farewell.data = l;
@@ -177,7 +458,7 @@ static int run(struct live *l, const struct place *place) {
     uv_run(&l->loop, UV_RUN_DEFAULT);
     if (!l->ended && !l->begun) {
         l->status = EXIT_CUT;
-    } else if (!l->ended) { /* by a signal: what was said is heard to its end, unless there is a second one */
+    } else if (!l->ended) { /* by a signal: plays to the end, unless there is a second one */
         hang_up(l);
         uv_timer_start(&l->farewell, on_patience, FAREWELL_MS, 0);
         uv_run(&l->loop, UV_RUN_DEFAULT);
@@ -185,9 +466,9 @@ static int run(struct live *l, const struct place *place) {
     live_line_close(l->line);
     uv_close((uv_handle_t *)&l->tick, NULL);
     uv_close((uv_handle_t *)&l->farewell, NULL);
-    ending_run(&ending);
+    bridge_loop_run(&ending);
     live_line_free(l->line);
-    ending_close(&ending);
+    bridge_loop_close(&ending);
     return l->status;
 }
 
@@ -220,8 +501,8 @@ static int read_lookahead(struct live *l, const char *text) {
     return EXIT_USAGE;
 }
 
-/* -1: go on; otherwise the exit status. */
-static int read_option(struct live *l, struct place *place, int c) {
+/* -1: continue; otherwise the exit status. */
+static int read_option(struct live *l, struct daemon_address *place, int c) {
     static const char letters[MEMBERS + 1] = "le?pt";
     const char *letter = c < 128 && c != '?' ? strchr(letters, c) : NULL;
     if (letter) {
@@ -242,7 +523,7 @@ static int read_option(struct live *l, struct place *place, int c) {
     case 'A':
         return read_lookahead(l, optarg);
     case 'T':
-        return place_read_token(place, optarg) ? EXIT_FAILED : -1;
+        return daemon_address_read_token(place, optarg) ? EXIT_FAILED : -1;
     case 'h':
         return fputs(usage, stdout), EXIT_SAID;
     case 'V':
@@ -262,12 +543,12 @@ int main(int argc, char **argv) {
                                             {"version", 0, NULL, 'V'},    {0}};
     const char *room = getenv("FACCIA_ROOM");
     struct live l = {.room = room ? room : "home", .channels = 1, .lookahead = 80};
-    struct place place;
+    struct daemon_address place;
     int status = -1;
     program_begin();
     curl_global_init(CURL_GLOBAL_DEFAULT);
-    place_open(&place);
-    place_make_id(l.id, sizeof l.id);
+    daemon_address_open(&place);
+    daemon_address_make_id(l.id, sizeof l.id);
     for (int c; status < 0 && (c = getopt_long(argc, argv, "r:u:iqp:t:l:e:h", options, NULL)) != -1;)
         status = read_option(&l, &place, c);
     if (status < 0 && optind + 1 != argc)
@@ -277,7 +558,7 @@ int main(int argc, char **argv) {
         status = run(&l, &place);
     }
     live_sound_close(l.sound);
-    place_close(&place);
+    daemon_address_close(&place);
     curl_global_cleanup();
     return status;
 }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-lva: a face for Linux Voice Assistant, by its peripheral API
+/* faccia-lva: a face for Linux Voice Assistant, using its peripheral API
  * (github.com/OHF-Voice/linux-voice-assistant, docs/peripheral_api.md). */
 #include "server/base/log.h"
 #include "server/base/program.h"
-#include "server/doors/ending.h"
-#include "server/doors/place.h"
-#include "server/doors/sayer.h"
+#include "server/doors/bridge.h"
+#include "server/doors/speech_client.h"
 #include "server/http/websocket_client.h"
 #include <getopt.h>
 #include <stdio.h>
@@ -33,13 +32,13 @@ enum { STATES_MOST = 16, ASKING_MOST = 32 };
 
 struct assistant {
     struct remote *remote;
-    struct sayer *sayer;
+    struct speech_client *client;
     const char *room, *speak, *lang, *voice;
     double volume;
     bool muted_sound, muted, there;
-    char why[128];   /* it was not there last */
-    unsigned asking; /* requests that wait for the daemon: so many */
-    json_t *next;    /* the last state that has to wait for them; NULL: none */
+    char why[128];   /* last reported reason of a failure */
+    unsigned asking; /* number of requests in progress */
+    json_t *next;    /* latest state waiting for them; NULL: none */
 };
 
 static void show_next(struct assistant *a);
@@ -47,7 +46,7 @@ static void show_next(struct assistant *a);
 static void on_told(void *ctx, const struct remote_answer *answer) {
     struct assistant *a = ctx;
     a->asking--;
-    if (answer->status != 202 && answer->status != 404) /* nobody is in the room: nobody sees it */
+    if (answer->status != 202 && answer->status != 404) /* 404: the room is empty */
         log_warn("the room does not take it: %s", answer->why);
     show_next(a);
 }
@@ -63,7 +62,7 @@ static void show_next(struct assistant *a) {
     free(body);
 }
 
-/* Of states that come faster than the daemon takes them the last one counts. */
+/* Keeps only the latest of states that come faster than the daemon accepts them. */
 static void show(struct assistant *a, const char *state, const char *text) {
     json_decref(a->next);
     a->next = json_pack("{ss ss ss*}", "type", "state", "state", state, "text", text);
@@ -71,18 +70,18 @@ static void show(struct assistant *a, const char *state, const char *text) {
 }
 
 static void say(struct assistant *a, const char *text, const char *priority) {
-    const struct sayer_text said = {.type = "text/plain",
-                                    .voice = a->voice,
-                                    .lang = a->lang,
-                                    .priority = priority,
-                                    .other = a->lang,
-                                    .text = text};
+    const struct speech_text said = {.type = "text/plain",
+                                     .voice = a->voice,
+                                     .lang = a->lang,
+                                     .priority = priority,
+                                     .other = a->lang,
+                                     .text = text};
     if (a->asking >= ASKING_MOST) {
         log_warn("an answer is not said: too many wait for the daemon");
         return;
     }
     a->asking++;
-    remote_speak_anyway(sayer_say(a->sayer, &said, on_told, a), a->lang);
+    remote_speak_anyway(speech_client_say(a->client, &said, on_told, a), a->lang);
 }
 
 static bool speaks(const struct assistant *a) {
@@ -110,8 +109,8 @@ static void take_numbers(struct assistant *a, const char *event, const json_t *d
 
 static void act(struct assistant *a, const char *event, const json_t *data) {
     static const struct {
-        const char *event, *state; /* NULL: as at rest */
-        const char *text;          /* member that is shown; NULL: none */
+        const char *event, *state; /* NULL: idle */
+        const char *text;          /* member to show; NULL: none */
     } shown[] = {{"wake_word_detected", "listening", NULL},
                  {"listening", "listening", NULL},
                  {"stt_text", "thinking", "text"},
@@ -152,7 +151,7 @@ static void on_open(void *ctx) {
     *a->why = '\0';
 }
 
-/* It is tried again and again: told once for each reason. */
+/* Retries indefinitely, and logs each reason once. */
 static void on_lost(void *ctx, const char *why) {
     struct assistant *a = ctx;
     if (strcmp(a->why, why))
@@ -163,36 +162,36 @@ static void on_lost(void *ctx, const char *why) {
     a->there = false;
 }
 
-/* With a port: an assistant has none of its own among the well-known ones. */
+/* Requires a port, as the assistant has no well-known one. */
 static bool is_address(const char *url) {
     const char *host = strstr(url, "://");
     return (!strncmp(url, "ws://", 5) || !strncmp(url, "wss://", 6)) && strchr(host + 3, ':');
 }
 
-static int run(struct assistant *a, const struct place *place, const char *url) {
+static int run(struct assistant *a, const struct daemon_address *place, const char *url) {
     static const struct websocket_calls calls = {on_open, on_text, on_lost};
     uv_loop_t loop;
-    struct ending ending;
+    struct bridge_loop ending;
     struct websocket_client *client = NULL;
     uv_loop_init(&loop);
-    ending_open(&ending, &loop);
+    bridge_loop_open(&ending, &loop);
     a->remote = remote_new(&loop, place->url, place->token);
     if (a->remote && is_address(url))
         client = websocket_client_new(&loop, url, NULL, true, &calls, a);
     if (a->remote && !client)
         log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
     if (client)
-        a->sayer = sayer_new(a->remote, a->room);
+        a->client = speech_client_new(a->remote, a->room);
     if (client)
         uv_run(&loop, UV_RUN_DEFAULT);
     int status = client ? 0 : 2;
     websocket_client_close(client);
-    sayer_free(a->sayer);
+    speech_client_free(a->client);
     remote_free(a->remote);
     json_decref(a->next);
-    ending_run(&ending);
+    bridge_loop_run(&ending);
     websocket_client_free(client);
-    ending_close(&ending);
+    bridge_loop_close(&ending);
     return status;
 }
 
@@ -210,10 +209,10 @@ int main(int argc, char **argv) {
                                             {0}};
     const char *room = getenv("FACCIA_ROOM"), *url = "ws://127.0.0.1:6055";
     struct assistant a = {.room = room ? room : "home", .speak = "silent", .volume = 1};
-    struct place place;
+    struct daemon_address place;
     int status = -1;
     program_begin();
-    place_open(&place);
+    daemon_address_open(&place);
     for (int c; status < 0 && (c = getopt_long(argc, argv, "a:r:s:l:v:u:h", options, NULL)) != -1;) {
         if (c == 'a')
             url = optarg;
@@ -228,7 +227,7 @@ int main(int argc, char **argv) {
         else if (c == 'u')
             place.url = optarg;
         else if (c == TOKEN_FILE)
-            status = place_read_token(&place, optarg) ? 1 : -1;
+            status = daemon_address_read_token(&place, optarg) ? 1 : -1;
         else if (c == 'h')
             status = (fputs(usage, stdout), 0);
         else if (c == 'V')
@@ -243,6 +242,6 @@ int main(int argc, char **argv) {
     }
     if (status < 0)
         status = run(&a, &place, url);
-    place_close(&place);
+    daemon_address_close(&place);
     return status;
 }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-mqtt: rooms of a daemon on a broker. */
+/* faccia-mqtt: connects rooms of a daemon to an MQTT broker. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/doors/ending.h"
+#include "server/doors/bridge.h"
 #include "server/doors/mqtt/mqtt_bridge.h"
-#include "server/doors/place.h"
 #include <ctype.h>
 #include <getopt.h>
 #include <stdio.h>
@@ -32,10 +31,10 @@ static const char usage[] =
     "Exit status: 0 ended by a signal, 1 failed, 2 wrong usage.\n";
 
 struct bridge_options {
-    struct place place;
+    struct daemon_address place;
     struct mqtt_options broker;
     struct bridge bridge;
-    char *host; /* ours */
+    char *host; /* owned */
 };
 
 static bool is_room(const char *name) {
@@ -111,7 +110,7 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
         else if (c == 'u')
             o->place.url = optarg;
         else if (c == TOKEN_FILE)
-            status = place_read_token(&o->place, optarg) ? 1 : -1;
+            status = daemon_address_read_token(&o->place, optarg) ? 1 : -1;
         else if (c == 'h')
             status = (fputs(usage, stdout), 0);
         else if (c == 'V')
@@ -124,11 +123,11 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
 
 static int run(struct bridge_options *o) {
     uv_loop_t loop;
-    struct ending ending;
+    struct bridge_loop ending;
     char will[BRIDGE_TOPIC];
     struct bridge *b = &o->bridge;
     uv_loop_init(&loop);
-    ending_open(&ending, &loop);
+    bridge_loop_open(&ending, &loop);
     snprintf(will, sizeof will, "%s/bridge", b->base);
     o->broker.will = will;
     b->loop = &loop;
@@ -141,7 +140,7 @@ static int run(struct bridge_options *o) {
     remote_free(b->remote);
     commands_drop(b);
     mqtt_link_free(b->link);
-    ending_close(&ending);
+    bridge_loop_close(&ending);
     return b->link ? 0 : 1;
 }
 
@@ -150,7 +149,7 @@ int main(int argc, char **argv) {
         .broker = {.host = "127.0.0.1", .client = "faccia-mqtt", .password = getenv("FACCIA_MQTT_PASSWORD")},
         .bridge = {.base = "faccia", .discovery = "homeassistant", .device = "faccia"}};
     program_begin();
-    place_open(&o.place);
+    daemon_address_open(&o.place);
     int status = read_options(&o, argc, argv);
     if (status < 0) {
         if (!o.bridge.room_count)
@@ -162,7 +161,7 @@ int main(int argc, char **argv) {
         status = run(&o);
     }
     bridge_end(&o.bridge);
-    place_close(&o.place);
+    daemon_address_close(&o.place);
     free(o.host);
     return status;
 }

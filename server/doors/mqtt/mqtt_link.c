@@ -16,10 +16,10 @@ enum {
     QOS = 1
 };
 
-/* What the broker's thread has for the loop. */
+/* Event from the broker's thread to the loop. */
 struct arrived {
     struct arrived *next;
-    char *topic; /* NULL: the broker is there */
+    char *topic; /* NULL: connected */
     char *payload;
     size_t size;
     bool retained;
@@ -34,11 +34,11 @@ struct mqtt_link {
     uv_thread_t thread;
     bool runs;
     atomic_bool ending;
-    uv_mutex_t lock; /* of what follows */
+    uv_mutex_t lock; /* protects what follows */
     struct arrived *first, **last;
     unsigned count;
-    bool connected, told; /* told: that it does not let us in */
-    unsigned waiting;     /* published while there was no broker */
+    bool connected, told; /* told: a refusal was reported */
+    unsigned waiting;     /* messages published while disconnected */
 };
 
 static void push(struct mqtt_link *l, struct arrived *one) {
@@ -76,7 +76,7 @@ static void on_disconnect(struct mosquitto *m, void *ctx, int code) {
         log_warn("the broker %s: %s", was ? "has gone" : "does not let us in", mosquitto_strerror(code));
 }
 
-/* Why TLS does not come about, above all: the library tells it here alone, again with each try. */
+/* The library reports TLS failures only here, at every attempt. */
 static void on_log(struct mosquitto *m, void *ctx, int level, const char *text) {
     (void)m;
     (void)ctx;
@@ -145,7 +145,7 @@ static void free_link(uv_handle_t *handle) {
     free(l);
 }
 
-/* The library's own loop gives up for good when a broker breaks the protocol, or TLS does not come about. */
+/* The library's own loop gives up after protocol errors and failed TLS, so the thread retries. */
 static void in_thread(void *arg) {
     struct mqtt_link *l = arg;
     while (!atomic_load(&l->ending)) {
@@ -169,7 +169,7 @@ static int set_up(struct mqtt_link *l, const struct mqtt_options *o) {
     mosquitto_message_callback_set(m, on_message);
     mosquitto_log_callback_set(m, on_log);
     mosquitto_reconnect_delay_set(m, AGAIN_SECONDS, AGAIN_MOST_SECONDS, true);
-    if (!code) /* a broker that is not there yet is tried again */
+    if (!code) /* an unavailable broker is retried */
         mosquitto_connect_async(m, o->host, o->port, KEEPALIVE_SECONDS);
     mosquitto_threaded_set(m, true);
     l->runs = !code && !uv_thread_create(&l->thread, in_thread, l);

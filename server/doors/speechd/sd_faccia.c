@@ -1,13 +1,107 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sd_faccia: an output module of speech-dispatcher. What a screen reader reads is said by the face of a room,
- * whose lips can be read; where nobody looks at it, the sound alone goes to speech-dispatcher. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/doors/speechd/reader_module.h"
+#include "server/doors/speechd/speechd_module.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { WAV_HEAD = 44, PIECE = 4410 /* samples sent to the server at a time */ };
+
+static void tell_marks(struct reader_module *m, double until) {
+    for (; m->marks_told < m->mark_count && m->marks[m->marks_told].time <= until; m->marks_told++)
+        reader_mark(m->marks[m->marks_told].name);
+}
+
+/* Sends sound up to each mark in turn. */
+static void give_sound(struct reader_module *m, size_t least) {
+    size_t at = 0;
+    if (!m->rate && m->sound.size >= WAV_HEAD) {
+        const uint8_t *head = m->sound.data;
+        m->rate = head[24] | (unsigned)head[25] << 8 | (unsigned)head[26] << 16;
+        at = WAV_HEAD;
+        module_begin(m);
+    }
+    while (m->rate && m->sound.size - at >= 2 * least && m->sound.size - at >= 2) {
+        size_t count = (m->sound.size - at) / 2;
+        double now = (double)m->samples / m->rate;
+        tell_marks(m, now);
+        if (m->marks_told < m->mark_count) {
+            size_t until = (size_t)((m->marks[m->marks_told].time - now) * m->rate) + 1;
+            count = count < until ? count : until;
+        }
+        count = count < PIECE ? count : PIECE;
+        int16_t piece[PIECE];
+        memcpy(piece, m->sound.data + at, 2 * count);
+        reader_sound(piece, count, m->rate);
+        m->samples += count;
+        at += 2 * count;
+    }
+    buf_consume(&m->sound, at);
+}
+
+static void on_sound(void *ctx, const void *bytes, size_t size) {
+    struct reader_module *m = ctx;
+    buf_add(&m->sound, bytes, size);
+    give_sound(m, PIECE);
+}
+
+static void on_sound_end(void *ctx, const struct remote_answer *answer) {
+    struct reader_module *m = ctx;
+    m->fetch = NULL;
+    if (answer->status != 200) {
+        log_warn("it is not spoken: %s", answer->why);
+        module_finish(m, "703 STOP");
+        return;
+    }
+    give_sound(m, 1);
+    tell_marks(m, 1e9);
+    module_finish(m, "702 END");
+}
+
+static void module_speak_alone(struct reader_module *m);
+
+static void on_marks(void *ctx, const struct remote_answer *answer) {
+    struct reader_module *m = ctx;
+    struct remote_member members[READER_MEMBERS + 1] = {{0}};
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    json_t *one;
+    size_t i;
+    m->fetch = NULL;
+    if (code && !strcmp(code, "empty-text")) { /* for example a space */
+        module_finish(m, "702 END");
+        return;
+    }
+    if (module_give_up_markup(m, answer)) {
+        module_speak_alone(m);
+        return;
+    }
+    json_array_foreach(json_object_get(answer->body, "marks"), i, one) {
+        const char *name = json_string_value(json_object_get(one, "name"));
+        m->marks = mem_grow(m->marks, &m->mark_cap, m->mark_count + 1, sizeof *m->marks);
+        m->marks[m->mark_count++] =
+            (struct mark){mem_strdup(name ? name : ""), json_number_value(json_object_get(one, "time"))};
+    }
+    manner_members(&m->manner, members);
+    module_ask(m, "/v1/speech", members, on_sound, on_sound_end);
+}
+
+/* ---- nobody is watching: fetches the times of the marks, then the sound, which the cache has by then,
+ * and passes both to speech-dispatcher ---- */
+static void module_speak_alone(struct reader_module *m) {
+    struct remote_member members[READER_MEMBERS + 1] = {{0}};
+    manner_members(&m->manner, members);
+    size_t last = 0;
+    while (members[last].name)
+        last++;
+    members[last] = (struct remote_member){"format", "json"};
+    m->rate = 0;
+    module_ask(m, "/v1/speech", members, NULL, on_marks);
+}
+
+/* sd_faccia: an output module of speech-dispatcher. A room's face speaks what a screen reader reads, so
+ * that its lips can be read; if nobody is watching, only the sound goes to speech-dispatcher. */
 
 static void say_in_room(struct reader_module *m);
 
@@ -24,13 +118,13 @@ static void on_said(void *ctx, const struct remote_answer *answer) {
         return;
     }
     if (answer->status == 202 && !json_integer_value(json_object_get(answer->body, "listeners")) &&
-        !json_object_get(answer->body, "held")) { /* whoever looked on has just gone */
+        !json_object_get(answer->body, "held")) { /* the last viewer has just left */
         m->face = false;
         module_speak_alone(m);
         return;
     }
     if (answer->status == 202)
-        return; /* the room tells the rest */
+        return; /* the room's events tell the rest */
     log_warn("it is not spoken: %s", answer->why);
     module_finish(m, "703 STOP");
 }
@@ -69,7 +163,7 @@ static bool speak(void *ctx, enum reader_kind kind, const char *text) {
     m->text = manner_text(&m->manner, kind, text);
     m->begun = m->plain = m->face = false;
     m->samples = m->marks_told = 0;
-    place_make_id(m->id, sizeof m->id);
+    daemon_address_make_id(m->id, sizeof m->id);
     reader_say("200 OK SPEAKING");
     m->fetch = remote_fetch(m->remote, "/v1/rooms", NULL, NULL, NULL, NULL, on_rooms, m);
     return true;
@@ -91,7 +185,7 @@ static void stop(void *ctx) {
     cut(ctx, "703 STOP");
 }
 
-/* speech-dispatcher speaks what follows the last mark when it goes on. */
+/* After a pause, speech-dispatcher continues from the last mark. */
 static void halt(void *ctx) {
     cut(ctx, "704 PAUSE");
 }
@@ -140,9 +234,9 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         reader_mark(name);
     else if (!strcmp(type, "error") && !m->begun) {
         log_warn("the face does not speak it: %s", code ? code : type);
-        if (m->fetch) /* the room was quicker to tell than the answer to come */
+        if (m->fetch) /* the room's event came before the answer */
             remote_give_up(m->fetch);
-        *m->id = '\0'; /* its end in the room is not the message's */
+        *m->id = '\0'; /* the room's end is not the message's */
         m->face = false;
         module_speak_alone(m);
     } else if (!strcmp(type, "end"))
@@ -169,7 +263,7 @@ static void on_input(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
         reader_take(&m->protocol, buf->base, (size_t)count);
 }
 
-/* "FacciaRoom reader": lines of the module's configuration file. */
+/* "FacciaRoom reader": a line of the module's configuration file. */
 static int read_config(struct reader_module *m, const char *file) {
     char line[4096], name[64], value[4000];
     FILE *f = fopen(file, "r");
@@ -184,14 +278,14 @@ static int read_config(struct reader_module *m, const char *file) {
         else if (!strcmp(name, "FacciaRoom"))
             free(m->room), m->room = mem_strdup(value);
         else if (!strcmp(name, "FacciaTokenFile"))
-            failed = place_read_token(&m->place, value);
+            failed = daemon_address_read_token(&m->place, value);
     }
     if (f)
         fclose(f);
     return failed;
 }
 
-/* A file as standard input cannot be waited for. */
+/* A regular file as standard input cannot be polled. */
 static bool is_started_by_hand(void) {
     uv_handle_type input = uv_guess_handle(0);
     return input != UV_NAMED_PIPE && input != UV_TTY;
@@ -207,7 +301,7 @@ int main(int argc, char **argv) {
     }
     m.protocol = (struct reader_protocol){.calls = {speak, stop, halt, list_voices, set, quit}, .ctx = &m};
     m.room = mem_strdup("reader");
-    place_open(&m.place);
+    daemon_address_open(&m.place);
     int failed = argc > 1 && read_config(&m, argv[1]);
     uv_loop_init(&m.loop);
     m.remote = failed ? NULL : remote_new(&m.loop, m.place.url, m.place.token);
@@ -229,6 +323,6 @@ int main(int argc, char **argv) {
     free(m.marks);
     free(m.room);
     free(m.url);
-    place_close(&m.place);
+    daemon_address_close(&m.place);
     return m.remote ? 0 : 1;
 }

@@ -1,24 +1,86 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/recordings/library_voices.h"
-#include "server/base/open_below.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/library/library_files.h"
-#include "server/library/recordings/kept_file.h"
-#include "server/library/work_apart.h"
+#include "server/library/work.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+static int fail(const char *path, struct error *e) {
+    return error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", path, strerror(errno));
+}
+
+static int path_of(char path[PATH_MAX], const char *folder, const char *work, const char *ending,
+                   struct error *e) {
+    errno = ENAMETOOLONG;
+    return snprintf(path, PATH_MAX - 32, "%s/%s%s", folder, work, ending) < PATH_MAX - 32 ? 0
+                                                                                          : fail(folder, e);
+}
+
+static bool holds(const char *path, const void *data, size_t size) {
+    struct stat info;
+    if (stat(path, &info) || (size_t)info.st_size != size)
+        return false;
+    FILE *file = fopen(path, "rb");
+    char *now = mem_alloc(size + 1);
+    bool same = file && fread(now, 1, size, file) == size && (!size || !memcmp(now, data, size));
+    free(now);
+    if (file)
+        fclose(file);
+    return same;
+}
+
+/* Writes the file unless it already has that content. -1 with *e: "bad-index". */
+static int kept_set(const char *folder, const char *work, const char *ending, const void *data, size_t size,
+                    struct error *e) {
+    char path[PATH_MAX], part[PATH_MAX];
+    if (path_of(path, folder, work, ending, e))
+        return -1;
+    if (holds(path, data, size))
+        return 0;
+    snprintf(part, sizeof part, "%.*s.%ld.part", PATH_MAX - 32, path, (long)getpid());
+    FILE *file = fopen(part, "wb");
+    bool well = file && fwrite(data, 1, size, file) == size && !fflush(file) && !fsync(fileno(file));
+    if (file && fclose(file))
+        well = false;
+    if (well && !rename(part, path))
+        return 0;
+    fail(path, e);
+    unlink(part);
+    return -1;
+}
+
+int kept_set_json(const char *folder, const char *work, const char *ending, const json_t *value,
+                  struct error *e) {
+    char *text = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    int result = kept_set(folder, work, ending, text, strlen(text), e);
+    free(text);
+    return result;
+}
+
+json_t *kept_json(const char *folder, const char *work, const char *ending) {
+    char path[PATH_MAX];
+    struct error e;
+    return path_of(path, folder, work, ending, &e) ? NULL : json_load_file(path, 0, NULL);
+}
+
+int64_t kept_time(const struct stat *file) {
+    return (int64_t)file->st_mtim.tv_sec * 1000000000 + file->st_mtim.tv_nsec;
+}
+
 static const char *const times_endings[] = {".TextGrid", ".textgrid", ".lab", ".mlf", ".times", NULL};
 
-/* What is spoken of the sections, one after the other: what a passage says is a stretch of it. */
+/* The spoken text of all sections, and where each passage starts in it. */
 struct spoken {
     struct buf text;
     json_t *places;
@@ -45,7 +107,8 @@ static void on_problem(void *ctx, const struct error *e, bool serious) {
     (void)serious;
 }
 
-/* A link to that file, or none. Links that are right stay: somebody may be about to open them. */
+/* Makes the link point to `to`, or removes it if `to` is NULL. A correct link stays, as another process
+ * may be about to open it. */
 static int set_link(const char *folder, const char *work, const char *ending, const char *to,
                     struct error *e) {
     char path[PATH_MAX], now[PATH_MAX];
@@ -81,7 +144,7 @@ bool library_voice_has_times(const char *folder, const char *work) {
     return false;
 }
 
-/* Was the text made of the file as it is now? */
+/* True when the text was made from the current file. */
 static bool is_current(const char *folder, const char *work, const char *lang, const struct stat *file) {
     json_t *places = kept_json(folder, work, ".places");
     const char *made_for = json_string_value(json_object_get(places, "lang"));
@@ -102,7 +165,7 @@ static int describe(const char *folder, const char *work, const struct work_meta
     return result;
 }
 
-/* The places come last: they say that the text is there. */
+/* Writes the places last: they prove that the text is complete. */
 static int write_text(const char *library, const char *file, const char *work, const char *folder,
                       const char *lang, const struct stat *info, const struct reader *reader,
                       const atomic_bool *stop, struct error *e) {
@@ -164,7 +227,7 @@ int library_voices_prepare(const char *library, const char *folder, const char *
                            const struct reader *reader, struct error *e) {
     struct library_files files = {0};
     int count = 0, result = library_files_list(&files, library, e);
-    json_t *names = json_object(); /* of two files of one name the first one has the recording */
+    json_t *names = json_object(); /* only the first of several files with the same name owns the recording */
     if (!result && mkdir(folder, 0700) && errno != EEXIST)
         result = error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", folder, strerror(errno));
     if (!result)

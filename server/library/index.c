@@ -1,0 +1,571 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include "server/library/library_internal.h"
+#include <jansson.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SCHEMA "4"
+#define APPLICATION "1717985378" /* "fabl" */
+
+static const char schema[] =
+    "PRAGMA application_id=" APPLICATION ";"
+    "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA cache_size=-32768;"
+    "CREATE TABLE IF NOT EXISTS file (path TEXT PRIMARY KEY, size INTEGER, modified INTEGER, hash TEXT, work "
+    "TEXT) "
+    "WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS work (name TEXT PRIMARY KEY, path TEXT, hash TEXT, title TEXT, author TEXT, "
+    "lang TEXT, "
+    "date TEXT, publisher TEXT, licence TEXT, source TEXT, format TEXT, sections INTEGER, passages INTEGER, "
+    "characters INTEGER, first INTEGER, last INTEGER, recording INTEGER) WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS section (work TEXT, number INTEGER, title TEXT, level INTEGER, passages "
+    "INTEGER, "
+    "characters INTEGER, first INTEGER, last INTEGER, PRIMARY KEY (work, number)) WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS passage (id INTEGER PRIMARY KEY, work TEXT, section INTEGER, name TEXT, kind "
+    "INTEGER, "
+    "part INTEGER, start INTEGER, first_line INTEGER, line_count INTEGER, lang TEXT, shape TEXT, text TEXT, "
+    "source TEXT, "
+    "markup TEXT, runs TEXT);"
+    "CREATE INDEX IF NOT EXISTS passage_name ON passage (work, section, name);"
+    "CREATE INDEX IF NOT EXISTS passage_line ON passage (work, section, first_line) WHERE line_count > 0;"
+    "CREATE TABLE IF NOT EXISTS problem (path TEXT, code TEXT, line INTEGER, col INTEGER, message TEXT, "
+    "serious "
+    "INTEGER);"
+    "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
+    "CREATE VIRTUAL TABLE IF NOT EXISTS found USING fts5 (word, stem, content='', "
+    "tokenize='unicode61 remove_diacritics 2');"
+    "INSERT INTO found (found, rank) VALUES ('hashsize', 33554432);"
+    "PRAGMA user_version=" SCHEMA ";";
+
+static int64_t number_of(sqlite3 *sql, const char *query) {
+    sqlite3_stmt *s = NULL;
+    int64_t number = -1;
+    if (sqlite3_prepare_v2(sql, query, -1, &s, NULL) == SQLITE_OK && sqlite3_step(s) == SQLITE_ROW)
+        number = sqlite3_column_int64(s, 0);
+    sqlite3_finalize(s);
+    return number;
+}
+
+bool index_is_damaged(sqlite3 *sql) {
+    int code = sqlite3_errcode(sql) & 0xff;
+    return code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
+}
+
+void index_discard(const char *file) {
+    static const char *const ends[] = {"", "-wal", "-shm"};
+    char path[4096];
+    log_warn("the index %s is damaged or of another version; it is begun anew", file);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        snprintf(path, sizeof path, "%s%s", file, ends[i]);
+        unlink(path);
+    }
+}
+
+static int fail(struct index_writer *w, struct error *e) {
+    sqlite3 *sql = w->sql;
+    w->damaged = w->damaged || index_is_damaged(sql);
+    return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(sql));
+}
+
+static int try_open(struct index_writer *w, const char *file) {
+    if (sqlite3_open(file, &w->sql) != SQLITE_OK)
+        return -1;
+    sqlite3_busy_timeout(w->sql, 5000);
+    int64_t version = number_of(w->sql, "PRAGMA user_version");
+    int64_t application = number_of(w->sql, "PRAGMA application_id");
+    if (version < 0 || application < 0)
+        return -1;
+    if (application && application != 1717985378)
+        return 1; /* another program's database */
+    if ((version && version != atoi(SCHEMA)) || sqlite3_exec(w->sql, schema, NULL, NULL, NULL) != SQLITE_OK)
+        return -1;
+    w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
+    return w->next > 0 ? 0 : -1;
+}
+
+int index_open(struct index_writer *w, const char *file, struct error *e) {
+    *w = (struct index_writer){0};
+    int result = try_open(w, file);
+    if (result < 0 && w->sql && !access(file, R_OK | W_OK)) {
+        sqlite3_close(w->sql);
+        index_discard(file);
+        result = try_open(w, file);
+    }
+    if (result > 0)
+        error_set(e, ERROR_BAD_INDEX, "%.200s is another program's", file);
+    else if (result)
+        error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", file, sqlite3_errmsg(w->sql));
+    if (result) {
+        sqlite3_close(w->sql);
+        w->sql = NULL;
+        return -1;
+    }
+    w->stems = stems_open();
+    return 0;
+}
+
+void index_close(struct index_writer *w) {
+    index_roll_back(w);
+    for (size_t i = 0; i < sizeof w->statements / sizeof *w->statements; i++)
+        sqlite3_finalize(w->statements[i]);
+    sqlite3_close(w->sql);
+    stems_close(w->stems);
+    *w = (struct index_writer){0};
+}
+
+/* The file is not memory-mapped: truncation or a disk error would kill the daemon with SIGBUS. */
+sqlite3 *index_open_reader(const char *file) {
+    sqlite3 *sql = NULL;
+    if (sqlite3_open_v2(file, &sql, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, NULL) != SQLITE_OK ||
+        sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA cache_size=-16384;", NULL, NULL, NULL) != SQLITE_OK ||
+        search_rank_add(sql)) {
+        sqlite3_close(sql);
+        return NULL;
+    }
+    sqlite3_busy_timeout(sql, 1000);
+    return sql;
+}
+
+/* Returns a statement that is prepared once, with its parameters cleared. */
+static sqlite3_stmt *index_statement(struct index_writer *w, unsigned number, const char *sql) {
+    sqlite3_stmt **s = &w->statements[number];
+    if (!*s && sqlite3_prepare_v3(w->sql, sql, -1, SQLITE_PREPARE_PERSISTENT, s, NULL) != SQLITE_OK)
+        log_warn("the index: %s", sqlite3_errmsg(w->sql));
+    sqlite3_clear_bindings(*s);
+    return *s;
+}
+
+int index_step(struct index_writer *w, sqlite3_stmt *statement, struct error *e) {
+    int result = statement ? sqlite3_step(statement) : SQLITE_ERROR;
+    if (result != SQLITE_ROW && result != SQLITE_DONE) {
+        fail(w, e);
+        sqlite3_reset(statement);
+        return -1;
+    }
+    if (result == SQLITE_DONE)
+        sqlite3_reset(statement);
+    return result == SQLITE_ROW;
+}
+
+int index_begin(struct index_writer *w, struct error *e) {
+    if (!w->open && sqlite3_exec(w->sql, "BEGIN", NULL, NULL, NULL) != SQLITE_OK)
+        return fail(w, e);
+    w->open = true;
+    return 0;
+}
+
+int index_commit(struct index_writer *w, struct error *e) {
+    if (!w->open)
+        return 0;
+    w->characters = 0;
+    if (sqlite3_exec(w->sql, "COMMIT", NULL, NULL, NULL) != SQLITE_OK) {
+        fail(w, e);
+        index_roll_back(w);
+        return -1;
+    }
+    w->open = false;
+    return 0;
+}
+
+void index_roll_back(struct index_writer *w) {
+    if (!w->open)
+        return;
+    sqlite3_exec(w->sql, "ROLLBACK", NULL, NULL, NULL);
+    w->open = false;
+    w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
+}
+
+static void add_stem(struct buf *stemmed, const char *stem) {
+    buf_add(stemmed, " ", stemmed->size ? 1 : 0);
+    buf_add(stemmed, STEM_SIGN, strlen(STEM_SIGN));
+    buf_add(stemmed, stem, strlen(stem));
+}
+
+/* Fills the two columns of `found` for a text. A word without a stem enters the stem column itself, since
+ * a search for a word's forms reads that column only. */
+static void index_columns(struct stems *stems, const char *lang, const char *text, size_t size,
+                          struct buf *words, struct buf *stemmed) {
+    struct word word;
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    bool turkish = !strncmp(lang, "tr", 2) && (!lang[2] || lang[2] == '-');
+    for (size_t at = 0; words_next(text, size, turkish, &at, &word);) {
+        if (!word.folded[0])
+            continue;
+        buf_add(words, " ", words->size ? 1 : 0);
+        buf_add(words, word.folded, strlen(word.folded));
+        size_t count = stems_forms(stems, lang, &word, forms);
+        for (size_t i = 0; i < count; i++)
+            add_stem(stemmed, forms[i]);
+        if (!count)
+            add_stem(stemmed, word.folded);
+    }
+}
+
+static const char *const kinds[] = {
+    [BLOCK_HEAD] = "head", [BLOCK_PARAGRAPH] = "paragraph", [BLOCK_VERSE] = "verse",
+    [BLOCK_NOTE] = "note", [BLOCK_SPEAKER] = "speaker",     [BLOCK_STAGE] = "stage",
+    [BLOCK_PAGE] = "page"};
+static const char *const marks[] = {
+    [MARK_EMPHASIS] = "emphasis", [MARK_FOREIGN] = "foreign", [MARK_NAME] = "name",
+    [MARK_NOTE] = "note",         [MARK_PAGE] = "page",       [MARK_STAGE] = "stage"};
+static const char *const values[] = {
+    [MARK_EMPHASIS] = "value", [MARK_FOREIGN] = "lang", [MARK_NAME] = "value",
+    [MARK_NOTE] = "note",      [MARK_PAGE] = "n",       [MARK_STAGE] = "value"};
+
+/* A byte offset in a block's text and its UTF-16 offset. */
+struct place {
+    size_t byte, unit;
+};
+
+static int compare_places(const void *left, const void *right) {
+    const struct place *a = left, *b = right;
+    return a->byte < b->byte ? -1 : a->byte > b->byte;
+}
+
+/* Returns both ends of each mark, sorted by byte: nested marks are in no order that a single pass could
+ * follow. Free it. */
+static struct place *find_places(const struct block *b, size_t *count) {
+    struct place *places = mem_alloc(2 * b->mark_count * sizeof *places);
+    struct utf16_counter counter = {0};
+    for (size_t i = 0; i < b->mark_count; i++) {
+        places[2 * i].byte = b->marks[i].start;
+        places[2 * i + 1].byte = b->marks[i].end;
+    }
+    *count = 2 * b->mark_count;
+    qsort(places, *count, sizeof *places, compare_places);
+    for (size_t i = 0; i < *count && places[i].byte <= b->text.size; i++)
+        places[i].unit = utf16_offset(&counter, (const char *)b->text.data, places[i].byte);
+    return places;
+}
+
+static json_int_t unit_of(const struct place *places, size_t count, size_t byte) {
+    const struct place sought = {.byte = byte};
+    const struct place *found = bsearch(&sought, places, count, sizeof *places, compare_places);
+    return (json_int_t)found->unit;
+}
+
+static void add_marks(json_t *shape, const struct block *b) {
+    json_t *list = json_array();
+    size_t count;
+    struct place *places = find_places(b, &count);
+    for (size_t i = 0; i < b->mark_count; i++) {
+        const struct block_mark *m = &b->marks[i];
+        if (m->start > b->text.size || m->end > b->text.size)
+            continue;
+        json_array_append_new(list, json_pack("{ss sI sI ss*}", "kind", marks[m->kind], "start",
+                                              unit_of(places, count, m->start), "end",
+                                              unit_of(places, count, m->end), values[m->kind], m->value));
+    }
+    free(places);
+    json_object_set_new(shape, "marks", list);
+}
+
+static void add_lines(json_t *shape, const struct block *b) {
+    json_t *list = json_array();
+    struct utf16_counter at = {0};
+    const char *text = b->text.size ? (const char *)b->text.data : "";
+    for (size_t i = 0; i < b->line_count; i++) {
+        const struct block_line *l = &b->lines[i];
+        char counted[16];
+        snprintf(counted, sizeof counted, "%zu", b->first_line + i);
+        json_t *line = json_pack("{ss sI}", "n", l->n ? l->n : counted, "start",
+                                 (json_int_t)utf16_offset(&at, text, l->start));
+        json_object_set_new(line, "end", json_integer((json_int_t)utf16_offset(&at, text, l->end)));
+        if (l->indent)
+            json_object_set_new(line, "indent", json_true());
+        json_array_append_new(list, line);
+    }
+    json_object_set_new(shape, "lines", list);
+}
+
+char *index_shape(const struct block *b) {
+    json_t *shape = json_pack("{ss ss* ss* ss* ss*}", "kind", kinds[b->kind], "lang", b->lang, "speaker",
+                              b->speaker, "n", b->n, "markup", b->markup);
+    if (b->kind == BLOCK_HEAD)
+        json_object_set_new(shape, "level", json_integer(b->level));
+    if (b->item)
+        json_object_set_new(shape, "item", json_true());
+    if (b->mark_count)
+        add_marks(shape, b);
+    if (b->kind == BLOCK_VERSE)
+        add_lines(shape, b);
+    char *text = json_dumps(shape, JSON_COMPACT);
+    json_decref(shape);
+    return text;
+}
+
+/* Indexes of prepared statements, see index_statement. */
+enum {
+    GET_FILE,
+    SET_FILE,
+    DROP_FILE,
+    GET_WORK,
+    GET_ROWS,
+    DROP_FOUND,
+    DROP_ROWS,
+    DROP_SECTIONS,
+    DROP_WORK,
+    DROP_PROBLEMS,
+    ADD_ROW,
+    ADD_FOUND,
+    ADD_SECTION,
+    ADD_WORK,
+    ADD_PROBLEM,
+};
+
+static void bind_text(sqlite3_stmt *s, int at, const char *text) {
+    sqlite3_bind_text(s, at, text, -1, SQLITE_TRANSIENT);
+}
+
+const char *index_text(sqlite3_stmt *s, int column) {
+    const char *text = (const char *)sqlite3_column_text(s, column);
+    return text ? text : "";
+}
+
+bool index_file_get(struct index_writer *w, const char *path, struct index_file *out) {
+    struct error e;
+    sqlite3_stmt *s =
+        index_statement(w, GET_FILE, "SELECT size, modified, hash, work FROM file WHERE path = ?");
+    *out = (struct index_file){0};
+    bind_text(s, 1, path);
+    bool found = index_step(w, s, &e) == 1;
+    if (found) {
+        out->size = sqlite3_column_int64(s, 0);
+        out->modified = sqlite3_column_int64(s, 1);
+        snprintf(out->hash, sizeof out->hash, "%s", index_text(s, 2));
+        snprintf(out->work, sizeof out->work, "%s", index_text(s, 3));
+        sqlite3_reset(s);
+    }
+    return found;
+}
+
+int index_file_set(struct index_writer *w, const char *path, const struct index_file *file, struct error *e) {
+    sqlite3_stmt *s = index_statement(w, SET_FILE, "INSERT OR REPLACE INTO file VALUES (?, ?, ?, ?, ?)");
+    bind_text(s, 1, path);
+    sqlite3_bind_int64(s, 2, file->size);
+    sqlite3_bind_int64(s, 3, file->modified);
+    bind_text(s, 4, file->hash);
+    bind_text(s, 5, file->work);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+/* A contentless FTS5 table needs the original words to delete a row. */
+static int remove_rows(struct index_writer *w, int64_t first, int64_t last, struct error *e) {
+    sqlite3_stmt *rows = index_statement(
+        w, GET_ROWS, "SELECT id, lang, text FROM passage WHERE id BETWEEN ? AND ? AND name <> ''");
+    int result;
+    sqlite3_bind_int64(rows, 1, first);
+    sqlite3_bind_int64(rows, 2, last);
+    while ((result = index_step(w, rows, e)) == 1) {
+        struct buf words = {0}, stems = {0};
+        sqlite3_stmt *drop = index_statement(
+            w, DROP_FOUND, "INSERT INTO found (found, rowid, word, stem) VALUES ('delete', ?, ?, ?)");
+        index_columns(w->stems, index_text(rows, 1), index_text(rows, 2),
+                      (size_t)sqlite3_column_bytes(rows, 2), &words, &stems);
+        sqlite3_bind_int64(drop, 1, sqlite3_column_int64(rows, 0));
+        sqlite3_bind_text(drop, 2, words.size ? (char *)words.data : "", (int)words.size, SQLITE_TRANSIENT);
+        sqlite3_bind_text(drop, 3, stems.size ? (char *)stems.data : "", (int)stems.size, SQLITE_TRANSIENT);
+        result = index_step(w, drop, e);
+        buf_free(&words);
+        buf_free(&stems);
+        if (result < 0) {
+            sqlite3_reset(rows);
+            return -1;
+        }
+    }
+    if (result < 0)
+        return -1;
+    sqlite3_stmt *drop = index_statement(w, DROP_ROWS, "DELETE FROM passage WHERE id BETWEEN ? AND ?");
+    sqlite3_bind_int64(drop, 1, first);
+    sqlite3_bind_int64(drop, 2, last);
+    return index_step(w, drop, e) < 0 ? -1 : 0;
+}
+
+static int drop(struct index_writer *w, unsigned number, const char *sql, const char *key, struct error *e) {
+    sqlite3_stmt *s = index_statement(w, number, sql);
+    bind_text(s, 1, key);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+int index_remove(struct index_writer *w, const char *path, struct error *e) {
+    struct index_file file;
+    int64_t first = 1, last = 0;
+    if (index_begin(w, e))
+        return -1;
+    if (index_file_get(w, path, &file) && *file.work) {
+        sqlite3_stmt *s = index_statement(w, GET_WORK, "SELECT first, last FROM work WHERE name = ?");
+        bind_text(s, 1, file.work);
+        if (index_step(w, s, e) == 1) {
+            first = sqlite3_column_int64(s, 0);
+            last = sqlite3_column_int64(s, 1);
+            sqlite3_reset(s);
+        }
+        if (remove_rows(w, first, last, e) ||
+            drop(w, DROP_SECTIONS, "DELETE FROM section WHERE work = ?", file.work, e) ||
+            drop(w, DROP_WORK, "DELETE FROM work WHERE name = ?", file.work, e))
+            return -1;
+    }
+    return drop(w, DROP_PROBLEMS, "DELETE FROM problem WHERE path = ?", path, e) ||
+                   drop(w, DROP_FILE, "DELETE FROM file WHERE path = ?", path, e)
+               ? -1
+               : 0;
+}
+
+struct part {
+    size_t from, to, first_line, lines;
+};
+
+/* Returns the part of a block's text that starts at `from`. */
+static struct part next_part(const struct block *b, size_t from, size_t line) {
+    struct part part = {from, b->text.size, 0, 0};
+    if (b->kind == BLOCK_VERSE) {
+        size_t end = line + PART_LINES < b->line_count ? line + PART_LINES : b->line_count;
+        part.first_line = b->first_line + line;
+        part.lines = end - line;
+        part.to = end == b->line_count ? b->text.size : b->lines[end - 1].end;
+    } else if (b->text.size - from > PART_BYTES) {
+        part.to = from + PART_BYTES;
+        while (part.to > from + PART_BYTES / 2 && b->text.data[part.to - 1] != ' ')
+            part.to--;
+        while (part.to < b->text.size && (b->text.data[part.to] & 0xC0) == 0x80)
+            part.to++;
+    }
+    return part;
+}
+
+/* Lists the stretches that are in another language or not spoken: "START-END:LANG ", in UTF-16 units of
+ * the part; a stage direction has an empty language. */
+static void runs_of(const struct block *b, const struct part *part, struct buf *out) {
+    const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
+    struct utf16_counter counter = {0};
+    for (size_t i = 0; i < b->mark_count && b->marks[i].start < part->to; i++) {
+        const struct block_mark *m = &b->marks[i];
+        size_t start = m->start > part->from ? m->start : part->from,
+               end = m->end < part->to ? m->end : part->to;
+        bool foreign = m->kind == MARK_FOREIGN && m->value;
+        if (start >= end || (!foreign && m->kind != MARK_STAGE))
+            continue;
+        size_t from = utf16_offset(&counter, text, start - part->from);
+        buf_printf(out, "%zu-%zu:%s ", from, utf16_offset(&counter, text, end - part->from),
+                   foreign ? m->value : "");
+    }
+}
+
+static int add_row(struct index_writer *w, const char *work, unsigned section, const char *lang,
+                   const struct block *b, const struct part *part, unsigned number, size_t start, char *shape,
+                   struct error *e) {
+    const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
+    size_t size = part->to - part->from;
+    struct buf runs = {0};
+    runs_of(b, part, &runs);
+    sqlite3_stmt *s = index_statement(
+        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    sqlite3_bind_int64(s, 1, w->next);
+    sqlite3_bind_text(s, 2, work, -1, SQLITE_STATIC);
+    sqlite3_bind_int(s, 3, (int)section);
+    sqlite3_bind_text(s, 4, b->name, -1, SQLITE_STATIC);
+    sqlite3_bind_int(s, 5, (int)b->kind);
+    sqlite3_bind_int(s, 6, (int)number);
+    sqlite3_bind_int64(s, 7, (int64_t)start);
+    sqlite3_bind_int64(s, 8, (int64_t)part->first_line);
+    sqlite3_bind_int64(s, 9, (int64_t)part->lines);
+    sqlite3_bind_text(s, 10, b->lang ? b->lang : lang, -1, SQLITE_STATIC);
+    sqlite3_bind_text(s, 11, shape, -1, SQLITE_STATIC);
+    sqlite3_bind_text(s, 12, text, (int)size, SQLITE_STATIC);
+    sqlite3_bind_text(s, 13, number ? NULL : b->source, -1, SQLITE_STATIC);
+    sqlite3_bind_text(s, 14, b->markup, -1, SQLITE_STATIC);
+    if (runs.size)
+        sqlite3_bind_text(s, 15, (char *)runs.data, (int)runs.size, SQLITE_STATIC);
+    int result = index_step(w, s, e);
+    sqlite3_clear_bindings(s);
+    buf_free(&runs);
+    if (result >= 0 && *b->name) {
+        struct buf words = {0}, stems = {0};
+        sqlite3_stmt *found =
+            index_statement(w, ADD_FOUND, "INSERT INTO found (rowid, word, stem) VALUES (?, ?, ?)");
+        index_columns(w->stems, b->lang ? b->lang : lang, text, size, &words, &stems);
+        sqlite3_bind_int64(found, 1, w->next);
+        sqlite3_bind_text(found, 2, words.size ? (char *)words.data : "", (int)words.size, SQLITE_STATIC);
+        sqlite3_bind_text(found, 3, stems.size ? (char *)stems.data : "", (int)stems.size, SQLITE_STATIC);
+        result = index_step(w, found, e);
+        sqlite3_clear_bindings(found);
+        buf_free(&words);
+        buf_free(&stems);
+    }
+    w->next++;
+    return result < 0 ? -1 : 0;
+}
+
+static int add_block(struct index_writer *w, const char *work, unsigned section, const char *lang,
+                     const struct block *b, struct error *e) {
+    struct utf16_counter counter = {0};
+    unsigned number = 0;
+    size_t from = 0, line = 0;
+    do {
+        struct part part = next_part(b, from, line);
+        char *shape = number ? NULL : index_shape(b);
+        size_t start = b->text.size ? utf16_offset(&counter, (char *)b->text.data, part.from) : 0;
+        int result = add_row(w, work, section, lang, b, &part, number, start, shape, e);
+        free(shape);
+        if (result)
+            return -1;
+        number++;
+        line += part.lines;
+        from = part.to + (b->kind == BLOCK_VERSE && part.to < b->text.size ? 1 : 0);
+    } while (from < b->text.size);
+    w->characters += b->text.size;
+    return 0;
+}
+
+int index_add_section(struct index_writer *w, const char *work, const char *lang,
+                      const struct section *section, struct error *e) {
+    int64_t first = w->next;
+    for (size_t i = 0; i < section->count; i++)
+        if (add_block(w, work, section->number, lang, &section->blocks[i], e))
+            return -1;
+    sqlite3_stmt *s = index_statement(w, ADD_SECTION, "INSERT INTO section VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+    bind_text(s, 1, work);
+    sqlite3_bind_int(s, 2, (int)section->number);
+    bind_text(s, 3, section->title);
+    sqlite3_bind_int(s, 4, (int)section->level);
+    sqlite3_bind_int(s, 5, (int)section->passages);
+    sqlite3_bind_int64(s, 6, (int64_t)section->characters);
+    sqlite3_bind_int64(s, 7, first);
+    sqlite3_bind_int64(s, 8, w->next - 1);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+int index_add_work(struct index_writer *w, const char *name, const char *path, const char *hash,
+                   const struct work_meta *m, int64_t first, bool recording, struct error *e) {
+    sqlite3_stmt *s =
+        index_statement(w, ADD_WORK,
+                        "INSERT INTO work SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, count(*), "
+                        "coalesce(sum(passages), 0), "
+                        "coalesce(sum(characters), 0), ?12, ?13, ?14 FROM section WHERE work = ?1");
+    const char *const texts[] = {name,    path,         hash,       m->title,  m->author, m->lang,
+                                 m->date, m->publisher, m->licence, m->source, m->format};
+    for (int i = 0; i < 11; i++)
+        bind_text(s, i + 1, texts[i]);
+    sqlite3_bind_int64(s, 12, first);
+    sqlite3_bind_int64(s, 13, w->next - 1);
+    sqlite3_bind_int(s, 14, recording);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+int index_add_problem(struct index_writer *w, const char *path, const struct error *problem, bool serious,
+                      struct error *e) {
+    sqlite3_stmt *s = index_statement(w, ADD_PROBLEM, "INSERT INTO problem VALUES (?, ?, ?, ?, ?, ?)");
+    bool place = problem->place == PLACE_LINE;
+    bind_text(s, 1, path);
+    bind_text(s, 2, error_name(problem->code));
+    sqlite3_bind_int64(s, 3, place ? (int64_t)problem->line : 0);
+    sqlite3_bind_int64(s, 4, place ? (int64_t)problem->column : 0);
+    bind_text(s, 5, problem->message);
+    sqlite3_bind_int(s, 6, serious);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
