@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/components.h"
 #include "server/expression/gestures.h"
+#include "server/face/high_level.h"
 #include "server/hear/lip_network.h"
 #include <stdio.h>
 #include <unistd.h>

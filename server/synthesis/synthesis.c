@@ -7,11 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tells whether the whole text has been parsed. */
-static bool synthesis_is_read(const struct synthesis *s) {
-    return s->score;
-}
-
 bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *sentence) {
     for (size_t i = 0; i < synthesis_sentences(s); i++) {
         const struct score_sentence *in = &s->score->sentences[i];

@@ -113,8 +113,8 @@ export function mouthActions(actions, ctx, grid, tuning) {
   push(17, isUpper, tuning.pushEvert);
   const middle = (v) => (grid.inner[v] + grid.outer[v]) * plateau(Math.abs(grid.s[v]), 0.4, tuning.pushWidth);
   for (const [fap, mine, hang] of [
-    [16, isLower, contact.hangLower - high * HIGH_TEETH.hangLower],
-    [17, isUpper, contact.hang - high * HIGH_TEETH.hang],
+    [16, isLower, rounding.hangLower - high * HIGH_TEETH.hangLower],
+    [17, isUpper, rounding.hang - high * HIGH_TEETH.hang],
   ])
     actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * hang, [0, -1, 0]));
   actions.plainMove(16, 'negative', (v) => isLower(v) && along(middle(v) * high * HIGH_TEETH.rise, [0, -1, 0]));
