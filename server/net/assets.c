@@ -11,7 +11,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { ASSET_BYTES_MAX = 64 << 20 };
+enum { ASSET_BYTES_MAX = 64 << 20, WEB_DEPTH_MAX = 4 };
 
 static const char *type_of(const char *path) {
     static const char *const types[][2] = {
@@ -103,18 +103,33 @@ static struct asset *add(struct assets *assets, const char *path, const char *ty
     return a;
 }
 
-static void load_web(struct assets *assets, const char *folder) {
+/* Adds the files of a folder and of those in it, under the address of that folder ("" for the first). An
+ * index.html is served at the folder's address with a slash at its end. */
+static void load_web(struct assets *assets, const char *folder, const char *address, int depth) {
     char pattern[4096];
     glob_t found;
-    snprintf(pattern, sizeof pattern, "%s/*.*", folder);
-    if (glob(pattern, 0, NULL, &found))
+    snprintf(pattern, sizeof pattern, "%s/*", folder);
+    if (glob(pattern, GLOB_MARK, NULL, &found))
         return;
     for (size_t i = 0; i < found.gl_pathc; i++) {
-        const char *file = found.gl_pathv[i], *name = strrchr(file, '/'), *type = type_of(name);
+        char *file = found.gl_pathv[i], path[256];
+        size_t length = strlen(file);
+        bool is_folder = file[length - 1] == '/';
+        if (is_folder)
+            file[length - 1] = '\0';
+        const char *name = strrchr(file, '/'), *type = type_of(name);
+        bool index = !strcmp(name, "/index.html");
+        if ((size_t)snprintf(path, sizeof path, "%s%s", address, index ? "/" : name) >= sizeof path)
+            continue;
+        if (is_folder) {
+            if (depth < WEB_DEPTH_MAX)
+                load_web(assets, file, path, depth + 1);
+            continue;
+        }
         size_t size;
         uint8_t *data = type ? read_file(file, &size) : NULL;
         if (data)
-            add(assets, strcmp(name, "/index.html") ? name : "/", type, file, data, size);
+            add(assets, path, type, file, data, size);
     }
     globfree(&found);
 }
@@ -184,7 +199,7 @@ int assets_load(struct assets *assets, const char *web, const char *models, stru
     int failed = 0;
     *assets = (struct assets){0};
     add_documents(assets);
-    load_web(assets, web);
+    load_web(assets, web, "", 0);
     snprintf(pattern, sizeof pattern, "%s/heads/*.json", models);
     if (!glob(pattern, 0, NULL, &found)) {
         for (size_t i = 0; i < found.gl_pathc && !failed; i++)
@@ -221,6 +236,14 @@ const struct asset *assets_find(const struct assets *assets, const char *path) {
         if (!strcmp(assets->files[i]->path, path))
             return assets->files[i];
     return NULL;
+}
+
+bool assets_find_folder(const struct assets *assets, const char *path) {
+    size_t length = strlen(path);
+    for (size_t i = 0; i < assets->count; i++)
+        if (!strncmp(assets->files[i]->path, path, length) && !strcmp(assets->files[i]->path + length, "/"))
+            return true;
+    return false;
 }
 
 const struct model *assets_model(const struct assets *assets, const char *name) {

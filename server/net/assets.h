@@ -6,6 +6,7 @@
 
 #include "server/base/error.h"
 #include "server/net/models.h"
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -26,13 +27,15 @@ struct assets {
     size_t model_count, model_cap;
 };
 
-/* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz
- * beside a file is taken as its compressed form, a NAME.webp beside a head as its poster,
- * models/pictures/NAME.json as its pictures. -1 with *e when a head cannot be read. */
+/* Loads the web folder with its subfolders (it may be missing: then there is no page) and
+ * models/heads/NAME.json. A FILE.gz beside a file is taken as its compressed form, a NAME.webp beside a head
+ * as its poster, models/pictures/NAME.json as its pictures. -1 with *e when a head cannot be read. */
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e);
 void assets_free(struct assets *assets);
 
 const struct asset *assets_find(const struct assets *assets, const char *path);
+/* Whether the path, which does not end in a slash, is that of a folder with an index.html: "/docs". */
+bool assets_find_folder(const struct assets *assets, const char *path);
 const struct model *assets_model(const struct assets *assets, const char *name);
 
 #endif

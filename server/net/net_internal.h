@@ -148,6 +148,9 @@ int exchange_allow(struct exchange *x, unsigned status,
 /* 308: the same address under that scheme. */
 int exchange_move(struct exchange *x, const char *scheme);
 
+/* 308: the same path with a slash at its end. */
+int exchange_into_folder(struct exchange *x, const char *path);
+
 /* An answer whose body lives as long as the net. */
 int exchange_asset(struct exchange *x, const struct asset *asset);
 

@@ -129,6 +129,8 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     const struct route *route = find(path);
     const struct asset *asset = route ? NULL : assets_find(&net->assets, path);
     bool get = method == HTTP_GET || method == HTTP_HEAD;
+    if (!route && !asset && get && *path && assets_find_folder(&net->assets, path))
+        return exchange_into_folder(x, path);
     if (!route && !asset) {
         error_plain(&e, ERROR_NOT_FOUND);
         return exchange_error(x, &e);
