@@ -31,7 +31,12 @@ void expressions_free(const struct expressions *shared) {
         expression_free(&all->items[i]);
     free(all->items);
     free(all->names);
+    free((void *)all->affects.items);
     free(all);
+}
+
+const struct affects *expressions_affects(const struct expressions *all) {
+    return &all->affects;
 }
 
 size_t expressions_count(const struct expressions *all) {

@@ -7,6 +7,7 @@
 
 #include "server/base/error.h"
 #include "server/base/near.h"
+#include "server/markup/affects.h"
 #include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -41,6 +42,9 @@ void expressions_free(const struct expressions *expressions);
 
 size_t expressions_count(const struct expressions *expressions);
 struct expression_info expressions_info(const struct expressions *expressions, size_t index);
+
+/* The affects of the file, for who reads texts: they live as long as the expressions. */
+const struct affects *expressions_affects(const struct expressions *expressions);
 
 /* Index of the entry that a cue means, also by an alias ("worried", "angry"); a signal counts as a gesture
  * where no gesture has its name. -1 when there is none. */

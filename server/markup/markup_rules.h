@@ -3,6 +3,7 @@
 #ifndef FACCIA_MARKUP_MARKUP_RULES_H
 #define FACCIA_MARKUP_MARKUP_RULES_H
 
+#include "server/markup/affects.h"
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,8 +16,9 @@ struct markup_rules {
                               longer than any sentence may be (plain.h) */
     bool more;             /* the text is still being written: more may follow (plain.h) */
     bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
+    const struct affects *affects;    /* that the text can name; may be NULL: then names stay as they are */
     const struct language_runs *runs; /* of a plain text: what is in another language; may be NULL */
-    bool lenient; /* nobody said what the text is: tags in what is no document are left out, not an error */
+    bool lenient;  /* nobody said what the text is: tags in what is no document are left out, not an error */
     double paused; /* s: pauses that the text had before this piece of it */
     const atomic_bool *given_up; /* when it becomes true, from any thread, reading ends soon, with the error
                                     "cancelled"; may be NULL */
