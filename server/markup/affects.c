@@ -30,22 +30,19 @@ const char *affect_meant(const struct affects *affects, const char *name) {
 
 const char *affect_at(const struct affects *affects, double activation, double evaluation,
                       double *intensity) {
-    double radius = hypot(activation, evaluation), best = -2;
-    const char *name = NULL;
+    double radius = hypot(activation, evaluation), best[] = {-2, -2};
+    const char *names[] = {NULL, NULL}; /* the nearest that is not basic, and the nearest that is */
     if (radius < 0.05)
         return NULL;
-    for (int basic = 1; basic >= 0; basic--)
-        for (size_t i = 0; affects && i < affects->count; i++) {
-            const struct affect *affect = &affects->items[i];
-            double a = affect->activation, e = affect->evaluation, distance = hypot(a, e);
-            if (affect->basic != basic || !distance)
-                continue;
-            double cosine = (a * activation + e * evaluation) / (distance * radius);
-            if (cosine > best + (basic ? 0 : BASIC_MARGIN)) {
-                best = cosine;
-                name = affect->name;
-            }
+    for (size_t i = 0; affects && i < affects->count; i++) {
+        const struct affect *affect = &affects->items[i];
+        double a = affect->activation, e = affect->evaluation, distance = hypot(a, e);
+        double cosine = distance > 0 ? (a * activation + e * evaluation) / (distance * radius) : -2;
+        if (cosine > best[affect->basic]) {
+            best[affect->basic] = cosine;
+            names[affect->basic] = affect->name;
         }
+    }
     *intensity = fmin(radius, 1);
-    return name;
+    return names[best[true] + BASIC_MARGIN >= best[false]];
 }
