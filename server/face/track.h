@@ -28,8 +28,8 @@ void face_track_free(struct face_track *track);
  * for many frames). */
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame);
 
-/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and openings
- * hold for it, too. */
+/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and
+ * openings hold for it, too. */
 void face_track_sample_mouth(const struct face_track *track, double t, const double mm[PARAM_COUNT],
                              struct fap_frame *frame);
 

@@ -11,7 +11,7 @@ enum {
     LIMIT_USUAL = 20,
     LIMIT_MOST = 100,
     AFTER_MOST = 10000,
-    SNIPPET_BEFORE = 60,    /* bytes */
+    SNIPPET_BEFORE = 60, /* bytes */
     SNIPPET = 240,
     MARKS_MOST = 64,
 };

@@ -75,7 +75,8 @@ static void begin_known(struct markup_reader *r, struct frame *frame, struct tag
         passage_open(&r->passage, SPAN_STYLE, tag->at, r->depth);
 }
 
-/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words. */
+/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words.
+ */
 static void part_words(struct walk *w, const char *name, size_t at, size_t end) {
     struct markup_reader *r = &w->reader;
     const struct frame *frame = &r->frames[r->depth];

@@ -63,7 +63,7 @@ struct channel {
     struct channel_item *first, **last; /* what is said next */
     struct catch_up catch_up;
     struct notice_board notices;
-    uint64_t calibrated; /* loop time up to which its calibrations are spent: see notice_calibrate */
+    uint64_t calibrated;        /* loop time up to which its calibrations are spent: see notice_calibrate */
     struct idle_options idling; /* of those who idle */
     bool idles;
     struct home *home;     /* of a room that daemons share; else NULL */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The head is gathered whole, so that it is bounded and what stands in it need not be copied; then it is taken
- * apart line by line. A line ends with CR LF, or with LF alone (RFC 9112, 2.2). */
+/* The head is gathered whole, so that it is bounded and what stands in it need not be copied; then it is
+ * taken apart line by line. A line ends with CR LF, or with LF alone (RFC 9112, 2.2). */
 #include "server/net/http_reader.h"
 #include "server/base/mem.h"
 #include <ctype.h>
@@ -42,9 +42,9 @@ static enum http_event refuse_line(struct http_reader *r, const char *at) {
 
 static enum http_event take_method(struct http_reader *r, const char *method, size_t size) {
     static const char *const names[] = {
-        [HTTP_DELETE] = "DELETE",   [HTTP_GET] = "GET",     [HTTP_HEAD] = "HEAD",   [HTTP_POST] = "POST",
-        [HTTP_PUT] = "PUT",         [HTTP_PATCH] = "PATCH", [HTTP_TRACE] = "TRACE", [HTTP_CONNECT] = "CONNECT",
-        [HTTP_OPTIONS] = "OPTIONS",
+        [HTTP_DELETE] = "DELETE", [HTTP_GET] = "GET",         [HTTP_HEAD] = "HEAD",
+        [HTTP_POST] = "POST",     [HTTP_PUT] = "PUT",         [HTTP_PATCH] = "PATCH",
+        [HTTP_TRACE] = "TRACE",   [HTTP_CONNECT] = "CONNECT", [HTTP_OPTIONS] = "OPTIONS",
     };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strlen(names[i]) == size && !memcmp(names[i], method, size)) {

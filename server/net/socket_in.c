@@ -136,7 +136,8 @@ static void act(struct socket *s, const json_t *message) {
 void socket_act(struct socket *s, const json_t *message) {
     const json_t *id = json_object_get(message, "id");
     const char *value = json_string_value(id);
-    s->asked = value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
+    s->asked =
+        value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
     act(s, message);
     s->asked = NULL;
 }
@@ -172,7 +173,8 @@ static void refuse_unread(struct socket *s, const char *data, size_t size, const
     s->asked = NULL;
 }
 
-static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data, size_t size) {
+static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data,
+                 size_t size) {
     struct error e;
     if (message) {
         socket_act(s, message);

@@ -46,8 +46,8 @@ void write_text(struct socket *s, const json_t *message) {
         return;
     int wrong = 0;
     struct buf joined = {0};
-    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text), &w->half,
-                    &joined);
+    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text),
+                    &w->half, &joined);
     if (!json_is_string(text))
         wrong = error_in_field(&e, text ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "text", "must be a string");
     if (wrong || stream_write(socket_stream(s), w->utterance, joined.size ? (const char *)joined.data : "",

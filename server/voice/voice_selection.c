@@ -67,8 +67,8 @@ static void add_silence(struct cutter *c, size_t first, size_t end, size_t inste
         add(c, PART_SILENCE, first, end - first, instead_of);
 }
 
-/* s: a pause that is as long or longer is no business of a voice: it is silence that is made here, and costs a
- * worker nothing. A shorter one may lie in a sentence's melody. */
+/* s: a pause that is as long or longer is no business of a voice: it is silence that is made here, and costs
+ * a worker nothing. A shorter one may lie in a sentence's melody. */
 static const double LONG_PAUSE = 1;
 
 /* The pause between the item (not included) and the next text, s. */
