@@ -146,7 +146,7 @@ rm -f "$artefacts"/*.count
         esac
     done | run 3
     case " $* " in *' daemon '*)
-        files daemon | dearest daemon worker library mqtt festival align fit cluster hear command-examples cluster-rooms http-strict heard eval |
+        files daemon | dearest daemon worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval |
             sed 's/^/daemon /' | run 3
         ;;
     esac

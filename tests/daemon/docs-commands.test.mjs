@@ -43,7 +43,7 @@ const here = (code) =>
     .replace(/^sh server\/run\.sh(.*)$/gm, (_, options) => `build/server/app/facciad ${options} --print-config >config.json`);
 
 async function run(code, at) {
-  const child = spawn('sh', ['-ec', code], { cwd: at, env: { ...process.env, FACCIA_MODELS: path.join(ordinary, 'models') }, stdio: ['ignore', 'pipe', 'pipe'] });
+  const child = spawn('sh', ['-ec', code], { cwd: at, env: { ...process.env, FACCIA_MODELS: path.join(ordinary, 'models'), FACCIA_URL: daemon.url }, stdio: ['ignore', 'pipe', 'pipe'] });
   let out = '', complaints = '';
   child.stdout.on('data', (piece) => (out += piece));
   child.stderr.on('data', (piece) => (complaints += piece));

@@ -49,6 +49,7 @@ export default defineConfig({
   lastUpdated: false,
   metaChunk: true,
   contentProps: { class: 'content' }, // without it VitePress writes a style attribute
+  appearance: { disableTransition: false }, // it would write a style element
   head: [
     ['link', { rel: 'icon', href: `${base}icon.svg` }],
     ['link', { rel: 'stylesheet', href: `${base}code.css` }],
