@@ -96,7 +96,8 @@ function moved(file, text) {
   let fenced = false;
   return text
     .replace(/^(<!--[^]*?-->\s*)+/, '')
-    .replace(/(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^()\s]+)\)/g, (whole, bang, words, target, at, all) => (isCode(all, at) ? whole : link(whole, bang, words, target)))
+    .replace(/(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^()\s]+)\)/g, (whole, bang, words, target, at, all) =>
+      isCode(all, at) ? whole : link(whole, bang, words, target))
     .replace(/^(\s*```)(\w+).*$/gm, (_, fence, name) => `${fence}${shownAs[name] ?? name}`)
     .split('\n')
     .map((line) => {

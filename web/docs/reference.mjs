@@ -50,10 +50,11 @@ export function openapi(document, schema) {
       lines.push(table(['parameter', 'in', 'type', 'meaning'], parameters.map((one) => [`${code(one.name)}${one.required ? ' (required)' : ''}`, one.in, cell(typeOf(resolve, one.schema, document)), cell(one.description ?? resolve(one.schema).node?.description)])));
       const body = operation.requestBody && resolve(operation.requestBody).node;
       if (body) lines.push(`Body: ${Object.keys(body.content).map(code).join(', ')}${body.required ? ', required' : ''}. ${cell(body.description)}`, '');
-      lines.push(table(['status', 'content', 'meaning'], Object.entries(operation.responses).map(([status, one]) => {
-        const { node } = resolve(one);
-        return [status, Object.keys(node.content ?? {}).map(code).join(', '), cell(node.description)];
-      })));
+      const answers = Object.entries(operation.responses).map(([status, one]) => ({ status, ...resolve(one).node }));
+      const generic = answers.filter(({ status, description }) => status >= '400' && description === 'What was wrong.');
+      lines.push(table(['status', 'content', 'meaning'], answers.filter((one) => !generic.includes(one)).map(({ status, content = {}, description }) =>
+        [status, Object.keys(content).map(code).join(', '), cell(description)])));
+      if (generic.length) lines.push(`Errors: ${generic.map(({ status }) => status).join(', ')}, with a [code](/protocol/errors).`, '');
     }
   return `${lines.join('\n')}\n`;
 }
