@@ -47,6 +47,7 @@ export default defineConfig({
   description: 'A face that speaks: the documentation.',
   lang: 'en',
   lastUpdated: false,
+  buildConcurrency: 1, // pages come into the index of the search in their order: the same bytes each time
   metaChunk: true,
   contentProps: { class: 'content' }, // without it VitePress writes a style attribute
   appearance: { disableTransition: false }, // it would write a style element
@@ -54,7 +55,11 @@ export default defineConfig({
     ['link', { rel: 'icon', href: `${base}icon.svg` }],
     ['link', { rel: 'stylesheet', href: `${base}code.css` }],
   ],
-  vue: { template: { compilerOptions: { isCustomElement: (tag) => tag === 'talking-head' } } },
+  vue: {
+    template: { compilerOptions: { isCustomElement: (tag) => tag === 'talking-head' } },
+    // by the path from the folder of the build it would be another in each
+    features: { componentIdGenerator: (file, content) => sha(path.basename(file) + content) },
+  },
   vite: { build: { assetsInlineLimit: 0, chunkSizeWarningLimit: 4000 }, logLevel: 'warn', plugins: [contents] },
   markdown: {
     codeTransformers: [colourClasses],
