@@ -63,6 +63,8 @@ export default defineConfig({
   vite: { build: { assetsInlineLimit: 0, chunkSizeWarningLimit: 4000 }, logLevel: 'warn', plugins: [contents] },
   markdown: {
     codeTransformers: [colourClasses],
+    // read beforehand: which of them are there changes how the others are coloured
+    languages: ['c', 'css', 'html', 'ini', 'js', 'json', 'jsonc', 'jsx', 'php', 'python', 'sh', 'svelte', 'ts', 'vue', 'xml', 'yaml'],
     anchor: { slugify: slug },
   },
   themeConfig: {
