@@ -319,7 +319,7 @@ KEPT = {
     'protocol/messages.md': reference,
     'web/src/talking-head.d.ts': element_types,
     'web/src/speak-attributes.mjs': element_attributes,
-    'web/README.md': element_readme,
+    'web/docs/element/reference.md': element_readme,
     'web/client/python/faccia.py': python_client,
 }
 

@@ -1,10 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# One test file, for run.sh: one.sh WHAT FILE. Prints its log when something failed, and a line with the counts.
+# One test file, for run.sh: one.sh WHAT FILE. Prints its log when something failed, and a line with the counts. By hand, when all is
+# built: sh tests/one.sh FILE.
 set -u
+[ $# -gt 0 ] || {
+    echo 'usage: sh tests/one.sh [WHAT] FILE (sh tests/run.sh FILE builds first)' >&2
+    exit 2
+}
+root=$(cd "$(dirname "$0")/.." && pwd)
+[ $# -gt 1 ] || set -- "$(basename "$(dirname "$1")")" "$(cd "$(dirname "$1")" && pwd)/$(basename "$1")"
 what=$1
 file=$2
-root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/tests/environment.sh"
 artefacts=$FACCIA_ARTEFACTS
 name=$what-$(basename "$file" .test.mjs)
 log="$artefacts/$name.tap"

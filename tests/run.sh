@@ -5,12 +5,16 @@ set -eu
 
 usage() {
     cat <<'TEXT'
-Usage: sh tests/run.sh [WHAT]...
+Usage: sh tests/run.sh [--list] [WHAT]...
 Installs, builds and runs the tests; the last line says how many passed and failed.
-WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of these when left out), long: what of these has
-more cases than are tried each time, with all of them, and the fuzz targets for a minute each; and packages: the Debian packages
-and the container, built and tried in a fresh Debian (ten minutes; wants root).
+WHAT is one or more of
+  - a group: unit limits fuzz protocol models web daemon browser (all of these when left out); long: the further cases of some of
+    these, and each fuzz target for a minute; packages: the Debian packages and the container, built and tried in a fresh Debian
+    (ten minutes; wants root);
+  - a test file: tests/daemon/api.test.mjs, tests/unit/test_markup.c;
+  - a part of test files' names: api, markup.
 
+      --list   print the test files that WHAT names, and exit
   -h, --help   print this and exit
 
 Pictures and logs that the tests make lie in build/test-artefacts. Benchmarks are run by hand: see tests/bench.
@@ -22,22 +26,49 @@ die() {
     exit 1
 }
 
+root=$(cd "$(dirname "$0")/.." && pwd)
+
+# named WHAT: the sources of the tests whose names hold it, or of the one that is that file.
+named() {
+    name=$(basename "$1")
+    case $name in
+    *.test.mjs | test_*.c) find "$root/tests" -name node_modules -prune -o -type f -name "$name" -print ;;
+    *) find "$root/tests" -name node_modules -prune -o -type f \( -name "*$name*.test.mjs" -o -path "$root/tests/unit/test_*$name*.c" \) -print ;;
+    esac | sort
+}
+
 all='unit limits fuzz protocol models web daemon browser'
+groups= chosen= list=no
 for what in "$@"; do
     case $what in
     -h | --help)
         usage
         exit 0
         ;;
-    *) case " $all long packages " in *" $what "*) ;; *) die "no tests '$what'; there are: $all long packages" ;; esac ;;
+    --list) list=yes ;;
+    -*) die "no option '$what'; sh tests/run.sh --help lists them" ;;
+    *)
+        case " $all long packages " in
+        *" $what "*) groups="$groups $what" ;;
+        *)
+            found=$(named "$what")
+            [ -n "$found" ] || die "no test file has '$what' in its name; groups: $all long packages"
+            chosen="$chosen $found"
+            ;;
+        esac
+        ;;
     esac
 done
-[ $# -gt 0 ] || set -- $all
-
-root=$(cd "$(dirname "$0")/.." && pwd)
+[ -n "$groups$chosen" ] || groups=$all
+if [ $list = yes ]; then
+    for group in $groups; do find "$root/tests/$group" -name '*.test.mjs' -o -name 'test_*.c' 2>/dev/null; done | sort
+    [ -z "$chosen" ] || printf '%s\n' $chosen
+    exit 0
+fi
+set -- $groups
 . "$root/server/setup.sh"
 
-need_packages libcmocka-dev g++ libnss3-tools strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium chromium-headless-shell curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
+need_packages clang-format libcmocka-dev g++ libnss3-tools strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium chromium-headless-shell curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
     sqlite3 wamerican wbrazilian witalian asterisk-core-sounds-it asterisk-core-sounds-it-wav festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 need_modules "$root/tests"
 # A build that was configured before the tests' packages were there has no unit tests.
@@ -56,7 +87,6 @@ case " $* " in *' fuzz '* | *' long '*)
     fuzz_build || die "the fuzz targets cannot be built"
     ;;
 esac
-artefacts="$root/build/test-artefacts"
 case " $* " in *' packages '*)
     need_packages buildah lintian mmdebstrap reuse systemd
     FACCIA_PACKAGES="$root/build/packages"
@@ -64,10 +94,8 @@ case " $* " in *' packages '*)
     sh "$root/server/deploy/package.sh" "$FACCIA_PACKAGES"
     ;;
 esac
-mkdir -p "$artefacts"
-export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_WEB="$root/build/web"
-export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
-export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0:quarantine_size_mb=16" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
+. "$root/tests/environment.sh"
+artefacts=$FACCIA_ARTEFACTS
 
 # files WHAT: the tests of that name, one a line.
 files() {
@@ -118,7 +146,7 @@ rm -f "$artefacts"/*.count
         esac
     done | run 3
     case " $* " in *' daemon '*)
-        files daemon | dearest daemon worker library mqtt festival align fit cluster hear command-examples cluster-rooms http-strict heard eval |
+        files daemon | dearest daemon worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval |
             sed 's/^/daemon /' | run 3
         ;;
     esac
@@ -130,6 +158,12 @@ case " $* " in *' browser '*)
     ;;
 esac
 wait
+# Single files: what draws a face one by one.
+for file in $chosen; do
+    group=$(basename "$(dirname "$file")")
+    [ "$group" = unit ] && file="$root/build/sanitized/tests/unit/$(basename "$file" .c)"
+    echo "$group $file"
+done | sort -u | run $(case $chosen in */browser/*) echo 1 ;; *) echo 2 ;; esac)
 case " $* " in *' packages '*) files packages | sed 's/^/packages /' | run 1 ;; esac
 
 passed=$(cat "$artefacts"/*.count | awk '{ sum += $1 } END { print sum + 0 }')

@@ -25,7 +25,7 @@ function leaveImports(script) {
 }
 
 const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
-const inputs = new Set(['build.mjs', 'decoders.mjs', 'README.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
+const inputs = new Set(['build.mjs', 'decoders.mjs', 'docs/element/reference.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
 const within = {}; // of each script, the files that something of is in it
 const note = ({ inputs: found, outputs }) => {
   Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
@@ -153,7 +153,7 @@ const types = path.join(here, 'src/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));
 // what the page of examples makes its fields of
-writeFileSync(path.join(out, 'custom-elements.json'), JSON.stringify(manifest(types, path.join(here, 'README.md'), 'talking-head.js')));
+writeFileSync(path.join(out, 'custom-elements.json'), JSON.stringify(manifest(types, path.join(here, 'docs/element/reference.md'), 'talking-head.js')));
 const faps = path.join(here, '../protocol/fap-table.json');
 inputs.add(faps);
 copyFileSync(faps, path.join(out, 'faps.json'));

@@ -268,14 +268,16 @@ static int serve(struct exchange *x) {
         return serve_commands(x, request->path);
     const struct route *route = find(request->path);
     const struct static_file *file = route ? NULL : static_files_find(&api->heads.files, request->path);
+    bool get = request->method == HTTP_GET || request->method == HTTP_HEAD;
+    if (!route && !file && get && static_files_have_folder(&api->heads.files, request->path))
+        return exchange_into_folder(x, request->path);
     if (!route && !file)
         return refuse(x, ERROR_NOT_FOUND);
     if (request->method == HTTP_OPTIONS)
         return exchange_allow(x, 204, methods_of(route));
     if (route)
         return serve_route(x, route, request->method);
-    return request->method == HTTP_GET || request->method == HTTP_HEAD ? serve_file(x, file)
-                                                                       : refuse_method(x, methods_of(NULL));
+    return get ? serve_file(x, file) : refuse_method(x, methods_of(NULL));
 }
 
 void routes_serve(struct exchange *x) {

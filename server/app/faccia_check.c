@@ -75,8 +75,9 @@ static int check(const struct check *c, const char *path) {
         read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
     if (kind == markup_by_name("plain"))
         kind = c->kind;
+    struct markup_rules rules = {.affects = expressions_affects(c->expressions)};
     if (read)
-        document = markup_read(kind, (const char *)text.data, text.size, NULL, &e);
+        document = markup_read(kind, (const char *)text.data, text.size, &rules, &e);
     if (!document)
         report(path, "error", &e, &text);
     if (document && c->score)

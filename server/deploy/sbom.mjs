@@ -2,10 +2,11 @@
 // A bill of materials of what the Debian packages ship, as CycloneDX 1.5 (JSON): node sbom.mjs FOLDER
 // FOLDER has the .deb files, and gets faccia_VERSION.cdx.json. It names the packages with the SHA-256 of their files, what of Debian they need,
 // in the versions that they were built with, what is compiled into the programs, and the npm packages that are in the scripts: those that
-// web/build.mjs tells to have read, of all that `npm sbom` knows.
+// web/build.mjs tells to have read and those that web/docs/pages.mjs names, of all that `npm sbom` knows.
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
+import { bundled } from '../../web/docs/pages.mjs';
 import { bill, debianLicences, npmPackages, run, sha256 } from './sbom-parts.mjs';
 
 const web = path.join(import.meta.dirname, '../../web');
@@ -21,7 +22,8 @@ function scripts() {
   const made = mkdtempSync(path.join(os.tmpdir(), 'faccia-sbom-'));
   try {
     run(process.execPath, [path.join(web, 'build.mjs'), path.join(made, 'web'), path.join(made, 'read')], { cwd: web });
-    return npmPackages(readFileSync(path.join(made, 'read'), 'utf8'));
+    const documentation = bundled.map((name) => `node_modules/${name}/`).join('\n');
+    return npmPackages(`${readFileSync(path.join(made, 'read'), 'utf8')}\n${documentation}`);
   } finally {
     rmSync(made, { recursive: true });
   }

@@ -239,6 +239,20 @@ static int read_all(const struct json_place *root, struct expressions *all) {
     return 0;
 }
 
+static void list_affects(struct expressions *all) {
+    struct affect *list = NULL;
+    size_t cap = 0;
+    for (size_t i = 0; i < all->count; i++) {
+        const struct expression *x = &all->items[i];
+        if (strcmp(x->kind, "affect") != 0)
+            continue;
+        list = mem_grow(list, &cap, all->affects.count + 1, sizeof *list);
+        list[all->affects.count++] =
+            (struct affect){x->name, x->aliases, x->activation, x->evaluation, x->basic != 0};
+    }
+    all->affects.items = list;
+}
+
 struct expressions *expressions_load(const char *path, struct error *e) {
     struct json_place root;
     if (json_place_load(path, ERROR_BAD_EXPRESSIONS, &root, e))
@@ -247,6 +261,8 @@ struct expressions *expressions_load(const char *path, struct error *e) {
     if (read_all(&root, all)) {
         expressions_free(all);
         all = NULL;
+    } else {
+        list_affects(all);
     }
     json_decref(root.json);
     return all;
@@ -276,7 +292,12 @@ void expressions_free(const struct expressions *shared) {
         expression_free(&all->items[i]);
     free(all->items);
     free(all->names);
+    free((void *)all->affects.items);
     free(all);
+}
+
+const struct affects *expressions_affects(const struct expressions *all) {
+    return &all->affects;
 }
 
 size_t expressions_count(const struct expressions *all) {

@@ -6,6 +6,7 @@
 
 #include "server/base/error.h"
 #include "server/base/suggest.h"
+#include "server/markup/affects.h"
 #include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,6 +41,9 @@ void expressions_free(const struct expressions *expressions);
 
 size_t expressions_count(const struct expressions *expressions);
 struct expression_info expressions_info(const struct expressions *expressions, size_t index);
+
+/* The affects of the file, for readers of texts; they live as long as the expressions. */
+const struct affects *expressions_affects(const struct expressions *expressions);
 
 /* Returns the index of the entry for a cue, also by alias ("worried", "angry"), or -1. A signal matches a
  * gesture if no gesture entry has its name. */

@@ -25,6 +25,7 @@ struct expressions {
         size_t index;
     } * names; /* with aliases, sorted */
     size_t name_count, name_cap;
+    struct affects affects; /* what the items of that kind say, for readers */
 };
 
 extern const char *const expression_kinds[]; /* NULL-terminated */

@@ -408,6 +408,16 @@ int exchange_redirect(struct exchange *x, const char *scheme) {
     return send_known(x, &h, NULL, 0, true);
 }
 
+int exchange_into_folder(struct exchange *x, const char *path) {
+    struct head h;
+    char to[256];
+    snprintf(to, sizeof to, "%s/", strrchr(path, '/') + 1); /* relative: a proxy may serve it elsewhere */
+    head_begin(&h, x, 308);
+    head_add(&h, "location", to);
+    head_add(&h, "cache-control", "no-store");
+    return send_known(x, &h, NULL, 0, true);
+}
+
 int exchange_json(struct exchange *x, unsigned status, json_t *object) {
     struct buf text = {0};
     json_t *warnings = x->warning_count && status < 400 ? json_array() : NULL;

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { FILE_BYTES_MAX = 64 << 20 };
+enum { FILE_BYTES_MAX = 64 << 20, DEPTH_MAX = 4 };
 
 static const char *type_of(const char *path) {
     static const char *const types[][2] = {
@@ -101,20 +101,44 @@ static struct static_file *add(struct static_files *files, const char *path, con
     return a;
 }
 
-void static_files_add_folder(struct static_files *files, const char *folder) {
+/* Adds the files of a folder and of those in it, under the address of that folder ("" for the first). */
+static void add_folder(struct static_files *files, const char *folder, const char *address, int depth) {
     char pattern[4096];
     glob_t found;
-    snprintf(pattern, sizeof pattern, "%s/*.*", folder);
-    if (glob(pattern, 0, NULL, &found))
+    snprintf(pattern, sizeof pattern, "%s/*", folder);
+    if (glob(pattern, GLOB_MARK, NULL, &found))
         return;
     for (size_t i = 0; i < found.gl_pathc; i++) {
-        const char *file = found.gl_pathv[i], *name = strrchr(file, '/'), *type = type_of(name);
-        size_t size;
-        uint8_t *data = type ? read_file(file, &size) : NULL;
-        if (data)
-            add(files, strcmp(name, "/index.html") ? name : "/", type, file, data, size);
+        char *file = found.gl_pathv[i], path[256];
+        size_t length = strlen(file);
+        bool is_folder = file[length - 1] == '/';
+        if (is_folder)
+            file[length - 1] = '\0';
+        const char *name = strrchr(file, '/'), *type = type_of(name);
+        bool index = !strcmp(name, "/index.html");
+        if ((size_t)snprintf(path, sizeof path, "%s%s", address, index ? "/" : name) >= sizeof path)
+            continue;
+        if (is_folder) {
+            if (depth < DEPTH_MAX)
+                add_folder(files, file, path, depth + 1);
+            continue;
+        }
+        if (type)
+            static_files_add(files, path, type, file);
     }
     globfree(&found);
+}
+
+void static_files_add_folder(struct static_files *files, const char *folder) {
+    add_folder(files, folder, "", 0);
+}
+
+bool static_files_have_folder(const struct static_files *files, const char *path) {
+    size_t length = strlen(path);
+    for (size_t i = 0; i < files->count; i++)
+        if (!strncmp(files->list[i]->path, path, length) && !strcmp(files->list[i]->path + length, "/"))
+            return true;
+    return false;
 }
 
 const struct static_file *static_files_add(struct static_files *files, const char *path, const char *type,

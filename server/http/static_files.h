@@ -3,6 +3,7 @@
 #ifndef FACCIA_HTTP_STATIC_FILES_H
 #define FACCIA_HTTP_STATIC_FILES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,8 +22,9 @@ struct static_files {
     size_t count, cap;
 };
 
-/* Adds every file of the folder whose type is known, under "/NAME", index.html under "/". A FILE.gz beside a
- * file is taken as its compressed form. A folder that is missing has none. */
+/* Adds every file of the folder and its subfolders whose type is known, under "/NAME", index.html under the
+ * folder's address with a slash at its end. A FILE.gz beside a file is taken as its compressed form. A folder
+ * that is missing has none. */
 void static_files_add_folder(struct static_files *files, const char *folder);
 
 /* Adds one file of the disk, or bytes, which it takes over. NULL: it cannot be read. */
@@ -32,6 +34,8 @@ const struct static_file *static_files_add_bytes(struct static_files *files, con
                                                  const char *type, uint8_t *data, size_t size);
 
 const struct static_file *static_files_find(const struct static_files *files, const char *path);
+/* Whether the path, which does not end in a slash, is that of a folder with an index.html: "/docs". */
+bool static_files_have_folder(const struct static_files *files, const char *path);
 void static_files_free(struct static_files *files);
 
 #endif

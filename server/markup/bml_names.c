@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the names of BML, FML and Greta's own files mean: an affect, a direction, or a signal of the
  * expressions file, which knows them by their usual names (models/expressions.json). */
-#include "server/markup/affects.h"
 #include "server/markup/bml.h"
 #include <string.h>
 #include <strings.h>
@@ -41,17 +40,21 @@ void bml_show(struct bml_behaviour *b, const char *kind, const char *name, doubl
         b->signs[b->sign_count++] = (struct bml_sign){kind, name, intensity};
 }
 
+static bool knows_affect(const struct markup_reader *r, const char *name) {
+    return r->rules && affect_find(r->rules->affects, name);
+}
+
 void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
     char plain[BML_NAME];
     bml_plain_name(name, plain);
     double strength = cut_strength(plain);
     char *variant = strchr(plain, '-'); /* "joy-open" */
-    if (variant && !affect_is_known(plain)) {
+    if (variant && !knows_affect(r, plain)) {
         *variant = '\0';
-        if (!affect_is_known(plain))
+        if (!knows_affect(r, plain))
             *variant = '-';
     }
-    bml_show(b, "affect", reader_keep(r, affect_meant(plain)), strength);
+    bml_show(b, "affect", reader_keep(r, reader_affect(r, plain)), strength);
 }
 
 void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
@@ -59,7 +62,7 @@ void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const cha
     bml_plain_name(name, plain);
     strcpy(bare, plain);
     cut_strength(bare);
-    if (affect_is_known(bare))
+    if (knows_affect(r, bare))
         bml_show_affect(b, r, plain);
     else
         bml_show(b, "signal", reader_keep(r, plain), 1);

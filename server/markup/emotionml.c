@@ -2,7 +2,6 @@
 /* EmotionML 1.0 (W3C Recommendation, 22 May 2014). An emotion holds for the text inside it; one without text
  * for the rest of the element that it stands in. */
 #include "server/markup/emotionml.h"
-#include "server/markup/affects.h"
 #include <math.h>
 
 /* Milliseconds. */
@@ -60,7 +59,7 @@ void emotionml_begin_category(struct markup_reader *r, struct tag *tag) {
     if (!name)
         score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a category has a name");
     else if (frame)
-        add_cue(r, frame, tag->at, affect_meant(name), intensity);
+        add_cue(r, frame, tag->at, reader_affect(r, name), intensity);
 }
 
 /* 0.5 is neutral. */
@@ -94,8 +93,9 @@ void emotionml_begin_unused(struct markup_reader *r, struct tag *tag) {
 void emotionml_end_emotion(struct markup_reader *r, struct frame *frame) {
     const struct emotion *emotion = &frame->emotion;
     double intensity;
-    const char *name =
-        emotion->is_placed ? affect_at(emotion->activation, emotion->evaluation, &intensity) : NULL;
+    const char *name = emotion->is_placed && r->rules ? affect_at(r->rules->affects, emotion->activation,
+                                                                  emotion->evaluation, &intensity)
+                                                      : NULL;
     if (name)
         add_cue(r, frame, frame->at, name, intensity * emotion->intensity);
     if (frame->flushes == r->passage.flushes && frame->piece == r->passage.piece_count)

@@ -105,17 +105,11 @@ static void begin_engine(struct markup_reader *r, struct tag *tag) {
 /* The thesis's weight is the emotion's share in the face; where an element does not say it, the face stage
  * takes 0.2 in a text that is shown by weights. */
 static void begin_emotion(struct markup_reader *r, struct tag *tag) {
-    static const char *const affects[][2] = {{"afraid", "fear"},       {"anger", "anger"}, {"angry", "anger"},
-                                             {"disgusted", "disgust"}, {"happy", "joy"},   {"sad", "sadness"},
-                                             {"surprised", "surprise"}};
-    const char *weight = tag_take(tag, "weight"), *affect = NULL;
+    const char *weight = tag_take(tag, "weight");
     double share = -1;
-    for (size_t i = 0; i < sizeof affects / sizeof *affects && !affect; i++)
-        if (!strcmp(affects[i][0], tag->frame->element->name))
-            affect = affects[i][1];
     if (weight && !quantity_plain(weight, 0, 1, &share))
         tag_bad(tag, "weight", "is not from 0 to 1");
-    reader_cue(r, tag->frame, tag->at, "affect", affect)->weight = share;
+    reader_cue(r, tag->frame, tag->at, "affect", reader_affect(r, tag->frame->element->name))->weight = share;
 }
 
 static const struct element elements[] = {

@@ -153,7 +153,8 @@ static void warn(struct score *score, const struct error *e) {
     score->warnings[score->warning_count++] = *e;
 }
 
-/* The words of a text with tags that is no document. broken: why it is none; NULL: it did not look like one. */
+/* The words of a text with tags that is no document. broken: why it is none; NULL: it did not look like one.
+ */
 static int read_words(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                       const struct error *broken, struct error *e) {
     struct markup_rules words = rules ? *rules : (struct markup_rules){0};

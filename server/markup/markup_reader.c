@@ -49,6 +49,10 @@ struct score_cue *reader_cue(struct markup_reader *r, struct frame *frame, size_
     return cue;
 }
 
+const char *reader_affect(const struct markup_reader *r, const char *name) {
+    return affect_meant(r->rules ? r->rules->affects : NULL, name);
+}
+
 struct score_cue *reader_point(struct markup_reader *r, size_t at, const char *kind, const char *name) {
     struct score_cue *cue = add_cue(r, at, kind, name);
     passage_open(&r->passage, r->score->cue_count - 1, at, READER_DEPTH + 1);

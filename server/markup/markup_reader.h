@@ -14,7 +14,8 @@ enum {
     READER_ATTRIBUTES = 64, /* of one element */
     READER_BYTES = 16 << 20,
     READER_SECONDS = 60, /* the longest pause */
-    READER_ONE_BYTES = 1000, /* what stands for something else and is longer is cut into sentences as any text is */
+    READER_ONE_BYTES =
+        1000, /* what stands for something else and is longer is cut into sentences as any text is */
     READER_PHONES_BYTES = 500, /* of one phoneme element */
 };
 
@@ -136,6 +137,8 @@ void reader_language(struct tag *tag, const char *attribute);
  * pointer is good until the next cue. */
 struct score_cue *reader_cue(struct markup_reader *r, struct frame *frame, size_t at, const char *kind,
                              const char *name);
+/* The affect that the name means among those that the text can name; the name itself when there is none. */
+const char *reader_affect(const struct markup_reader *r, const char *name);
 /* A cue at this point of the text. */
 struct score_cue *reader_point(struct markup_reader *r, size_t at, const char *kind, const char *name);
 

@@ -5,6 +5,8 @@
 
 #include "server/base/error.h"
 #include "server/base/work_limit.h"
+#include "server/markup/affects.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 /* How a language cuts its sentences. */
@@ -15,6 +17,7 @@ struct markup_rules {
                               longer than any sentence may be (plain.h) */
     bool more;             /* the text is still being written: more may follow (plain.h) */
     bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
+    const struct affects *affects;    /* that the text can name; may be NULL: then names stay as they are */
     const struct language_runs *runs; /* of a plain text: what is in another language; may be NULL */
     bool lenient;  /* nobody said what the text is: tags in what is no document are left out, not an error */
     double paused; /* s: pauses that the text had before this piece of it */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and two vendors' emotions inside. */
 #include "server/base/sampa.h"
-#include "server/markup/affects.h"
 #include "server/markup/emotionml.h"
 #include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
@@ -117,7 +116,8 @@ static void begin_express_as(struct markup_reader *r, struct tag *tag) {
     if (degree && !quantity_plain(degree, 0.01, 2, &times))
         tag_bad(tag, "styledegree", "is not from 0.01 to 2");
     if (style && *style)
-        reader_cue(r, tag->frame, tag->at, "affect", affect_meant(style))->intensity = fmin(0.7 * times, 1);
+        reader_cue(r, tag->frame, tag->at, "affect", reader_affect(r, style))->intensity =
+            fmin(0.7 * times, 1);
     else
         score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "express-as has a style");
 }
@@ -129,7 +129,7 @@ static void begin_amazon(struct markup_reader *r, struct tag *tag) {
     if (!degree)
         tag_bad(tag, "intensity", "is not low, medium or high");
     if (name && *name)
-        reader_cue(r, tag->frame, tag->at, "affect", affect_meant(name))->intensity =
+        reader_cue(r, tag->frame, tag->at, "affect", reader_affect(r, name))->intensity =
             degree ? degree->value : degrees[1].value;
     else
         score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "an emotion has a name");

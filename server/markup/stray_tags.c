@@ -9,13 +9,16 @@
 
 /* Elements around which a sentence ends; those between which words end; and others that are known. Their text
  * is spoken, but for the silent ones'. */
-static const char blocks[] =
-    " address article aside blockquote body center dd details dialog div dl dt fieldset figcaption figure footer "
-    "form h1 h2 h3 h4 h5 h6 head header hgroup hr html legend li main nav ol p para pre s section sent sentence "
-    "speak summary table tbody tfoot thead title tr ul apml jsml emotionml bml fml performative turnallocation ";
+static const char blocks[] = " address article aside blockquote body center dd details dialog div dl dt "
+                             "fieldset figcaption figure footer "
+                             "form h1 h2 h3 h4 h5 h6 head header hgroup hr html legend li main nav ol p para "
+                             "pre s section sent sentence "
+                             "speak summary table tbody tfoot thead title tr ul apml jsml emotionml bml fml "
+                             "performative turnallocation ";
 static const char lines[] = " br td th option break audio img mark wbr input button ";
 static const char inlines[] =
-    " a abbr acronym b bdi bdo big cite code data del dfn em font i ins kbd label q ruby rt rp samp small span "
+    " a abbr acronym b bdi bdo big cite code data del dfn em font i ins kbd label q ruby rt rp samp small "
+    "span "
     "strike strong sub sup time tt u var video source picture svg object iframe map area link meta base "
     "say-as sayas phoneme prosody pros voice emphasis emp lang w token desc lexicon lookup metadata ";
 static const char silent[] = " script style template noscript ";
@@ -81,7 +84,9 @@ static bool read_tag(const char *s, size_t n, struct stray *tag) {
 
 /* Whether what looks like a start tag is one: its element is known, has values, or is closed somewhere. */
 static bool is_element(const char *s, size_t n, const struct stray *tag) {
-    enum { FAR = 1000 }; /* bytes in which its end is looked for: the search is not repeated over long texts */
+    enum {
+        FAR = 1000
+    }; /* bytes in which its end is looked for: the search is not repeated over long texts */
     const char *name = s + tag->name;
     if (tag->close || tag->empty || tag->attributes || memchr(name, ':', tag->name_bytes) ||
         listed(blocks, name, tag->name_bytes) || listed(lines, name, tag->name_bytes) ||
@@ -166,7 +171,9 @@ static size_t blank_tag(char *s, size_t n, bool *counts, struct ends *ends) {
         return tag.length;
     }
     const char *name = s + tag.name;
-    size_t whole = !tag.close && !tag.empty && listed(silent, name, tag.name_bytes) ? silent_length(s, n, &tag, ends) : 0;
+    size_t whole = !tag.close && !tag.empty && listed(silent, name, tag.name_bytes)
+                       ? silent_length(s, n, &tag, ends)
+                       : 0;
     bool block = listed(blocks, name, tag.name_bytes), line = listed(lines, name, tag.name_bytes);
     if (whole) {
         blank(s, whole, ' ');
@@ -182,19 +189,19 @@ static const struct {
     const char *name;
     uint32_t cp;
 } references[] = {
-    {"amp", '&'},       {"lt", '<'},        {"gt", '>'},        {"quot", '"'},      {"apos", '\''},
-    {"nbsp", ' '},      {"shy", 0xAD},      {"hellip", 0x2026}, {"mdash", 0x2014},  {"ndash", 0x2013},
-    {"lsquo", 0x2018},  {"rsquo", 0x2019},  {"ldquo", 0x201C},  {"rdquo", 0x201D},  {"bdquo", 0x201E},
-    {"laquo", 0xAB},    {"raquo", 0xBB},    {"copy", 0xA9},     {"reg", 0xAE},      {"trade", 0x2122},
-    {"deg", 0xB0},      {"euro", 0x20AC},   {"pound", 0xA3},    {"middot", 0xB7},   {"bull", 0x2022},
-    {"times", 0xD7},    {"frac12", 0xBD},   {"agrave", 0xE0},   {"aacute", 0xE1},   {"acirc", 0xE2},
-    {"atilde", 0xE3},   {"auml", 0xE4},     {"aring", 0xE5},    {"aelig", 0xE6},    {"ccedil", 0xE7},
-    {"egrave", 0xE8},   {"eacute", 0xE9},   {"ecirc", 0xEA},    {"euml", 0xEB},     {"igrave", 0xEC},
-    {"iacute", 0xED},   {"icirc", 0xEE},    {"iuml", 0xEF},     {"ntilde", 0xF1},   {"ograve", 0xF2},
-    {"oacute", 0xF3},   {"ocirc", 0xF4},    {"otilde", 0xF5},   {"ouml", 0xF6},     {"oslash", 0xF8},
-    {"ugrave", 0xF9},   {"uacute", 0xFA},   {"ucirc", 0xFB},    {"uuml", 0xFC},     {"szlig", 0xDF},
-    {"Agrave", 0xC0},   {"Ccedil", 0xC7},   {"Egrave", 0xC8},   {"Eacute", 0xC9},   {"Ograve", 0xD2},
-    {"Ouml", 0xD6},     {"Uuml", 0xDC},     {"Auml", 0xC4},
+    {"amp", '&'},      {"lt", '<'},       {"gt", '>'},        {"quot", '"'},     {"apos", '\''},
+    {"nbsp", ' '},     {"shy", 0xAD},     {"hellip", 0x2026}, {"mdash", 0x2014}, {"ndash", 0x2013},
+    {"lsquo", 0x2018}, {"rsquo", 0x2019}, {"ldquo", 0x201C},  {"rdquo", 0x201D}, {"bdquo", 0x201E},
+    {"laquo", 0xAB},   {"raquo", 0xBB},   {"copy", 0xA9},     {"reg", 0xAE},     {"trade", 0x2122},
+    {"deg", 0xB0},     {"euro", 0x20AC},  {"pound", 0xA3},    {"middot", 0xB7},  {"bull", 0x2022},
+    {"times", 0xD7},   {"frac12", 0xBD},  {"agrave", 0xE0},   {"aacute", 0xE1},  {"acirc", 0xE2},
+    {"atilde", 0xE3},  {"auml", 0xE4},    {"aring", 0xE5},    {"aelig", 0xE6},   {"ccedil", 0xE7},
+    {"egrave", 0xE8},  {"eacute", 0xE9},  {"ecirc", 0xEA},    {"euml", 0xEB},    {"igrave", 0xEC},
+    {"iacute", 0xED},  {"icirc", 0xEE},   {"iuml", 0xEF},     {"ntilde", 0xF1},  {"ograve", 0xF2},
+    {"oacute", 0xF3},  {"ocirc", 0xF4},   {"otilde", 0xF5},   {"ouml", 0xF6},    {"oslash", 0xF8},
+    {"ugrave", 0xF9},  {"uacute", 0xFA},  {"ucirc", 0xFB},    {"uuml", 0xFC},    {"szlig", 0xDF},
+    {"Agrave", 0xC0},  {"Ccedil", 0xC7},  {"Egrave", 0xC8},   {"Eacute", 0xC9},  {"Ograve", 0xD2},
+    {"Ouml", 0xD6},    {"Uuml", 0xDC},    {"Auml", 0xC4},
 };
 
 static uint32_t number(const char *s, size_t n) {
@@ -204,7 +211,9 @@ static uint32_t number(const char *s, size_t n) {
     n -= base == 16;
     for (size_t i = 0; i < n; i++) {
         char c = s[i] | 32;
-        unsigned digit = s[i] >= '0' && s[i] <= '9' ? (unsigned)(s[i] - '0') : c >= 'a' && c <= 'f' ? (unsigned)(c - 'a' + 10) : 99;
+        unsigned digit = s[i] >= '0' && s[i] <= '9' ? (unsigned)(s[i] - '0')
+                         : c >= 'a' && c <= 'f'     ? (unsigned)(c - 'a' + 10)
+                                                    : 99;
         if (digit >= base || cp > 0x10FFFF)
             return 0;
         cp = cp * base + digit;

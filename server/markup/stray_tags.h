@@ -13,8 +13,8 @@ struct stray_tags {
 };
 
 /* Leaves out the tags of s[0..n), in place and without moving a byte, so that only the words stay: a block
- * (<p>, <li>) becomes a blank line, <br> and its like white space, other tags MARKDOWN_LEFT_OUT; references to
- * characters become the characters. A name in angle brackets that is no element known here, and is never
+ * (<p>, <li>) becomes a blank line, <br> and its like white space, other tags MARKDOWN_LEFT_OUT; references
+ * to characters become the characters. A name in angle brackets that is no element known here, and is never
  * closed, is a word: it loses only the brackets. A "<" or "&" that begins neither stays. */
 struct stray_tags stray_tags_blank(char *s, size_t n);
 

@@ -243,6 +243,7 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
                                  .lang = synthesis_lang(s),
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
                                  .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
 }
 

@@ -6,12 +6,12 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
-import { artefacts, build, Daemon } from '../lib/daemon.mjs';
+import { heads } from '../lib/built-heads.mjs';
+import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { photograph, writePng } from '../lib/drawn-photographs.mjs';
 import { posesOf, withHabits } from '../lib/habits.mjs';
 import { checkStayed, watchPage } from '../lib/page-private.mjs';
 
-const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-page-film-'));
 const file = (name) => path.join(folder, name);
 const HELD_MS = 700; // each picture of a video

@@ -11,13 +11,13 @@ import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { flat } from '../../models/tools/portrait/images.mjs';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
+import { heads } from '../lib/built-heads.mjs';
 import { artefacts, build, Daemon } from '../lib/daemon.mjs';
 import { photograph, writeJpeg, writePng } from '../lib/drawn-photographs.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
 import { checkStayed, watchPage } from '../lib/page-private.mjs';
 import { violations as wrongHead } from '../lib/schema.mjs';
 
-const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
 const read = (name) => JSON.parse(fs.readFileSync(path.join(heads, `${name}.json`), 'utf8'));
 const table = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), 'utf8'));
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-page-poses-'));

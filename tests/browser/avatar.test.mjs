@@ -10,10 +10,10 @@ import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { launch } from '../lib/browser.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { artefacts, build, root } from '../lib/daemon.mjs';
 
 const web = fileURLToPath(new URL('../../web/', import.meta.url));
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const shapes = (name) => JSON.parse(fs.readFileSync(path.join(root, `models/shapes/${name}.json`)));
 const SIZE = 420;
 const EYES = 1550; // mm from the floor

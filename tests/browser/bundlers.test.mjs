@@ -13,13 +13,13 @@ import { build as vite } from 'vite';
 import webpack from 'webpack';
 import { build as esbuild } from '../../web/node_modules/esbuild/lib/main.js';
 import { launch } from '../lib/browser.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { build, Daemon, root } from '../lib/daemon.mjs';
 import { packed } from '../lib/packed-avatars.mjs';
 import { servePages } from '../lib/page-server.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bundlers-'));
 const dist = path.join(folder, 'node_modules/@faccia/talking-head/dist');
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const html = (script) => `<!doctype html><html lang="en"><meta charset="utf-8"><title>App</title><link rel="icon" href="data:,"><div id="app"></div><script type="module" src="${script}"></script></html>`;
 const TYPES = { '.js': 'text/javascript', '.html': 'text/html; charset=utf-8', '.glb': 'model/gltf-binary' };
 

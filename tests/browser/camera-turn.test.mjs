@@ -10,11 +10,11 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { drawHead } from '../../models/tools/lib/portrait.mjs';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
-import { artefacts, Daemon, root } from '../lib/daemon.mjs';
+import { models } from '../lib/built-heads.mjs';
+import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { checkStayed, watchPage } from '../lib/page-private.mjs';
 
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
-const models = process.env.FACCIA_MODELS ?? path.join(root, 'build/models');
 const TURNS = [0, 20, 42, 0, -20, -42]; // degrees, one after the other, again and again
 const HELD = 24; // frames
 let daemon, browser, folder;

@@ -85,7 +85,7 @@ test('captions of a passage are cues with the times of their words', async () =>
 });
 
 test('a static site that follows the instructions literally: the frame, the element, the policy', async () => {
-  const guide = fs.readFileSync(path.join(root, 'web/embedding.md'), 'utf8');
+  const guide = fs.readFileSync(path.join(root, 'web/docs/library/embedding.md'), 'utf8');
   const here = (text) => text.replaceAll('https://faccia.example.org', daemon.url).replaceAll('wss://faccia.example.org', daemon.url.replace('http', 'ws'));
   const [frame, element] = [...guide.matchAll(/```html\n([^]*?)```/g)].map(([, lines]) => here(lines));
   const [, script] = here(guide).match(/in a script of the site, `([^`]+)`/);

@@ -9,17 +9,17 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { PNG } from 'pngjs';
 import { launch } from '../lib/browser.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { bonesOnly, oddNames, partsOf, visemesOnly, vrm0, writeGlb } from '../lib/foreign-avatars.mjs';
 import { packed } from '../lib/packed-avatars.mjs';
 import { fiveLines, servePages } from '../lib/page-server.mjs';
 
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const own = fs.readFileSync(path.join(models, 'heads/mara.glb'));
 const { fdp, textures } = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json')));
 const TEXT = 'La mamma abbraccia il papà, e la bimba mangia una pera.';
-const policy = fs.readFileSync(path.join(root, 'web/README.md'), 'utf8').match(/```csp\n([^]*?)```/)[1].replace(/\s+/g, ' ').trim();
+const policy = fs.readFileSync(path.join(root, 'web/docs/element/looks.md'), 'utf8').match(/```csp\n([^]*?)```/)[1].replace(/\s+/g, ' ').trim();
 
 let daemon, browser, pages, page, track;
 const glb = (body) => ({ body, type: 'model/gltf-binary', headers: { 'content-length': String(body.length) } });

@@ -9,11 +9,11 @@ import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { framed } from '../../web/src/head/framing.mjs';
 import { launch } from '../lib/browser.mjs';
+import { heads as models } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const models = path.join(process.env.FACCIA_MODELS ?? path.join(root, 'build/models'), 'heads');
 const names = ['mara', 'bruno', 'ettore', 'samuel', 'luca'];
 const heads = new Map(names.map((name) => [name, JSON.parse(fs.readFileSync(path.join(models, `${name}.json`)))]));
 const SIZE = { width: 640, height: 480 };

@@ -8,13 +8,13 @@ import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { launch } from '../lib/browser.mjs';
+import { heads as models } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
 import { expressionPose, LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
 import { heading, misses, mouthCamera, paint, row, seen, seenIn } from '../lib/mouth-seen.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const models = path.join(process.env.FACCIA_MODELS ?? path.join(root, 'build/models'), 'heads');
 const EMOTIONS = ['joy', 'fear', 'surprise'];
 let browser, page, head;
 before(async () => {

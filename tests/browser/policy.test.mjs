@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The element under a strict content security policy: the one of web/README.md, as it is written there.
+// The element under a strict content security policy: the one of web/docs/element/looks.md, as it is written there.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -9,7 +9,7 @@ import { launch } from '../lib/browser.mjs';
 import { Daemon, root } from '../lib/daemon.mjs';
 import { fiveLines, servePages } from '../lib/page-server.mjs';
 
-const documented = fs.readFileSync(path.join(root, 'web/README.md'), 'utf8').match(/```csp\n([^]*?)```/)[1].replace(/\s+/g, ' ').trim();
+const documented = fs.readFileSync(path.join(root, 'web/docs/element/looks.md'), 'utf8').match(/```csp\n([^]*?)```/)[1].replace(/\s+/g, ' ').trim();
 
 let daemon, browser, server;
 before(async () => {

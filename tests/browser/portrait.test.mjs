@@ -6,6 +6,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { violations } from '../lib/axe.mjs';
 import { launch, picture } from '../lib/browser.mjs';
+import '../lib/built-heads.mjs';
 import { artefacts, build, Daemon } from '../lib/daemon.mjs';
 import { photograph, writePng } from '../lib/drawn-photographs.mjs';
 import { checkStayed, watchPage } from '../lib/page-private.mjs';

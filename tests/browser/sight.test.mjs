@@ -6,9 +6,9 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { bundle } from '../bench/page-script.mjs';
 import { launch } from '../lib/browser.mjs';
-import { artefacts, root } from '../lib/daemon.mjs';
+import { heads as models } from '../lib/built-heads.mjs';
+import { artefacts } from '../lib/daemon.mjs';
 
-const models = path.join(process.env.FACCIA_MODELS ?? path.join(root, 'build/models'), 'heads');
 const script = `
 import { View } from './src/head/view.mjs';
 import { Head } from './src/head/head.mjs';

@@ -2,6 +2,7 @@
 // What is seen of the lips' contacts and openings: frames drawn with each part of the head in one flat colour, and counted.
 import fs from 'node:fs';
 import path from 'node:path';
+import './built-heads.mjs';
 import { build } from './daemon.mjs';
 import { headPage } from './head-page.mjs';
 import { withoutHead } from './mouth-poses.mjs';

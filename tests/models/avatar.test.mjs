@@ -9,11 +9,11 @@ import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import validator from 'gltf-validator';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { readGlb } from '../lib/glb.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const heads = fs.readdirSync(path.join(models, 'heads')).filter((file) => file.endsWith('.json')).map((file) => path.basename(file, '.json'));
 const file = (name, kind) => path.join(models, 'heads', `${name}.${kind}`);
 const shapes = (name) => JSON.parse(fs.readFileSync(path.join(root, `models/shapes/${name}.json`)));

@@ -9,10 +9,10 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { textures } from '../../models/tools/portrait/images.mjs';
 import { makeHead } from '../../web/src/portrait/portrait.mjs';
+import { heads } from '../lib/built-heads.mjs';
 import { photograph } from '../lib/drawn-photographs.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
 const table = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), 'utf8'));
 const luca = JSON.parse(fs.readFileSync(path.join(heads, 'luca.json'), 'utf8'));
 const CHEEKS = [50, 280, 205, 425]; // landmarks

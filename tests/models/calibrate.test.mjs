@@ -11,8 +11,8 @@ import { view } from '../../models/tools/lib/sight.mjs';
 import { calibrate } from '../../web/src/head/calibrate.mjs';
 import { ModelError } from '../../web/src/head/model-check.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
+import { models } from '../lib/built-heads.mjs';
 
-const models = process.env.FACCIA_MODELS ?? new URL('../../build/models', import.meta.url).pathname;
 const head = (name) => readModel(JSON.parse(fs.readFileSync(path.join(models, 'heads', `${name}.json`), 'utf8')));
 const plain = (model) => unpack(packModel({ name: 'x', title: 'X', licence: 'CC0-1.0', credits: [] }, model));
 const far = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));

@@ -14,10 +14,12 @@ const read = (name) => JSON.parse(fs.readFileSync(path.join(root, 'models', name
 const validate = new Ajv({ strict: false }).compile(read('expressions.schema.json'));
 
 /** The command with a changed file. */
-function faccia(file, ...args) {
+const faccia = (file, ...args) => command(file, ['expressions', ...args]);
+
+function command(file, args, input) {
   const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   fs.writeFileSync(path.join(models, 'expressions.json'), JSON.stringify(file));
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['expressions', ...args], { env: { ...process.env, FACCIA_MODELS: models } });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, env: { ...process.env, FACCIA_MODELS: models } });
   fs.rmSync(models, { recursive: true });
   return { status, stdout: String(stdout), stderr: String(stderr) };
 }
@@ -45,6 +47,48 @@ test('a new expression is a new entry', () => {
   assert.equal(frames[0][19], Math.round(0.5 * (300 + 0.2 * sad.close_t_eyelid)));
   assert.equal(frames[0][12] - frames[0][13], 45);
   assert.equal(frames[1][3], file.affect.joy.pose.open_jaw);
+});
+
+/** Each markup that names affects freely, with a sentence for each of the names. */
+const MARKUPS = {
+  apml: (names) => `<apml><performative type="inform">${names.map((name) => `<rheme affect="${name}">Uno.</rheme>`).join('\n')}</performative></apml>`,
+  ssml: (names) => `<speak xmlns:mstts="http://www.w3.org/2001/mstts">${names.map((name) => `<mstts:express-as style="${name}">Uno.</mstts:express-as>`).join('\n')}</speak>`,
+  emotionml: (names) =>
+    `<emotionml version="1.0" xmlns="http://www.w3.org/2009/10/emotionml">${names.map((name) => `<emotion><category name="${name}"/>Uno.</emotion>`).join('\n')}</emotionml>`,
+  bml: (names) => `<bml><speech id="s"><text>${'Uno. '.repeat(8)}</text></speech>${names.map((name) => `<face lexeme="${name}" start="s:start" end="s:end"/>`).join('\n')}</bml>`,
+};
+
+/** The affects that the text's cues name, by the program with that expressions file. */
+function cues(file, markup, names) {
+  const { status, stdout, stderr } = command(file, ['check', '--score', '--markup', markup, '-'], MARKUPS[markup](names));
+  assert.equal(status, 0, stderr + stdout);
+  return { warnings: stdout.split('\n').filter((line) => line.includes('warning')), affects: [...stdout.matchAll(/^cue affect (\S+) /gm)].map(([, name]) => name) };
+}
+
+for (const markup of Object.keys(MARKUPS))
+  test(`every affect and each of its other names is shown when ${markup} asks for it`, () => {
+    const file = read('expressions.json');
+    for (const [name, { aliases = [] }] of Object.entries(file.affect)) {
+      // "complex:..." is APML's own way to write two; BML writes its names with dashes
+      const names = [name, ...aliases.filter((alias) => alias !== '*' && !alias.includes(':') && !(markup === 'bml' && alias.includes('_')))];
+      const { warnings, affects } = cues(file, markup, names);
+      assert.deepEqual(warnings, []);
+      assert.equal(affects.length, names.length, `${name}: ${affects.join(' ')}`);
+      for (const affect of affects) assert.ok(affect === name || (markup === 'apml' && aliases.includes(affect)), `${affect} is not ${name}`);
+    }
+  });
+
+test('an affect is known to every markup once it is in the file, and takes a name that another had', () => {
+  const file = read('expressions.json');
+  file.affect.joy.aliases = file.affect.joy.aliases.filter((alias) => alias !== 'amused');
+  file.affect.amused = { activation: 0.1, evaluation: 0.4, pose: { raise_l_cornerlip: 300 } };
+  assert.ok(validate(file));
+  for (const markup of Object.keys(MARKUPS)) assert.deepEqual(cues(file, markup, ['amused']), { warnings: [], affects: ['amused'] }, markup);
+  // while both have the name, nobody could say which is meant
+  file.affect.joy.aliases.push('amused');
+  const { status, stderr } = command(file, ['expressions']);
+  assert.equal(status, 1);
+  assert.match(stderr, /affect\.\w+: the name 'amused' is there twice/);
 });
 
 test('the command says what it cannot do', () => {

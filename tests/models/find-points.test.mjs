@@ -12,10 +12,10 @@ import { readScene } from '../../models/tools/import/make-head.mjs';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { writeGlb, writeObj } from '../lib/plain-files.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-find-'));
 const at = (name) => path.join(folder, name);
 const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));

@@ -12,11 +12,11 @@ import { findPoints } from '../../models/tools/import/find-points.mjs';
 import { makeHead, readScene } from '../../models/tools/import/make-head.mjs';
 import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
 import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
 const at = (name) => path.join(folder, name);
 after(() => fs.rmSync(folder, { recursive: true }));

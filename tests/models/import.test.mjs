@@ -14,6 +14,7 @@ import { view } from '../../models/tools/lib/sight.mjs';
 import { checkEyelids, checkLipsMoveAsOne, checkNeutral } from '../../models/tools/lib/check.mjs';
 import { readScene } from '../../models/tools/import/make-head.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
 import { binaryFbx, textFbx } from '../lib/fbx.mjs';
 import { partsOf } from '../lib/foreign-avatars.mjs';
@@ -21,7 +22,6 @@ import { packed } from '../lib/packed-avatars.mjs';
 import { oldLook } from '../lib/strange-cases.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-import-'));
 const at = (name) => path.join(folder, name);
 const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));

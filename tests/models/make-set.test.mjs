@@ -12,12 +12,12 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { inverse, mapped, placed, refined, similarity, evened } from '../../models/tools/pictures/frame.mjs';
 import { nameOf, visemes } from '../../models/tools/pictures/names.mjs';
 import { readPictures } from '../../web/src/pictures/set.mjs';
+import { models as built } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { openStudio } from '../lib/photographs.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const built = process.env.FACCIA_MODELS ?? path.join(root, 'build/models');
 const tool = path.join(root, 'models/tools/pictures/make-set.mjs');
 const TAKEN = ['rest', 'p1', 'u', 'a', 'i1', 't1', 'o', 'e', 'f2'];
 const EXPECTED = { 'p1-1.png': /lips are apart/, 'u-1.png': /blurred/, 'a-1.png': /turned by \d\d degrees/, 'e-1.png': /hardly open/, 'i1-1.jpg': /no picture that can be read/, 'o-1.png': /no face/, 'f2-1.png': /darker/ };

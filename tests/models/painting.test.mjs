@@ -13,6 +13,7 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { drawHead, seenAt } from '../../models/tools/lib/portrait.mjs';
 import { rounded } from '../../models/tools/lib/refine.mjs';
 import { wideEnough } from '../../models/tools/lib/strips.mjs';
+import '../lib/built-heads.mjs';
 
 /** A square of 40 mm in the plane z = 10. */
 const square = () => ({

@@ -11,10 +11,10 @@ import { align } from '../../web/src/portrait/align.mjs';
 import { fitShape } from '../../web/src/portrait/fit.mjs';
 import { asProfile } from '../../web/src/portrait/portrait.mjs';
 import { outlinesOf, withProfiles } from '../../web/src/portrait/profile.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { photograph, writePng } from '../lib/drawn-photographs.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const table = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), 'utf8'));
 const heads = path.join(models, 'heads');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-profile-'));

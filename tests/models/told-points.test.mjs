@@ -9,10 +9,10 @@ import path from 'node:path';
 import test, { after, before } from 'node:test';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { writeGlb, writeObj } from '../lib/plain-files.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
-const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const web = process.env.FACCIA_WEB ?? path.join(build, 'web');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-told-'));
 const at = (name) => path.join(folder, name);

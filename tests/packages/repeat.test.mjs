@@ -30,6 +30,13 @@ test('the scripts and pages', () => {
   assert.deepEqual(other, one);
 });
 
+test('the documentation', () => {
+  const made = process.env.FACCIA_WEB, files = [path.join(web, 'docs/build.mjs'), path.join(made, 'help.json'), path.join(made, 'custom-elements.json')];
+  const [one, other] = WAYS.map((way) => all(path.join(run(way, 'node "$1" docs "$2" "$3"', ...files), 'docs')));
+  assert.ok(Object.keys(one).length > 100);
+  assert.deepEqual(other, one);
+});
+
 test('the npm packages', () => {
   for (const script of ['package/pack.mjs', 'client/pack.mjs']) {
     const [one, other] = WAYS.map((way) => {

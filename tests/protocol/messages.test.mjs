@@ -16,7 +16,7 @@ const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const declared = JSON.parse(read('protocol/messages.json'));
 const { members } = declared.messages.speak;
 const KEPT = ['protocol/schema/client.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/src/talking-head.d.ts',
-  'web/src/speak-attributes.mjs', 'web/README.md', 'web/client/python/faccia.py'];
+  'web/src/speak-attributes.mjs', 'web/docs/element/reference.md', 'web/client/python/faccia.py'];
 
 const folders = [];
 after(() => folders.forEach((folder) => fs.rmSync(folder, { recursive: true })));
@@ -100,8 +100,8 @@ const DAMAGES = [
   ['web/src/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
   ['web/src/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
   ['web/src/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
-  ['web/README.md', 'an attribute', words('`life`, `blend`, `contacts` | defaults for', '`life`, `blend` | defaults for')],
-  ['web/README.md', 'an option', words('`blend`, `contacts`, `mode`', '`blend`, `mode`')],
+  ['web/docs/element/reference.md', 'an attribute', words('`life`, `blend`, `contacts` | defaults for', '`life`, `blend` | defaults for')],
+  ['web/docs/element/reference.md', 'an option', words('`blend`, `contacts`, `mode`', '`blend`, `mode`')],
   ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],
 ];
 assert.deepEqual([...new Set(DAMAGES.map(([name]) => name))].sort(), [...KEPT].sort());

@@ -212,15 +212,24 @@ static void reads_x_sampa(void **state) {
 
 static void places_affects_on_the_disc(void **state) {
     (void)state;
+    static char *const happy[] = {"happiness", NULL}, *const joyous[] = {"smug", "glee", NULL};
+    static const struct affect items[] = {{"glee", joyous, 0.16, 0.42, false}, /* basic ones come before it */
+                                          {"joy", happy, 0.17, 0.42, true},
+                                          {"surprise", NULL, 0.4, 0, true},
+                                          {"pensive", NULL, -0.4, 0.1, false},
+                                          {"nowhere", NULL, 0, 0, false}};
+    const struct affects affects = {items, sizeof items / sizeof *items}, none = {NULL, 0};
     double intensity;
-    assert_string_equal(affect_at(0.34, -0.36, &intensity), "anger");
-    assert_string_equal(affect_at(0.17, 0.42, &intensity), "joy");
-    assert_string_equal(affect_at(-0.2, -0.4, &intensity), "sadness");
-    assert_string_equal(affect_at(1, 0, &intensity), "surprise");
+    assert_string_equal(affect_at(&affects, 0.17, 0.42, &intensity), "joy");
+    assert_string_equal(affect_at(&affects, 1, 0, &intensity), "surprise");
     assert_true(intensity == 1);
-    assert_null(affect_at(0, 0.01, &intensity));
-    assert_string_equal(affect_meant("HAPPINESS"), "joy");
-    assert_string_equal(affect_meant("smugness"), "smugness");
+    assert_string_equal(affect_at(&affects, -0.2, 0.05, &intensity), "pensive");
+    assert_null(affect_at(&affects, 0, 0.01, &intensity));
+    assert_null(affect_at(&none, 1, 0, &intensity));
+    assert_string_equal(affect_meant(&affects, "HAPPINESS"), "joy");
+    assert_string_equal(affect_meant(&affects, "glee"), "glee"); /* a name before an alias */
+    assert_string_equal(affect_meant(&affects, "smugness"), "smugness");
+    assert_string_equal(affect_meant(NULL, "joy"), "joy");
 }
 
 /* Work is counted by how far the reader came, and by what it made. */

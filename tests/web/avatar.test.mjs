@@ -10,11 +10,11 @@ import { modelOf } from '../../web/src/avatar/avatar.mjs';
 import { readMap } from '../../web/src/avatar/map.mjs';
 import { ARKIT, boneOf, mirrored, presetOf, rowShapes, shapeOf, shapesAmong } from '../../web/src/avatar/names.mjs';
 import { faceValues } from '../../web/src/face-mixer.mjs';
+import { models } from '../lib/built-heads.mjs';
 import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const models = process.env.FACCIA_MODELS ?? path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models');
 globalThis.createImageBitmap ??= async () => ({ width: 1, height: 1, close() {} }); // nothing is drawn here
 
 test('the shapes are ours', () => {

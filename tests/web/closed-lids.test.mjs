@@ -13,9 +13,9 @@ import { readModel } from '../../web/src/head/model.mjs';
 import { Normals } from '../../web/src/head/normals.mjs';
 import { bakeOcclusion } from '../../web/src/head/occlusion.mjs';
 import { fibres } from '../../web/src/head/surfaces.mjs';
+import { heads as folder } from '../lib/built-heads.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const folder = path.join(process.env.FACCIA_MODELS ?? path.join(root, 'build/models'), 'heads');
 const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json'));
 const CLOSED = faceValues({ 19: 1024, 20: 1024 });
 

@@ -10,12 +10,12 @@ import { modelOf } from '../../web/src/avatar/avatar.mjs';
 import { readMap } from '../../web/src/avatar/map.mjs';
 import { faceValues } from '../../web/src/face-mixer.mjs';
 import { Vector3 } from '../../web/node_modules/three/build/three.module.js';
+import { models } from '../lib/built-heads.mjs';
 import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
 import { METRES, strange, takenApart } from '../lib/strange-avatars.mjs';
 import { strangeCases } from '../lib/strange-cases.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const models = process.env.FACCIA_MODELS ?? path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models');
 globalThis.createImageBitmap ??= async () => ({ width: 1, height: 1, close() {} }); // nothing is drawn here
 
 const own = fs.readFileSync(path.join(models, 'heads/mara.glb'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What browsers have to read: the face of a room runs on tablets that are years old (web/README.md), and says so to those that are older.
+// What browsers have to read: the face of a room runs on tablets that are years old (web/docs/home/index.md), and says so to those that are older.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';

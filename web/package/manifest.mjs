@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The custom elements manifest (custom-elements.json): members from the types, the rest from the tables of README.md.
+// The custom elements manifest (custom-elements.json): members from the types, the rest from the tables of
+// docs/element/reference.md.
 import { create, ts } from '@custom-elements-manifest/analyzer';
 import { readFileSync } from 'node:fs';
 

@@ -69,7 +69,7 @@ writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   files: ['dist', 'custom-elements.json'],
 }, null, 2)}\n`);
 writeFileSync(path.join(out, 'custom-elements.json'),
-  `${JSON.stringify(manifest(path.join(dist, 'talking-head.d.ts'), path.join(web, 'README.md'), script), null, 2)}\n`);
+  `${JSON.stringify(manifest(path.join(dist, 'talking-head.d.ts'), path.join(web, 'docs/element/reference.md'), script), null, 2)}\n`);
 copyFileSync(path.join(here, 'README.md'), path.join(out, 'README.md'));
 writeFileSync(path.join(out, 'LICENSE'), `${readFileSync(path.join(web, '../LICENSES/MIT.txt'), 'utf8')}
 The scripts contain three.js ${three} (MIT, three.js authors) with the decoders of Draco and Basis Universal (Apache-2.0, Google LLC

@@ -3,7 +3,7 @@
 export const sharedWords = {
   it: {
     skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci', avatarPage: 'Il tuo viso',
-    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', examplesPage: 'Esempi',
+    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', examplesPage: 'Esempi', docsPage: 'Documentazione',
     morePages: 'Altre pagine', editorPage: 'Editor',
     connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
     face: 'La testa', head: 'Testa: {title}. {credits}', pageLang: 'Lingua di questa pagina', otherLanguages: 'Altre lingue',
@@ -18,7 +18,7 @@ export const sharedWords = {
   },
   pt: {
     skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
-    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', examplesPage: 'Exemplos',
+    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', examplesPage: 'Exemplos', docsPage: 'Documentação',
     morePages: 'Outras páginas', editorPage: 'Editor',
     connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
     face: 'A cabeça', head: 'Cabeça: {title}. {credits}', pageLang: 'Idioma desta página', otherLanguages: 'Outros idiomas',
@@ -33,7 +33,7 @@ export const sharedWords = {
   },
   tr: {
     skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
-    libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', examplesPage: 'Örnekler',
+    libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', examplesPage: 'Örnekler', docsPage: 'Belgeler',
     morePages: 'Diğer sayfalar', editorPage: 'Düzenleyici',
     connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
     face: 'Baş', head: 'Baş: {title}. {credits}', pageLang: 'Bu sayfanın dili', otherLanguages: 'Diğer diller',
@@ -48,7 +48,7 @@ export const sharedWords = {
   },
   en: {
     skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices', avatarPage: 'Your face',
-    libraryPage: 'Library', playerPage: 'Face Player', operatorPage: 'Operator', examplesPage: 'Examples',
+    libraryPage: 'Library', playerPage: 'Face Player', operatorPage: 'Operator', examplesPage: 'Examples', docsPage: 'Documentation',
     morePages: 'More pages', editorPage: 'Editor',
     connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
     face: 'The head', head: 'Head: {title}. {credits}', pageLang: 'Language of this page', otherLanguages: 'Other languages',

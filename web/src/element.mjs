@@ -20,7 +20,7 @@ const MOVE_MS = 100; // so long it may be out of the page without being given up
 
 const turns = new Turns(); // of all heads in the page
 
-/** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
+/** `<talking-head>`: see web/docs/element. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
     ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'pictures', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
