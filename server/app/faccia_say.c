@@ -29,6 +29,7 @@ static const char usage[] =
     "      --blend RULE     how expressions share the mouth with speech: auto, regions or weighted (auto)\n"
     "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine:\n"
     "                       off for the baselines cohen-massaro and table, on for the others (engine)\n"
+    "      --normalize WHICH  on, or off: numbers, signs and short forms are left to the voice (on)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
@@ -202,6 +203,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"osc", 1, NULL, 'P'},
         {"contacts", 1, NULL, 1},
+        {"normalize", 1, NULL, 1},
         {"voice-file", 1, NULL, 'S'},
         {"help", 0, NULL, 'h'},
         {0},

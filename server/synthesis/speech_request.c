@@ -15,6 +15,7 @@ static const char *const blends[] = {[SPEAK_BLEND_AUTO] = "auto",
                                      NULL};
 static const char *const contacts[] = {
     [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
+static const char *const normalize[] = {[NORMALIZE_ON] = "on", [NORMALIZE_OFF] = "off", NULL};
 static const char *const genders[] = {
     [GENDER_ANY] = "any", [GENDER_FEMALE] = "female", [GENDER_MALE] = "male", NULL};
 static const char *const modes[] = {[SPEAK_QUEUE] = "queue",
@@ -51,6 +52,7 @@ static const struct field {
     {"life", NUMBER, offsetof(struct speech_request, life), 0, 2, NULL},
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
     {"contacts", CHOICE, offsetof(struct speech_request, contacts), 0, 0, contacts},
+    {"normalize", CHOICE, offsetof(struct speech_request, normalize), 0, 0, normalize},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
     {"priority", CHOICE, offsetof(struct speech_request, priority), 0, 0, priorities},
     {"topic", STRING, offsetof(struct speech_request, topic), 1, 64, NULL},
@@ -150,6 +152,7 @@ _Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
                    sizeof(enum speech_mode) == sizeof(unsigned) &&
                    sizeof(enum speech_priority) == sizeof(unsigned) &&
                    sizeof(enum face_contacts) == sizeof(unsigned) &&
+                   sizeof(enum speech_normalize) == sizeof(unsigned) &&
                    sizeof(enum voice_gender) == sizeof(unsigned),
                "choices are set as unsigned");
 

@@ -30,6 +30,10 @@ enum speech_blend {
     SPEAK_BLEND_WEIGHTED,
 };
 
+/* Whether what a text does not write in words (numbers, signs, short forms) is put into words before the voice
+ * sees it, and what Markdown writes is left out. */
+enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
+
 enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 
 struct speech_request {
@@ -49,6 +53,7 @@ struct speech_request {
     double life;                 /* strength of the signs of life, 0..2; negative = not given */
     enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
+    enum speech_normalize normalize;
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */
     bool again;                  /* what is lost with the daemon that was to speak it is asked of the next */

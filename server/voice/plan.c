@@ -60,15 +60,19 @@ static void add_text(struct plan *plan, const struct score_item *item) {
     span->text = text;
     plan->last_bytes += bytes;
     plan->text_bytes += bytes;
-    plan->pieces = mem_grow(plan->pieces, &plan->piece_cap, plan->piece_count + 1, sizeof *plan->pieces);
-    plan->pieces[plan->piece_count++] = (struct plan_piece){
-        .span = (uint32_t)(plan->span_count - 1),
-        .offset = before,
-        .bytes = bytes,
-        .from = item->start,
-        .to = item->end,
-        .verbatim = item->verbatim,
-    };
+    const struct score_part whole = {0, bytes, item->start, item->end, item->verbatim, false};
+    const struct score_part *parts = item->parts ? item->parts : &whole;
+    size_t count = item->parts ? item->part_count : 1;
+    plan->pieces = mem_grow(plan->pieces, &plan->piece_cap, plan->piece_count + count, sizeof *plan->pieces);
+    for (size_t i = 0; i < count; i++)
+        plan->pieces[plan->piece_count++] = (struct plan_piece){
+            .span = (uint32_t)(plan->span_count - 1),
+            .offset = before + parts[i].offset,
+            .bytes = parts[i].bytes,
+            .from = parts[i].start,
+            .to = parts[i].end,
+            .verbatim = parts[i].verbatim,
+        };
 }
 
 /* What of the cue lies in the sentence, if anything. A point is where the item that follows it is; one at the

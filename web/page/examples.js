@@ -45,7 +45,7 @@ const made = (tag, attributes, text = '') => {
 };
 
 const suggestions = {
-  contacts: ['engine', 'on', 'off'], blend: ['auto', 'regions', 'weighted'], poster: ['off'],
+  contacts: ['engine', 'on', 'off'], blend: ['auto', 'regions', 'weighted'], poster: ['off'], normalize: ['on', 'off'],
   markup: ['auto', 'plain', 'ssml', 'apml', 'jsml', 'emotionml', 'bml', 'fml'],
 };
 

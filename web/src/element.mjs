@@ -14,7 +14,7 @@ import { parts, styles } from './template.mjs';
 import { Turns } from './turns.mjs';
 
 const SPEAK_ATTRIBUTES = {
-  lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
+  lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String, normalize: String,
 };
 const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];

@@ -43,7 +43,7 @@ const onOff = (name, without) => ({
 });
 
 const PROPERTIES = {
-  ...Object.fromEntries(['src', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'voice', 'markup', 'blend', 'contacts', 'label', 'poster', 'view'].map((name) => [name, string(name)])),
+  ...Object.fromEntries(['src', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'voice', 'markup', 'blend', 'contacts', 'normalize', 'label', 'poster', 'view'].map((name) => [name, string(name)])),
   rate: number('rate', (value) => value > 0),
   life: number('life', (value) => value >= 0),
   captions: onOff('captions', true),

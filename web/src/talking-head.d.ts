@@ -54,6 +54,8 @@ export interface SpeakOptions {
   life?: number;
   blend?: string;
   contacts?: 'engine' | 'on' | 'off';
+  /** Off: numbers, signs and short forms are left to the voice. */
+  normalize?: 'on' | 'off';
   fps?: number;
   still?: boolean;
   seed?: number;
@@ -176,6 +178,7 @@ export interface TalkingHeadAttributes {
   markup?: string | null;
   blend?: string | null;
   contacts?: 'engine' | 'on' | 'off' | null;
+  normalize?: 'on' | 'off' | null;
   label?: string | null;
   lang?: string;
   rate?: number | string | null;
@@ -221,6 +224,7 @@ export class TalkingHead extends HTMLElement {
   markup: string | null;
   blend: string | null;
   contacts: string | null;
+  normalize: string | null;
   label: string | null;
   rate: number | null;
   life: number | null;
