@@ -52,10 +52,13 @@ static bool starts(const char *s, const char *prefix) {
     return !strncmp(s, prefix, strlen(prefix));
 }
 
-static void read_figure(const struct text_rules *r, const char *text, char decimal, struct figure *out) {
-    size_t whole = 0, decimals = 0;
+static void read_figure(const char *text, char decimal, struct figure *out) {
+    size_t whole = 0, decimals = 0, length = strlen(text);
     bool after = false;
-    (void)r;
+    const char other = decimal == ',' ? '.' : ',';
+    /* two digits behind the sign that is not this language's are decimals all the same: "$49.95" */
+    if (decimal && length > 3 && text[length - 3] == other && !strchr(text, decimal))
+        decimal = other;
     *out = (struct figure){.minus = *text == '-' || starts(text, "\u2212") || starts(text, "\u2013"),
                            .plus = *text == '+'};
     for (const char *s = text; *s; s++) {
@@ -168,7 +171,7 @@ static bool amount(const struct filling *f, const char *value, const char *argum
     free(key);
     if (!json_is_array(noun))
         return false;
-    read_figure(f->rules, value, decimal_of(f->rules), &figure);
+    read_figure(value, decimal_of(f->rules), &figure);
     add_counted(f->rules, &figure, noun, out);
     return true;
 }
@@ -196,7 +199,7 @@ static bool money(const struct filling *f, const char *value, const char *argume
     const json_t *currency = rules_look_up(r, "currencies", sign);
     struct figure figure;
     free(sign);
-    read_figure(r, value, decimal_of(r), &figure);
+    read_figure(value, decimal_of(r), &figure);
     size_t length = strlen(figure.decimals);
     const json_t *noun = json_array_get(currency, 0), *small = json_array_get(currency, 1);
     if (!noun)
@@ -376,12 +379,12 @@ static bool apply(const struct filling *f, const char *function, const char *arg
     const struct text_rules *r = f->rules;
     struct figure figure;
     if (!strcmp(function, "number")) {
-        read_figure(r, value, *argument == '.' || *argument == ',' ? *argument : decimal_of(r), &figure);
+        read_figure(value, *argument == '.' || *argument == ',' ? *argument : decimal_of(r), &figure);
         add_figure(r, &figure, *argument && !strchr(".,", *argument) ? argument : "cardinal", out);
         return true;
     }
     if (!strcmp(function, "spell")) {
-        read_figure(r, value, '\0', &figure);
+        read_figure(value, '\0', &figure);
         return *figure.whole && spellout_whole(r->spellout, argument, skip_zeros(figure.whole), out);
     }
     if (!strcmp(function, "decimals")) {

@@ -136,6 +136,8 @@ static int read_rule(struct text_rules *rules, const struct json_place *at, stru
     units = to_utf16(set, &size);
     rule->at = uset_openPattern(units, size, &e);
     free(units);
+    if (any_case && U_SUCCESS(e))
+        uset_closeOver(rule->at, USET_CASE_INSENSITIVE);
     return U_SUCCESS(e) ? 0 : json_place_fail(&begins, "is no set of characters: %s", u_errorName(e));
 }
 
