@@ -2,11 +2,11 @@
 /* faccia read: what would be said, beside what is written. */
 #include "server/app/cli.h"
 #include "server/app/cli_options.h"
-#include "server/app/said_words.h"
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
+#include "server/normalize/said_words.h"
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +37,8 @@ static const char **langs_of(const struct read *r, const struct score *script) {
     return langs;
 }
 
-static void show_item(const struct score *script, const struct score_item *item, bool words, struct buf *out) {
+static void show_item(const struct score *script, const struct score_item *item, bool words,
+                      struct buf *out) {
     const struct score_part whole = {0, strlen(item->text), item->start, item->end, item->verbatim, false};
     const struct score_part *parts = item->parts ? item->parts : &whole;
     size_t count = item->parts ? item->part_count : 1;
@@ -54,7 +55,8 @@ static int read_text(const struct read *r, const struct buf *text, const struct 
     struct markup_rules rules = {.lang = r->lang,
                                  .lenient = true,
                                  .markdown_out = strcmp(r->normalize, "off") != 0,
-                                 .abbreviations = normalizers_abbreviations(&r->stages->normalizers, r->lang)};
+                                 .abbreviations =
+                                     normalizers_abbreviations(&r->stages->normalizers, r->lang)};
     struct score *document = markup_read(kind, (const char *)text->data, text->size, &rules, &e);
     if (!document) {
         cli_complain_of(&e);
@@ -65,7 +67,7 @@ static int read_text(const struct read *r, const struct buf *text, const struct 
     struct buf out = {0};
     script->input = (const char *)text->data;
     if (strcmp(r->normalize, "off"))
-        normalize_script(r->stages->pipeline.normalizers, script, langs, NULL);
+        normalize_script(r->stages->pipeline.normalizers, script, langs, NULL, NULL);
     for (size_t i = 0; i < script->item_count; i++) {
         const struct score_item *item = &script->items[i];
         if (item->kind == SCORE_TEXT && item->text)

@@ -19,7 +19,7 @@ struct markup_rules {
     bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
     bool markdown_out;     /* of a whole plain text: what Markdown writes, and emoji, are left out first */
     const struct language_runs *runs; /* of a plain text: what is in another language; may be NULL */
-    bool lenient; /* nobody said what the text is: tags in what is no document are left out, not an error */
+    bool lenient;  /* nobody said what the text is: tags in what is no document are left out, not an error */
     double paused; /* s: pauses that the text had before this piece of it */
     const atomic_bool *given_up; /* when it becomes true, from any thread, reading ends soon, with the error
                                     "cancelled"; may be NULL */

@@ -152,14 +152,16 @@ static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
     if (!is_space(next))
         return next >= 0x3000 ? end : 0; /* scripts without spaces */
     if (only_dots && marks == 1 &&
-        (is_abbreviation(c.text, start, rules, false) || (is_markdown(rules) && is_item_number(c.text, start))))
+        (is_abbreviation(c.text, start, rules, false) ||
+         (is_markdown(rules) && is_item_number(c.text, start))))
         return 0;
     while (is_space(next = look(&c, &length)))
         c.at += length;
     if (only_dots && more && c.at == c.size)
         return PLAIN_UNKNOWN;
     bool lower = only_dots && is_lower(next);
-    return lower && (marks > 1 || c.text[start] != '.' || is_abbreviation(c.text, start, rules, true)) ? 0 : end;
+    return lower && (marks > 1 || c.text[start] != '.' || is_abbreviation(c.text, start, rules, true)) ? 0
+                                                                                                       : end;
 }
 
 static size_t skip_space(struct cursor c, size_t *newlines) {
@@ -196,8 +198,8 @@ static bool is_line_alone(const struct cursor *c, size_t line, size_t next) {
     size_t length;
     struct cursor after = {c->text, c->size, next};
     uint32_t cp = look(&after, &length);
-    return (cp >= 'A' && cp <= 'Z') || (cp >= '0' && cp <= '9') ||
-           (cp >= 0xC0 && cp <= 0xDE && cp != 0xD7) || cp == 0x130 || cp == 0x15E || cp == 0x11E;
+    return (cp >= 'A' && cp <= 'Z') || (cp >= '0' && cp <= '9') || (cp >= 0xC0 && cp <= 0xDE && cp != 0xD7) ||
+           cp == 0x130 || cp == 0x15E || cp == 0x11E;
 }
 
 /* Behind the white space after a line: the sentence's end there, or 0. */

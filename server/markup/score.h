@@ -89,7 +89,7 @@ struct score_item {
     const struct score_part *parts; /* SCORE_TEXT of a script: they cover the text, in order; NULL = all of it
                                        is one, from start to end */
     size_t part_count;
-    double seconds; /* SCORE_BREAK */
+    double seconds;  /* SCORE_BREAK */
     size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
                         left out when the sound is played, spoken when it cannot be */
     const struct score_style *style; /* never NULL */

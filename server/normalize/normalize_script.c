@@ -41,8 +41,8 @@ static size_t place_of(const struct stretch *s, size_t item, size_t byte, bool e
 /* Moves *item on to the one that the byte lies in; at the end of one and the beginning of another that is the
  * latter, unless `end`. */
 static size_t item_of(const struct stretch *s, size_t item, size_t byte, bool end) {
-    while (item + 1 < s->last && (end ? s->begins[item + 1 - s->first] < byte
-                                      : s->begins[item + 1 - s->first] <= byte))
+    while (item + 1 < s->last &&
+           (end ? s->begins[item + 1 - s->first] < byte : s->begins[item + 1 - s->first] <= byte))
         item++;
     return item;
 }
@@ -62,8 +62,8 @@ static void add_part(struct item_words *to, const void *words, struct score_part
 
 static void close_item(struct stretch *s, size_t item, struct item_words *words) {
     struct score_item *i = &s->script->items[item];
-    i->text = score_strndup(s->script, words->words.data ? (const char *)words->words.data : "",
-                            words->words.size);
+    i->text =
+        score_strndup(s->script, words->words.data ? (const char *)words->words.data : "", words->words.size);
     i->parts = score_keep_parts(s->script, words->parts, words->count);
     i->part_count = words->count;
     i->verbatim = false;
@@ -119,8 +119,10 @@ static void say_stretch(struct stretch *s, struct text_rules *rules) {
     free(s->begins);
 }
 
-/* What the author gave a way of reading is read in that way; the numbers in its words are said in words, too. */
-static void say_as(const struct normalizers *normalizers, struct score *script, size_t item, const char *lang) {
+/* What the author gave a way of reading is read in that way; the numbers in its words are said in words, too.
+ */
+static void say_as(const struct normalizers *normalizers, struct score *script, size_t item,
+                   const char *lang) {
     const char *way = script->items[item].style->say_as;
     if (!way)
         return;
@@ -146,8 +148,10 @@ static bool joins(const struct score *script, const char *const *langs, const vo
 }
 
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
-                      const void *const *voices) {
+                      const void *const *voices, const atomic_bool *given_up) {
     for (size_t k = 0; k < script->sentence_count; k++) {
+        if (given_up && atomic_load_explicit(given_up, memory_order_relaxed))
+            return;
         size_t first = script->sentences[k].first, end = first + script->sentences[k].count;
         for (size_t i = first; i < end; i++)
             if (script->items[i].kind == SCORE_TEXT)

@@ -39,8 +39,8 @@ static int load_rules_of(struct normalizers *normalizers, const char *path, cons
         char text[320];
         return error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
     }
-    normalizers->rules =
-        mem_grow(normalizers->rules, &normalizers->rule_cap, normalizers->rule_count + 1, sizeof *normalizers->rules);
+    normalizers->rules = mem_grow(normalizers->rules, &normalizers->rule_cap, normalizers->rule_count + 1,
+                                  sizeof *normalizers->rules);
     struct language_rules *r = &normalizers->rules[normalizers->rule_count++];
     snprintf(r->tag, sizeof r->tag, "%s", *region ? region : text_rules_tag(rules));
     r->rules = rules;
@@ -101,7 +101,8 @@ int normalizers_load(struct normalizers *normalizers, const char *folder, struct
     char text[4096];
     snprintf(text, sizeof text, "%s/text", folder);
     *normalizers = (struct normalizers){0};
-    return load_folder(normalizers, folder, load, e) || load_folder(normalizers, text, load_rules, e) ? -1 : 0;
+    return load_folder(normalizers, folder, load, e) || load_folder(normalizers, text, load_rules, e) ? -1
+                                                                                                      : 0;
 }
 
 void normalizers_free(struct normalizers *normalizers) {

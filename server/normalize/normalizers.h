@@ -8,6 +8,7 @@
 #include "server/base/error.h"
 #include "server/markup/score.h"
 #include <jansson.h>
+#include <stdatomic.h>
 
 struct normalizer;
 struct text_rules;
@@ -52,8 +53,8 @@ const char *const *normalizers_abbreviations(const struct normalizers *normalize
 /* The stage: says in words, whatever markup a text came in, what its author did not write in words. Each item
  * keeps the bytes of the input that each of its words stands for (score_item.parts). langs: of each item, the
  * language that it is spoken in; voices: who speaks each item, as texts of two voices are read apart; NULL =
- * the same voice speaks all. */
+ * the same voice speaks all. given_up: as in markup_rules; may be NULL. */
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
-                      const void *const *voices);
+                      const void *const *voices, const atomic_bool *given_up);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fills the template of a rule that has matched. A template is text with {GROUP|FUNCTION:ARGUMENT|...}: what a
- * named group matched goes through the functions in turn; a function that is not listed here is the name of
+/* Fills the template of a rule that has matched. A template is text with {GROUP|FUNCTION:ARGUMENT|...}: what
+ * a named group matched goes through the functions in turn; a function that is not listed here is the name of
  * a table. models/normalization/text/README.md lists them. */
 #include "server/base/mem.h"
 #include "server/normalize/text_rules_internal.h"

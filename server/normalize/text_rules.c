@@ -22,7 +22,20 @@ static int longer_first(const void *a, const void *b) {
     return n != m ? (n < m ? 1 : -1) : strcmp(x, y);
 }
 
-/* The keys of a table as alternatives. */
+static size_t first_length(const char *key) {
+    size_t length = *key != '\0';
+    while (length && ((unsigned char)key[length] & 0xC0) == 0x80)
+        length++;
+    return length;
+}
+
+static void add_escaped(struct buf *out, const char *text, size_t length) {
+    for (size_t i = 0; i < length; i++)
+        buf_printf(out, "%s%c", strchr("\\^$.|?*+()[]{}/-", text[i]) ? "\\" : "", text[i]);
+}
+
+/* The keys of a table as alternatives: by their first characters, so that most texts fail early; longer ones
+ * first. */
 static void add_keys(struct buf *out, const json_t *table) {
     size_t count = 0;
     const char **keys = mem_alloc((json_object_size(table) + 1) * sizeof *keys), *key;
@@ -32,10 +45,24 @@ static void add_keys(struct buf *out, const json_t *table) {
     }
     qsort(keys, count, sizeof *keys, longer_first);
     buf_printf(out, "(?:");
+    bool any = false;
     for (size_t i = 0; i < count; i++) {
-        buf_printf(out, "%s", i ? "|" : "");
-        for (const char *s = keys[i]; *s; s++)
-            buf_printf(out, "%s%c", strchr("\\^$.|?*+()[]{}/-", *s) ? "\\" : "", *s);
+        if (!keys[i])
+            continue;
+        size_t first = first_length(keys[i]);
+        const char *begins = keys[i];
+        buf_printf(out, "%s", any ? "|" : "");
+        add_escaped(out, begins, first);
+        buf_printf(out, "(?:");
+        for (size_t j = i; j < count; j++) {
+            if (!keys[j] || strncmp(keys[j], begins, first) != 0)
+                continue;
+            buf_printf(out, "%s", j > i ? "|" : "");
+            add_escaped(out, keys[j] + first, strlen(keys[j]) - first);
+            keys[j] = NULL;
+        }
+        buf_printf(out, ")");
+        any = true;
     }
     buf_printf(out, ")");
     free(keys);
@@ -91,8 +118,8 @@ static bool flag(const struct json_place *at, const char *name) {
 }
 
 static int read_rule(struct text_rules *rules, const struct json_place *at, struct text_rule *rule) {
-    static const char *const keys[] = {"match", "say",   "at",      "keys", "case",
-                                       "joined", "inside", "guess", "note", "in", NULL};
+    static const char *const keys[] = {"match",  "say",   "at",   "keys", "case", "joined",
+                                       "inside", "guess", "note", "in",   "then", NULL};
     struct json_place match = json_place_key(at, "match"), say = json_place_key(at, "say"),
                       begins = json_place_key(at, "at"), table = json_place_key(at, "keys");
     const char *pattern, *set, *name;
@@ -124,6 +151,16 @@ static int read_rule(struct text_rules *rules, const struct json_place *at, stru
     uregex_useTransparentBounds(rule->match, true, &e);
     uregex_useAnchoringBounds(rule->match, false, &e);
     uregex_setTimeLimit(rule->match, RULE_TIME_LIMIT, &e);
+    struct json_place then = json_place_key(at, "then");
+    if (then.json) {
+        if (json_place_text(&then, &set))
+            return -1;
+        units = to_utf16(set, &size);
+        rule->then = uset_openPattern(units, size, &e);
+        free(units);
+        if (U_FAILURE(e))
+            return json_place_fail(&then, "is no set of characters: %s", u_errorName(e));
+    }
     if (table.json) {
         if (json_place_text(&table, &name))
             return -1;
@@ -231,6 +268,8 @@ void text_rules_free(struct text_rules *rules) {
             uregex_close(rules->rules[i].match);
         if (rules->rules[i].at)
             uset_close(rules->rules[i].at);
+        if (rules->rules[i].then)
+            uset_close(rules->rules[i].then);
     }
     for (size_t i = 0; i < RULE_FIRST; i++)
         free(rules->first[i]);

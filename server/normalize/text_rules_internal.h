@@ -13,17 +13,18 @@
 #include <uv.h>
 
 enum {
-    RULES_MAX = 1000,    /* in a file */
-    RULE_WINDOW = 300,   /* UTF-16 units that a rule looks at */
-    RULE_FIRST = 0x400,  /* units below have a list of rules each */
-    RULE_GROUPS = 24,    /* in an expression, with the whole */
-    RULE_DEPTH = 3,      /* templates that read what they matched again */
+    RULES_MAX = 1000,      /* in a file */
+    RULE_WINDOW = 300,     /* UTF-16 units that a rule looks at */
+    RULE_FIRST = 0x400,    /* units below have a list of rules each */
+    RULE_GROUPS = 24,      /* in an expression, with the whole */
+    RULE_DEPTH = 3,        /* templates that read what they matched again */
     RULE_TIME_LIMIT = 100, /* steps of ICU's matcher, each of some 10000 operations */
 };
 
 struct text_rule {
     URegularExpression *match;
     USet *at;        /* what it begins with */
+    USet *then;      /* what follows the letters that it begins with; NULL = anything */
     const char *say; /* template */
     bool joined;     /* its words belong to the word beside them */
     bool inside;     /* it may begin between a letter and a digit */

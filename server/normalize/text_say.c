@@ -83,8 +83,8 @@ static void add_words(struct saying *s, const struct text_rule *rule, const stru
     if (end < c->size)
         U16_NEXT(c->text, ignored, c->size, next);
     bool empty = !words->size;
-    if (out->size && !rule->joined && !empty && ((unsigned char)out->data[out->size - 1] >= 0x80 ||
-                                                  u_isalnum(out->data[out->size - 1])))
+    if (out->size && !rule->joined && !empty &&
+        ((unsigned char)out->data[out->size - 1] >= 0x80 || u_isalnum(out->data[out->size - 1])))
         buf_add(&spaced, " ", 1);
     buf_add(&spaced, words->data, words->size);
     if (!rule->joined && !empty && next && is_word(next))
@@ -93,16 +93,28 @@ static void add_words(struct saying *s, const struct text_rule *rule, const stru
     buf_free(&spaced);
 }
 
+/* The character behind the letters at a place; 0 at the end. */
+static UChar32 behind_letters(const struct characters *c, size_t at) {
+    UChar32 cp = 0;
+    while (at < c->size) {
+        U16_NEXT(c->text, at, c->size, cp);
+        if (!u_isalpha(cp))
+            return cp;
+    }
+    return 0;
+}
+
 /* Tries the rules at a place. Returns where it ends, or 0. */
 static size_t try_rules(struct saying *s, size_t at, UChar32 cp, bool inside) {
     struct text_rules *r = s->rules;
     const uint16_t *list = cp < RULE_FIRST ? r->first[cp] : r->others;
+    UChar32 then = behind_letters(s->c, at);
     for (; *list != UINT16_MAX; list++) {
         struct text_rule *rule = &r->rules[*list];
         struct buf words = {0};
         size_t end;
         if ((inside && !rule->inside) || (cp >= RULE_FIRST && !uset_contains(rule->at, cp)) ||
-            !matches(s, rule, at, &end))
+            (rule->then && !uset_contains(rule->then, then)) || !matches(s, rule, at, &end))
             continue;
         struct filling filling = {.rules = r, .rule = rule, .depth = s->depth};
         bool fits = rule_words(&filling, &words);
@@ -129,6 +141,8 @@ static void say(struct saying *s) {
             size_t last = end;
             U16_PREV(c->text, at, last, before);
             at = end;
+            if (at < c->size && u_isdigit(c->text[at])) /* of a long row of digits a part was said */
+                before = ' ';
             continue;
         }
         keep(s, at, next);

@@ -30,8 +30,8 @@ enum speech_blend {
     SPEAK_BLEND_WEIGHTED,
 };
 
-/* Whether what a text does not write in words (numbers, signs, short forms) is put into words before the voice
- * sees it, and what Markdown writes is left out. */
+/* Whether what a text does not write in words (numbers, signs, short forms) is put into words before the
+ * voice sees it, and what Markdown writes is left out. */
 enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 
 enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
@@ -54,9 +54,9 @@ struct speech_request {
     enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     enum speech_normalize normalize;
-    bool still;                  /* only the lips move */
-    bool phones;                 /* its phones are events, too */
-    bool again;                  /* what is lost with the daemon that was to speak it is asked of the next */
+    bool still;      /* only the lips move */
+    bool phones;     /* its phones are events, too */
+    bool again;      /* what is lost with the daemon that was to speak it is asked of the next */
     uint64_t abroad; /* not 0: another daemon asks, which tells the end when it has lost this one. Its name as
                         a number, and which time it follows, 32 bits each. No field */
     uint64_t

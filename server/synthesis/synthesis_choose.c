@@ -130,18 +130,15 @@ static const char *reading_lang(const struct synthesis *s, const char *stated, c
 struct markup_rules synthesis_rules(const struct synthesis *s) {
     const char *const *abbreviations =
         s->pipeline->normalizers
-            ? normalizers_abbreviations(s->pipeline->normalizers,
-                                        reading_lang(s, NULL, synthesis_lang(s)))
+            ? normalizers_abbreviations(s->pipeline->normalizers, reading_lang(s, NULL, synthesis_lang(s)))
             : NULL;
-    return (struct markup_rules){.abbreviations =
-                                     abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
-                                 .lang = synthesis_lang(s),
-                                 .sentence_bytes =
-                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
-                                 .markdown_out = s->request.normalize != NORMALIZE_OFF &&
-                                                 !s->request.passage && !s->request.languages,
-                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto"),
-                                 .given_up = &s->given_up};
+    return (struct markup_rules){
+        .abbreviations = abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
+        .lang = synthesis_lang(s),
+        .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+        .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
+        .lenient = !s->request.markup || !strcmp(s->request.markup, "auto"),
+        .given_up = &s->given_up};
 }
 
 static void normalize(const struct synthesis *s, struct reading_result *r) {
@@ -155,7 +152,8 @@ static void normalize(const struct synthesis *s, struct reading_result *r) {
         for (size_t i = 0; i < script->item_count; i++)
             normalizers_apply(s->pipeline->normalizers, script, i, langs[i] ? langs[i] : "");
     else
-        normalize_script(s->pipeline->normalizers, script, langs, (const void *const *)r->chosen->voices);
+        normalize_script(s->pipeline->normalizers, script, langs, (const void *const *)r->chosen->voices,
+                         &s->given_up);
     free(langs);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words as they are said, without the marks between them. */
-#ifndef FACCIA_APP_SAID_WORDS_H
-#define FACCIA_APP_SAID_WORDS_H
+#ifndef FACCIA_NORMALIZE_SAID_WORDS_H
+#define FACCIA_NORMALIZE_SAID_WORDS_H
 
 #include "server/base/buf.h"
 #include "server/markup/score.h"

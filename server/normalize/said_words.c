@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/app/said_words.h"
+#include "server/normalize/said_words.h"
 #include "server/base/utf8.h"
 #include <string.h>
 #include <unicode/uchar.h>
