@@ -140,6 +140,10 @@ static void add_counted(const struct text_rules *r, const struct figure *f, cons
         buf_printf(&number, "%s", word);
     else
         add_figure(r, f, one ? form_for(noun, false, form) : form, &number);
+    size_t digits = strlen(f->whole);
+    const char *of = number_string(r, "million-of");
+    if (!*f->decimals && digits > 6 && !strcmp(f->whole + digits - 6, "000000") && *of)
+        buf_printf(&number, " %s", of);
     buf_add(&number, "", 1);
     const char *place = name ? strchr(name, '#') : NULL;
     if (name && *name == '=')
@@ -379,13 +383,15 @@ static bool apply(const struct filling *f, const char *function, const char *arg
     const struct text_rules *r = f->rules;
     struct figure figure;
     if (!strcmp(function, "number")) {
+        if (!*value)
+            return true;
         read_figure(value, *argument == '.' || *argument == ',' ? *argument : decimal_of(r), &figure);
         add_figure(r, &figure, *argument && !strchr(".,", *argument) ? argument : "cardinal", out);
         return true;
     }
     if (!strcmp(function, "spell")) {
         read_figure(value, '\0', &figure);
-        return *figure.whole && spellout_whole(r->spellout, argument, skip_zeros(figure.whole), out);
+        return !*value || (*figure.whole && spellout_whole(r->spellout, argument, skip_zeros(figure.whole), out));
     }
     if (!strcmp(function, "decimals")) {
         add_decimals(r, value, out);
