@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a text does not write in words becomes words, before any voice sees it: what its author marked (say-as),
- * by the files of models/normalization, and all else by those of models/normalization/text. */
+/* What a text does not write in words becomes words, before any voice sees it: what its author marked
+ * (say-as), by the files of models/normalization, and all else by those of models/normalization/text. */
 #ifndef FACCIA_NORMALIZE_NORMALIZERS_H
 #define FACCIA_NORMALIZE_NORMALIZERS_H
 

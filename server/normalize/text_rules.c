@@ -125,7 +125,6 @@ static int read_rule(struct text_rules *rules, const struct json_place *at, stru
     const char *pattern, *set, *name;
     struct buf expanded = {0};
     UErrorCode e = U_ZERO_ERROR;
-    UParseError place = {0};
     int32_t size = 0;
     bool any_case = json_is_false(json_object_get(at->json, "case"));
     if (json_place_keys(at, keys) || json_place_text(&match, &pattern))
@@ -142,15 +141,10 @@ static int read_rule(struct text_rules *rules, const struct json_place *at, stru
         buf_free(&expanded);
         return json_place_fail(&match, "names a macro or table that is not there");
     }
-    UChar *units = to_utf16((const char *)expanded.data, &size);
+    rule->pattern = to_utf16((const char *)expanded.data, &rule->pattern_size);
+    rule->any_case = any_case;
     buf_free(&expanded);
-    rule->match = uregex_open(units, size, any_case ? UREGEX_CASE_INSENSITIVE : 0, &place, &e);
-    free(units);
-    if (U_FAILURE(e))
-        return json_place_fail(&match, "%s at character %d of its expansion", u_errorName(e), place.offset);
-    uregex_useTransparentBounds(rule->match, true, &e);
-    uregex_useAnchoringBounds(rule->match, false, &e);
-    uregex_setTimeLimit(rule->match, RULE_TIME_LIMIT, &e);
+    UChar *units;
     struct json_place then = json_place_key(at, "then");
     if (then.json) {
         if (json_place_text(&then, &set))
@@ -178,8 +172,37 @@ static int read_rule(struct text_rules *rules, const struct json_place *at, stru
     return U_SUCCESS(e) ? 0 : json_place_fail(&begins, "is no set of characters: %s", u_errorName(e));
 }
 
+bool rule_compile(struct text_rule *rule, char *message, size_t cap) {
+    UErrorCode e = U_ZERO_ERROR;
+    UParseError place = {0};
+    rule->match = uregex_open(rule->pattern, rule->pattern_size, rule->any_case ? UREGEX_CASE_INSENSITIVE : 0,
+                              &place, &e);
+    if (U_FAILURE(e)) {
+        snprintf(message, cap, "%s at character %d of its expansion", u_errorName(e), place.offset);
+        rule->match = NULL;
+    } else {
+        uregex_useTransparentBounds(rule->match, true, &e);
+        uregex_useAnchoringBounds(rule->match, false, &e);
+        uregex_setTimeLimit(rule->match, RULE_TIME_LIMIT, &e);
+    }
+    free(rule->pattern);
+    rule->pattern = NULL;
+    return rule->match != NULL;
+}
+
+int text_rules_check(struct text_rules *rules, struct error *e) {
+    char message[160];
+    uv_mutex_lock(&rules->lock);
+    int failed = 0;
+    for (size_t i = 0; i < rules->rule_count && !failed; i++)
+        if (rules->rules[i].pattern && !rule_compile(&rules->rules[i], message, sizeof message))
+            failed = error_set(e, ERROR_BAD_NORMALIZATION, "rules[%zu].match: %s", i, message);
+    uv_mutex_unlock(&rules->lock);
+    return failed;
+}
+
 /* Which rules are to be tried at which character. */
-static void make_lists(struct text_rules *rules) {
+void rules_make_lists(struct text_rules *rules) {
     uint16_t list[RULES_MAX + 1];
     for (UChar32 cp = 0; cp <= RULE_FIRST; cp++) {
         size_t count = 0;
@@ -210,7 +233,6 @@ static int read_rules(struct text_rules *rules, const struct json_place *root) {
         if (read_rule(rules, &item, &rules->rules[i]))
             return -1;
     }
-    make_lists(rules);
     return 0;
 }
 
@@ -266,6 +288,7 @@ void text_rules_free(struct text_rules *rules) {
     for (size_t i = 0; i < rules->rule_count; i++) {
         if (rules->rules[i].match)
             uregex_close(rules->rules[i].match);
+        free(rules->rules[i].pattern);
         if (rules->rules[i].at)
             uset_close(rules->rules[i].at);
         if (rules->rules[i].then)

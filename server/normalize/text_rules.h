@@ -28,6 +28,8 @@ struct text_rules;
 /* One file. Its member "regions" may hold what is different in a region; region "" = nothing of that. NULL
  * with *e ("bad-normalization"). */
 struct text_rules *text_rules_load(const char *path, const char *region, struct error *e);
+/* Expressions are made when they are first tried; this makes all. -1 with *e when one is broken. */
+int text_rules_check(struct text_rules *rules, struct error *e);
 void text_rules_free(struct text_rules *rules);
 
 /* Its language, and what its file says of regions (an object by BCP 47 tag, or NULL). */

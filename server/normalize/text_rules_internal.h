@@ -22,7 +22,10 @@ enum {
 };
 
 struct text_rule {
-    URegularExpression *match;
+    URegularExpression *match; /* NULL until it is first tried, as making it takes long */
+    UChar *pattern;            /* of it; NULL when it has been made */
+    int32_t pattern_size;
+    bool any_case;
     USet *at;        /* what it begins with */
     USet *then;      /* what follows the letters that it begins with; NULL = anything */
     const char *say; /* template */
@@ -57,6 +60,10 @@ struct filling {
 /* rule_words.c: adds the words of a rule that has matched. False when a function of its template does not
  * apply, which leaves the text as it is. */
 bool rule_words(struct filling *filling, struct buf *out);
+
+/* text_rules.c: makes the expression from its pattern. False with a sentence in message (cap bytes). */
+bool rule_compile(struct text_rule *rule, char *message, size_t cap);
+void rules_make_lists(struct text_rules *rules); /* first, others */
 
 /* text_say.c: under the lock already. */
 bool text_say(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);

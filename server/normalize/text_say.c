@@ -60,6 +60,9 @@ static void keep(struct saying *s, size_t at, size_t end) {
 
 static bool matches(struct saying *s, struct text_rule *rule, size_t at, size_t *end) {
     UErrorCode e = U_ZERO_ERROR;
+    char message[160];
+    if (!rule->match && !(rule->pattern && rule_compile(rule, message, sizeof message)))
+        return false;
     int32_t size = (int32_t)s->c->size, limit = (int32_t)at + RULE_WINDOW;
     if (rule->text != s->text) {
         uregex_setText(rule->match, s->c->text, size, &e);
@@ -107,6 +110,8 @@ static UChar32 behind_letters(const struct characters *c, size_t at) {
 /* Tries the rules at a place. Returns where it ends, or 0. */
 static size_t try_rules(struct saying *s, size_t at, UChar32 cp, bool inside) {
     struct text_rules *r = s->rules;
+    if (!r->others)
+        rules_make_lists(r);
     const uint16_t *list = cp < RULE_FIRST ? r->first[cp] : r->others;
     UChar32 then = behind_letters(s->c, at);
     for (; *list != UINT16_MAX; list++) {

@@ -90,6 +90,18 @@ static void table(const char *lang, size_t least) {
     assert_true(count >= least);
 }
 
+static void expressions(void **state) {
+    (void)state;
+    static const char *const langs[] = {"it", "en", "en-GB", "en-US", "pt-BR", "pt-PT", "tr"};
+    for (size_t i = 0; i < sizeof langs / sizeof *langs; i++) {
+        struct error e = {0};
+        struct text_rules *rules = normalizers_rules(&normalizers, langs[i]);
+        assert_non_null(rules);
+        if (text_rules_check(rules, &e))
+            fail_msg("%s: %s", langs[i], e.message);
+    }
+}
+
 static void italian(void **state) {
     (void)state;
     table("it", 100);
@@ -210,9 +222,9 @@ static void hostile(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(italian),    cmocka_unit_test(english), cmocka_unit_test(portuguese),
-        cmocka_unit_test(turkish),    cmocka_unit_test(markups), cmocka_unit_test(places),
-        cmocka_unit_test(characters), cmocka_unit_test(hostile),
+        cmocka_unit_test(expressions), cmocka_unit_test(italian),    cmocka_unit_test(english),
+        cmocka_unit_test(portuguese),  cmocka_unit_test(turkish),    cmocka_unit_test(markups),
+        cmocka_unit_test(places),      cmocka_unit_test(characters), cmocka_unit_test(hostile),
     };
     return cmocka_run_group_tests(tests, load, unload);
 }
