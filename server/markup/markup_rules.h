@@ -10,7 +10,7 @@
 /* How a language cuts its sentences. */
 struct markup_rules {
     /* NULL-terminated, lower case, without the final dot; may be NULL. "?ecc": it ends a sentence when a
-     * capital follows; "#": numbers with a dot are ordinals. */
+     * capital follows; "+no": it ends none when a number follows; "#": numbers with a dot are ordinals. */
     const char *const *abbreviations;
     const char *lang; /* BCP 47, of the request: a style that means the same leaves it open; may be NULL */
     size_t sentence_bytes; /* a sentence that is longer is cut at a comma, semicolon or colon; 0 = where it is

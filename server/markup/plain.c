@@ -124,6 +124,18 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
                      strspn(text + from, "0123456789") == length || listed_open(rules, text + from, length));
 }
 
+/* Does the word that ends before `end` stand for something that is counted, when a number follows ("no. 5")?
+ */
+static bool stands_for_number(const char *text, size_t end, const struct markup_rules *rules) {
+    size_t from = end;
+    while (from > 0 && !strchr(" \t\r\n(", text[from - 1]))
+        from--;
+    for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
+        if (**a == '+' && strlen(*a + 1) == end - from && !strncasecmp(*a + 1, text + from, end - from))
+            return true;
+    return false;
+}
+
 /* Does only a number stand before `end` in its line: that of a list's item? */
 static bool is_item_number(const char *text, size_t end) {
     size_t from = end;
@@ -159,6 +171,8 @@ static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
         c.at += length;
     if (only_dots && more && c.at == c.size)
         return PLAIN_UNKNOWN;
+    if (only_dots && marks == 1 && next >= '0' && next <= '9' && stands_for_number(c.text, start, rules))
+        return 0;
     bool lower = only_dots && is_lower(next);
     return lower && (marks > 1 || c.text[start] != '.' || is_abbreviation(c.text, start, rules, true)) ? 0
                                                                                                        : end;

@@ -54,6 +54,8 @@ struct filling {
     struct text_rules *rules;
     struct text_rule *rule;
     int depth;
+    /* says a part of the match again, by the rules; under the lock already */
+    bool (*say)(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);
     char *groups[RULE_GROUPS];
 };
 
@@ -64,9 +66,6 @@ bool rule_words(struct filling *filling, struct buf *out);
 /* text_rules.c: makes the expression from its pattern. False with a sentence in message (cap bytes). */
 bool rule_compile(struct text_rule *rule, char *message, size_t cap);
 void rules_make_lists(struct text_rules *rules); /* first, others */
-
-/* text_say.c: under the lock already. */
-bool text_say(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);
 
 /* In a table of the file: by the key as it is, in lower case, without a final dot. NULL when it is not there.
  * A value that is the name of another key stands for that one's. */

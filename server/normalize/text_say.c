@@ -8,6 +8,9 @@
 #include <unicode/ustring.h>
 #include <unicode/utf16.h>
 
+static bool text_say(struct text_rules *rules, const char *stretch, size_t size, int depth,
+                     struct said *said);
+
 struct saying {
     struct text_rules *rules;
     const char *stretch;
@@ -121,7 +124,7 @@ static size_t try_rules(struct saying *s, size_t at, UChar32 cp, bool inside) {
         if ((inside && !rule->inside) || (cp >= RULE_FIRST && !uset_contains(rule->at, cp)) ||
             (rule->then && !uset_contains(rule->then, then)) || !matches(s, rule, at, &end))
             continue;
-        struct filling filling = {.rules = r, .rule = rule, .depth = s->depth};
+        struct filling filling = {.rules = r, .rule = rule, .depth = s->depth, .say = text_say};
         bool fits = rule_words(&filling, &words);
         if (fits)
             add_words(s, rule, &words, at, end);
@@ -156,7 +159,8 @@ static void say(struct saying *s) {
     }
 }
 
-bool text_say(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said) {
+static bool text_say(struct text_rules *rules, const char *stretch, size_t size, int depth,
+                     struct said *said) {
     struct characters c;
     *said = (struct said){0};
     characters_read(&c, stretch, size);
