@@ -356,7 +356,7 @@ static void add_groups(const struct text_rules *r, const char *text, size_t most
 
 static bool say_again(const struct filling *f, const char *value, struct buf *out) {
     struct said said;
-    if (f->depth >= RULE_DEPTH || !f->say(f->rules, value, strlen(value), f->depth + 1, &said)) {
+    if (f->depth >= RULE_DEPTH || !f->again(f->rules, value, strlen(value), f->depth + 1, &said)) {
         buf_printf(out, "%s", value);
         return true;
     }

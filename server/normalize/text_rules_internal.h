@@ -55,7 +55,7 @@ struct filling {
     struct text_rule *rule;
     int depth;
     /* says a part of the match again, by the rules; under the lock already */
-    bool (*say)(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);
+    bool (*again)(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);
     char *groups[RULE_GROUPS];
 };
 

@@ -124,7 +124,7 @@ static size_t try_rules(struct saying *s, size_t at, UChar32 cp, bool inside) {
         if ((inside && !rule->inside) || (cp >= RULE_FIRST && !uset_contains(rule->at, cp)) ||
             (rule->then && !uset_contains(rule->then, then)) || !matches(s, rule, at, &end))
             continue;
-        struct filling filling = {.rules = r, .rule = rule, .depth = s->depth, .say = text_say};
+        struct filling filling = {.rules = r, .rule = rule, .depth = s->depth, .again = text_say};
         bool fits = rule_words(&filling, &words);
         if (fits)
             add_words(s, rule, &words, at, end);
