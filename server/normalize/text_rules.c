@@ -351,3 +351,9 @@ const json_t *rules_look_up(const struct text_rules *rules, const char *name, co
     free(lower);
     return found;
 }
+
+void said_free(struct said *said) {
+    buf_free(&said->words);
+    free(said->parts);
+    *said = (struct said){0};
+}

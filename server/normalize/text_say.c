@@ -190,9 +190,3 @@ bool text_rules_say(struct text_rules *rules, const char *stretch, size_t size, 
         uv_mutex_unlock(&rules->lock);
     return changed;
 }
-
-void said_free(struct said *said) {
-    buf_free(&said->words);
-    free(said->parts);
-    *said = (struct said){0};
-}
