@@ -4,8 +4,8 @@
  * (/v1/library/files). GET of an address lists them; GET, PUT and DELETE of ADDRESS/NAME. The disk is waited
  * for in threads of their own, each client's requests one after the other. */
 #include "server/api/api_internal.h"
-#include "server/base/mem.h"
 #include "server/base/document_store.h"
+#include "server/base/mem.h"
 #include "server/expression/gestures.h"
 #include "server/library/work.h"
 #include <stdlib.h>
@@ -72,7 +72,7 @@ static void in_thread(struct coder_job *job) {
         k->result = document_store_read(&k->shelf, k->name, &k->document, k->tag, e);
     else if (k->doing == SAVING)
         k->result = check(k) || document_store_save(&k->shelf, k->name, k->document.data, k->document.size,
-                                           k->condition, k->tag, &k->created, e)
+                                                    k->condition, k->tag, &k->created, e)
                         ? -1
                         : 0;
     else
@@ -177,8 +177,8 @@ static int read_request(struct keeping *k, const struct http_request *request, s
 }
 
 /* The shelf is copied; what it and the listener point to lives as long as the daemon. */
-static int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct document_store *shelf,
-                       struct document_store_listener listener) {
+static int shelf_serve(struct exchange *x, const struct shelf_service *service,
+                       const struct document_store *shelf, struct document_store_listener listener) {
     struct keeping *k = mem_alloc(sizeof *k);
     struct error e;
     *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};
@@ -324,7 +324,7 @@ int scenes_serve(struct exchange *x) {
                                                 NULL};
     const struct api_options *options = &exchange_api(x)->options;
     struct document_store shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
-                          options->scene_count};
+                                   options->scene_count};
     return shelf_serve(x, &scenes, &shelf, (struct document_store_listener){0});
 }
 
@@ -345,8 +345,8 @@ int gestures_serve(struct exchange *x) {
                                                  gesture_check, NULL};
     const struct api *api = exchange_api(x);
     return shelf_serve(x, &service,
-                       &(struct document_store){folder_of(api, api->options.gestures), ".json", ERROR_NOT_FOUND,
-                                       GESTURE_BYTES, GESTURES_KEPT},
+                       &(struct document_store){folder_of(api, api->options.gestures), ".json",
+                                                ERROR_NOT_FOUND, GESTURE_BYTES, GESTURES_KEPT},
                        api->options.on_gestures);
 }
 
@@ -354,8 +354,8 @@ int works_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
                                                  NULL, work_check_apart};
     const struct api *api = exchange_api(x);
-    return shelf_serve(
-        x, &service,
-        &(struct document_store){folder_of(api, api->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
-        (struct document_store_listener){0});
+    return shelf_serve(x, &service,
+                       &(struct document_store){folder_of(api, api->options.works), "", ERROR_NOT_FOUND,
+                                                WORK_BYTES, WORKS_KEPT},
+                       (struct document_store_listener){0});
 }

@@ -118,7 +118,8 @@ static void check_member(const char *name, const struct members *known,
             return;
         suggest_name(&near, field, field);
     }
-    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name, suggestions_text(&near, text));
+    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name,
+                   suggestions_text(&near, text));
     warn(ctx, &e);
 }
 

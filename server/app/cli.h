@@ -95,6 +95,7 @@ int align_main(int argc, char **argv, const struct settings *settings);
 int hear_main(int argc, char **argv, const struct settings *settings);
 int fap_main(int argc, char **argv, const struct settings *settings);
 int life_main(int argc, char **argv, const struct settings *settings);
+int read_main(int argc, char **argv, const struct settings *settings);
 int check_main(int argc, char **argv, const struct settings *settings);
 int library_main(int argc, char **argv, const struct settings *settings);
 int expressions_main(int argc, char **argv, const struct settings *settings);

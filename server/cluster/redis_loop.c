@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/redis_loop.h"
 #include "server/base/buf.h"
-#include "server/base/mem.h"
 #include "server/base/loop_idle.h"
+#include "server/base/mem.h"
 #include "server/cluster/redis_link.h"
 #include "server/cluster/reply_check.h"
 #include <errno.h>

@@ -50,7 +50,8 @@ const struct affects *expressions_affects(const struct expressions *expressions)
 int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
 
 /* Suggestions for an unknown name of that kind. */
-struct suggestions expressions_near(const struct expressions *expressions, const char *kind, const char *name);
+struct suggestions expressions_near(const struct expressions *expressions, const char *kind,
+                                    const char *name);
 
 /* Applies the expressions to the voice: multiplies the styles under each cue by its factors for rate,
  * pitch, range and volume at its intensity, and sets style.emotion to the affect. Unknown cues are removed

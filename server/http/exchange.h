@@ -38,7 +38,7 @@ int exchange_refuse_origin(struct exchange *x);
 int exchange_tagged(struct exchange *x, const char *type, const void *body, size_t size);
 int exchange_allow(struct exchange *x, unsigned status, const char *methods); /* empty; names the methods */
 int exchange_redirect(struct exchange *x, const char *scheme);         /* 308: the same address there */
-int exchange_into_folder(struct exchange *x, const char *path);               /* 308: with a slash at its end */
+int exchange_into_folder(struct exchange *x, const char *path);        /* 308: with a slash at its end */
 int exchange_file(struct exchange *x, const struct static_file *file); /* any page may have it */
 
 /* Set before the answer: a header of its own, an ETag, and the origins whose pages may frame it

@@ -17,7 +17,11 @@ static bool is_alnum(char c) {
 static size_t blank_line_mark(char *s, size_t n, size_t at) {
     while (at < n && is_blank(s[at]))
         at++;
-    while (at < n && (s[at] == '#' || s[at] == '>'))
+    size_t hashes = at;
+    while (hashes < n && s[hashes] == '#')
+        hashes++;
+    bool hashtag = hashes > at && hashes < n && !is_white(s[hashes]); /* "#ciao" is no heading */
+    while (!hashtag && at < n && (s[at] == '#' || s[at] == '>'))
         s[at++] = MARKDOWN_LEFT_OUT;
     if (at + 1 < n && strchr("-*+", s[at]) && is_blank(s[at + 1]))
         s[at++] = MARKDOWN_LEFT_OUT;

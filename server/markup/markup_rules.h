@@ -11,12 +11,15 @@
 
 /* How a language cuts its sentences. */
 struct markup_rules {
-    const char *const *abbreviations; /* NULL-terminated, lower case, without the final dot; may be NULL */
+    /* NULL-terminated, lower case, without the final dot; may be NULL. "?ecc": it ends a sentence when a
+     * capital follows; "+no": it ends none when a number follows; "#": numbers with a dot are ordinals. */
+    const char *const *abbreviations;
     const char *lang; /* BCP 47, of the request: a style that means the same leaves it open; may be NULL */
     size_t sentence_bytes; /* a sentence that is longer is cut at a comma, semicolon or colon; 0 = where it is
                               longer than any sentence may be (plain.h) */
     bool more;             /* the text is still being written: more may follow (plain.h) */
     bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
+    bool markdown_out;     /* of a whole plain text: what Markdown writes, and emoji, are left out first */
     const struct affects *affects;    /* that the text can name; may be NULL: then names stay as they are */
     const struct language_runs *runs; /* of a plain text: what is in another language; may be NULL */
     bool lenient;  /* nobody said what the text is: tags in what is no document are left out, not an error */

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/plain.h"
+#include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/language_runs.h"
 #include "server/markup/markdown.h"
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -71,8 +73,38 @@ static bool is_lower(uint32_t c) {
     return c <= 0x177 && c % 2 == 1;
 }
 
-/* Does the word that ends before `end` stand for more (an initial, "prof")? */
-static bool is_abbreviation(const char *text, size_t end, const struct markup_rules *rules) {
+static bool listed(const struct markup_rules *rules, const char *word, size_t length) {
+    for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
+        if (strlen(*a) == length && !strncasecmp(*a, word, length))
+            return true;
+    return false;
+}
+
+/* Among those that may end a sentence? */
+static bool listed_open(const struct markup_rules *rules, const char *word, size_t length) {
+    for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
+        if (**a == '?' && strlen(*a + 1) == length && !strncasecmp(*a + 1, word, length))
+            return true;
+    return false;
+}
+
+/* Is it all digits (at most three), or a Roman number in capitals? */
+static bool is_ordinal(const char *word, size_t length) {
+    size_t digits = strspn(word, "0123456789"), roman = strspn(word, "IVXLC");
+    return (digits == length && length <= 3) || (roman == length && length <= 7);
+}
+
+/* Has the word no vowel, so that nobody can say it as it is? */
+static bool has_no_vowel(const char *word, size_t length) {
+    for (size_t i = 0; i < length; i++)
+        if ((unsigned char)word[i] >= 0x80 || strchr("aeiouyAEIOUY0123456789", word[i]))
+            return false;
+    return true;
+}
+
+/* Does the word that ends before `end` stand for more (an initial, "prof")? lower: what follows begins with
+ * a small letter. */
+static bool is_abbreviation(const char *text, size_t end, const struct markup_rules *rules, bool lower) {
     const char *before = is_markdown(rules) ? " \t\r\n(\"'*_[\1" : " \t\r\n(\"'";
     size_t from = end;
     while (from > 0 && !strchr(before, text[from - 1]))
@@ -83,9 +115,23 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
         return false;
     letter = utf8_next(text + from, length, &cp);
     if (letter == length)
-        return !(cp >= '0' && cp <= '9');
+        return !(cp >= '0' && cp <= '9') || lower || listed(rules, "#", 1);
+    if (listed(rules, "#", 1) && is_ordinal(text + from, length))
+        return true;
+    if (listed(rules, text + from, length))
+        return true;
+    return lower && (memchr(text + from, '.', length) || has_no_vowel(text + from, length) ||
+                     strspn(text + from, "0123456789") == length || listed_open(rules, text + from, length));
+}
+
+/* Does the word that ends before `end` stand for something that is counted, when a number follows ("no. 5")?
+ */
+static bool stands_for_number(const char *text, size_t end, const struct markup_rules *rules) {
+    size_t from = end;
+    while (from > 0 && !strchr(" \t\r\n(", text[from - 1]))
+        from--;
     for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
-        if (strlen(*a) == length && !strncasecmp(*a, text + from, length))
+        if (**a == '+' && strlen(*a + 1) == end - from && !strncasecmp(*a + 1, text + from, end - from))
             return true;
     return false;
 }
@@ -118,13 +164,18 @@ static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
     if (!is_space(next))
         return next >= 0x3000 ? end : 0; /* scripts without spaces */
     if (only_dots && marks == 1 &&
-        (is_abbreviation(c.text, start, rules) || (is_markdown(rules) && is_item_number(c.text, start))))
+        (is_abbreviation(c.text, start, rules, false) ||
+         (is_markdown(rules) && is_item_number(c.text, start))))
         return 0;
     while (is_space(next = look(&c, &length)))
         c.at += length;
     if (only_dots && more && c.at == c.size)
         return PLAIN_UNKNOWN;
-    return only_dots && is_lower(next) ? 0 : end;
+    if (only_dots && marks == 1 && next >= '0' && next <= '9' && stands_for_number(c.text, start, rules))
+        return 0;
+    bool lower = only_dots && is_lower(next);
+    return lower && (marks > 1 || c.text[start] != '.' || is_abbreviation(c.text, start, rules, true)) ? 0
+                                                                                                       : end;
 }
 
 static size_t skip_space(struct cursor c, size_t *newlines) {
@@ -148,10 +199,29 @@ static enum { LINE_GOES_ON, LINE_BEGINS, LINE_UNKNOWN } line_at(const struct cur
     return one && strchr(" \t", c->text[i + 1]) ? LINE_BEGINS : LINE_GOES_ON;
 }
 
+/* Does a short line, without a comma at its end, stand before one that begins with a capital or a digit, as
+ * the items of a list and the lines of an address do? */
+enum { SHORT_LINE_BYTES = 32 };
+
+static bool is_line_alone(const struct cursor *c, size_t line, size_t next) {
+    size_t end = c->at;
+    while (end > line && strchr(" \t\r", c->text[end - 1]))
+        end--;
+    if (next >= c->size || end == line || end - line > SHORT_LINE_BYTES || strchr(",;:-", c->text[end - 1]))
+        return false;
+    size_t length;
+    struct cursor after = {c->text, c->size, next};
+    uint32_t cp = look(&after, &length);
+    return (cp >= 'A' && cp <= 'Z') || (cp >= '0' && cp <= '9') || (cp >= 0xC0 && cp <= 0xDE && cp != 0xD7) ||
+           cp == 0x130 || cp == 0x15E || cp == 0x11E;
+}
+
 /* Behind the white space after a line: the sentence's end there, or 0. */
 static size_t line_end(const struct cursor *c, size_t line, size_t next, size_t newlines,
                        const struct markup_rules *rules) {
     if (newlines > 1)
+        return next;
+    if (newlines && is_line_alone(c, line, next))
         return next;
     if (!newlines || !is_markdown(rules))
         return 0;
@@ -229,7 +299,7 @@ bool plain_seems_ended(const char *text, size_t size, const struct markup_rules 
     if (!ended || marks > 1 || text[start] != '.')
         return ended;
     return start && !(text[start - 1] >= '0' && text[start - 1] <= '9') &&
-           !is_abbreviation(text, start, rules);
+           !is_abbreviation(text, start, rules, true);
 }
 
 static bool is_word(const char *text, size_t at, size_t end) {
@@ -311,8 +381,8 @@ static void add_items(struct score *score, const char *text, size_t at, size_t e
     score_end_sentence(score);
 }
 
-int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
-               struct error *e) {
+static int read_all(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                    struct error *e) {
     size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines), run = 0;
     while (at < size) {
         if (markup_given_up(rules)) {
@@ -327,4 +397,18 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
         at += length;
     }
     return 0;
+}
+
+int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+               struct error *e) {
+    if (!rules || !rules->markdown_out || rules->markdown)
+        return read_all(score, text, size, rules, e);
+    struct markup_rules marked = *rules;
+    char *copy = mem_strndup(text, size);
+    markdown_blank(copy, size, true);
+    /* of a text that is nothing but signs and emoji the voice says what it can */
+    marked.markdown = markdown_has_words(copy, size);
+    int failed = read_all(score, marked.markdown ? copy : text, size, &marked, e);
+    free(copy);
+    return failed;
 }

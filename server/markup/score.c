@@ -84,6 +84,10 @@ const struct score_style *score_keep_style(struct score *score, const struct sco
     return copy;
 }
 
+const struct score_part *score_keep_parts(struct score *score, const struct score_part *parts, size_t count) {
+    return count ? memcpy(keep(score, count * sizeof *parts), parts, count * sizeof *parts) : NULL;
+}
+
 struct score_item *score_add(struct score *score, enum score_kind kind, size_t start, size_t end) {
     score->items = mem_grow(score->items, &score->item_cap, score->item_count + 1, sizeof *score->items);
     struct score_item *item = &score->items[score->item_count++];

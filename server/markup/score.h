@@ -72,12 +72,24 @@ struct score_cue {
     double clock;         /* of score.timed: when it begins, s from the beginning of the utterance */
 };
 
+/* A part of a text that a script says in other words: bytes of the words, and of the input that they stand
+ * for. */
+struct score_part {
+    size_t offset, bytes; /* in the item's text */
+    size_t start, end;    /* bytes of the input */
+    bool verbatim;        /* the words are exactly input[start..end) */
+    bool guess;           /* it may have been meant otherwise */
+};
+
 struct score_item {
     enum score_kind kind;
     size_t start, end; /* bytes of the input */
     const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
     bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
-    double seconds;   /* SCORE_BREAK */
+    const struct score_part *parts; /* SCORE_TEXT of a script: they cover the text, in order; NULL = all of it
+                                       is one, from start to end */
+    size_t part_count;
+    double seconds;  /* SCORE_BREAK */
     size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
                         left out when the sound is played, spoken when it cannot be */
     const struct score_style *style; /* never NULL */
@@ -119,6 +131,8 @@ struct score *score_script(const struct score *document);
 /* Copies that live as long as the score. */
 const char *score_strndup(struct score *score, const char *s, size_t n);
 const struct score_style *score_keep_style(struct score *score, const struct score_style *style);
+
+const struct score_part *score_keep_parts(struct score *score, const struct score_part *parts, size_t count);
 
 struct score_item *score_add(struct score *score, enum score_kind kind, size_t start, size_t end);
 

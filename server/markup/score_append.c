@@ -21,6 +21,17 @@ static const struct score_style *keep_style(struct score *to, const struct score
     return score_keep_style(to, &copy);
 }
 
+static void keep_parts(struct score *to, struct score_item *copy, const struct score_item *item,
+                       size_t (*place)(const void *, size_t), const void *ctx) {
+    struct score_part *parts = (struct score_part *)score_keep_parts(to, item->parts, item->part_count);
+    for (size_t i = 0; i < item->part_count; i++) {
+        parts[i].start = place(ctx, parts[i].start);
+        parts[i].end = place(ctx, parts[i].end);
+    }
+    copy->parts = parts;
+    copy->part_count = item->part_count;
+}
+
 static void add_items(struct score *to, const struct score *from, size_t (*place)(const void *, size_t),
                       const void *ctx) {
     const struct score_style *last = NULL, *kept = NULL;
@@ -31,6 +42,7 @@ static void add_items(struct score *to, const struct score *from, size_t (*place
         last = item->style;
         copy->text = keep(to, item->text);
         copy->verbatim = item->verbatim;
+        keep_parts(to, copy, item, place, ctx);
         copy->seconds = item->seconds;
         copy->fallback = item->fallback;
         copy->style = kept;

@@ -2,6 +2,7 @@
 #include "server/normalize/normalizers.h"
 #include "server/base/mem.h"
 #include "server/normalize/normalizers_internal.h"
+#include "server/normalize/text_rules.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,11 +26,64 @@ static int load(struct normalizers *normalizers, const char *path, struct error 
     return 0;
 }
 
-int normalizers_load(struct normalizers *normalizers, const char *folder, struct error *e) {
+struct language_rules {
+    char tag[32];
+    struct text_rules *rules;
+};
+
+static int load_rules_of(struct normalizers *normalizers, const char *path, const char *region,
+                         struct error *e) {
+    struct error inner = {0};
+    struct text_rules *rules = text_rules_load(path, region, &inner);
+    if (!rules) {
+        char text[320];
+        return error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
+    }
+    normalizers->rules = mem_grow(normalizers->rules, &normalizers->rule_cap, normalizers->rule_count + 1,
+                                  sizeof *normalizers->rules);
+    struct language_rules *r = &normalizers->rules[normalizers->rule_count++];
+    snprintf(r->tag, sizeof r->tag, "%s", *region ? region : text_rules_tag(rules));
+    r->rules = rules;
+    return 0;
+}
+
+/* A file, and once more for each of its regions. */
+static int load_rules(struct normalizers *normalizers, const char *path, struct error *e) {
+    if (load_rules_of(normalizers, path, "", e))
+        return -1;
+    const char *region;
+    json_t *value, *regions = text_rules_regions(normalizers->rules[normalizers->rule_count - 1].rules);
+    json_object_foreach(regions, region, value) {
+        if (load_rules_of(normalizers, path, region, e))
+            return -1;
+    }
+    return 0;
+}
+
+struct text_rules *normalizers_rules(const struct normalizers *normalizers, const char *lang) {
+    size_t primary = strcspn(lang, "-_");
+    struct text_rules *found = NULL;
+    for (size_t i = 0; i < normalizers->rule_count; i++) {
+        const struct language_rules *r = &normalizers->rules[i];
+        if (!strcasecmp(r->tag, lang))
+            return r->rules;
+        if (!found && strcspn(r->tag, "-") == primary && !strncasecmp(r->tag, lang, primary))
+            found = r->rules; /* a file comes before its regions */
+    }
+    return found;
+}
+
+const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang) {
+    const struct text_rules *rules = normalizers_rules(normalizers, lang);
+    return rules ? text_rules_abbreviations(rules) : NULL;
+}
+
+static int load_folder(struct normalizers *normalizers, const char *folder,
+                       int (*one)(struct normalizers *normalizers, const char *path, struct error *e),
+                       struct error *e) {
     char path[4096];
     int result = 0;
     DIR *dir = opendir(folder);
-    *normalizers = (struct normalizers){0};
     if (!dir)
         return 0; /* no language says how it reads: the voices do as they like */
     for (struct dirent *entry; !result && (entry = readdir(dir)) != NULL;) {
@@ -37,10 +91,18 @@ int normalizers_load(struct normalizers *normalizers, const char *folder, struct
         if (!dot || strcmp(dot, ".json") != 0)
             continue;
         snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        result = load(normalizers, path, e);
+        result = one(normalizers, path, e);
     }
     closedir(dir);
     return result;
+}
+
+int normalizers_load(struct normalizers *normalizers, const char *folder, struct error *e) {
+    char text[4096];
+    snprintf(text, sizeof text, "%s/text", folder);
+    *normalizers = (struct normalizers){0};
+    return load_folder(normalizers, folder, load, e) || load_folder(normalizers, text, load_rules, e) ? -1
+                                                                                                      : 0;
 }
 
 void normalizers_free(struct normalizers *normalizers) {
@@ -49,6 +111,9 @@ void normalizers_free(struct normalizers *normalizers) {
         free(normalizers->list[i]);
     }
     free(normalizers->list);
+    for (size_t i = 0; i < normalizers->rule_count; i++)
+        text_rules_free(normalizers->rules[i].rules);
+    free(normalizers->rules);
     *normalizers = (struct normalizers){0};
 }
 

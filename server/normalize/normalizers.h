@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a text says that it is to be read (say-as) becomes words, before any voice sees it: dates, times, sums
- * of money, addresses of the net... Each language is a file of models/normalization. */
+/* What a text does not write in words becomes words, before any voice sees it: what its author marked
+ * (say-as), by the files of models/normalization, and all else by those of models/normalization/text. */
 #ifndef FACCIA_NORMALIZE_NORMALIZERS_H
 #define FACCIA_NORMALIZE_NORMALIZERS_H
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
+#include "server/base/work_limit.h"
 #include "server/markup/score.h"
 #include <jansson.h>
 
 struct normalizer;
+struct text_rules;
 struct normalizers {
     struct normalizer **list;
     size_t count, cap;
+    struct language_rules *rules; /* of running text */
+    size_t rule_count, rule_cap;
 };
 
 /* Loads every *.json of the folder; without a folder there are none. -1 with *e ("bad-normalization") when
@@ -37,5 +41,20 @@ bool normalizer_words(const struct normalizer *normalizer, const char *way, cons
  * the voice to try. */
 void normalizers_apply(const struct normalizers *normalizers, struct score *script, size_t item,
                        const char *lang);
+
+/* How running text of that language (BCP 47) is read: of its region where that has rules of its own. NULL =
+ * there is no file: its letters are composed, no more. */
+struct text_rules *normalizers_rules(const struct normalizers *normalizers, const char *lang);
+
+/* The short forms behind whose dot a sentence of that language goes on (markup_rules.abbreviations). NULL =
+ * there is no file. */
+const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang);
+
+/* The stage: says in words, whatever markup a text came in, what its author did not write in words. Each item
+ * keeps the bytes of the input that each of its words stands for (score_item.parts). langs: of each item, the
+ * language that it is spoken in; voices: who speaks each item, as texts of two voices are read apart; NULL =
+ * the same voice speaks all. limit: ends it; may be NULL. */
+void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
+                      const void *const *voices, struct work_limit *limit);
 
 #endif

@@ -3,8 +3,8 @@
  * chunk leaves together with it, and what is there for a room in one turn of the loop leaves together at its
  * end: a daemon that keeps up has one thing at a time, which leaves no later by that; one that does not
  * writes once for several to each who follows. */
-#include "server/base/mem.h"
 #include "server/base/loop_idle.h"
+#include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
-#include "server/base/open_below.h"
 #include "server/base/mem.h"
+#include "server/base/open_below.h"
 #include "server/base/sound_reader.h"
 #include "server/base/utf8.h"
 #include "server/base/work_gate.h"

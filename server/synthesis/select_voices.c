@@ -5,6 +5,7 @@
 #include "server/voice/sentence.h"
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { NAMES = 16 };
 
@@ -238,13 +239,43 @@ static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
                                                                                     : BLEND_REGIONS;
 }
 
+/* The language that an item is read in: that which its author or the request asks for, as far as the voice
+ * speaks it, as that may name a region that the voice does not have. */
+static const char *reading_lang(const struct synthesis *s, const char *stated, const char *spoken) {
+    const char *lang = stated ? stated : s->request.lang;
+    size_t primary = strcspn(spoken, "-");
+    bool fits = lang && strcspn(lang, "-") == primary && !strncasecmp(lang, spoken, primary);
+    return fits ? lang : spoken;
+}
+
 struct markup_rules synthesis_rules(const struct synthesis *s) {
-    return (struct markup_rules){.abbreviations = speech_pack_abbreviations(s->pack),
-                                 .lang = synthesis_lang(s),
-                                 .sentence_bytes =
-                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
-                                 .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
-                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
+    const char *const *abbreviations =
+        s->pipeline->normalizers
+            ? normalizers_abbreviations(s->pipeline->normalizers, reading_lang(s, NULL, synthesis_lang(s)))
+            : NULL;
+    return (struct markup_rules){
+        .abbreviations = abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
+        .lang = synthesis_lang(s),
+        .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+        .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
+        .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
+        .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
+}
+
+static void normalize(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
+    struct score *script = r->score;
+    const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
+    for (size_t i = 0; i < script->item_count; i++) {
+        const struct voice *voice = r->chosen->voices[i];
+        langs[i] = voice ? reading_lang(s, script->items[i].style->lang, voice->lang) : NULL;
+    }
+    if (s->request.normalize == NORMALIZE_OFF)
+        for (size_t i = 0; i < script->item_count && !work_limit_over(limit); i++)
+            normalizers_apply(s->pipeline->normalizers, script, i, langs[i] ? langs[i] : "");
+    else
+        normalize_script(s->pipeline->normalizers, script, langs, (const void *const *)r->chosen->voices,
+                         limit);
+    free(langs);
 }
 
 void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
@@ -256,8 +287,8 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
     if (s->expressions)
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
-    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers && !work_limit_over(limit); i++)
-        normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
+    if (pipeline->normalizers)
+        normalize(s, r, limit);
 }
 
 const char *synthesis_lang(const struct synthesis *s) {

@@ -31,6 +31,10 @@ enum speech_blend {
     SPEAK_BLEND_WEIGHTED,
 };
 
+/* Whether what a text does not write in words (numbers, signs, short forms) is put into words before the
+ * voice sees it, and what Markdown writes is left out. */
+enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
+
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
     size_t text_size;
@@ -48,9 +52,10 @@ struct speech_request {
     double life;                 /* strength of the signs of life, 0..2; negative = not given */
     enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
-    bool still;                  /* only the lips move */
-    bool phones;                 /* its phones are events, too */
-    bool again;                  /* what is lost with the daemon that was to speak it is asked of the next */
+    enum speech_normalize normalize;
+    bool still;      /* only the lips move */
+    bool phones;     /* its phones are events, too */
+    bool again;      /* what is lost with the daemon that was to speak it is asked of the next */
     uint64_t abroad; /* not 0: another daemon asks, which tells the end when it has lost this one. Its name as
                         a number, and which time it follows, 32 bits each. No field */
     uint64_t

@@ -61,16 +61,20 @@ static void add_text(struct voice_request *request, const struct score_item *ite
     span->text = text;
     request->last_bytes += bytes;
     request->text_bytes += bytes;
+    const struct score_part whole = {0, bytes, item->start, item->end, item->verbatim, false};
+    const struct score_part *parts = item->parts ? item->parts : &whole;
+    size_t count = item->parts ? item->part_count : 1;
     request->pieces =
-        mem_grow(request->pieces, &request->piece_cap, request->piece_count + 1, sizeof *request->pieces);
-    request->pieces[request->piece_count++] = (struct request_piece){
-        .span = (uint32_t)(request->span_count - 1),
-        .offset = before,
-        .bytes = bytes,
-        .from = item->start,
-        .to = item->end,
-        .verbatim = item->verbatim,
-    };
+        mem_grow(request->pieces, &request->piece_cap, request->piece_count + count, sizeof *request->pieces);
+    for (size_t i = 0; i < count; i++)
+        request->pieces[request->piece_count++] = (struct request_piece){
+            .span = (uint32_t)(request->span_count - 1),
+            .offset = before + parts[i].offset,
+            .bytes = parts[i].bytes,
+            .from = parts[i].start,
+            .to = parts[i].end,
+            .verbatim = parts[i].verbatim,
+        };
 }
 
 /* Adds the part of the cue that lies in the sentence, if any. A point belongs to the item after it, at the

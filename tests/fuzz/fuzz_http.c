@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* HTTP as it comes over a connection. Byte 0: whether the rest is requests, in pieces whose sizes byte 1
  * determines, or a form after the line of its Content-Type. However the bytes are cut, the same is read. */
-#include "server/base/utf8.h"
-#include "server/http/multipart.h"
-#include "server/http/http_reader.h"
 #include "server/api/api_internal.h"
+#include "server/base/utf8.h"
+#include "server/http/http_reader.h"
+#include "server/http/multipart.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Requests as they are read out of bytes, without any socket: heads, targets, lists, bodies, forms. */
-#include "server/http/multipart.h"
 #include "server/http/http_reader.h"
+#include "server/http/multipart.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -10,4 +10,5 @@ export const SPEAK_ATTRIBUTES = {
   life: Number,
   blend: String,
   contacts: String,
+  normalize: String,
 };

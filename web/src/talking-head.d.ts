@@ -84,6 +84,8 @@ export interface SpeakOptions {
   blend?: 'auto' | 'regions' | 'weighted';
   /** Whether lips that must touch do so whatever the engine makes; engine: as the engine has it. */
   contacts?: 'engine' | 'on' | 'off';
+  /** Whether numbers, signs and short forms are put into words before the voice sees the text, and Markdown and emoji of a plain text are left out. */
+  normalize?: 'on' | 'off';
   /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
   /** Of two, the higher one comes first and cuts the lower one. */
@@ -218,6 +220,7 @@ export interface TalkingHeadAttributes {
   life?: number | string | null;
   blend?: 'auto' | 'regions' | 'weighted' | null;
   contacts?: 'engine' | 'on' | 'off' | null;
+  normalize?: 'on' | 'off' | null;
   // </speak attributes>
   label?: string | null;
   'caption-size'?: 'large' | 'larger' | 'largest' | null;
@@ -264,6 +267,7 @@ export class TalkingHead extends HTMLElement {
   life: number | null;
   blend: 'auto' | 'regions' | 'weighted' | null;
   contacts: 'engine' | 'on' | 'off' | null;
+  normalize: 'on' | 'off' | null;
   // </speak properties>
   label: string | null;
   captionSize: 'large' | 'larger' | 'largest' | null;

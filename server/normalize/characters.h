@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A stretch of text as the rules of a language see it: UTF-16 with composed letters, and for each unit the
+ * bytes of the stretch that it stands for. */
+#ifndef FACCIA_NORMALIZE_CHARACTERS_H
+#define FACCIA_NORMALIZE_CHARACTERS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <unicode/utypes.h>
+
+struct characters {
+    UChar *text;
+    size_t *from, *to; /* bytes of the stretch, for each unit */
+    size_t size, cap;
+    bool changed; /* some unit is not what the stretch has there */
+};
+
+/* Composes letters with their accents (NFC). Ligatures, full-width, mathematical and circled characters
+ * become the plain ones that they stand for (NFKC); other compatibility characters stay, as they mean
+ * something of their own (2 and superscript 2). Directional controls, soft hyphens and private-use characters
+ * are left out; so are combining marks beyond CHARACTERS_MARKS on one letter. stretch: well-formed UTF-8. */
+enum { CHARACTERS_MARKS = 8 };
+void characters_read(struct characters *characters, const char *stretch, size_t size);
+void characters_free(struct characters *characters);
+
+#endif

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stage over a whole script: stretches that one voice speaks in one language, and the way back from their
+ * words to the bytes of the input. */
+#include "server/base/mem.h"
+#include "server/normalize/normalizers_internal.h"
+#include "server/normalize/text_rules.h"
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* Texts that stand together, as one. */
+struct stretch {
+    struct score *script;
+    size_t first, last; /* items [first, last) */
+    size_t *begins;     /* where each item's text begins, and where the last one ends */
+    struct buf text;
+};
+
+static bool same(const char *a, const char *b) {
+    return a == b || (a && b && !strcasecmp(a, b));
+}
+
+/* Is it a text whose author left open how it is read? */
+static bool is_open(const struct score_item *item) {
+    return item->kind == SCORE_TEXT && item->text && !item->style->say_as && !item->style->phonemes &&
+           !item->parts;
+}
+
+static const char *lang_of(const char *const *langs, size_t item) {
+    return langs[item] ? langs[item] : "";
+}
+
+/* The bytes of the input for a byte of the stretch, which lies in that item. */
+static size_t place_of(const struct stretch *s, size_t item, size_t byte, bool end) {
+    const struct score_item *i = &s->script->items[item];
+    if (i->verbatim)
+        return i->start + (byte - s->begins[item - s->first]);
+    return end ? i->end : i->start;
+}
+
+/* Moves *item on to the one that the byte lies in; at the end of one and the beginning of another that is the
+ * latter, unless `end`. */
+static size_t item_of(const struct stretch *s, size_t item, size_t byte, bool end) {
+    while (item + 1 < s->last &&
+           (end ? s->begins[item + 1 - s->first] < byte : s->begins[item + 1 - s->first] <= byte))
+        item++;
+    return item;
+}
+
+struct item_words {
+    struct buf words;
+    struct score_part *parts;
+    size_t count, cap;
+};
+
+static void add_part(struct item_words *to, const void *words, struct score_part part) {
+    part.offset = to->words.size;
+    buf_add(&to->words, words, part.bytes);
+    to->parts = mem_grow(to->parts, &to->cap, to->count + 1, sizeof *to->parts);
+    to->parts[to->count++] = part;
+}
+
+static void close_item(struct stretch *s, size_t item, struct item_words *words) {
+    struct score_item *i = &s->script->items[item];
+    i->text =
+        score_strndup(s->script, words->words.data ? (const char *)words->words.data : "", words->words.size);
+    i->parts = score_keep_parts(s->script, words->parts, words->count);
+    i->part_count = words->count;
+    i->verbatim = false;
+    words->words.size = words->count = 0;
+}
+
+/* Gives each item its words: those of a part belong to the item in which the part begins. What is verbatim is
+ * cut where one item ends. */
+static void hand_out(struct stretch *s, const struct said *said) {
+    struct item_words words = {0};
+    size_t item = s->first;
+    for (size_t i = 0; i < said->part_count; i++) {
+        const struct said_part *p = &said->parts[i];
+        size_t from = p->from, offset = p->offset;
+        do {
+            size_t of = item_of(s, item, from, false), to = p->to;
+            for (; item < of; item++)
+                close_item(s, item, &words);
+            size_t end = s->begins[item + 1 - s->first];
+            if (p->verbatim && to > end)
+                to = end;
+            size_t bytes = p->verbatim ? to - from : p->bytes, last = item_of(s, item, to, true);
+            struct score_part part = {.bytes = bytes,
+                                      .start = place_of(s, item, from, false),
+                                      .end = place_of(s, last, to, true),
+                                      .verbatim = p->verbatim && s->script->items[item].verbatim,
+                                      .guess = p->guess};
+            add_part(&words, said->words.data + offset, part);
+            offset += bytes;
+            from = to;
+        } while (p->verbatim && from < p->to);
+    }
+    for (; item < s->last; item++)
+        close_item(s, item, &words);
+    buf_free(&words.words);
+    free(words.parts);
+}
+
+static void say_stretch(struct stretch *s, struct text_rules *rules) {
+    struct said said;
+    s->begins = mem_alloc((s->last - s->first + 1) * sizeof *s->begins);
+    for (size_t i = s->first; i < s->last; i++) {
+        const char *text = s->script->items[i].text;
+        s->begins[i - s->first] = s->text.size;
+        buf_add(&s->text, text, strlen(text));
+    }
+    s->begins[s->last - s->first] = s->text.size;
+    if (s->text.size && text_rules_say(rules, (const char *)s->text.data, s->text.size, &said)) {
+        hand_out(s, &said);
+        said_free(&said);
+    }
+    buf_free(&s->text);
+    free(s->begins);
+}
+
+/* What the author gave a way of reading is read in that way; the numbers in its words are said in words, too.
+ */
+static void say_as(const struct normalizers *normalizers, struct score *script, size_t item,
+                   const char *lang) {
+    const char *way = script->items[item].style->say_as;
+    if (!way)
+        return;
+    normalizers_apply(normalizers, script, item, lang);
+    struct score_item *i = &script->items[item];
+    if (i->style->say_as)
+        return;
+    struct stretch s = {.script = script, .first = item, .last = item + 1};
+    bool verbatim = i->verbatim;
+    say_stretch(&s, normalizers_rules(normalizers, lang));
+    i = &script->items[item];
+    if (!i->parts) { /* so that no rule of running text changes it */
+        const struct score_part whole = {0, strlen(i->text), i->start, i->end, verbatim, false};
+        i->parts = score_keep_parts(script, &whole, 1);
+        i->part_count = 1;
+    }
+}
+
+static bool joins(const struct score *script, const char *const *langs, const void *const *voices, size_t a,
+                  size_t b) {
+    return is_open(&script->items[b]) && same(lang_of(langs, a), lang_of(langs, b)) &&
+           (!voices || voices[a] == voices[b]);
+}
+
+void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
+                      const void *const *voices, struct work_limit *limit) {
+    for (size_t k = 0; k < script->sentence_count; k++) {
+        if (work_limit_over(limit))
+            return;
+        size_t first = script->sentences[k].first, end = first + script->sentences[k].count;
+        for (size_t i = first; i < end; i++)
+            if (script->items[i].kind == SCORE_TEXT)
+                say_as(normalizers, script, i, lang_of(langs, i));
+        for (size_t i = first; i < end;) {
+            if (!is_open(&script->items[i])) {
+                i++;
+                continue;
+            }
+            struct stretch s = {.script = script, .first = i, .last = i + 1};
+            while (s.last < end && joins(script, langs, voices, s.last - 1, s.last))
+                s.last++;
+            say_stretch(&s, normalizers_rules(normalizers, lang_of(langs, i)));
+            i = s.last;
+        }
+    }
+}

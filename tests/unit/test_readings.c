@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Running text as a person reads it: each line of tests/readings/LANGUAGE.tsv is a text, a tab, and its
+ * words. And what hostile texts cost and lose. */
+#include "server/base/mem.h"
+#include "server/markup/markup.h"
+#include "server/normalize/normalizers.h"
+#include "server/normalize/said_words.h"
+#include "server/normalize/text_rules.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include <cmocka.h>
+
+static struct normalizers normalizers;
+
+static int load(void **state) {
+    (void)state;
+    struct error e;
+    return normalizers_load(&normalizers, SOURCE_ROOT "/models/normalization", &e);
+}
+
+static int unload(void **state) {
+    (void)state;
+    normalizers_free(&normalizers);
+    return 0;
+}
+
+/* The script of a text; *document is to be freed after it. */
+static struct score *script_of(const char *lang, const char *markup, const char *text,
+                               struct score **document) {
+    struct error e;
+    const struct markup_rules rules = {.lang = lang,
+                                       .lenient = true,
+                                       .markdown_out = true,
+                                       .abbreviations = normalizers_abbreviations(&normalizers, lang)};
+    *document = markup_read(markup_by_name(markup), text, strlen(text), &rules, &e);
+    assert_non_null(*document);
+    struct score *script = score_script(*document);
+    const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
+    for (size_t i = 0; i < script->item_count; i++)
+        langs[i] = script->items[i].style->lang ? script->items[i].style->lang : lang;
+    normalize_script(&normalizers, script, langs, NULL, NULL);
+    free(langs);
+    return script;
+}
+
+static char *words_of(const char *lang, const char *markup, const char *text) {
+    struct score *document, *script = script_of(lang, markup, text, &document);
+    struct buf out = {0};
+    for (size_t i = 0; i < script->item_count; i++)
+        if (script->items[i].kind == SCORE_TEXT)
+            said_words(script->items[i].text, strlen(script->items[i].text), &out);
+    buf_add(&out, "", 1);
+    score_free(script);
+    score_free(document);
+    return (char *)out.data;
+}
+
+static void check(const char *lang, const char *markup, const char *text, const char *words) {
+    char *said = words_of(lang, markup, text);
+    if (strcasecmp(said, words) != 0)
+        fail_msg("%s \"%s\": \"%s\", not \"%s\"", lang, text, said, words);
+    free(said);
+}
+
+/* Reads a language's table. All lines that differ are shown. */
+static void table(const char *lang, size_t least) {
+    char path[512], line[1024];
+    size_t count = 0, wrong = 0;
+    snprintf(path, sizeof path, SOURCE_ROOT "/tests/readings/%s.tsv", lang);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) {
+        line[strcspn(line, "\n")] = '\0';
+        char *tab = strchr(line, '\t');
+        assert_non_null(tab);
+        *tab = '\0';
+        char *said = words_of(lang, "plain", line);
+        if (strcasecmp(said, tab + 1) != 0 && ++wrong)
+            print_error("%s \"%s\": \"%s\", not \"%s\"\n", lang, line, said, tab + 1);
+        free(said);
+        count++;
+    }
+    fclose(file);
+    assert_int_equal(wrong, 0);
+    assert_true(count >= least);
+}
+
+static void expressions(void **state) {
+    (void)state;
+    static const char *const langs[] = {"it", "en", "en-GB", "en-US", "pt-BR", "pt-PT", "tr"};
+    for (size_t i = 0; i < sizeof langs / sizeof *langs; i++) {
+        struct error e = {0};
+        struct text_rules *rules = normalizers_rules(&normalizers, langs[i]);
+        assert_non_null(rules);
+        if (text_rules_check(rules, &e))
+            fail_msg("%s: %s", langs[i], e.message);
+    }
+}
+
+static void italian(void **state) {
+    (void)state;
+    table("it", 100);
+}
+
+static void english(void **state) {
+    (void)state;
+    table("en", 100);
+    check("en-GB", "plain", "In 2005 I had 120 books.",
+          "In two thousand and five I had one hundred and twenty books");
+    check("en-GB", "plain", "25/12/2025", "the twenty-fifth of December twenty twenty-five");
+    check("en-US", "plain", "5 km, 12/25/2025", "five kilometers December twenty-fifth twenty twenty-five");
+}
+
+static void portuguese(void **state) {
+    (void)state;
+    table("pt-BR", 100);
+    check("pt", "plain", "R$ 2,50", "dois reais e cinquenta centavos");
+}
+
+static void turkish(void **state) {
+    (void)state;
+    table("tr", 100);
+}
+
+static void markups(void **state) {
+    (void)state;
+    const char *words = "il ventisei novembre pago tre euro e cinquanta al signor Rossi";
+    check("it", "plain", "il 26 novembre pago € 3,50 al Sig. Rossi", words);
+    check("it", "ssml", "<speak>il 26 novembre pago € 3,50 al Sig. Rossi</speak>", words);
+    check("it", "ssml", "<speak>il 26 novembre pago &#x20ac;&#xa0;3,50 al Sig. Rossi</speak>", words);
+    check("it", "ssml", "<speak>il 26 novembre pago € <emphasis>3,50</emphasis> al Sig. Rossi</speak>",
+          words);
+    check("it", "apml", "<apml><performative>il 26 novembre pago € 3,50 al Sig. Rossi</performative></apml>",
+          words);
+    check("it", "jsml", "<jsml>il 26 novembre pago € 3,50 al Sig. Rossi</jsml>", words);
+    /* the author's word counts */
+    check("it", "ssml", "<speak><sub alias=\"euro tre\">€ 3,50</sub></speak>", "euro tre");
+    check("en", "ssml", "<speak>in <say-as interpret-as=\"cardinal\">1984</say-as></speak>",
+          "in one thousand nine hundred eighty-four");
+    check("en", "ssml", "<speak>in <say-as interpret-as=\"digits\">1984</say-as></speak>",
+          "in one nine eight four");
+}
+
+/* Which bytes of the text the words stand for. */
+static void place_of(const char *lang, const char *text, const char *source, const char *words) {
+    struct score *document, *script = script_of(lang, "plain", text, &document);
+    bool found = false;
+    for (size_t i = 0; i < script->item_count; i++)
+        for (size_t k = 0; k < script->items[i].part_count; k++) {
+            const struct score_part *p = &script->items[i].parts[k];
+            if (p->verbatim)
+                assert_memory_equal(script->items[i].text + p->offset, text + p->start, p->bytes);
+            else if (p->end - p->start == strlen(source) && !memcmp(text + p->start, source, strlen(source)))
+                found =
+                    p->bytes == strlen(words) && !memcmp(script->items[i].text + p->offset, words, p->bytes);
+        }
+    assert_true(found);
+    score_free(script);
+    score_free(document);
+}
+
+static void places(void **state) {
+    (void)state;
+    place_of("it", "Costa € 3,50 soltanto.", "€ 3,50", "tre euro e cinquanta");
+    place_of("it", "perche\u0301 no", "e\u0301", "é");
+    place_of("en", "It is \u22125 \u00b0C now.", "\u22125 \u00b0C", "minus five degrees Celsius");
+    place_of("tr", "Saat 15.30'da gel.", "15.30'da", "on beş otuzda");
+}
+
+static void characters(void **state) {
+    (void)state;
+    check("it", "plain", "perche\u0301", "perché");
+    check("pt-BR", "plain", "na\u0303o", "não");
+    check("tr", "plain", "s\u0327eker", "şeker");
+    check("en", "plain", "\ufb01nal o\ufb03ce", "final office");
+    check("en", "plain", "\uff28\uff45\uff4c\uff4c\uff4f \U0001d400\U0001d401", "Hello AB");
+    check("xx", "plain", "cafe\u0301 \ufb01n 12", "café fin 12");
+}
+
+/* What is repeated many times: all of its letters and digits are still said, in time that grows with it. */
+static void repeated(const char *piece, size_t times) {
+    struct buf text = {0};
+    struct said said;
+    for (size_t i = 0; i < times; i++)
+        buf_add(&text, piece, strlen(piece));
+    const char *langs[] = {"it", "en", "pt-BR", "tr"};
+    for (size_t i = 0; i < 4; i++) {
+        struct text_rules *rules = normalizers_rules(&normalizers, langs[i]);
+        if (text_rules_say(rules, (const char *)text.data, text.size, &said)) {
+            size_t at = 0;
+            for (size_t k = 0; k < said.part_count; k++) {
+                assert_true(said.parts[k].from >= at && said.parts[k].to <= text.size);
+                at = said.parts[k].from;
+            }
+            said_free(&said);
+        }
+    }
+    buf_free(&text);
+}
+
+static void hostile(void **state) {
+    (void)state;
+    repeated("7", 7500);
+    repeated("1.", 2500);
+    repeated("1 ", 2500);
+    repeated("-", 2500);
+    repeated("a.", 1250);
+    repeated("I", 2500);
+    repeated("a\u0301\u0302\u0303\u0304\u0305\u0306\u0307\u0308\u0309\u030a", 500);
+    repeated("\u202e\u2066x", 1250);
+    repeated("\ue000\U000f0000", 1250);
+    repeated("$1/", 750);
+    repeated("a@", 1250);
+    repeated("https://", 500);
+    repeated("\u00bd", 1250);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(expressions), cmocka_unit_test(italian),    cmocka_unit_test(english),
+        cmocka_unit_test(portuguese),  cmocka_unit_test(turkish),    cmocka_unit_test(markups),
+        cmocka_unit_test(places),      cmocka_unit_test(characters), cmocka_unit_test(hostile),
+    };
+    return cmocka_run_group_tests(tests, load, unload);
+}
