@@ -14,16 +14,17 @@ struct client_message {
 
 #include "protocol/client_messages.h" /* made of protocol/messages.json */
 
+/* NULL: the message has no members but those of a request (speak), or none at all. */
 static const struct client_message *find(const char *type) {
-    size_t i = 0;
-    while (strcmp(client_messages[i].type, type) != 0)
-        i++; /* callers name a type of the table */
-    return &client_messages[i];
+    for (size_t i = 0; i < sizeof client_messages / sizeof *client_messages; i++)
+        if (!strcmp(client_messages[i].type, type))
+            return &client_messages[i];
+    return NULL;
 }
 
 int client_message_check(const char *type, const json_t *message, struct error *e) {
     const struct client_message *m = find(type);
-    for (const struct field *f = m->fields; f < m->fields + m->count; f++) {
+    for (const struct field *f = m ? m->fields : NULL; m && f < m->fields + m->count; f++) {
         const json_t *member = json_object_get(message, f->name);
         const struct request_value value = value_from_json(member);
         if (!member && !f->required)

@@ -65,7 +65,7 @@ static int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, co
     }
     long_alignment_free(alignment);
     if (found < 0)
-        snprintf(message, cap, "the mouth stays closed: %s", e.message);
+        snprintf(message, cap, "the mouth stays closed: %.100s", e.message);
     return found;
 }
 
