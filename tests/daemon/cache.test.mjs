@@ -108,7 +108,7 @@ test('works of the library are spoken ahead by a voice, within a bound; who asks
   assert.ok(full.bytes >= 1 << 20 && full.bytes < 1.5 * 2 ** 20 && full.done < full.of, JSON.stringify(full));
   assert.equal((await daemon.stop()).code, 0);
   daemon = await Daemon.start([...options, '--library-ahead', 'espeak:nobody']);
-  await daemon.logged(/nothing is spoken ahead: --library-ahead: .*nobody/);
+  await daemon.logged(/nothing is prerendered: --library-ahead: .*nobody/);
   assert.equal((await daemon.stop()).code, 0);
 });
 

@@ -75,7 +75,7 @@ test('out of processor time', async () => {
 });
 
 // A text alone may ask for that much, so the voice is not told to be at fault.
-test('flood: more sound than a sentence can hold', () => suffer('flood', 'text-too-long', /more sound than one may have/));
+test('flood: more sound than a sentence can hold', () => suffer('flood', 'text-too-long', /exceeds the maximum duration/));
 
 test('chatter: more than a sentence can hold', () => suffer('chatter', 'voice-failed', /^the voice puppet reported more/));
 
