@@ -36,7 +36,7 @@ void client_complain(struct client *c, const struct error *e) {
     client_say(c, error);
 }
 
-void client_warn(void *client, const struct error *e) {
+static void client_warn(void *client, const struct error *e) {
     client_say(client, warning_json(e));
 }
 

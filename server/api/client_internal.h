@@ -55,7 +55,6 @@ void client_send_model(struct client *client, const json_t *message);
 /* Sends the message, which it releases. People who type get lines. */
 void client_say(struct client *client, json_t *message);
 void client_complain(struct client *client, const struct error *e);
-void client_warn(void *client, const struct error *e);
 
 /* What it asked to be said is not: its error and its end. id NULL: it has none. */
 void client_refuse(struct client *client, const char *id, const struct error *e);

@@ -310,7 +310,9 @@ static int check_scene(const json_t *scene, struct error *e) {
     return check_lines(json_object_get(scene, "lines"), e);
 }
 
-int scene_check(const char *name, const void *data, size_t size, struct error *e) {
+/* Is it a scene, as protocol/schema/scene.json says, whose lines lead to lines that are there? -1 with *e:
+ * "bad-json" (byte), "missing-field", "bad-field" ("lines.3.next"). */
+static int scene_check(const char *name, const void *data, size_t size, struct error *e) {
     json_error_t why;
     (void)name; /* a scene has none of its own */
     json_t *scene = json_loadb(size ? data : "", size, JSON_REJECT_DUPLICATES, &why);

@@ -14,7 +14,8 @@ static const char *title_of(const json_t *work) {
     return *title ? title : text_of(work, "id");
 }
 
-void library_escape(struct buf *out, const char *text) {
+/* Text in XML or HTML, without what XML has no characters for. */
+static void library_escape(struct buf *out, const char *text) {
     for (; *text; text++) {
         unsigned char c = (unsigned char)*text;
         const char *entity = c == '&'   ? "&amp;"

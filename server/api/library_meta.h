@@ -19,7 +19,4 @@ void library_dublin_core(struct buf *out, const json_t *work, const char *base);
 /* The elements for the head of the page of a list, a work or a section. */
 void library_head(struct buf *out, const json_t *answer, const char *base);
 
-/* Text in XML or HTML, without what XML has no characters for. */
-void library_escape(struct buf *out, const char *text);
-
 #endif

@@ -1,15 +1,65 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/redis_cluster.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/cluster/redis.h"
 #include "server/cluster/redis_link.h"
-#include "server/cluster/redis_names.h"
-#include "server/cluster/redis_scripts.h"
 #include "server/cluster/sound_pack.h"
+#include <openssl/evp.h>
+#include <openssl/rand.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <utlist.h>
+
+/* What Redis does at one blow, in its Lua. KEYS: the value, the claim. ARGV: who asks; further as each says.
+ */
+
+/* The value; or 1: the claim is the asker's from now on; or 0: it is somebody else's. ARGV: the claim's ms,
+ * the value's seconds. */
+#define SCRIPT_ASK                                                                                           \
+    "local value = redis.call('GET', KEYS[1]) "                                                              \
+    "if value then redis.call('EXPIRE', KEYS[1], ARGV[3]) return value end "                                 \
+    "if redis.call('SET', KEYS[2], ARGV[1], 'NX', 'PX', ARGV[2]) then return 1 end "                         \
+    "return 0"
+
+/* The claim lasts, unless somebody else has it by now. ARGV: its ms. */
+#define SCRIPT_MAKING                                                                                        \
+    "local who = redis.call('GET', KEYS[2]) "                                                                \
+    "if not who or who == ARGV[1] then redis.call('SET', KEYS[2], ARGV[1], 'PX', ARGV[2]) end "              \
+    "return 0"
+
+/* The claim ends. */
+#define SCRIPT_LEAVE                                                                                         \
+    "if redis.call('GET', KEYS[2]) == ARGV[1] then redis.call('DEL', KEYS[2]) end "                          \
+    "return 0"
+
+/* The same, with the value. ARGV: the value, its seconds. */
+#define SCRIPT_GIVE "redis.call('SET', KEYS[1], ARGV[2], 'EX', ARGV[3]) " SCRIPT_LEAVE
+
+static void write_hex(const unsigned char *bytes, size_t count, char *out) {
+    for (size_t i = 0; i < count; i++)
+        snprintf(out + 2 * i, 3, "%02x", bytes[i]);
+}
+
+void redis_hash_of(const struct buf *key, char hex[REDIS_HASH_BYTES]) {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    EVP_Digest(key->data, key->size, digest, NULL, EVP_sha256(), NULL);
+    write_hex(digest, (REDIS_HASH_BYTES - 1) / 2, hex);
+}
+
+/* By that of the key. */
+static void redis_names_of(const struct buf *key, struct redis_names *names) {
+    char hex[REDIS_HASH_BYTES];
+    redis_hash_of(key, hex);
+    snprintf(names->value, sizeof names->value, "faccia:{%s}:speech", hex);
+    snprintf(names->claim, sizeof names->claim, "faccia:{%s}:making", hex);
+}
+
+void redis_id_make(char id[REDIS_ID_BYTES]) {
+    unsigned char bytes[(REDIS_ID_BYTES - 1) / 2];
+    RAND_bytes(bytes, sizeof bytes);
+    write_hex(bytes, sizeof bytes, id);
+}
 
 enum { ASK_AGAIN_MS = 20, VALUE_MOST = 8 << 20, NUMBER_BYTES = 16 };
 

@@ -67,7 +67,7 @@ void work_close(struct work *work);
 
 /* ---- who speaks ---- */
 
-struct work_hands;
+struct work_consumer;
 struct work_item;
 
 /* How many of its sentences could be begun now: for somebody who hears them, and to be kept. */
@@ -76,7 +76,7 @@ struct work_offer {
     unsigned live, ahead;
 };
 
-struct work_hands_events {
+struct work_consumer_events {
     /* What is offered; asked again and again. Good until the next call. */
     size_t (*offers)(void *ctx, const struct work_offer **offers);
     /* A sentence to be spoken. The receiver answers it or gives it back. */
@@ -85,19 +85,19 @@ struct work_hands_events {
     void (*lost)(void *ctx, struct work_item *item);
 };
 
-struct work_hands_engine {
-    void (*look)(struct work_hands *hands);
+struct work_consumer_engine {
+    void (*look)(struct work_consumer *consumer);
     void (*answer)(struct work_item *item, enum work_end end, const struct buf *body);
     void (*give_back)(struct work_item *item);
-    void (*close)(struct work_hands *hands);
+    void (*close)(struct work_consumer *consumer);
 };
 
-struct work_hands {
-    const struct work_hands_engine *engine;
+struct work_consumer {
+    const struct work_consumer_engine *engine;
 };
 
 struct work_item {
-    struct work_hands *hands;
+    struct work_consumer *consumer;
     const char *queue;
     enum work_turn turn;
     struct buf sentence;
@@ -105,14 +105,14 @@ struct work_item {
 };
 
 /* There is room again, or another offer. */
-void work_hands_look(struct work_hands *hands);
+void work_consumer_look(struct work_consumer *consumer);
 
 /* Both let the item go. Given back, it is spoken by whoever has room next. */
 void work_answer(struct work_item *item, enum work_end end, const struct buf *body);
 void work_give_back(struct work_item *item);
 
 /* After the last item. NULL is fine. */
-void work_hands_close(struct work_hands *hands);
+void work_consumer_close(struct work_consumer *consumer);
 
 enum {
     WORK_VISIBLE_MS = 3000,  /* a worker of which nothing was heard for so long has lost its sentence */

@@ -193,7 +193,7 @@ void connections_close(struct http_server *server) {
     }
 }
 
-void connections_due(uv_idle_t *idle) {
+static void connections_due(uv_idle_t *idle) {
     struct http_server *server = idle->data;
     uv_idle_stop(idle);
     for (struct connection *c; (c = server->due);) {

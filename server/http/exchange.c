@@ -109,6 +109,8 @@ const char *exchange_query(const struct exchange *x, const char *name, char *val
     return value;
 }
 
+static void exchange_flush(struct exchange *x);
+
 void exchange_add(struct exchange *x, const void *data, size_t size) {
     if (!size || x->complete)
         return;
@@ -133,7 +135,8 @@ size_t exchange_unsent(const struct exchange *x) {
     return x->queue.size + x->body_size + connection_unsent(x->connection);
 }
 
-void exchange_flush(struct exchange *x) {
+/* sends what waits, as far as it goes */
+static void exchange_flush(struct exchange *x) {
     if (x->queue.size)
         buf_consume(&x->queue, connection_send(x->connection, x->queue.data, x->queue.size));
     if (!x->queue.size && x->body_size) {

@@ -98,7 +98,6 @@ bool connection_secure(const struct connection *connection);
 
 /* Lets the protocol go on, soon: for what is done from within an answer's own making. */
 void connection_later(struct connection *connection);
-void connections_due(uv_idle_t *idle);
 
 /* Says that nothing more comes, and waits, not for long, for the other end to close: what it still sends
  * would make the kernel take back what is on its way to it. */
@@ -156,7 +155,6 @@ struct exchange {
 struct exchange *exchange_open(struct http_server *server, const struct http_request *request,
                                const struct exchange_session *session);
 void exchange_close(struct exchange *x);
-void exchange_flush(struct exchange *x);                  /* sends what waits, as far as it goes */
 void exchange_sent(struct exchange *x);                   /* bytes have left */
 bool exchange_done(const struct exchange *x);             /* all of it has been sent: close it */
 bool exchange_persists(const struct exchange *x);         /* and another one may follow it */

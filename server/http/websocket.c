@@ -47,7 +47,8 @@ struct websocket {
 
 static void go_on(struct websocket *ws);
 
-uint64_t websocket_now(const struct websocket *ws) {
+/* Loop time, ms. */
+static uint64_t websocket_now(const struct websocket *ws) {
     return connection_now(ws->connection);
 }
 
@@ -331,7 +332,7 @@ bool websocket_all_sent(const struct websocket *ws) {
     return !ws->leaving && !connection_unsent(ws->connection) && message_queue_empty(&ws->queue);
 }
 
-struct connection *websocket_connection(const struct websocket *ws) {
+static struct connection *websocket_connection(const struct websocket *ws) {
     return ws->connection;
 }
 

@@ -54,9 +54,4 @@ void websocket_hold(struct websocket *ws, bool held);
 void websocket_close(struct websocket *ws, enum websocket_status status, const char *reason);
 bool websocket_closing(const struct websocket *ws); /* its close is on the way: nothing more is heard */
 
-struct connection *websocket_connection(const struct websocket *ws);
-
-/* Loop time, ms. */
-uint64_t websocket_now(const struct websocket *ws);
-
 #endif

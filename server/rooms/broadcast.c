@@ -25,7 +25,7 @@ static void say_all(void *data) {
     }
 }
 
-void broadcast_add(struct channel *c) {
+static void broadcast_add(struct channel *c) {
     struct broadcast *turn = c->rooms->broadcast;
     if (c->in_turn)
         return;

@@ -11,7 +11,8 @@ static void take_member(const json_t *message, const char *name, json_t *into) {
     json_object_set(into, name, json_object_get(message, name));
 }
 
-json_t *notice_begin(const struct channel *c, const char *type) {
+/* The message so far, to which its members are added. */
+static json_t *notice_begin(const struct channel *c, const char *type) {
     return json_pack("{ss ss}", "type", type, "stream", c->name);
 }
 

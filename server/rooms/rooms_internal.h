@@ -201,7 +201,6 @@ void broadcast_open(struct rooms *rooms, void (*say)(struct channel *channel));
 void broadcast_close(struct rooms *rooms);
 
 /* What it says at the end of the loop's turn is said. */
-void broadcast_add(struct channel *channel);
 void broadcast_forget(struct channel *channel);
 
 /* calibration.c: copies featurePointsCoord, textureCoord and texture of a message into another object. What a
@@ -210,8 +209,5 @@ void broadcast_forget(struct channel *channel);
 int calibration_read(const json_t *message, json_t *into, struct error *e);
 
 /* notices.c */
-
-/* The message so far, to which its members are added. */
-json_t *notice_begin(const struct channel *channel, const char *type);
 
 #endif

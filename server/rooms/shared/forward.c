@@ -19,6 +19,12 @@ bool forward_needed(const struct rooms *rooms, const char *room) {
     return !c || c->shared->role == ROLE_SEEKING || c->shared->role == ROLE_REPLICA;
 }
 
+static void forward_free(struct forward *o);
+
+static uint64_t forward_number(const struct forward *o);
+
+static void forward_tell_failed(const struct forward *o, const struct error *e);
+
 /* It has left the list when its giver is called. Who gave one that is asked anew waits for no answer: that it
  * failed is told as its end. */
 static void end(struct forward *o, unsigned status, const json_t *answer) {
@@ -50,6 +56,10 @@ static void take(struct forward *o, uint32_t utterance, unsigned status, const j
         done(ctx, status, answer);
     channel_let_go(c);
 }
+
+static bool forward_is_spoken(const struct forward *o);
+
+static bool forward_has_ended(const struct forward *o);
 
 /* Though its answer was lost, or says that it was asked before, it may be heard here already. */
 static void refuse(struct forward *o, unsigned status, const json_t *answer) {
@@ -253,7 +263,8 @@ void forwards_answered(struct shared_rooms *all, const struct packet *p) {
     }
 }
 
-void forward_free(struct forward *o) {
+/* It is gone. */
+static void forward_free(struct forward *o) {
     DL_DELETE(o->all->forwards, o);
     json_decref(o->asked);
     if (!o->utterance)
@@ -265,23 +276,27 @@ static const json_t *request_of(const struct forward *o) {
     return json_object_get(o->asked, "request");
 }
 
-uint64_t forward_number(const struct forward *o) {
+/* By which all daemons know it (shared_command). */
+static uint64_t forward_number(const struct forward *o) {
     return shared_command(bus_name(o->all->bus), o->number);
 }
 
-bool forward_is_spoken(const struct forward *o) {
+static bool forward_is_spoken(const struct forward *o) {
     return o->channel->shared && channel_order(o->channel) == forward_number(o);
 }
 
-bool forward_has_ended(const struct forward *o) {
+/* Is what it asked for heard here, or has its end been? Also when nobody has answered. */
+static bool forward_has_ended(const struct forward *o) {
     return o->channel->shared && shared_has_heard(o->channel->shared, forward_number(o));
 }
 
-bool forward_is_again(const struct forward *o) {
+/* Whether what it asks for is spoken again when it is lost. */
+static bool forward_is_again(const struct forward *o) {
     return json_is_true(json_object_get(request_of(o), "again"));
 }
 
-void forward_tell_failed(const struct forward *o, const struct error *e) {
+/* Tells who follows here that it has failed. */
+static void forward_tell_failed(const struct forward *o, const struct error *e) {
     struct stream_event event = {.kind = STREAM_ERROR,
                                  .utterance = o->utterance,
                                  .id = json_string_value(json_object_get(request_of(o), "id")),

@@ -56,11 +56,13 @@ void shared_send(const struct shared_room *h, const struct bus_receivers *to, co
     bus_send(h->all->bus, &(struct bus_right){name, h->token}, to, data->data, data->size);
 }
 
+static void shared_give_up_as(const struct shared_room *h, uint64_t token);
+
 void shared_give_up(const struct shared_room *h) {
     shared_give_up_as(h, h->token);
 }
 
-void shared_give_up_as(const struct shared_room *h, uint64_t token) {
+static void shared_give_up_as(const struct shared_room *h, uint64_t token) {
     char name[LEASE_NAME_BYTES];
     const char *names[REPLICAS_MOST];
     struct bus_receivers to = {names, 0};

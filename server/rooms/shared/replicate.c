@@ -24,7 +24,7 @@ void shared_is_past(struct shared_room *h, uint32_t utterance) {
         add(&h->past, shared_daemon(h->holder) | utterance);
 }
 
-bool shared_was_past(const struct shared_room *h, uint32_t utterance) {
+static bool shared_was_past(const struct shared_room *h, uint32_t utterance) {
     return utterance && has(&h->past, shared_daemon(h->holder) | utterance);
 }
 

@@ -113,7 +113,6 @@ void shared_send(const struct shared_room *room, const struct bus_receivers *to,
 
 /* It is this daemon's no more, and the replicas hear of it. */
 void shared_give_up(const struct shared_room *room);
-void shared_give_up_as(const struct shared_room *room, uint64_t token);
 
 /* The room stays with its leader for so long, though nobody follows: something waits there to be heard. */
 void shared_keep(struct shared_room *room, uint64_t ms);
@@ -141,7 +140,6 @@ void forwards_lost(struct shared_room *room, uint32_t told, bool again, const st
 /* An utterance of the leader has been told as ended here, or is asked of another: what comes of it yet is not
  * handed on. */
 void shared_is_past(struct shared_room *room, uint32_t utterance);
-bool shared_was_past(const struct shared_room *room, uint32_t utterance);
 
 /* replicate.c: an order among those of all daemons, by who gave it and its number there; not 0. It keeps it
  * when it is given anew to another leader. */
@@ -196,21 +194,5 @@ struct forward {
     forward_done done; /* NULL: nobody waits */
     void *ctx;
 };
-
-/* It is gone. */
-void forward_free(struct forward *order);
-
-/* By which all daemons know it (shared_command). */
-uint64_t forward_number(const struct forward *order);
-
-/* Is what it asked for heard here, or has its end been? Also when nobody has answered. */
-bool forward_is_spoken(const struct forward *order);
-bool forward_has_ended(const struct forward *order);
-
-/* Whether what it asks for is spoken again when it is lost. */
-bool forward_is_again(const struct forward *order);
-
-/* Tells who follows here that it has failed. */
-void forward_tell_failed(const struct forward *order, const struct error *e);
 
 #endif
