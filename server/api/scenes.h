@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes that operators keep on the server: /v1/scenes. */
+/* Scenes saved on the server by operators: /v1/scenes. */
 #ifndef FACCIA_API_SCENES_H
 #define FACCIA_API_SCENES_H
 

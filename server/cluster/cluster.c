@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What callers see of an engine: its table of functions. */
+/* Public functions of the cluster: they call the engine's table. */
 #include "server/cluster/cluster.h"
 #include "server/cluster/board.h"
 #include "server/cluster/bus.h"

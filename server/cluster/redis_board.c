@@ -12,44 +12,44 @@
 #include <uthash.h>
 #include <utlist.h>
 
-/* What a daemon has on the board, or is about to put there: its notes, and the marks that it knows. */
+/* This daemon's state on the board, written or still to be written: its notes, and the marks that it
+ * knows. */
 
-/* So long the others can see that a note has been taken away; then its name is forgotten. */
+/* how long a removal is visible to other daemons; after that the note's name is forgotten */
 enum { NOTE_LEAVES_MS = 4 * BOARD_LIFE_MS };
 
 struct note {
-    bool is_mark, dirty, written; /* it wants to be written; it has been */
-    uint64_t until;               /* of a mark, as board_mark has it */
-    uint64_t leaves;              /* loop time at which it is forgotten; 0: it stays */
-    struct note *prev, *next;     /* of the dirty ones */
+    bool is_mark, dirty, written; /* dirty: still to be written; written: was written before */
+    uint64_t until;               /* of a mark: as board_mark */
+    uint64_t leaves;              /* loop time at which a removed note is forgotten; 0: not removed */
+    struct note *prev, *next;     /* in the list of dirty notes and marks */
     struct note *leaving_prev, *leaving_next;
     UT_hash_handle hh;
-    char text[BOARD_TEXT_BYTES]; /* "": it was taken away */
+    char text[BOARD_TEXT_BYTES]; /* "": removed */
     char name[];
 };
 
 struct notes {
     struct note *notes, *marks, *dirty, *leaving;
-    unsigned written; /* notes that are on the board, as far as is known */
+    unsigned written; /* notes believed to be on the board */
 };
 
-/* What Redis does at one blow for the board, in its Lua.
- * "faccia:board" has the daemons by the time at which they looked last, "faccia:board:notes:ID" the notes of
- * one, "faccia:board:marks" the marks by the time of their making, "faccia:board:ends" those that end by
- * that, "faccia:board:count" how often something changed, and "faccia:board:changes" which change was the
- * last of which note ("ID NAME") or mark ("* NAME"). */
+/* The script of the board, in Redis's Lua: it runs atomically. "faccia:board" holds the daemons by the
+ * time of their last look; "faccia:board:notes:ID" the notes of one daemon; "faccia:board:marks" the marks
+ * by the time of creation; "faccia:board:ends" the marks that end, by their end; "faccia:board:count" the
+ * number of changes so far; and "faccia:board:changes" the latest change of each note ("ID NAME") and mark
+ * ("* NAME"). */
 
 #define REDIS_BOARD "faccia:board"
 
-/* How many changes are told at a time; more than one look can make (BATCH in redis_board.c). */
+/* most changes per reply; more than one look can make (BATCH) */
 #define REDIS_BOARD_ROWS "512"
 
-/* KEYS: REDIS_BOARD. ARGV: who looks, up to which change it knows, ms that a daemon lives, how many marks are
- * kept; then by threes: "n" and "f" a note and its text (f: nobody needs to know any more that it is gone),
- * "m" a mark, and when it ends in ms since 1970, or "". {its clock in ms, 1: it was not known here, or
- * something was lost, up to which change it knows now, 1: there is more, how many notes of its are here, how
- * many marks, {the daemons}, {who, name, text,
- * ...}}. Who was not known here is told all from the beginning. */
+/* KEYS: REDIS_BOARD. ARGV: daemon, last change that it knows, ms after which a daemon is dead, limit of
+ * marks; then triples: "n" or "f", a note and its text (f: the removal need no longer be visible), or "m", a
+ * mark and its end in ms since 1970, or "". Returns {clock in ms, 1: the daemon was unknown or changes were
+ * lost, last change now known, 1: there is more, number of the daemon's notes, number of marks, {daemons},
+ * {owner, name, text, ...}}. A daemon that was unknown gets everything from the beginning. */
 #define SCRIPT_LOOK                                                                                          \
     "local k, id, life = KEYS[1], ARGV[1], tonumber(ARGV[3]) "                                               \
     "local t = redis.call('TIME') "                                                                          \
@@ -134,8 +134,8 @@ static void notes_write(struct notes *all, const char *name, const char *text) {
     want(all, note);
 }
 
-/* False: it was known. known: it is on the board already; of more than BOARD_MARKS_MOST it is not
- * remembered. */
+/* Adds a mark. Returns false when it was known. known: it is on the board already, so it need not be
+ * written; beyond BOARD_MARKS_MOST such a mark is not remembered. */
 static bool notes_mark(struct notes *all, const char *name, uint64_t until, bool known) {
     struct note *mark;
     HASH_FIND_STR(all->marks, name, mark);
@@ -166,7 +166,8 @@ static void notes_end(struct notes *all, uint64_t clock) {
     }
 }
 
-/* Those that were taken away long ago come first: they stay in their list until the words have been sent. */
+/* Collects what to write. Notes removed long ago come first; they stay in their list until the words have
+ * been sent. */
 static int notes_batch(struct notes *all, struct link_text *words, int most, uint64_t now) {
     int count = 0;
     for (struct note *n = all->leaving; n && n->leaves <= now && !n->dirty && count < most;
@@ -196,7 +197,7 @@ static int notes_batch(struct notes *all, struct link_text *words, int most, uin
     return count;
 }
 
-/* The words of the last batch are not needed any more. */
+/* Frees the notes that the last batch removed for good: its words are no longer needed. */
 static void notes_sent(struct notes *all) {
     while (all->leaving && all->leaving->leaves == 1) {
         struct note *n = all->leaving;
@@ -207,7 +208,7 @@ static void notes_sent(struct notes *all) {
     }
 }
 
-/* All has to be told once more. */
+/* Marks everything to be written again. */
 static void notes_again(struct notes *all) {
     for (struct note *n = all->notes; n; n = n->hh.next) {
         n->written = false;
@@ -234,10 +235,10 @@ static void notes_free(struct notes *all) {
 
 enum { BATCH = 40, WORDS_BEFORE = 8, OWNERS_MOST = 1000, NUMBER_BYTES = 24 };
 
-/* So often all is asked for, also when nothing has changed: the daemon is seen to live, and the dead go. */
+/* interval of a full look even without changes: it shows that the daemon lives, and removes dead ones */
 enum { ALL_MS = 1000 };
 
-/* Another daemon of which there are notes. */
+/* Another daemon on the board. */
 struct owner {
     char id[REDIS_ID_BYTES];
     bool here;
@@ -249,19 +250,19 @@ struct redis_board {
     uv_loop_t *loop;
     struct redis_link *link;
     uv_timer_t again;
-    const struct board_eye *eye; /* NULL: nobody */
+    const struct board_eye *eye; /* NULL: no callbacks */
     void *ctx;
     struct metrics *metrics;
     struct notes notes;
     struct owner *owners;
     char id[REDIS_ID_BYTES];
-    uint64_t known;  /* up to which change */
-    uint64_t looked; /* loop time when all was asked for last */
-    unsigned users;  /* the question on its way, and the timer: the board stays for them */
+    uint64_t known;  /* last change that this daemon has seen */
+    uint64_t looked; /* loop time of the last full look */
+    unsigned users;  /* references: the command in flight and the timer; the last one frees the board */
     bool asking, up, told;
 };
 
-/* What script_look answers. */
+/* Elements of SCRIPT_LOOK's reply. */
 enum { LOOK_CLOCK, LOOK_FRESH, LOOK_KNOWN, LOOK_MORE, LOOK_NOTES, LOOK_MARKS, LOOK_OWNERS, LOOK_ROWS, LOOKS };
 
 static void done_with(struct redis_board *b) {
@@ -309,7 +310,7 @@ static struct owner *owner_of(struct redis_board *b, const char *id, bool add) {
     return owner;
 }
 
-/* Who is there; the others have gone. */
+/* Reads the list of daemons; the missing ones are gone. */
 static void read_owners(struct redis_board *b, const redisReply *ids) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
@@ -327,7 +328,7 @@ static void read_owners(struct redis_board *b, const redisReply *ids) {
     }
 }
 
-/* Who, name, text. Anybody may have written it: what is too long is passed over. */
+/* Reads owner, name, text. Any client of Redis may have written them, so long ones are skipped. */
 static void read_row(struct redis_board *b, const redisReply *rows, size_t at) {
     const char *who = redis_work_text(rows, at), *name = redis_work_text(rows, at + 1);
     const char *text = redis_work_text(rows, at + 2);
@@ -373,7 +374,7 @@ static void read_look(struct redis_board *b, const redisReply *reply) {
 
 static void look_now(struct redis_board *b);
 
-/* reply NULL: none came. */
+/* reply NULL: the connection was lost. */
 static void fail(struct redis_board *b, const redisReply *reply) {
     if (reply && !b->told)
         log_warn("cluster: the board: %s; this daemon counts by itself",
@@ -429,7 +430,7 @@ static void on_glanced(void *ctx, const redisReply *reply) {
     done_with(b);
 }
 
-/* Has anything changed? It costs Redis a hundredth of what the whole look does. */
+/* Asks only whether anything has changed, at a hundredth of the cost of a full look. */
 static void glance(struct redis_board *b) {
     const struct link_text words[] = {link_text_of("GET"), link_text_of(REDIS_BOARD ":count")};
     b->asking = redis_link_send(b->link, words, 2, on_glanced, b);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The work queue for those who speak: what a worker holds, and what it says to Redis. */
+/* The worker's side of the work queue: the sentences it holds, and its connection to Redis. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/cluster/redis.h"
@@ -8,8 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <utlist.h>
-
-/* Inside of the side that speaks: what it holds, and what it says to Redis. */
 
 enum { TO_MOST = 128 };
 
@@ -29,13 +27,12 @@ struct redis_consumer {
     struct work_consumer_events events;
     void *ctx;
     struct redis_item *items;
-    char id[REDIS_ID_BYTES], bell[64]; /* the last entry of the bell that was heard */
-    size_t cursor;                     /* the offer that is taken from; */
-    char queue[72];                    /* its queue */
+    char id[REDIS_ID_BYTES], bell[64]; /* last entry of the bell that was read */
+    size_t cursor;                     /* index of the offer being served */
+    char queue[72];                    /* queue of that offer */
     bool taking, again, listening, closed;
 };
 
-/* Sends the answer, in pieces, and lets the item go. */
 static void redis_consumer_free_item(struct redis_item *item) {
     struct redis_consumer *h = (struct redis_consumer *)item->item.consumer;
     DL_DELETE(h->items, item);
@@ -49,6 +46,7 @@ static void on_answered(void *ctx, const redisReply *reply) {
         log_info("a sentence was another worker's by now, or nobody waited for it");
 }
 
+/* Sends the answer in pieces, and frees the item. */
 static void redis_consumer_answer(struct redis_item *item, enum work_end end, const struct buf *body) {
     struct redis_consumer *h = (struct redis_consumer *)item->item.consumer;
     struct work_piece piece = {.end = end};
@@ -89,8 +87,8 @@ static bool read_item(struct redis_item *item, const redisReply *reply) {
     return (size_t)snprintf(item->name, sizeof item->name, "%s %s", key, id) < sizeof item->name;
 }
 
-/* What somebody else put there, or nobody survives, is answered, and goes; an answer goes to a list of
- * answers only. */
+/* Accepts an entry. One that is not a valid sentence, or has failed too often, is answered and removed. An
+ * answer goes only to a list of answers. */
 static void take(struct redis_consumer *h, const redisReply *reply) {
     static const char to[] = REDIS_WORK ":to:";
     struct redis_item *item = mem_alloc(sizeof *item);
@@ -100,7 +98,7 @@ static void take(struct redis_consumer *h, const redisReply *reply) {
     item->item.queue = item->queue;
     const redisReply *sentence = reply->element[3];
     bool well = read_item(item, reply);
-    /* REDIS_WORK:q:QUEUE:TURN:LANE */
+    /* the turn follows REDIS_WORK:q:QUEUE: */
     size_t turn_at = sizeof REDIS_WORK ":q:" + strlen(item->queue);
     item->item.turn =
         well && strlen(item->key) > turn_at ? (enum work_turn)(item->key[turn_at] - '0') : WORK_TURNS;
@@ -141,7 +139,7 @@ static void on_taken(void *ctx, const redisReply *reply) {
         h->cursor = 0;
 }
 
-/* Takes what there is room for; called again while it is at it, it begins anew. */
+/* Takes sentences while there is room. If called while a take is in flight, it starts over afterwards. */
 static void redis_consumer_take(struct redis_consumer *h) {
     const struct work_offer *offers;
     size_t count = h->closed ? 0 : h->events.offers(h->ctx, &offers);
@@ -182,7 +180,7 @@ static void announce(struct redis_consumer *h, const struct work_offer *offer, b
                    ctx);
 }
 
-/* One that Redis does not know of is told in full; which one does not matter, as all are few. */
+/* Redis does not know one of the sources: sends the voices of all, since there are few. */
 static void on_announced(void *ctx, const redisReply *reply) {
     struct redis_consumer *h = ctx;
     const struct work_offer *offers;
@@ -260,8 +258,8 @@ static void on_bell(void *ctx, const redisReply *reply) {
     } else {
         redis_work_well(reply);
     }
-    look(&h->consumer); /* in silence, too: what somebody has lost rings no bell */
-    if (well) /* otherwise at the next pulse: nonsense that comes at once is not asked for at once */
+    look(&h->consumer); /* also after a timeout: a lost sentence does not ring the bell */
+    if (well)           /* after a malformed reply wait for the next pulse, or the loop would spin */
         listen_on(h);
 }
 
@@ -291,8 +289,6 @@ static void on_ear(void *ctx, bool up) {
     if (up)
         listen_on(h);
 }
-
-/* ---- */
 
 static void answer(struct work_item *item, enum work_end end, const struct buf *body) {
     redis_consumer_answer((struct redis_item *)item, end, body);

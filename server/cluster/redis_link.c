@@ -19,27 +19,26 @@
 #include <utlist.h>
 #include <uv.h>
 
-/* A connection to a Redis server on a libuv loop. hiredis reads the replies; its asynchronous interface is
- * not used, since it asserts that a server sends nothing that was not asked for, and so lets a server end the
- * daemon. Each reply goes to the oldest question; one without a question, or of another shape than
- * reply_check.h allows, loses the connection.
+/* A connection to a Redis server on a libuv loop. hiredis only parses the replies. Its asynchronous interface
+ * asserts that a server sends no unrequested replies, so a server could abort the daemon. Each reply goes to
+ * the oldest pending command; a reply without one, or one that reply_check.h rejects, closes the connection.
  *
- * The socket is polled for answers all the time, and what is sent leaves together at the end of the loop's
- * turn: an adapter that changes what is polled at each command makes libuv forget that the socket is
- * readable, and a loop with something to send in each turn would never read an answer. */
+ * The socket is polled for input all the time, and output is written together at the end of the loop's turn.
+ * An adapter that changes the polled events at each command makes libuv forget that the socket is readable,
+ * so a loop with output in every turn would never read an answer. */
 
 struct redis_loop;
 struct link_text;
 
 struct redis_loop_events {
     void (*connected)(void *ctx);
-    void (*lost)(void *ctx, const char *why); /* once; it is to be closed then */
+    void (*lost)(void *ctx, const char *why); /* called once; the owner must close the connection then */
 };
 
-/* How long a server has been silent, as far as a loop that looks now and then can tell. */
+/* Measures how long a server has been silent, in a loop that checks only periodically. */
 
 struct silence {
-    uint64_t ms;        /* since the last answer, or the question to which none has come */
+    uint64_t ms;        /* since the last answer, or since the first command without one */
     uint64_t looked_at; /* loop time */
 };
 
@@ -47,8 +46,8 @@ static inline void silence_begin(struct silence *silence, uint64_t now) {
     *silence = (struct silence){.looked_at = now};
 }
 
-/* A loop that was busy, or a process that had no processor, has not looked meanwhile: however long it was
- * away, it counts as most ms, after which it reads what has come before it judges. */
+/* A loop that was busy, or a process that got no CPU time, has not checked meanwhile. However long the gap
+ * was, it counts as at most `most` ms, so the loop reads pending data before it judges. */
 static inline void silence_count(struct silence *silence, uint64_t now, uint64_t most) {
     uint64_t since = now - silence->looked_at;
     silence->ms += since < most ? since : most;
@@ -57,7 +56,7 @@ static inline void silence_count(struct silence *silence, uint64_t now, uint64_t
 
 enum { READ_BYTES = 65536 };
 
-/* A command whose answer is waited for. */
+/* A command that awaits its answer. */
 struct loop_question {
     void (*answered)(void *ctx, const redisReply *reply);
     void *ctx;
@@ -66,7 +65,7 @@ struct loop_question {
 
 struct redis_loop {
     uv_poll_t poll;
-    struct loop_idle *end; /* waits while something is to be written then */
+    struct loop_idle *end; /* armed while there is output for the end of the loop's turn */
     struct redis_loop_events events;
     void *ctx;
     int fd, polled;
@@ -74,7 +73,7 @@ struct redis_loop {
     struct reply_check check;
     redisReader *reader;
     struct buf unsent;
-    struct loop_question *questions, *last; /* the oldest first */
+    struct loop_question *questions, *last; /* oldest first */
     void (*heard)(void *ctx, const redisReply *reply);
     void *heard_ctx;
 };
@@ -88,7 +87,7 @@ static void poll_for(struct redis_loop *l, int events) {
     uv_poll_start(&l->poll, events, on_poll);
 }
 
-/* From here on nothing is read or written. */
+/* Reports the connection as lost. Nothing is read or written from here on. */
 static void lose(struct redis_loop *l, const char *why) {
     if (l->lost || l->closed)
         return;
@@ -115,7 +114,7 @@ static void answer(struct redis_loop *l, const redisReply *reply) {
     }
 }
 
-/* What answers may close the connection; its reader is freed later (on_closed). */
+/* A callback may close the connection; the reader is freed later (on_closed). */
 static void read_replies(struct redis_loop *l) {
     void *reply = NULL;
     while (!l->lost && !l->closed) {
@@ -173,7 +172,7 @@ static void finish_connecting(struct redis_loop *l) {
     write_unsent(l);
 }
 
-/* status < 0: libuv has stopped polling; reading shows what is wrong. */
+/* status < 0: libuv has stopped polling; reading shows the cause. */
 static void on_poll(uv_poll_t *poll, int status, int events) {
     struct redis_loop *l = poll->data;
     if (!l->connected) {
@@ -189,7 +188,7 @@ static void on_poll(uv_poll_t *poll, int status, int events) {
         write_unsent(l);
 }
 
-/* What the system does not take now leaves when it can. */
+/* Writes what the kernel accepts; the rest follows when the socket is writable. */
 static void write_now(void *data) {
     write_unsent(data);
 }
@@ -208,7 +207,7 @@ static int connect_to(const struct sockaddr *to, socklen_t size) {
     return -1;
 }
 
-/* NULL: errno says why. */
+/* Returns NULL with errno set. */
 static struct redis_loop *redis_loop_open(uv_loop_t *loop, const struct sockaddr *to, socklen_t size,
                                           const struct redis_loop_events *events, void *ctx) {
     int fd = connect_to(to, size);
@@ -227,7 +226,7 @@ static struct redis_loop *redis_loop_open(uv_loop_t *loop, const struct sockaddr
     }
     l->poll.data = l;
     l->end = loop_idle_open(loop, write_now, l);
-    poll_for(l, UV_WRITABLE); /* it is when it is connected */
+    poll_for(l, UV_WRITABLE); /* writable means connected */
     return l;
 }
 
@@ -242,8 +241,8 @@ static void write_command(struct redis_loop *l, const struct link_text *words, i
         loop_idle_wait(l->end, true);
 }
 
-/* Sends a command. answered may be NULL; the reply that it gets is good until it returns, and NULL when the
- * connection is closed before. */
+/* Sends a command. answered may be NULL; its reply is valid until it returns, and NULL when the connection
+ * is closed first. */
 static void redis_loop_ask(struct redis_loop *l, const struct link_text *words, int count,
                            void (*answered)(void *ctx, const redisReply *reply), void *ctx) {
     struct loop_question *q = mem_alloc(sizeof *q);
@@ -256,7 +255,7 @@ static void redis_loop_ask(struct redis_loop *l, const struct link_text *words, 
     write_command(l, words, count);
 }
 
-/* Sends a command after which replies come without further questions, to heard. */
+/* Sends a command whose replies keep coming; all go to heard. */
 static void redis_loop_hear(struct redis_loop *l, const struct link_text *words, int count,
                             void (*heard)(void *ctx, const redisReply *reply), void *ctx) {
     l->heard = heard;
@@ -264,7 +263,7 @@ static void redis_loop_hear(struct redis_loop *l, const struct link_text *words,
     write_command(l, words, count);
 }
 
-/* What was sent leaves now, as far as the system takes it. The connection may be lost by that. */
+/* Writes pending output now, as far as the kernel accepts it. This may lose the connection. */
 static void redis_loop_flush(struct redis_loop *l) {
     write_unsent(l);
 }
@@ -276,7 +275,7 @@ static void on_closed(uv_handle_t *poll) {
     free(l);
 }
 
-/* All questions get NULL. */
+/* Closes the connection; pending commands get NULL. */
 static void redis_loop_close(struct redis_loop *l) {
     l->closed = true;
     loop_idle_close(l->end);
@@ -294,22 +293,22 @@ static void redis_loop_close(struct redis_loop *l) {
 struct redis_link {
     uv_loop_t *loop;
     struct redis_address address;
-    struct redis_loop *redis; /* NULL: not begun, or lost */
+    struct redis_loop *redis; /* NULL: not connected */
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
-    uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
+    uint64_t again, again_in; /* loop time of the next attempt; delay of the one after it, ms */
     struct silence silence;
     unsigned unanswered;
-    bool overdue; /* seen so once: what had come may not have been read yet */
+    bool overdue; /* timed out once already: pending data may not have been read yet */
     bool up, told, looking_up, closing;
     void (*changed)(void *ctx, bool up);
     void *ctx;
-    char *channel; /* that it listens to; NULL: it asks */
+    char *channel; /* channel it subscribes to; NULL: it sends commands */
     void (*heard)(void *ctx, const void *data, size_t size);
     void *heard_ctx;
 };
 
-/* A command whose answer is waited for. */
+/* A command that awaits its answer. */
 struct question {
     struct redis_link *link;
     link_answered answered;
@@ -331,7 +330,7 @@ static void lost(struct redis_link *link, const char *why) {
         link->changed(link->ctx, false);
 }
 
-/* What is asked from within the callbacks finds no link. */
+/* Closes the connection. Callbacks called meanwhile find the link down. */
 static void drop(struct redis_link *link, const char *why) {
     struct redis_loop *redis = link->redis;
     link->redis = NULL;
@@ -379,12 +378,12 @@ void redis_link_flush(struct redis_link *link) {
         redis_loop_flush(link->redis);
 }
 
-/* While a lost link ends its questions, it is up no more. */
+/* False while a lost link is ending its pending commands. */
 bool redis_link_up(const struct redis_link *link) {
     return link->up && link->redis;
 }
 
-/* To AUTH and SELECT: what they refuse stands in the log, and it is tried again. */
+/* Handles the replies to AUTH and SELECT: an error is logged, and the connection is tried again. */
 static void on_greeted(void *ctx, const redisReply *reply) {
     struct redis_link *link = ctx;
     if (reply && reply->type == REDIS_REPLY_ERROR)
@@ -404,7 +403,7 @@ static bool is_word(const redisReply *reply, const char *word) {
     return reply->type == REDIS_REPLY_STRING && !strcmp(reply->str, word);
 }
 
-/* Of a channel: that it is listened to, and what comes. */
+/* Handles the confirmation of a subscription, and messages. */
 static void on_channel(void *ctx, const redisReply *reply) {
     struct redis_link *link = ctx;
     bool well =
@@ -424,7 +423,8 @@ static void on_channel(void *ctx, const redisReply *reply) {
         come_up(link);
 }
 
-/* Listening to it once more is answered, too, which no other command is on such a connection. */
+/* Subscribes. Subscribing again also serves as a ping: it is answered, unlike other commands on such a
+ * connection. */
 static void hear(struct redis_link *link) {
     redis_loop_hear(link->redis, (struct link_text[]){link_text_of("SUBSCRIBE"), link_text_of(link->channel)},
                     2, on_channel, link);

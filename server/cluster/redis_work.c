@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The work queue for those who ask: its sentences, whose voices there are, and its way to Redis. */
+/* The requesting side of the work queue: its sentences, the sources known, and its connections to Redis. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/cluster/redis.h"
@@ -12,53 +12,48 @@
 #include <stdlib.h>
 #include <utlist.h>
 
-/* Whose voices there are, as Redis says: a list with how long each queue is, and the voices of each queue,
- * which are asked for once. */
+/* The sources in Redis: a list with the length of each queue, and the voices of each source, which are
+ * fetched once. */
 
 struct known_voices;
 
 /* All zero at the start. */
 struct work_sources {
-    struct work_source *list; /* those whose voices are known */
+    struct work_source *list; /* sources whose voices are known */
     size_t count, cap;
     struct known_voices *known;
 };
-
-/* Reads the first half of SCRIPT_WORK_LOOK's answer, and asks for what is missing. The counts are of all
- * queues. */
-
-/* Inside of the side that asks: its sentences, and its way to Redis. */
 
 enum { NUMBER_BYTES = 16, TO_BYTES = 64 };
 
 struct redis_task {
     struct work_task task;
     struct redis_task *prev, *next;
-    char name[WORK_TASK_BYTES]; /* "KEY ID"; "": Redis has not said it yet */
+    char name[WORK_TASK_BYTES]; /* "KEY ID"; "": Redis has not answered yet */
     work_answered answered;     /* NULL: cancelled */
     void *ctx;
-    char attempt[WORK_ATTEMPT_BYTES]; /* whose answer has begun to come */
+    char attempt[WORK_ATTEMPT_BYTES]; /* attempt whose answer is arriving */
     unsigned pieces, missed;
     struct buf body;
-    enum work_end failed; /* WORK_SPOKEN: not yet */
+    enum work_end failed; /* WORK_SPOKEN: not failed */
 };
 
 struct redis_work {
     struct work work;
     uv_loop_t *loop;
-    struct redis_link *mouth, *ear; /* what is sent; where answers are waited for */
+    struct redis_link *mouth, *ear; /* for commands; for answers */
     uv_timer_t look, soon;
     struct redis_task *tasks;
     struct work_sources sources;
     work_seen seen;
     void *seen_ctx;
     char to[TO_BYTES], most[NUMBER_BYTES];
-    unsigned lane;  /* of sentences that are nobody's */
-    uint64_t heard; /* loop time: the sources are of then */
+    unsigned lane;  /* of sentences without a payer */
+    uint64_t heard; /* loop time of the last list of sources */
     struct metrics *metrics;
-    double live, ahead; /* as the metrics have them */
+    double live, ahead; /* last values added to the metrics */
     unsigned handles;
-    bool listening; /* an answer is waited for */
+    bool listening; /* a read of answers is in flight */
     bool closed;
 };
 
@@ -67,11 +62,11 @@ enum { NAME_MOST = 64, VOICES_MOST = 4 << 20, KNOWN_MOST = 256 };
 struct known_voices {
     struct known_voices *next;
     char queue[NAME_MOST + 1], plugin[NAME_MOST + 1];
-    char *voices; /* NULL: asked for */
+    char *voices; /* NULL: not received yet */
     bool asked;
 };
 
-/* Both are names, and no more: they become part of others. */
+/* Accepts only plain names, since they become part of keys. */
 static bool read_names(const char *member, char *queue, char *plugin) {
     int end = 0;
     if (sscanf(member, "%64[0-9a-f] %64[A-Za-z0-9_.-]%n", queue, plugin, &end) != 2 || member[end])
@@ -121,6 +116,8 @@ static double number(const redisReply *row, size_t index) {
                : 0;
 }
 
+/* Reads the first half of the reply to SCRIPT_WORK_LOOK, and fetches missing voices. Adds up the counts of
+ * all queues. */
 static void work_sources_read(struct work_sources *s, const redisReply *reply, struct redis_link *link,
                               double *live, double *ahead) {
     char queue[NAME_MOST + 1], plugin[NAME_MOST + 1];
@@ -143,7 +140,7 @@ static void work_sources_read(struct work_sources *s, const redisReply *reply, s
     }
 }
 
-/* The link is closed by then. */
+/* Call after the link is closed. */
 static void work_sources_free(struct work_sources *s) {
     struct known_voices *k, *next;
     LL_FOREACH_SAFE(s->known, k, next) {
@@ -182,7 +179,8 @@ static void drop(struct redis_work *w, const char *name) {
                        NULL);
 }
 
-/* What failed where nobody may be called. A callback may put the next one, which has its turn later. */
+/* Reports failures that occurred where no callback may be called, one per turn of the loop: a callback may
+ * put another sentence. */
 static void redis_tasks_on_soon(uv_timer_t *timer) {
     struct redis_work *w = timer->data;
     struct redis_task *due = NULL, *t, *next;
@@ -251,7 +249,7 @@ static void redis_task_cancel(struct work_task *task) {
     t->answered = NULL;
     buf_free(&t->body);
     if (!*t->name && !t->failed)
-        return; /* on_put will know its name */
+        return; /* on_put will drop it once it knows its name */
     drop(w, t->name);
     free(t);
 }
@@ -279,7 +277,7 @@ static bool redis_task_piece(struct redis_work *w, const void *data, size_t size
     }
     if (strcmp(t->attempt, piece.attempt) != 0 || piece.index != t->pieces ||
         t->body.size + piece.size > WORK_BODY_MOST)
-        return true; /* of a worker that had lost it; what is missing is missed (on_looked) */
+        return true; /* from a worker that had lost the sentence; on_looked notices missing pieces */
     t->pieces++;
     t->missed = 0;
     buf_add(&t->body, piece.body, piece.size);
@@ -288,7 +286,7 @@ static bool redis_task_piece(struct redis_work *w, const void *data, size_t size
     return true;
 }
 
-/* It was not there twice: its answer has been under way for long enough. */
+/* Fails sentences whose entries were missing in two looks: their answers should have arrived by now. */
 static void redis_tasks_miss(struct redis_work *w, const redisReply *gone) {
     for (size_t i = 0; gone->type == REDIS_REPLY_ARRAY && i < gone->elements; i++) {
         struct redis_task *t = task_by_name(w, redis_work_text(gone, i));
@@ -317,7 +315,7 @@ static void on_heard(void *ctx, const redisReply *reply) {
         well = redis_task_piece(w, reply->element[1]->str, (size_t)reply->element[1]->len);
     else
         redis_work_well(reply);
-    if (well) /* otherwise from the next look on: nonsense that comes at once is not asked for at once */
+    if (well) /* after a malformed reply wait for the next look, or the loop would spin */
         listen_on(w);
 }
 
@@ -331,7 +329,7 @@ static void listen_on(struct redis_work *w) {
             3, on_heard, w);
 }
 
-/* ---- what there is ---- */
+/* ---- sources ---- */
 
 static void set_metrics(struct redis_work *w, double live, double ahead) {
     metrics_add(w->metrics, METRIC_CLUSTER_QUEUE_LIVE, live - w->live);
@@ -365,7 +363,7 @@ static void on_look(uv_timer_t *timer) {
     DL_FOREACH(w->tasks, t)
     if (*t->name && !t->failed)
         buf_printf(&names, "%s ", t->name);
-    /* voices whose answers could not be heard are none */
+    /* without a link for answers, report no voices */
     bool sent = redis_link_up(w->ear) &&
                 redis_work_run(w->mouth, SCRIPT_WORK_LOOK,
                                (struct link_text[]){{names.data ? names.data : (uint8_t *)"", names.size}}, 1,
@@ -411,7 +409,7 @@ static void on_closed(uv_handle_t *handle) {
     free(w);
 }
 
-/* The links end first: what they still wait for is answered meanwhile. */
+/* The links are closed first, and answer what is still pending. */
 static void close_work(struct work *work) {
     struct redis_work *w = (struct redis_work *)work;
     w->closed = true;

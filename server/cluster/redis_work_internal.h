@@ -1,38 +1,36 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What both sides of the work queue share: what they send, and the scripts that Redis runs. */
+/* Shared by both sides of the work queue: helpers for sending, and the scripts that Redis runs. */
 #ifndef FACCIA_CLUSTER_REDIS_WORK_INTERNAL_H
 #define FACCIA_CLUSTER_REDIS_WORK_INTERNAL_H
 
 #include "server/cluster/redis_link.h"
 
-/* What both sides of the work queue send. */
-
-/* So long Redis holds back an answer while there is nothing to say; less than a link's patience. */
+/* How long Redis holds back an answer while there is nothing to report; less than a link's patience. */
 enum { WORK_LISTEN_MS = 200 };
 
-/* A script of redis_work_scripts.h with its ARGV. False, and no answer, when the link is not up. */
+/* Runs a script of this file with its ARGV. Returns false, and calls no callback, when the link is not up. */
 bool redis_work_run(struct redis_link *link, const char *script, const struct link_text *more, int count,
                     link_answered answered, void *ctx);
 
-/* A link whose log lines say what it is for. */
+/* Opens a link. what: its purpose, for log lines. */
 struct redis_link *redis_work_link(uv_loop_t *loop, const char *address, const char *what,
                                    void (*changed)(void *ctx, bool up), void *ctx, struct error *e);
 
-/* Logs a reply that is an error. True when it is a reply, and none. */
+/* Logs an error reply. Returns true for any other reply, false for an error or NULL. */
 bool redis_work_well(const redisReply *reply);
 
-/* An element of an array as text; "" when it is none. */
+/* Returns an element of an array; "" if it is missing or not a string. */
 const char *redis_work_text(const redisReply *array, size_t index);
 
-/* What Redis does at one blow for the work queue, in its Lua. KEYS[1] is REDIS_WORK, with which all names
- * begin: what is in braces lies on one server of a Redis cluster.
+/* The scripts of the work queue, in Redis's Lua: each runs atomically. KEYS[1] is REDIS_WORK, the prefix of
+ * all keys; the part in braces puts them on the same server of a Redis cluster.
  *
- *   :voices          sorted set "QUEUE PLUGIN", by the ms at which nobody has it any more
+ *   :voices          sorted set "QUEUE PLUGIN", by the ms at which the source expires
  *   :voices:QUEUE    its voices, JSON
  *   :q:QUEUE:T:L     streams, for each turn T and lane L, with the group "w": s = the sentence, r = the list
- *                    that its answer goes to
- *   :n:QUEUE         how many were taken, and from which lane the last: whose turn it is
- *   :bell            stream of one entry: something has come, or is not wanted any more
+ *                    for its answer
+ *   :n:QUEUE         number of sentences taken, and the lane of the last: decides the next turn
+ *   :bell            stream of one entry: an entry was added or cancelled
  *   :to:DAEMON       list of answers */
 
 #define REDIS_WORK "faccia:{work}"
@@ -44,14 +42,14 @@ const char *redis_work_text(const redisReply *array, size_t index);
 
 #define WORK_RING "redis.call('XADD', KEYS[1]..':bell', 'MAXLEN', '1', '*', 'x', '1') "
 
-/* Is ARGV[1] the consumer that has the entry, and is it still wanted? */
+/* Tests whether ARGV[1] is the consumer that holds the entry, and the entry still exists. */
 #define WORK_MINE                                                                                            \
     "local function mine(key, id) "                                                                          \
     "local p = redis.pcall('XPENDING', key, 'w', id, id, 1) "                                                \
     "return not p.err and p[1] and p[1][2] == ARGV[1] and #redis.call('XRANGE', key, id, id) > 0 end "
 
-/* The sources, each "QUEUE PLUGIN" with how many live and ahead; and what of ARGV[1] ("KEY ID KEY ID") is not
- * there any more. */
+/* Returns the sources, each "QUEUE PLUGIN" with its numbers of live and ahead sentences, and the entries
+ * of ARGV[1] ("KEY ID KEY ID") that no longer exist. */
 #define SCRIPT_WORK_LOOK                                                                                     \
     WORK_NOW                                                                                                 \
     "redis.call('ZREMRANGEBYSCORE', KEYS[1]..':voices', '-inf', now) "                                       \
@@ -67,8 +65,9 @@ const char *redis_work_text(const redisReply *array, size_t index);
     "if e.err or #e == 0 then gone[#gone + 1] = key..' '..id end end "                                       \
     "return {sources, gone}"
 
-/* "KEY ID" of the new entry, or 0: too many wait. ARGV: queue, turn, lane, sentence, where its answer goes,
- * the most that may wait. What is to be kept leaves half of the room to who speaks live. */
+/* Returns "KEY ID" of the new entry, or 0: the queue is full. ARGV: queue, turn, lane, sentence, list for
+ * the answer, most sentences in the queue. Ahead sentences may fill only half of the queue and leave the
+ * rest to live ones. */
 #define SCRIPT_WORK_PUT                                                                                      \
     "local all, most = 0, tonumber(ARGV[6]) "                                                                \
     "for turn = 0, 2 do for lane = 0, " REDIS_WORK_LANES " - 1 do "                                          \
@@ -80,23 +79,25 @@ const char *redis_work_text(const redisReply *array, size_t index);
     "local id = redis.call('XADD', key, '*', 's', ARGV[4], 'r', ARGV[5]) "                                   \
     "redis.call('EXPIRE', key, 86400) " WORK_RING "return key..' '..id"
 
-/* Nobody wants it any more. ARGV: key, id. */
+/* Cancels an entry. ARGV: key, id. */
 #define SCRIPT_WORK_DROP                                                                                     \
     "redis.pcall('XACK', ARGV[1], 'w', ARGV[2]) "                                                            \
     "redis.call('XDEL', ARGV[1], ARGV[2]) " WORK_RING "return 0"
 
-/* Voices go on being there. 0: they must be told (SCRIPT_WORK_TELL). ARGV: queue, plugin, ms. */
+/* Extends the life of a source. Returns 0 when its voices are not known and must be sent
+ * (SCRIPT_WORK_TELL). ARGV: queue, plugin, ms. */
 #define SCRIPT_WORK_ANNOUNCE                                                                                 \
     WORK_NOW "redis.call('ZADD', KEYS[1]..':voices', now + ARGV[3], ARGV[1]..' '..ARGV[2]) "                 \
              "return redis.call('PEXPIRE', KEYS[1]..':voices:'..ARGV[1], ARGV[3] * 10)"
 
-/* ARGV: the same, and the voices. */
+/* Sends the voices of a source. ARGV: as above, then the voices. */
 #define SCRIPT_WORK_TELL                                                                                     \
     "redis.call('SET', KEYS[1]..':voices:'..ARGV[1], ARGV[4], 'PX', ARGV[3] * 10) " SCRIPT_WORK_ANNOUNCE
 
-/* {key, id, how often it was begun, sentence, where its answer goes}, or 0. First what another has lost.
- * Urgent and usual ones by turns, those ahead when there are none; the lanes by turns as well. ARGV: who
- * takes, ms after which a sentence is lost, queue, 2: ahead ones too, else 1. */
+/* Returns {key, id, number of attempts, sentence, list for the answer}, or 0. Within a stream, entries
+ * that another consumer lost come first. Urgent and usual sentences take turns, ahead ones follow when
+ * there are none; lanes take turns too. ARGV: consumer, ms after which a sentence is lost, queue, 2: ahead
+ * sentences too, else 1. */
 #define SCRIPT_WORK_TAKE                                                                                     \
     "local counter = KEYS[1]..':n:'..ARGV[3] "                                                               \
     "local n, last = (redis.call('GET', counter) or '0 0'):match('^(%d+) (%d+)$') "                          \
@@ -124,7 +125,8 @@ const char *redis_work_text(const redisReply *array, size_t index);
     "return {key, e[1], p[1] and p[1][4] or 1, f.s or '', f.r or ''} end end end "                           \
     "return 0"
 
-/* What of ARGV[2] ("KEY ID KEY ID") is no longer for who asks; the rest is for so long again. */
+/* Returns the entries of ARGV[2] ("KEY ID KEY ID") that the consumer ARGV[1] no longer holds, and renews
+ * its hold on the others. */
 #define SCRIPT_WORK_RENEW                                                                                    \
     WORK_MINE "local gone = {} "                                                                             \
               "for key, id in ARGV[2]:gmatch('(%S+) (%S+)') do "                                             \
@@ -132,14 +134,15 @@ const char *redis_work_text(const redisReply *array, size_t index);
               "else gone[#gone + 1] = key..' '..id end end "                                                 \
               "return gone"
 
-/* It is for whoever takes it next, as if it had not been begun. ARGV: who gives it back, key, id. */
+/* Gives an entry back to whichever consumer takes it next, without counting the attempt. ARGV: consumer,
+ * key, id. */
 #define SCRIPT_WORK_GIVE_BACK                                                                                \
     WORK_MINE "if mine(ARGV[2], ARGV[3]) then "                                                              \
               "redis.call('XCLAIM', ARGV[2], 'w', ARGV[1], 0, ARGV[3], 'IDLE', 3600000, "                    \
               "'RETRYCOUNT', 0, 'JUSTID') " WORK_RING "end return 0"
 
-/* A piece of the answer; 0: it is another's by now. ARGV: who answers, key, id, where to, the piece, 1: it is
- * the last. */
+/* Appends a piece of the answer. Returns 0 when the consumer no longer holds the entry, or it was
+ * cancelled. ARGV: consumer, key, id, list for the answer, piece, 1: last piece. */
 #define SCRIPT_WORK_ANSWER                                                                                   \
     WORK_MINE "if not mine(ARGV[2], ARGV[3]) then return 0 end "                                             \
               "if ARGV[6] == '1' then redis.call('XACK', ARGV[2], 'w', ARGV[3]) "                            \
