@@ -3,20 +3,20 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A page has its scripts, styles, pictures and worklets from here, and nothing that is written into it
- * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. A video may be a file that its
- * reader has chosen (blob:, of the page's own making): it is played, and runs nothing. */
+/* A page loads scripts, styles, pictures and worklets from here only, and nothing inline (Content Security
+ * Policy, level 3). Its Opus decoder is WebAssembly. A video may be a file that the user has chosen
+ * (blob:, created by the page): it is played, and runs no code. */
 static const char page_policy[] =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
     "img-src 'self' data:; media-src 'self' blob:; connect-src 'self'; manifest-src 'self'; base-uri 'none'; "
     "form-action 'none'; "
     "require-trusted-types-for 'script'; frame-ancestors";
 
-/* What is no page loads nothing, should a browser take it for one. */
+/* A response that is not a page loads nothing, even if a browser takes it for one. */
 static const char other_policy[] = "default-src 'none'; frame-ancestors 'none'";
 
-/* A script may be a worker's, which keeps what it has from here (Service Workers, 4.2: its own policy
- * counts). */
+/* A script may be a service worker, which caches files from this server. The policy of its own response
+ * applies to it (Service Workers, 4.2). */
 static const char script_policy[] = "default-src 'none'; connect-src 'self'; frame-ancestors 'none'";
 
 static void add(struct headers *h, const char *name, const char *value) {
@@ -24,7 +24,7 @@ static void add(struct headers *h, const char *name, const char *value) {
     h->list[h->count++].value = value;
 }
 
-/* A word that ends no directive and no header. */
+/* Returns whether the origin contains nothing that would end a directive or a header. */
 static bool is_source(const char *origin) {
     return *origin && !origin[strcspn(origin, " \t\r\n;,'\"")];
 }
@@ -42,7 +42,7 @@ static void add_page(struct headers *h, char *const *embed) {
             used += (size_t)snprintf(h->policy + used, sizeof h->policy - used, " %s", *embed);
     add(h, "content-security-policy", h->policy);
     if (!framed)
-        add(h, "x-frame-options", "DENY"); /* says the same to browsers that are old */
+        add(h, "x-frame-options", "DENY"); /* the same for old browsers */
 }
 
 void headers_of(struct headers *h, const char *type, bool shared, char *const *embed) {

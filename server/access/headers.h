@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What browsers are told to do with an answer. */
+/* HTTP response headers that restrict what browsers do with a response. */
 #ifndef FACCIA_ACCESS_HEADERS_H
 #define FACCIA_ACCESS_HEADERS_H
 
@@ -13,12 +13,12 @@ struct headers {
         const char *name, *value;
     } list[HEADERS_MOST];
     size_t count;
-    char policy[HEADERS_POLICY]; /* behind one of the values */
+    char policy[HEADERS_POLICY]; /* backing store of one value */
 };
 
-/* For an answer of that type. shared: any page may have it (a script, a model). embed: origins whose pages
- * may frame ours, NULL-terminated or NULL; "*" stands for all. What is not an origin in that list is left
- * out. */
+/* Sets the headers for a response of the given type. shared: any page may load it (a script, a model).
+ * embed: origins whose pages may frame ours, NULL-terminated or NULL; "*" allows all. Entries that are not
+ * origins are skipped. */
 void headers_of(struct headers *headers, const char *type, bool shared, char *const *embed);
 
 #endif

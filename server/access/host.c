@@ -6,10 +6,10 @@
 #include <string.h>
 #include <strings.h>
 
-/* The bytes of the name alone: without brackets, the port, and the dot of the root. */
+/* The host name alone: without brackets, port, and trailing dot. */
 struct name {
     const char *text;
-    size_t size; /* 0: it is none */
+    size_t size; /* 0: not a valid name */
     bool bracketed;
 };
 
@@ -36,7 +36,8 @@ static bool same(struct name a, const char *other) {
 
 enum address { ADDRESS_NONE, ADDRESS_LOOPBACK, ADDRESS_OTHER };
 
-/* As browsers write it: they turn every other form into this one (URL standard, 4.5). */
+/* Accepts only the canonical form of an address; browsers convert all other forms to it (URL standard, 4.5).
+ */
 static enum address address_of(struct name name) {
     char text[64];
     struct in6_addr six;

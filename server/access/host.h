@@ -1,23 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* By which names the daemon may be asked: the Host header (RFC 9110, 7.2) against a list. A page whose own
- * name is made to point to this machine asks by that name, and its browser takes the daemon for the page's
- * own server (DNS rebinding): neither origins nor the loopback address help there, but the name does. */
+/* Checks the Host header (RFC 9110, 7.2) against a list of allowed names. A page whose own name is made to
+ * point to this machine uses that name, and its browser takes the daemon for the page's own server (DNS
+ * rebinding). Neither Origin nor a loopback address prevents this, but the name does. */
 #ifndef FACCIA_ACCESS_HOST_H
 #define FACCIA_ACCESS_HOST_H
 
 #include <stdbool.h>
 
-/* host: the header with or without a port; NULL or "" = there is none, as with HTTP/1.0, which no browser
- * speaks. Always allowed: "localhost" and names under it (RFC 6761, 6.3), and loopback addresses (127.0.0.0/8
- * and ::1). names: NULL-terminated or NULL; "*" stands for all. own and names may end in a port, which is not
- * compared.
+/* host: the header, with or without a port; NULL or "" = none, as in HTTP/1.0, which no browser uses. Always
+ * allowed: "localhost" and names under it (RFC 6761, 6.3), and loopback addresses (127.0.0.0/8 and ::1).
+ * own: the machine's name. names: further names, NULL-terminated or NULL; "*" allows all. own and names may
+ * end in a port, which is not compared.
  *
- * local: the daemon listens on loopback only, often without tokens. No other address and no other name is
- * allowed then. Browsers say for which page they fetch (Sec-Fetch-Site) only where they trust the address:
- * localhost and loopback addresses. For http://0.0.0.0, http://[::ffff:7f00:1] and the machine's name, which
- * lead to the same socket, they say nothing, and an image on any page could make the daemon speak. Otherwise
- * every address in figures and own, the machine's name, are allowed: no page can make those point
- * elsewhere. */
+ * local: the daemon listens on loopback only, often without tokens. Then all other addresses, and own, are
+ * rejected unless listed. Browsers send Sec-Fetch-Site only to addresses that they trust: localhost and
+ * loopback addresses. For http://0.0.0.0, http://[::ffff:7f00:1] and the machine's name, which reach the same
+ * socket, they do not send it, so an image on any page could make the daemon speak. Without local, every
+ * numeric address, and own, are allowed: no page can make those point elsewhere. */
 bool host_allowed(const char *host, const char *own, char *const *names, bool local);
 
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* What follows "://", or NULL. */
+/* Returns what follows "://", or NULL. */
 static const char *authority(const char *origin) {
     const char *at = strstr(origin, "://");
     return at ? at + 3 : NULL;
@@ -29,7 +29,7 @@ static bool matches(const char *origin, const char *pattern) {
     if (length <= before + after || strncasecmp(origin, pattern, before) ||
         strcasecmp(origin + length - after, star + 1))
         return false;
-    /* a star stands for host names, not for a port or a path */
+    /* a star matches host names, not a port or a path */
     size_t starred = length - before - after;
     return !memchr(origin + before, ':', starred) && !memchr(origin + before, '/', starred);
 }

@@ -50,7 +50,7 @@ void quota_drop(struct quota *quota, struct quota_entry *entry) {
     free(entry);
 }
 
-/* So are the oldest, when they are too many. */
+/* Also drops the oldest closed entries while more than half of TALLY_CLOSED_MOST remain. */
 void quota_sweep(struct quota *quota, uint64_t now) {
     struct quota_entry *entry, *next;
     uint64_t minute = now / MINUTE_MS;

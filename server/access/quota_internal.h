@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the quotas share. */
+/* Internal declarations shared by the files of the quotas. */
 #ifndef FACCIA_ACCESS_QUOTA_INTERNAL_H
 #define FACCIA_ACCESS_QUOTA_INTERNAL_H
 
@@ -24,7 +24,8 @@ struct quota_entry {
 struct quota_entry *quota_find(const struct quota *quota, const char *key);
 struct quota_entry *quota_find_or_add(struct quota *quota, const char *key);
 
-/* It is kept for what it asked alone. Who changes an entry says what it was before. */
+/* Returns whether the entry is kept only for requests made here. Code that changes an entry must pass its
+ * earlier state to quota_settle. */
 bool quota_closed(const struct quota_entry *entry);
 void quota_settle(struct quota *quota, const struct quota_entry *entry, bool was_closed);
 void quota_drop(struct quota *quota, struct quota_entry *entry);

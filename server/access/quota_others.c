@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What other daemons count. */
+/* Counts from other daemons. */
 #include "server/access/quota_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"

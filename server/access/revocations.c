@@ -10,7 +10,7 @@
 
 enum { NAME_BYTES_MOST = 1024 };
 
-#define LATEST 253402300799 /* the year 9999 */
+#define LATEST 253402300799 /* end of the year 9999 */
 
 struct revocation {
     struct revoked is;
@@ -66,7 +66,7 @@ static void drop(struct revocations *all, struct revocation *r) {
     free(r);
 }
 
-/* Those that have ended; when that makes no room, the one that ends first. */
+/* Drops the revocations that have ended, or else the one that ends first. */
 static void make_room(struct revocations *all, long now) {
     struct revocation *r, *next, *first = NULL;
     HASH_ITER(hh, all->by_key, r, next) {
@@ -124,7 +124,7 @@ void revocations_each(const struct revocations *all, void (*told)(void *ctx, con
         told(ctx, &r->is);
 }
 
-/* A number of seconds and the blank after it. */
+/* Parses a number of seconds and the space after it. */
 static bool take_time(char **at, long *seconds) {
     char *end;
     *seconds = isdigit((unsigned char)**at) ? strtol(*at, &end, 10) : -1;

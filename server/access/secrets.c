@@ -13,7 +13,7 @@ static bool others_write(const struct stat *status) {
     return status->st_mode & (S_IWGRP | S_IWOTH);
 }
 
-/* Who may write the file, or put another in its place, makes the tokens. */
+/* Whoever can write or replace the file can forge tokens, so only its owner may. */
 static int check_file(FILE *file, const char *path, bool secret, struct error *e) {
     struct stat status, folder;
     char *real = realpath(path, NULL), *parent = real ? dirname(real) : NULL;
@@ -97,7 +97,7 @@ void secrets_free(struct secrets *secrets) {
     *secrets = (struct secrets){0};
 }
 
-/* FNV-1a: it stays in this process, and need not withstand anybody. */
+/* FNV-1a: the number stays in this process, so it need not resist attacks. */
 uint64_t secret_number(const char *secret) {
     uint64_t number = 14695981039346656037u;
     for (; *secret; secret++)

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A longer token than TOKEN_BYTES is nobody's. Clocks may differ by so many seconds. */
+/* A token longer than TOKEN_BYTES is invalid. LEEWAY_SECONDS: allowed difference between clocks. */
 enum { TOKEN_BYTES = 2048, RIGHTS_BYTES = 64, ID_BYTES = 16, LEEWAY_SECONDS = 30 };
 
-#define LATEST 253402300799.0 /* the year 9999 */
+#define LATEST 253402300799.0 /* end of the year 9999 */
 
 static const struct {
     const char *word;
@@ -35,7 +35,7 @@ int rights_parse(const char *words, unsigned *rights, struct error *e) {
     return *rights ? 0 : error_in_field(e, ERROR_BAD_FIELD, "rights", "names no right");
 }
 
-/* In hexadecimal digits, with their end. */
+/* Writes hexadecimal digits and a NUL. */
 static void write_digits(const unsigned char *bytes, size_t count, char *digits) {
     for (size_t i = 0; i < count; i++)
         snprintf(digits + 2 * i, 3, "%02x", bytes[i]);
@@ -83,7 +83,7 @@ static int copy_claim(char *out, size_t cap, const json_t *claims, const char *n
     return 0;
 }
 
-/* A NumericDate (RFC 7519, 2); *seconds stays as it is where there is none. */
+/* Copies a NumericDate (RFC 7519, 2); *seconds is unchanged if the claim is missing. */
 static int copy_date(long *seconds, const json_t *claims, const char *name, bool needed, struct error *e) {
     const json_t *claim = json_object_get(claims, name);
     double value = json_number_value(claim);
@@ -116,7 +116,7 @@ static int read_claims(const json_t *claims, long now, struct token *token, stru
     return 0;
 }
 
-/* The JSON text of the library, and frees it. */
+/* Parses JSON text allocated by the library, and frees the text. */
 static json_t *object_of(char *text) {
     json_t *object = text ? json_loads(text, 0, NULL) : NULL;
     free(text);
@@ -135,7 +135,7 @@ static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e
     json_t *header = object_of(jwt_get_headers_json(jwt, NULL));
     json_t *claims = object_of(jwt_get_grants_json(jwt, NULL));
     int result;
-    /* who signs with "crit" wants it refused by those who do not understand (RFC 7515, 4.1.11) */
+    /* a token with "crit" must be rejected by implementations that do not understand it (RFC 7515, 4.1.11) */
     if (json_object_get(header, "crit"))
         result = error_set(e, ERROR_BAD_TOKEN,
                            "the token's header has 'crit', of which this server knows nothing");
@@ -156,7 +156,7 @@ int token_check(const struct secrets *secrets, const char *text, long now, struc
             jwt = NULL;
         token->secret = secret_number(secret);
     }
-    /* a token may say that it is not signed: that is no token of ours */
+    /* a token may declare itself unsigned: reject it */
     int result = !jwt || jwt_get_alg(jwt) != JWT_ALG_HS256
                      ? error_set(e, ERROR_BAD_TOKEN, "the token is not signed with a secret of this server")
                      : read_token(jwt, now, token, e);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tokens: who may do what in which room, until when. A token is a JSON Web Token (RFC 7519) signed with
- * HMAC-SHA256 (RFC 7518, 3.2), with the claims "sub", "room" (none = any), "rights" (words with spaces
- * between) and "exp"; "nbf" and "iat" are obeyed where they are, and "jti" tells it from others. */
+/* Access tokens: who may do what in which room, until when. A token is a JSON Web Token (RFC 7519) signed
+ * with HMAC-SHA256 (RFC 7518, 3.2). Its claims are "sub", "room" (none = any), "rights" (words separated
+ * by spaces) and "exp"; "nbf" and "iat" are honoured if present, and "jti" identifies the token. */
 #ifndef FACCIA_ACCESS_TOKEN_H
 #define FACCIA_ACCESS_TOKEN_H
 
@@ -9,9 +9,9 @@
 #include <stdbool.h>
 
 enum right {
-    RIGHT_LISTEN = 1u << 0,  /* hear a room */
-    RIGHT_SPEAK = 1u << 1,   /* speak, stop, express: on one's own stream, or in the room */
-    RIGHT_OPERATE = 1u << 2, /* read the metrics, change what is kept */
+    RIGHT_LISTEN = 1u << 0,  /* listen to a room */
+    RIGHT_SPEAK = 1u << 1,   /* speak, stop, express: on a client's own stream, or in the room */
+    RIGHT_OPERATE = 1u << 2, /* read metrics, change stored data */
     RIGHTS_ALL = RIGHT_LISTEN | RIGHT_SPEAK | RIGHT_OPERATE,
 };
 
@@ -22,25 +22,26 @@ struct token {
     char room[TOKEN_ROOM + 1]; /* "" = any */
     unsigned rights;
     long expires;                /* s since 1970 */
-    long issued;                 /* s since 1970; 0 = it does not say */
-    char id[TOKEN_DIGEST_BYTES]; /* token_digest of its "jti"; "" = it has none */
-    uint64_t secret;             /* that it was signed with: its secret_number */
+    long issued;                 /* s since 1970; 0 = not given */
+    char id[TOKEN_DIGEST_BYTES]; /* token_digest of its "jti"; "" = none */
+    uint64_t secret;             /* secret_number of the secret that signed it */
 };
 
-/* The rights of words such as "listen,speak". -1 with *e. */
+/* Parses words such as "listen,speak". Returns -1 with *e. */
 int rights_parse(const char *words, unsigned *rights, struct error *e);
 
-/* What a jti or a subject of any length is known by: the first half of its SHA-256, in hexadecimal digits. */
+/* A fixed-size name for a jti or subject of any length: the first half of its SHA-256, in hexadecimal
+ * digits. */
 void token_digest(const char *value, char digest[TOKEN_DIGEST_BYTES]);
 
-/* The "jti" of a token that token_check has found good, or NULL; free it. */
+/* Returns the "jti" of a token that token_check has accepted, or NULL; the caller frees it. */
 char *token_id(const char *text);
 
-/* Signs, with a "jti" of its own; free the text. NULL with *e. */
+/* Signs a token, with a new "jti". The caller frees the text. Returns NULL with *e. */
 char *token_make(const struct secrets *secrets, const struct token *token, struct error *e);
 
-/* -1 with *e: "bad-token" (not one of ours, damaged, without a claim), "expired-token" or
- * "early-token". */
+/* Verifies a token. Returns -1 with *e: "bad-token" (not signed by us, damaged, or a claim missing),
+ * "expired-token" or "early-token". */
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
                 struct error *e);
 

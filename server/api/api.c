@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the interface begins and ends, and its limits. */
+/* Starts, changes and stops the API. */
 #include "server/api/api.h"
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
@@ -29,9 +29,9 @@ static bool on_origin(void *ctx, const struct http_request *request) {
     return principal_origin_allowed(ctx, request);
 }
 
-/* What a burst of clients took goes back to the system: the C library keeps what was freed in the middle of
- * its heaps, however much. Looking for it takes milliseconds, so it is done when 32 MB are free, every ten
- * seconds at most. */
+/* Returns memory to the system after a burst of clients: the C library otherwise keeps whatever was freed
+ * in the middle of its heaps. malloc_trim takes milliseconds, so it runs only with 32 MB free and at most
+ * every ten seconds. */
 static void give_back_memory(struct api *api) {
     if (uv_now(api->pipeline->loop) < api->trim_at || mallinfo2().fordblks < TRIM_BYTES)
         return;
@@ -45,7 +45,7 @@ static void on_tick(void *ctx) {
     give_back_memory(api);
 }
 
-/* What some options follow from. */
+/* Sets the options that are derived from others. */
 static void complete(struct api_options *o) {
     o->http.tokens = o->secrets != NULL;
     o->rooms.send_bytes = o->http.send_bytes;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the interface share. */
+/* Shared by the files of the API. */
 #ifndef FACCIA_API_API_INTERNAL_H
 #define FACCIA_API_API_INTERNAL_H
 
@@ -24,28 +24,28 @@ struct api {
     struct http_server *http;
     struct rooms *rooms;
     struct heads heads;
-    struct client *clients; /* WebSockets that are open */
-    uint64_t streams;       /* numbers given to them so far */
+    struct client *clients; /* open WebSockets */
+    uint64_t streams;       /* stream numbers assigned so far */
     bool ready, draining;
-    const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
+    const char *unavailable; /* why nothing can be spoken, now or soon; or NULL */
     struct quota quota;
-    struct shared_limits *shared_limits; /* with other daemons; NULL: none */
-    struct secrets secrets;              /* those of options.secrets that count */
+    struct shared_limits *shared_limits; /* limits shared with other daemons; NULL: none */
+    struct secrets secrets;              /* secrets of options.secrets that are not revoked */
     struct secrets_revoked revoked;
     struct revocations revocations;
-    uint64_t trim_at;                       /* loop time from which memory may be given back again, ms */
-    struct events *events;                  /* clients that follow a room over HTTP */
-    struct search_queue searches;           /* in the library */
-    struct search_queue saves;              /* of documents: speech does not wait for them */
-    struct search_queue reads;              /* lists, reads and removals there, which do not wait for saves */
-    json_t *more_languages;                 /* of hello */
-    const struct offer_voice *languages_of; /* the list from which they were found */
+    uint64_t trim_at;             /* loop time before which malloc_trim is not called again, ms */
+    struct events *events;        /* clients that follow a room over HTTP */
+    struct search_queue searches; /* library searches */
+    struct search_queue saves;    /* document saves; speech does not wait for them */
+    struct search_queue reads;    /* document lists, reads and removals, which do not wait for saves */
+    json_t *more_languages;       /* cached member of hello */
+    const struct offer_voice *languages_of; /* voice list from which it was built */
 };
 
 struct api *exchange_api(const struct exchange *x);
 
-/* messages.c: JSON of what is on offer; new references */
-json_t *message_rooms(const struct api *api, const char *only); /* NULL or "": all */
+/* messages.c: the offer as JSON; each function returns a new reference */
+json_t *message_rooms(const struct api *api, const char *only); /* the room `only`; NULL or "": all rooms */
 json_t *message_hello(struct api *api, const char *stream);
 json_t *message_voices(const struct api *api);
 json_t *message_models(const struct api *api);
@@ -53,43 +53,43 @@ json_t *message_expressions(const struct api *api);
 json_t *message_health(const struct api *api);
 
 /* client.c: WebSocket clients */
-void client_accept(struct exchange *x); /* a request asks for a WebSocket */
+void client_accept(struct exchange *x); /* handles a request for a WebSocket */
 bool clients_busy(const struct api *api);
-void clients_dismiss(struct api *api, const char *reason); /* closes all, with the reason */
+void clients_dismiss(struct api *api, const char *reason); /* closes every client with the reason */
 void clients_revoke(
-    struct api *api); /* those whose secret or token is gone lose their rights, and are told */
+    struct api *api); /* removes the rights of clients whose secret or token was revoked, and notifies them */
 
-/* routes.c: answers what has come in */
+/* routes.c: answers an incoming request */
 void routes_serve(struct exchange *x);
 
-/* What answers a request returns 0, for routes to pass on. */
+/* Functions that answer a request return 0, for the route to return. */
 
 /* speech_route.c: /v1/speech, by POST or GET */
 int speech_ask(struct exchange *x);
-extern const struct members speech_members; /* that it knows */
+extern const struct members speech_members; /* members that it accepts */
 
-/* What is to be spoken, out of an HTTP request: its query, and its body when it has one, which is the text,
- * or a JSON object with it. */
+/* Speech requested over HTTP, by the query and by the body if there is one: plain text, or a JSON object
+ * that contains it. */
 struct post_text {
     struct exchange *x;
-    struct members known; /* of the body, but for its text; others of the query are passed over */
-    const char *markup;   /* by the type of the body; NULL: none is said */
+    struct members known; /* accepted body members, except the text; other members of the query are ignored */
+    const char *markup;   /* from the body's content type; NULL: not specified */
     bool json, bodiless;
-    json_t *object; /* of a JSON body, once it has been read */
+    json_t *object; /* the JSON body, once parsed */
 };
 
-/* Looks at the type of the body, which is expected from then on. -1 after the answer 415, with *result to be
- * returned. */
+/* Checks the body's content type and starts to expect the body. Returns -1 after answering 415; the caller
+ * then returns *result. */
 int post_text_begin(struct post_text *p, struct exchange *x, const struct members *known, int *result);
 
-/* All has come. -1 with *e. Members of a body count for more than those of the query. */
+/* Builds the request once the body is complete. Body members override those of the query. -1 with *e. */
 int post_text_request(struct post_text *p, struct speech_request *request, struct error *e);
 void post_text_free(struct post_text *p);
 
 /* media_routes.c */
 
-/* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
- * recording_source_in. */
+/* Fills `source` with a recording of the recordings folder. -1 with *e: "unknown-media" if there is no
+ * folder, or as recording_source_in. */
 int media_source(const struct api *api, struct recording_source *source, const char *name, struct error *e);
 int media_get(struct exchange *x); /* GET /v1/media */
 int play_post(struct exchange *x); /* POST /v1/play?room= */
@@ -97,7 +97,7 @@ int play_post(struct exchange *x); /* POST /v1/play?room= */
 /* library_routes.c */
 int library_get(struct exchange *x); /* GET /v1/library and below */
 
-/* Puts what a passage says into the request that names one. -1 with *e, a field of the request's. */
+/* Replaces the passage that a request names by its text. -1 with *e, which names a field of the request. */
 int passage_resolve(const struct api *api, struct speech_request *request, struct error *e);
 
 /* room_routes.c */
@@ -106,30 +106,30 @@ int room_say(struct exchange *x);                        /* POST /v1/say?room= *
 int room_command(struct exchange *x,
                  const char *type); /* POST /v1/TYPE?room=: the body is the message, or empty */
 
-/* Is the room that the address names led by another daemon? Then forwards the command (command_pack) to it,
- * and answers when that one has. */
+/* room_is_remote returns whether another daemon leads the room in ?room=. room_forward sends that daemon a
+ * command (command_pack) and answers when its reply arrives. */
 bool room_is_remote(const struct exchange *x);
 int room_forward(struct exchange *x, json_t *packed);
 
-/* The room that the address names; NULL after the answer, with *result to be returned. */
+/* Returns the room in ?room=, or NULL after answering with an error; the caller then returns *result. */
 struct channel *room_asked(struct exchange *x, int *result);
 
 /* room_events.c */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 void room_events_revoke(struct api *api);
 
-/* documents.c: documents that operators and editors keep, by GET, PUT and DELETE */
+/* documents.c: documents kept by operators and editors, over GET, PUT and DELETE */
 int scenes_serve(struct exchange *x);   /* /v1/scenes and below */
 int gestures_serve(struct exchange *x); /* /v1/gestures and below */
 int works_serve(struct exchange *x);    /* /v1/library/files and below */
 
-/* revoke.c: the secrets, or what is revoked, have changed: clients whose secret or token is gone lose their
- * rights, and are told. */
+/* revoke.c: applies changed secrets or revocations. Clients whose secret or token was revoked lose their
+ * rights and are notified. */
 void rights_renew(struct api *api);
 
-/* Those that come in place of the present ones: what is missing is revoked everywhere. */
+/* Replaces the secrets. Those that are missing from `secrets` are revoked on every daemon. */
 void rights_replace(struct api *api, const struct secrets *secrets);
-void rights_revoke_all(struct api *api, const struct revocations *all); /* NULL: none */
+void rights_revoke_all(struct api *api, const struct revocations *all); /* `all` may be NULL */
 int revoke_post(struct exchange *x);                                    /* POST /v1/revoke */
 
 #endif

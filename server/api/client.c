@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One WebSocket client: how it comes and goes, which room it is in, and in which ways it hears. */
+/* One WebSocket client: its lifecycle, its room and the media it receives. */
 #include "server/api/client_internal.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What goes out */
+/* Sending */
 
 static void send_text(struct client *c, const struct buf *text) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
@@ -36,11 +36,11 @@ void client_complain(struct client *c, const struct error *e) {
     client_say(c, error);
 }
 
-void client_warn(void *client, const struct error *e) {
+static void client_warn(void *client, const struct error *e) {
     client_say(client, warning_json(e));
 }
 
-/* In a room, others need not hear of it. */
+/* In a room, only the client itself is told. */
 void client_refuse(struct client *c, const char *id, const struct error *e) {
     if (!client_room(c)) {
         stream_refuse(client_stream(c), id, 0, e);
@@ -59,8 +59,7 @@ static struct client *client_of(struct follower *f) {
     return (struct client *)((char *)f - offsetof(struct client, follower));
 }
 
-/* In a room, a client that is too slow is moved on to the live edge; on a stream of its own the stream waits
- * for it. */
+/* In a room, a client that is too slow skips to the live edge. On its own stream, the stream waits for it. */
 static void deliver_one(struct client *c, struct queued_message *message) {
     struct follower *f = &c->follower;
     const struct api_options *options = &c->api->options;
@@ -73,7 +72,7 @@ static void deliver_one(struct client *c, struct queued_message *message) {
     bool full = queue->unsent > options->http.send_bytes ||
                 message_queue_age(queue, message->born) > (uint64_t)options->lag_seconds * 1000;
     if (message->media && f->waits)
-        return; /* one before it has been left out */
+        return; /* media before this one were dropped */
     if (!message->media || !full || !channel_is_room(f->channel)) {
         websocket_send(c->ws, message);
         return;
@@ -92,7 +91,7 @@ static void deliver(struct follower *f, struct queued_message *const *messages, 
         deliver_one(c, messages[i]);
 }
 
-/* The next part of the model goes out when the one before has left. */
+/* Sends the next part of the model; called again when it has been sent. */
 static void push_model_part(struct client *c) {
     const struct model *m = c->model;
     const struct model_part *part = &m->parts[c->model_part];
@@ -100,11 +99,11 @@ static void push_model_part(struct client *c) {
     json_write(&text, json_pack("{ss ss ss si si ss ss}", "type", "model", "name", m->name, "hash",
                                 m->asset->hash, "index", (int)c->model_part, "count", (int)m->part_count,
                                 "kind", part->kind, "part", part->name));
-    text.size--; /* the object goes on */
+    text.size--; /* drop the closing brace: more members follow */
     buf_printf(&text, ",\"data\":");
     buf_add(&text, part->json, strlen(part->json));
     buf_add(&text, "}", 1);
-    if (++c->model_part == m->part_count) /* before it is said: the next one may follow at once */
+    if (++c->model_part == m->part_count) /* before sending, which may already ask for the next part */
         c->model = NULL;
     send_text(c, &text);
     buf_free(&text);
@@ -129,7 +128,7 @@ void client_send_model(struct client *c, const json_t *message) {
     client_complain(c, &e);
 }
 
-/* Where it is */
+/* Rooms */
 
 struct stream *client_stream(const struct client *c) {
     return channel_stream(c->follower.channel);
@@ -150,7 +149,7 @@ static void enter(struct client *c, struct channel *channel) {
     channel_join(channel, &c->follower);
 }
 
-/* What others in the room are told of it. */
+/* Sets what other members of the room are told about it. */
 static void name_observer(struct client *c, const char *room) {
     struct error ignored;
     c->follower.observer = client_called(c);
@@ -226,9 +225,9 @@ void client_pong(struct client *c, const json_t *message) {
     client_say(c, answer);
 }
 
-/* What it hears */
+/* Media */
 
-/* How media and events are to come; NULL leaves one as it is. */
+/* Requested encodings of media and events; NULL leaves one unchanged. */
 struct media_wish {
     const char *audio, *fap, *events, *kilobits;
 };
@@ -289,7 +288,7 @@ void client_idle(struct client *c, const json_t *message) {
         channel_idle(&c->follower, on ? &options : NULL);
 }
 
-/* How it comes and goes */
+/* Lifecycle */
 
 static void on_message(void *owner, struct buf *message, bool binary, bool too_long) {
     client_hear(owner, message, binary, too_long);
@@ -299,7 +298,7 @@ static void on_fault(void *owner, const struct error *e) {
     client_complain(owner, e);
 }
 
-/* One that types, and has come to the end of what it was to type, hears the rest of what it had said. */
+/* A client of the text protocol that has closed its side still receives the rest of its speech. */
 static bool on_lingers(void *owner) {
     const struct client *c = owner;
     return c->plain && !client_room(c) && stream_busy(client_stream(c));
@@ -327,7 +326,7 @@ static void on_free(void *owner) {
     free(c);
 }
 
-/* What the address asks for, besides the defaults of requests. */
+/* Applies the members of the address, including the defaults of requests. */
 static void read_query(struct client *c, const struct http_request *from) {
     static const char *const more[] = {"room",     "audio", "fap", "events",
                                        "kilobits", "watch", "key", NULL}; /* the last is for proxies */
@@ -339,7 +338,7 @@ static void read_query(struct client *c, const struct http_request *from) {
     query_check(from, &known, false, client_warn, c);
     if (request_from_query(&c->defaults, from, NULL, &e) || set_media(c, &wish, &e))
         client_complain(c, &e);
-    c->defaults.open = false; /* that is for each utterance to say */
+    c->defaults.open = false; /* each utterance decides that for itself */
     bool watch;
     if (query_flag(http_query(from, "watch"), "watch", &watch, &e) ||
         (room && join(c, room, watch, NULL, &e)))
@@ -415,7 +414,7 @@ void clients_dismiss(struct api *api, const char *reason) {
         websocket_close(c->ws, WEBSOCKET_GOING_AWAY, reason);
 }
 
-/* One that spoke on a stream of its own is cut; in a room others may have spoken, and it is put out. */
+/* Stops a client's own stream. In a room others may be speaking, so the client is removed from it. */
 void clients_revoke(struct api *api) {
     struct error e;
     error_plain(&e, ERROR_REVOKED_TOKEN);

@@ -7,14 +7,14 @@
 
 struct client_message {
     const char *type;
-    const struct field *fields; /* its own */
+    const struct field *fields; /* its own fields */
     size_t count;
     const char *const *shared; /* names of fields of speech_request, NULL-terminated; or NULL */
 };
 
-#include "protocol/client_messages.h" /* made of protocol/messages.json */
+#include "protocol/client_messages.h" /* generated from protocol/messages.json */
 
-/* NULL: the message has no members but those of a request (speak), or none at all. */
+/* NULL: the message has no members, or only those of a request (speak). */
 static const struct client_message *find(const char *type) {
     for (size_t i = 0; i < sizeof client_messages / sizeof *client_messages; i++)
         if (!strcmp(client_messages[i].type, type))

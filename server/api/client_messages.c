@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a WebSocket client sends: messages, read and acted on in their order. Long ones are read, and freed,
- * in another thread. */
+/* Messages from a WebSocket client, handled in order. Long ones are parsed and freed in another thread. */
 #include "server/api/client_internal.h"
 #include "server/api/client_message.h"
 #include "server/api/commands.h"
@@ -16,11 +15,12 @@
 /* The longest id, in bytes. */
 enum { ID_BYTES = 64 };
 
-/* A command that has been forwarded. Who is told when it fails: the client may have gone meanwhile. */
+/* A forwarded command. Keeps the client's number to report a failure, since the client may be gone by
+ * then. */
 struct forwarded {
     struct api *api;
     uint64_t number; /* of the client */
-    bool speech;     /* its end is told, too */
+    bool speech;     /* report its end, too */
     char *id;        /* or NULL */
 };
 
@@ -56,7 +56,7 @@ static int forward(struct client *c, const struct command *command, const struct
     return 0;
 }
 
-/* A text that is being written goes to the daemon that leads the room, and to no other. */
+/* Unfinished texts are accepted only by the daemon that leads the room. */
 static int check_open(struct client *c, const struct speech_request *request, struct error *e) {
     if (channel_is_remote(c->follower.channel))
         return error_set(e, ERROR_ROOM_AWAY,
@@ -100,7 +100,7 @@ static void give(struct client *c, const struct command *command, const json_t *
         client_complain(c, &e);
 }
 
-/* Speaks, or plays, what the message says; its sound has the client's defaults, where it is spoken. */
+/* Handles speak and play. Speech uses the client's defaults. */
 static void give_speech(struct client *c, const struct command *command, const json_t *message) {
     struct speech_request request;
     struct error e = {0};
@@ -138,7 +138,7 @@ static void act(struct client *c, const json_t *message) {
         give(c, command, message, NULL);
 }
 
-/* What is refused is answered with the id of the message, if it has one that can be read. */
+/* Errors carry the id of the message, if it has a valid one. */
 void client_act(struct client *c, const json_t *message) {
     const json_t *id = json_object_get(message, "id");
     const char *value = json_string_value(id);
@@ -157,7 +157,8 @@ void client_speak(struct client *c, const char *text, size_t size) {
     request_free(&request);
 }
 
-/* The string of that member in what may be no JSON, without escapes and at most ID_BYTES long. */
+/* Finds a string member in possibly invalid JSON. Accepts only strings without escapes of at most
+ * ID_BYTES. */
 static bool find_member(const char *data, size_t size, const char *name, char out[ID_BYTES + 1]) {
     char quoted[16];
     size_t bytes = (size_t)snprintf(quoted, sizeof quoted, "\"%s\"", name), n = 0;
@@ -174,8 +175,8 @@ static bool find_member(const char *data, size_t size, const char *name, char ou
     return at < end && *at == '"' && utf8_check(out, n) == n;
 }
 
-/* A message that is no JSON, or is too long to be kept: what would have begun to speak ends, so that whoever
- * waits for it is told. */
+/* Refuses a message that is not JSON or is too long. An utterance it would have begun also gets its end,
+ * for clients that wait for it. */
 static void refuse_unread(struct client *c, const char *data, size_t size, const struct error *e) {
     char id[ID_BYTES + 1], type[ID_BYTES + 1];
     bool known = find_member(data, size, "id", id);
@@ -199,7 +200,7 @@ static void take(struct client *c, const json_t *message, const json_error_t *wh
     refuse_unread(c, data, size, &e);
 }
 
-/* Reading in another thread */
+/* Parsing in another thread */
 
 struct long_message {
     uv_work_t work;
@@ -207,12 +208,12 @@ struct long_message {
     struct buf text;
     json_t *message;
     json_error_t why;
-    atomic_bool given_up; /* for the thread: the client is gone */
+    atomic_bool given_up; /* tells the thread that the client is gone */
 };
 
 static void parse(uv_work_t *work) {
     struct long_message *m = work->data;
-    struct work_limit limit = work_limit_begin(&m->given_up, 0); /* its bound is the message's size */
+    struct work_limit limit = work_limit_begin(&m->given_up, 0); /* the message's size bounds the work */
     m->message = surrogates_load_until((const char *)m->text.data, m->text.size, &limit, &m->why);
 }
 
@@ -223,7 +224,7 @@ static void drop(uv_work_t *work) {
 }
 
 static void after_drop(uv_work_t *work, int status) {
-    if (status) /* the other thread never came to it */
+    if (status) /* cancelled before it ran in the other thread */
         drop(work);
     free(work->data);
 }
@@ -242,7 +243,7 @@ static void after_parse(uv_work_t *work, int status) {
         after_drop(&m->work, UV_ECANCELED);
 }
 
-/* What the client says meanwhile waits. */
+/* Later messages of the client wait. */
 static void read_long(struct client *c, struct buf *message) {
     struct long_message *m = mem_alloc(sizeof *m);
     m->client = c;
@@ -259,10 +260,10 @@ void client_forget_reading(struct client *c) {
         return;
     c->reading->client = NULL;
     atomic_store(&c->reading->given_up, true);
-    uv_cancel((uv_req_t *)&c->reading->work); /* when it runs already, it ends soon */
+    uv_cancel((uv_req_t *)&c->reading->work); /* if it is running already, given_up ends it soon */
 }
 
-/* A text that is JSON is acted on; any other is spoken. */
+/* Acts on JSON and speaks any other text. */
 static void hear_text(struct client *c, struct buf *message) {
     const char *data = message->size ? (const char *)message->data : "";
     size_t size = message->size, blank = 0, is_long = c->api->pipeline->long_text;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Utterances whose text a WebSocket client is still writing, and its own voice: its sound comes in binary
- * messages, and is an utterance like any other. */
+/* Utterances whose text a WebSocket client is still writing, and its live voice. The sound of a voice
+ * arrives in binary messages and is an utterance like any other. */
 #include "server/api/client_internal.h"
 #include "server/api/client_message.h"
 #include "server/api/surrogates.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The one that it is on; NULL: none any more. */
+/* The client's current stream; NULL once it has left. */
 static struct stream *stream_of(const struct client *c) {
     return c->follower.channel ? channel_stream(c->follower.channel) : NULL;
 }
@@ -67,7 +67,7 @@ void open_texts_leave(struct client *c) {
     c->open_cap = 0;
 }
 
-/* May it say something where it is? -1 with *e. */
+/* Checks that the client may speak where it is. -1 with *e. */
 static int may_speak(struct client *c, struct error *e) {
     return principal_may(c->api, &c->principal, RIGHT_SPEAK, client_room(c), e);
 }
@@ -79,7 +79,7 @@ static void complain(struct client *c, const char *id, const struct error *e) {
     client_say(c, error);
 }
 
-/* The id of the message, which has one; NULL after a complaint. */
+/* Returns the id of the message, or NULL after an error. */
 static const char *id_of(struct client *c, const json_t *message) {
     const char *id = json_string_value(json_object_get(message, "id"));
     struct error e;
@@ -137,7 +137,7 @@ void open_text_close(struct client *c, const json_t *message) {
     stream_close(client_stream(c), utterance, NULL);
 }
 
-/* Leaves the number as it is where there is none. */
+/* Leaves *number unchanged if the member is absent. */
 static void read_number(const json_t *message, const char *name, unsigned *number) {
     const json_t *value = json_object_get(message, name);
     if (value)
@@ -157,7 +157,7 @@ static int read_voice(struct live_request *request, const json_t *message, struc
     return live_request_check(request, e);
 }
 
-/* There is one at a time: sound does not say whose it is. */
+/* Only one voice at a time: binary messages do not name theirs. */
 static void close_last(struct client *c) {
     if (c->voice)
         stream_close(client_stream(c), c->voice, NULL);

@@ -13,7 +13,7 @@ static struct stream *stream_of(const struct command_call *call) {
     return channel_stream(call->channel);
 }
 
-/* {"type":TYPE,"room":ROOM}; on a stream of one's own nobody asks for an answer. */
+/* {"type":TYPE,"room":ROOM}; on the client's own stream no answer is needed. */
 static int answer(struct command_call *call, unsigned status, const char *type) {
     call->status = status;
     if (call->room)
@@ -29,7 +29,7 @@ static int accepted(struct command_call *call) {
     return 0;
 }
 
-/* A member of the message that is a string, which has been checked. */
+/* A string member of the message, already checked. */
 static const char *string_of(const struct command_call *call, const char *name) {
     return json_string_value(json_object_get(call->message, name));
 }
@@ -116,7 +116,7 @@ static int consent(struct command_call *call, struct error *e) {
     return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
 }
 
-/* Who listens may answer without any right. Nobody consents for another: an observer cannot answer. */
+/* Listeners may answer without any right. Observers cannot, since nobody may consent for another. */
 static int check_consent(const struct command_call *call, bool *exempt, struct error *e) {
     if (client_message_check("consent", call->message, e))
         return -1;
@@ -135,7 +135,7 @@ static const struct command commands[] = {
     {"cancel", RIGHT_SPEAK, .run = cancel},
     {"express", RIGHT_SPEAK, .run = express},
     {"choices", RIGHT_SPEAK, .run = offer_choices},
-    {"choose", 0, .run = choose}, /* who hears the question may answer it */
+    {"choose", 0, .run = choose}, /* listeners may answer the question */
     {"state", RIGHT_SPEAK, .run = set_state},
     {"calibrate", RIGHT_SPEAK, .run = calibrate},
     {"consent", RIGHT_SPEAK, .check = check_consent, .run = consent},
@@ -234,7 +234,7 @@ json_t *command_pack(const struct command *command, const struct command_call *c
     json_object_set_new(packed, "payer", json_integer(call->request->payer));
     json_object_set_new(packed, "asker", json_integer(call->request->asker));
     if (command->run == speak)
-        json_object_del(packed, "message"); /* the request says it all */
+        json_object_del(packed, "message"); /* the request holds everything */
     return packed;
 }
 
@@ -272,7 +272,8 @@ json_t *commands_run_packed(void *ctx, const char *room, const json_t *packed, u
     }
     failed = failed || command_run(command, &call, &e);
     if (!failed && call.request && !call.utterance && call.channel && !call.keeps)
-        call.utterance = stream_number(channel_stream(call.channel)); /* of what is refused: its end has it */
+        call.utterance =
+            stream_number(channel_stream(call.channel)); /* even if refused: the utterance's end carries it */
     request_free(&request);
     *status = failed ? error_status(e.code) : call.status;
     if (failed)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Documents that operators and editors keep: scenes (/v1/scenes), gestures (/v1/gestures) and works of the
- * library
- * (/v1/library/files). GET of an address lists them; GET, PUT and DELETE of ADDRESS/NAME. The disk is waited
- * for in threads of their own, each client's requests one after the other. */
+/* Documents kept by operators and editors: scenes (/v1/scenes), gestures (/v1/gestures) and works of the
+ * library (/v1/library/files). GET of the address lists them; GET, PUT and DELETE act on ADDRESS/NAME.
+ * Disk access runs in separate threads, one request per client at a time. */
 #include "server/api/api_internal.h"
 #include "server/base/document_store.h"
 #include "server/base/mem.h"
@@ -13,25 +12,25 @@
 
 struct shelf_service {
     const char *path;    /* "/v1/scenes" */
-    const char *members; /* of the list: "scenes" */
-    const char *type;    /* of a document */
-    /* Is it one, of that name? In any thread. -1 with *e. */
+    const char *members; /* member of the list: "scenes" */
+    const char *type;    /* content type of a document */
+    /* Checks that the data is a document of that name. Runs in any thread. -1 with *e. */
     int (*check)(const char *name, const void *data, size_t size, struct error *e);
-    /* The same where it takes a process apart: NULL, or instead of check. */
+    /* Replaces `check` where a separate process does it; else NULL. */
     int (*check_apart)(const struct reader *reader, const char *name, const void *data, size_t size,
                        const atomic_bool *given_up, struct error *e);
 };
 
 enum doing { LISTING, READING, SAVING, REMOVING };
 
-/* Belongs to its exchange, and to the thread until it is done. */
+/* One request. Owned by its exchange, and by the thread while the job runs. */
 struct keeping {
     struct coder_job job;
-    struct asker *asker;         /* NULL: no thread has it */
-    struct search_queue *askers; /* what it waits among; see begin */
+    struct asker *asker;         /* NULL: no job is queued or running */
+    struct search_queue *askers; /* its queue; see begin */
     struct api *api;
-    struct exchange *x;   /* NULL: its client is gone */
-    atomic_bool given_up; /* for the thread: likewise */
+    struct exchange *x;   /* NULL: the client is gone */
+    atomic_bool given_up; /* the same, for the thread */
     const struct shelf_service *service;
     struct document_store shelf;
     struct document_store_listener listener;
@@ -39,7 +38,7 @@ struct keeping {
     char name[DOCUMENT_NAME_BYTES];
     char *match;
     struct document_condition condition;
-    struct buf document; /* as it was read, or is to be saved */
+    struct buf document; /* read, or to be saved */
     struct document_entry *entries;
     size_t count;
     char tag[ETAG_BYTES];
@@ -124,14 +123,14 @@ static void leave(void *self) {
     struct keeping *k = self;
     k->x = NULL;
     atomic_store(&k->given_up, true);
-    if (k->asker) /* it comes back by itself */
+    if (k->asker) /* done() frees it */
         coder_pool_cancel(k->askers->pool, &k->asker->line, is_left);
     else
         free_keeping(k);
 }
 
-/* Checking a document takes seconds, the rest a moment: listing, reading and removing do not wait for what
- * the same client saves, nor for a thread that checks. */
+/* Checking a document can take seconds, anything else a moment. So lists, reads and removals have a queue
+ * of their own, and wait neither for the client's saves nor for a thread that is checking. */
 static int begin(struct keeping *k) {
     struct error e;
     k->askers = k->doing == SAVING ? &k->api->saves : &k->api->reads;
@@ -148,7 +147,7 @@ static int on_body_end(void *self) {
     struct keeping *k = self;
     const struct buf *body = exchange_body(k->x);
     if (k->doing != SAVING)
-        return 0; /* it has begun */
+        return 0; /* already begun */
     buf_add(&k->document, body->data, body->size);
     exchange_drop_body(k->x);
     return begin(k);
@@ -160,7 +159,7 @@ static void read_condition(struct keeping *k, const struct http_request *request
     k->condition = (struct document_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
 }
 
-/* What is asked for, by method and address. -1 with *e. */
+/* Reads method and address. -1 with *e. */
 static int read_request(struct keeping *k, const struct http_request *request, struct error *e) {
     const char *rest = request->path + strlen(k->service->path);
     bool get = request->method == HTTP_GET || request->method == HTTP_HEAD;
@@ -176,7 +175,7 @@ static int read_request(struct keeping *k, const struct http_request *request, s
     return 0;
 }
 
-/* The shelf is copied; what it and the listener point to lives as long as the daemon. */
+/* Copies the shelf; whatever it and the listener point to must live as long as the daemon. */
 static int shelf_serve(struct exchange *x, const struct shelf_service *service,
                        const struct document_store *shelf, struct document_store_listener listener) {
     struct keeping *k = mem_alloc(sizeof *k);
@@ -198,7 +197,7 @@ static int shelf_serve(struct exchange *x, const struct shelf_service *service,
 
 enum { LINES_MOST = 500, VARIANTS_MOST = 20, CHOICES_MOST = 8 };
 
-/* A member of an object, and where that is: "lines.3.choices.0.". */
+/* A member of an object, with the path to it: "lines.3.choices.0.". */
 struct member {
     const json_t *of;
     const char *place, *name;
@@ -216,7 +215,7 @@ static bool is_text(const json_t *value) {
     return text && text[strspn(text, " \t\r\n")];
 }
 
-/* A text that is not empty; it may be left out, or not. */
+/* Checks a non-empty text, which may be optional. */
 static int check_text(const struct member *m, bool needed) {
     const json_t *value = json_object_get(m->of, m->name);
     if (!value && !needed)
@@ -231,7 +230,7 @@ static int check_list(const struct member *m, size_t most) {
     return !list || (json_is_array(list) && json_array_size(list) <= most) ? 0 : fail(m, what);
 }
 
-/* Where a line or an answer leads to. */
+/* Checks the id of the line that follows a line or an answer. */
 static int check_next(const struct member *m, const json_t *ids) {
     const json_t *next = json_object_get(m->of, "next");
     if (check_text(m, false))
@@ -269,7 +268,7 @@ static int check_line(const json_t *line, const char *place, const json_t *ids, 
                : 0;
 }
 
-/* The ids of all lines, each once, as members of an object. */
+/* Collects the ids of all lines, which must be unique, as members of an object. */
 static int collect(const json_t *lines, json_t *ids, struct error *e) {
     char place[32];
     for (size_t i = 0; i < json_array_size(lines); i++) {
@@ -310,9 +309,11 @@ static int check_scene(const json_t *scene, struct error *e) {
     return check_lines(json_object_get(scene, "lines"), e);
 }
 
-int scene_check(const char *name, const void *data, size_t size, struct error *e) {
+/* Checks a scene against protocol/schema/scene.json, and that each `next` names an existing line. -1 with
+ * *e: "bad-json" (byte), "missing-field", "bad-field" ("lines.3.next"). */
+static int scene_check(const char *name, const void *data, size_t size, struct error *e) {
     json_error_t why;
-    (void)name; /* a scene has none of its own */
+    (void)name; /* a scene does not contain its name */
     json_t *scene = json_loadb(size ? data : "", size, JSON_REJECT_DUPLICATES, &why);
     int failed = scene ? check_scene(scene, e) : error_bad_json(&why, e);
     json_decref(scene);
@@ -330,12 +331,12 @@ int scenes_serve(struct exchange *x) {
 
 enum {
     GESTURE_BYTES = 1 << 20,
-    GESTURES_KEPT = 200, /* with those of the models no more than are read */
+    GESTURES_KEPT = 200, /* with those of the models, no more than can be loaded */
     WORK_BYTES = 8 << 20,
     WORKS_KEPT = 10000,
 };
 
-/* Where nobody may edit there is nothing of the kind. */
+/* Without editing there is no folder. */
 static const char *folder_of(const struct api *api, const char *folder) {
     return api->options.editing ? folder : NULL;
 }

@@ -15,7 +15,7 @@ static void add_part(struct model *m, const char *kind, const char *name, const 
     struct model_part *p = &m->parts[m->part_count++];
     p->kind = mem_strdup(kind);
     p->name = mem_strdup(name);
-    p->json = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY); /* whatever it is */
+    p->json = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY); /* of any JSON type */
 }
 
 int model_split(struct model *m, const char *wanted, const void *text, size_t size, const char *file,
@@ -83,7 +83,7 @@ static void add_documents(struct heads *heads) {
     }
 }
 
-/* The picture that lies beside a head, under the head's address. */
+/* Adds the poster beside the head's file, under the head's address. */
 static const struct static_file *add_poster(struct heads *heads, const char *head, const char *address) {
     char file[4096], path[512];
     snprintf(file, sizeof file, "%.*s.webp", (int)(strlen(head) - strlen(".json")), head);
@@ -91,7 +91,7 @@ static const struct static_file *add_poster(struct heads *heads, const char *hea
     return static_files_add(&heads->files, path, "image/webp", file);
 }
 
-/* The pictures of a head, which lie in a folder beside those of the heads. */
+/* Adds the set of pictures from the folder beside the heads. */
 static const struct static_file *add_pictures(struct heads *heads, const char *models, const char *head) {
     char file[4096], path[512];
     snprintf(file, sizeof file, "%s/pictures/%s.json", models, head);

@@ -14,7 +14,8 @@ static const char *title_of(const json_t *work) {
     return *title ? title : text_of(work, "id");
 }
 
-void library_escape(struct buf *out, const char *text) {
+/* Escapes text for XML or HTML. Control characters, which XML does not allow, become spaces. */
+static void library_escape(struct buf *out, const char *text) {
     for (; *text; text++) {
         unsigned char c = (unsigned char)*text;
         const char *entity = c == '&'   ? "&amp;"
@@ -37,7 +38,7 @@ static void element(struct buf *out, const char *name, const char *text) {
     buf_printf(out, "</%s>\n", name);
 }
 
-/* The address of a work, or of a section of it (0: none), escaped. */
+/* Writes the escaped address of a work or one of its sections (0: the work). */
 static void put_address(struct buf *out, const char *base, const char *work, unsigned section) {
     library_escape(out, base);
     buf_printf(out, "/library/%s", work);
@@ -95,8 +96,8 @@ void library_sitemap(struct buf *out, const json_t *newest, const char *base) {
     buf_printf(out, "</urlset>\n");
 }
 
-/* Signs that TeX reads as its own are escaped; the rest is UTF-8, as biber takes it. A brace is named: BibTeX
- * counts braces also behind a backslash, so that "\\{" would leave its field open. */
+/* Escapes the special characters of TeX; the rest stays UTF-8, as biber expects. Braces become commands:
+ * BibTeX counts even escaped ones, so "\\{" would leave the field open. */
 static void put_tex(struct buf *out, const char *text) {
     for (; *text; text++)
         if (strchr("\\~^", *text))
@@ -111,7 +112,7 @@ static void put_tex(struct buf *out, const char *text) {
             buf_add(out, (unsigned char)*text < ' ' || *text == 0x7f ? " " : text, 1);
 }
 
-/* A URL is taken as it stands, but for what would end its field or the line. */
+/* Copies a URL, escaping what would end the field or the line. */
 static void put_tex_url(struct buf *out, const char *url) {
     for (; *url; url++)
         if (strchr("{}\\", *url) || (unsigned char)*url <= ' ' || *url == 0x7f)
@@ -136,7 +137,7 @@ void library_bibtex(struct buf *out, const json_t *work, const char *base) {
     buf_printf(out, "@book{%s", text_of(work, "id"));
     tex_field(out, "title", title_of(work), true);
     tex_field(out, "author", text_of(work, "author"),
-              true); /* as it stands: it is not known what is a surname */
+              true); /* in braces: which part is the surname is not known */
     tex_field(out, "publisher", text_of(work, "publisher"), false);
     tex_field(out, "year", year, false);
     tex_field(out, *year ? "" : "date", *year ? "" : date, false);
@@ -218,7 +219,7 @@ static json_t *chapter_of(const json_t *section, const char *base) {
     return chapter;
 }
 
-/* Data, which a policy for scripts does not concern; "<" is written so that it cannot end the element. */
+/* JSON-LD is data, so a policy for scripts does not apply. Escapes "<" so that it cannot end the element. */
 static void put_schema_org(struct buf *out, json_t *thing) {
     json_object_set_new(thing, "@context", json_string("https://schema.org"));
     char *text = json_dumps(thing, JSON_COMPACT);

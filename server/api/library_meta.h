@@ -1,25 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is told of works to programs: feeds (Atom, RFC 4287), maps for search engines (sitemaps.org 0.9),
- * citations (BibTeX, Dublin Core as of OAI 2.0) and descriptions (schema.org in JSON-LD). base: the server's
- * address, without a slash at its end. */
+/* Metadata of works for other programs: feeds (Atom, RFC 4287), sitemaps (sitemaps.org 0.9), citations
+ * (BibTeX, Dublin Core as in OAI 2.0) and descriptions (schema.org in JSON-LD). `base` is the server's
+ * address without a trailing slash. */
 #ifndef FACCIA_API_LIBRARY_META_H
 #define FACCIA_API_LIBRARY_META_H
 
 #include "server/base/buf.h"
 #include <jansson.h>
 
-/* newest: {"works"} with the last change first. */
+/* newest: {"works"}, most recently changed first. */
 void library_atom(struct buf *out, const json_t *newest, const char *base);
 void library_sitemap(struct buf *out, const json_t *newest, const char *base);
 
-/* work: as LIBRARY_WORK answers. */
+/* work: an answer to LIBRARY_WORK. */
 void library_bibtex(struct buf *out, const json_t *work, const char *base);
 void library_dublin_core(struct buf *out, const json_t *work, const char *base);
 
-/* The elements for the head of the page of a list, a work or a section. */
+/* Writes the elements for the <head> of the page of a list, a work or a section. */
 void library_head(struct buf *out, const json_t *answer, const char *base);
-
-/* Text in XML or HTML, without what XML has no characters for. */
-void library_escape(struct buf *out, const char *text);
 
 #endif

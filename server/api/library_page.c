@@ -57,24 +57,24 @@ static void open_tag(struct buf *out, const char *name, const char *class, const
     add(out, ">");
 }
 
-/* Marks that may lie in each other and still be drawn: what is opened again on each line stays little. */
+/* Most marks drawn inside each other. Each line reopens the open ones, so this bounds the output. */
 enum { MARKS_OPEN_MAX = 16 };
 
-/* At one place marks end before notes stand there and others begin. */
+/* Order at one place: marks end, then notes stand, then marks begin. */
 enum mark_edge { EDGE_END, EDGE_POINT, EDGE_START };
 
 struct edge {
     size_t at; /* UTF-16 units */
     enum mark_edge kind;
-    size_t number; /* of the mark */
+    size_t number; /* index of the mark */
     const json_t *mark;
 };
 
-/* One pass over a block: its text, and the edges of its marks in the order of the text. */
+/* One pass over a block: its text, and the edges of its marks in text order. */
 struct pass {
     struct buf *out;
-    const char *text; /* what is left of it */
-    size_t at;        /* UTF-16 units before it */
+    const char *text; /* the rest of the text */
+    size_t at;        /* UTF-16 units before the rest */
     struct edge *edges;
     size_t count, next;
     const json_t *open[MARKS_OPEN_MAX];
@@ -89,7 +89,7 @@ static int compare_edges(const void *left, const void *right) {
     if (a->kind != b->kind)
         return a->kind < b->kind ? -1 : 1;
     int order = a->number < b->number ? -1 : a->number > b->number;
-    return a->kind == EDGE_END ? -order : order; /* what was opened last ends first */
+    return a->kind == EDGE_END ? -order : order; /* the mark opened last ends first */
 }
 
 static void put_edge(struct pass *p, const json_t *mark, size_t number, enum mark_edge kind) {
@@ -133,13 +133,13 @@ static void draw_end(struct pass *p, const json_t *mark) {
         buf_printf(p->out, "</%s>", element_of(mark));
 }
 
-/* Elements nest: those that began later than the mark are closed with it, and opened again. */
+/* Ends a mark. Marks opened after it are closed with it and reopened, because elements must nest. */
 static void end_mark(struct pass *p, const json_t *mark) {
     size_t at = p->depth;
     while (at && p->open[at - 1] != mark)
         at--;
     if (!at)
-        return; /* it lay too deep to be drawn */
+        return; /* it was nested too deeply to be drawn */
     for (size_t i = p->depth; i >= at; i--)
         draw_end(p, p->open[i - 1]);
     p->depth--;
@@ -149,7 +149,7 @@ static void end_mark(struct pass *p, const json_t *mark) {
     }
 }
 
-/* The edges up to where the text is; those there up to that kind. */
+/* Handles the edges up to the current place; at that place, those up to kind `last`. */
 static void pass_edges(struct pass *p, enum mark_edge last) {
     for (; p->next < p->count; p->next++) {
         const struct edge *e = &p->edges[p->next];
@@ -181,8 +181,8 @@ static void pass_text(struct pass *p, size_t to) {
     }
 }
 
-/* The text from one place to another, in UTF-16 units, with its marks; to: SIZE_MAX = its end. Stretches of a
- * block come in their order; a mark that goes on beyond one is closed there, and opened again in the next. */
+/* Adds the text from one place to another, in UTF-16 units, with its marks. to SIZE_MAX: to the end.
+ * Stretches of a block must come in order; a mark that spans two of them is closed and reopened. */
 static void add_stretch(struct pass *p, size_t from, size_t to) {
     pass_text(p, from);
     pass_edges(p, EDGE_END);
@@ -264,7 +264,7 @@ static void add_section(struct buf *out, const json_t *section) {
     add(out, "</nav>\n");
 }
 
-/* Works of a list, sections of a work. */
+/* Lists works, or the sections of a work. */
 static void add_list(struct buf *out, const json_t *answer) {
     const json_t *sections = json_object_get(answer, "sections");
     const json_t *works = json_object_get(answer, "works"), *item;

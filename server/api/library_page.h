@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library's answers for those who run no script: as a page, as what oEmbed (oembed.com, 2.3)
- * wants, or as library_meta.h has them. */
+/* Renders the library's answers for clients without scripts: as an HTML page, for oEmbed (oembed.com,
+ * 2.3), or in a format of library_meta.h. */
 #ifndef FACCIA_API_LIBRARY_PAGE_H
 #define FACCIA_API_LIBRARY_PAGE_H
 
@@ -16,12 +16,12 @@ enum library_form {
     LIBRARY_AS_DUBLIN_CORE,
 };
 
-/* The Content-Type of each. */
+/* Content-Type of each form. */
 extern const char *const library_types[];
 
-/* Puts the form in place of the JSON of a list, a work or a section. base: the server's address
- * without a slash at its end; section: of a work, for oEmbed, or NULL.
- * Nothing changes where it is no JSON. In any thread. */
+/* Replaces the JSON of a list, a work or a section by the requested form. Anything but JSON stays
+ * unchanged. base: the server's address without a trailing slash. section: a section of the work, for
+ * oEmbed; or NULL. Thread-safe. */
 void library_page(enum library_form form, const char *base, const char *section, struct buf *answer);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads. */
+/* /v1/library, /library and /oembed. The library answers in other threads. */
 #include "server/api/api_internal.h"
 #include "server/api/library_page.h"
 #include "server/base/lang.h"
@@ -10,20 +10,20 @@
 
 enum {
     FEED_MOST = 100,      /* works */
-    SITEMAP_MOST = 50000, /* as many as a sitemap may have */
+    SITEMAP_MOST = 50000, /* the most that a sitemap may have */
 };
 
-/* Belongs to its exchange, and to the threads until it is done. */
+/* One request. Owned by its exchange, and by the thread while the job runs. */
 struct asking {
     struct coder_job job;
-    struct asker *asker;  /* NULL: it has been answered, or was refused */
-    struct exchange *x;   /* NULL: its client is gone */
-    atomic_bool given_up; /* for the thread: likewise */
+    struct asker *asker;  /* NULL: answered, or refused */
+    struct exchange *x;   /* NULL: the client is gone */
+    atomic_bool given_up; /* the same, for the thread */
     struct api *api;
     struct library_question question;
     enum library_form form;
     const char *base, *section; /* see library_page.h */
-    char *texts[10];            /* that the question points to */
+    char *texts[10];            /* strings of the question */
     size_t text_count;
     struct buf answer;
     struct error error;
@@ -65,7 +65,7 @@ static void leave(void *self) {
     struct asking *a = self;
     a->x = NULL;
     atomic_store(&a->given_up, true);
-    if (a->asker) /* it comes back by itself */
+    if (a->asker) /* done() frees it */
         coder_pool_cancel(a->api->searches.pool, &a->asker->line, is_left);
     else
         free_asking(a);
@@ -81,7 +81,7 @@ static const char *member(struct asking *a, const struct http_request *request, 
     return value && *value ? keep(a, value, strlen(value)) : NULL;
 }
 
-/* The part of a path up to the next slash. */
+/* Returns the part of a path up to the next slash. */
 static const char *part(struct asking *a, const char **path) {
     size_t size = strcspn(*path, "/");
     const char *text = keep(a, *path, size);
@@ -89,7 +89,7 @@ static const char *part(struct asking *a, const char **path) {
     return text;
 }
 
-/* False: nothing is at that address. */
+/* Returns false if there is nothing at that address. */
 static bool read_path(struct asking *a, const char *path) {
     struct library_question *q = &a->question;
     if (!*path) {
@@ -115,7 +115,7 @@ static bool read_path(struct asking *a, const char *path) {
     return true;
 }
 
-/* WORK and, after a slash or a colon, SECTION. False: no work is named. */
+/* Reads WORK and, after a slash or a colon, SECTION. Returns false if no work is named. */
 static bool read_place(struct asking *a, const char *place) {
     struct library_question *q = &a->question;
     size_t size = strcspn(place, "/:?#&");
@@ -130,8 +130,8 @@ static bool read_place(struct asking *a, const char *place) {
     return *q->work;
 }
 
-/* The address of a page of the library: /library/WORK/SECTION, library.html?at=WORK:SECTION, or
- * #WORK:SECTION. */
+/* Reads the address of a library page: /library/WORK/SECTION, library.html?at=WORK:SECTION, or
+ * library.html#WORK:SECTION. */
 static bool read_address(struct asking *a, const char *url) {
     static const char *const before[] = {"/library/", "at=", "library.html#"};
     for (size_t i = 0; url && i < sizeof before / sizeof *before; i++) {
@@ -142,7 +142,8 @@ static bool read_address(struct asking *a, const char *url) {
     return false;
 }
 
-/* Of all works, or of one: WORK.bib, WORK.xml. False: it is none of these. */
+/* Recognises the files for all works (/feed.xml, /sitemap.xml) or for one (WORK.bib, WORK.xml). Returns
+ * false for any other path. */
 static bool read_file(struct asking *a, const char *path) {
     const char *dot = strrchr(path, '.');
     if (!strcmp(path, "/feed.xml") || !strcmp(path, "/sitemap.xml")) {
@@ -171,7 +172,7 @@ static bool read_page(struct asking *a, const char *path) {
     return true;
 }
 
-/* Where its client reaches the daemon, perhaps through a proxy that speaks TLS. */
+/* Returns the daemon's address as the client sees it, perhaps through a TLS proxy. */
 static const char *base_of(struct asking *a, const struct http_request *request) {
     const char *host = http_header(request, "host"), *scheme = http_header(request, "x-forwarded-proto");
     struct buf base = {0};
@@ -182,7 +183,7 @@ static const char *base_of(struct asking *a, const struct http_request *request)
     return kept;
 }
 
-/* False: nothing is at that address. */
+/* Returns false if there is nothing at that address. */
 static bool read_request(struct asking *a, const struct http_request *request) {
     static const char api[] = "/v1/library", page[] = "/library";
     if (!strncmp(request->path, api, sizeof api - 1))
@@ -195,7 +196,7 @@ static bool read_request(struct asking *a, const struct http_request *request) {
     return read_address(a, http_query(request, "url"));
 }
 
-/* Languages, parted by commas. */
+/* Checks language tags separated by commas. */
 static int check_langs(const char *list, struct error *e) {
     char tag[LANG_BYTES + 1];
     size_t bad;
@@ -267,7 +268,7 @@ int passage_resolve(const struct api *api, struct speech_request *request, struc
     }
     free(request->languages);
     request->languages = passage.voice && request->voice && !strcmp(request->voice, passage.voice)
-                             ? NULL /* a recording speaks all of it */
+                             ? NULL /* a recording contains all its languages */
                              : passage.languages;
     if (request->languages)
         passage.languages = NULL;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The folder of recordings (/v1/media), and one to be played in a room (POST /v1/play?room=), out of that
- * folder
- * (&name=) or uploaded as a form (RFC 7578) with the files "fap" and "sound". What is uploaded stays in
- * memory until it has been played. */
+/* Recordings: lists their folder (/v1/media) and plays one in a room (POST /v1/play?room=). The recording
+ * comes from the folder (&name=) or is uploaded as a form (RFC 7578) with the files "fap" and "sound".
+ * Uploads stay in memory until they have been played. */
 #include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "server/http/multipart.h"
@@ -18,19 +17,19 @@ int media_source(const struct api *api, struct recording_source *source, const c
     return recording_source_in(source, api->options.media, name, e);
 }
 
-/* The folder, which may be large and far away, is read in another thread. The list belongs to the exchange,
- * and to that thread until it is done. */
+/* The folder may be large and remote, so another thread reads it. Owned by the exchange, and by that
+ * thread until it is done. */
 struct listing {
     uv_work_t work;
-    struct exchange *x; /* NULL: its client is gone */
+    struct exchange *x; /* NULL: the client is gone */
     char *folder;
     json_t *list;
     bool whole; /* false: the folder takes too long */
     bool done;
-    atomic_bool left; /* the client, and so the thread stops */
+    atomic_bool left; /* tells the thread that the client is gone */
 };
 
-/* Processor time for listing a folder, s. */
+/* Most processor time for listing a folder, s. */
 enum { LIST_SECONDS = 10 };
 
 static void add_listed(void *ctx, const char *name, bool sound) {
@@ -96,7 +95,7 @@ struct upload {
     struct speech_request request; /* its id, mode and priority */
 };
 
-/* Begins, and has the answer. */
+/* Starts playing and answers. */
 static int begin_playing(struct exchange *x, struct recording_source *source,
                          const struct speech_request *request) {
     int result = 0;
@@ -110,7 +109,7 @@ static int begin_playing(struct exchange *x, struct recording_source *source,
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 
-/* Copies the part of that name. As form_part. */
+/* Copies the part of that name. Returns as form_part. */
 static int take_part(struct upload *u, const char *name, struct buf *out, struct error *e) {
     const uint8_t *part;
     size_t size;
@@ -150,7 +149,7 @@ static int open_upload(struct exchange *x, struct speech_request *request) {
     return 0;
 }
 
-/* A recording of the folder that the room's home has. */
+/* Plays a recording from the folder of the daemon that leads the room. */
 static int play_elsewhere(struct exchange *x, const char *name, const struct speech_request *request) {
     struct error e;
     if (name)

@@ -63,7 +63,7 @@ static json_t *strings(const char *const *list) {
     return array;
 }
 
-/* Those that may be asked for already. */
+/* The voices that can be used already. */
 static const struct offer_voice *voices_of(const struct api *api, size_t *count) {
     const struct offer *offer = offer_of(api);
     *count = api->ready ? offer->voice_count : 0;
@@ -95,7 +95,7 @@ json_t *message_health(const struct api *api) {
                      "cluster", api->options.shares ? cluster : NULL);
 }
 
-/* Those that a voice speaks and that share the general pack: found once for each list of voices. */
+/* Languages that only have a voice and share the general pack; computed once for each list of voices. */
 static json_t *more_languages(struct api *api) {
     size_t count;
     const struct offer_voice *v = voices_of(api, &count);

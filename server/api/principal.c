@@ -36,17 +36,17 @@ bool principal_revoke(const struct api *api, struct principal *principal) {
     return lost;
 }
 
-/* A GET that makes the daemon speak, and not by a program: PowerShell calls itself Mozilla, too. */
+/* Returns whether a browser sent a GET that makes the daemon speak. PowerShell also calls itself Mozilla. */
 static bool is_browser_speaking(const struct http_request *request) {
     const char *agent = http_header(request, "user-agent");
     return request->method == HTTP_GET && !strcmp(request->path, "/v1/speech") && agent &&
            !strncmp(agent, "Mozilla/", 8) && !strstr(agent, "PowerShell");
 }
 
-/* A browser that fetches for a page of another site says whose it is, or that it does. One that says nothing
- * takes the address for unsafe (HTTP by a name other than localhost) or is old: then any page may be behind a
- * GET, and only a token shows that its author may speak. With other methods browsers always say the origin.
- */
+/* A browser that fetches for another site's page sends the origin or Sec-Fetch-Site. One that sends
+ * neither is old or considers the address insecure (HTTP by a name other than localhost). Then any page
+ * could have caused a GET, and only a token proves the right to speak. With other methods browsers always
+ * send the origin. */
 static bool is_unsaid_allowed(const struct api *api, const struct http_request *request) {
     const char *site = http_header(request, "sec-fetch-site");
     if (!site && !api->options.secrets && is_browser_speaking(request))
@@ -64,7 +64,7 @@ bool principal_origin_allowed(const struct api *api, const struct http_request *
                           api->options.origins);
 }
 
-/* What follows "token." in the list of sub-protocols: browsers let a page set no other header. */
+/* Finds the word "token.TOKEN" in the list of sub-protocols: browsers let a page set no other header. */
 static void find_in_protocols(const struct http_request *request, char token[TOKEN_BYTES]) {
     static const char prefix[] = "token.";
     const char *word;
@@ -74,7 +74,7 @@ static void find_in_protocols(const struct http_request *request, char token[TOK
             snprintf(token, TOKEN_BYTES, "%.*s", (int)(length - strlen(prefix)), word + strlen(prefix));
 }
 
-/* The token that stands in the headers, or "". One that is cut is nobody's. */
+/* Copies the token of the request, or "". A token that is too long is truncated, and so invalid. */
 static void find_token(const struct http_request *request, char token[TOKEN_BYTES]) {
     static const char scheme[] = "Bearer ";
     const char *header = http_header(request, "authorization"), *value = http_query(request, "token");
@@ -148,7 +148,7 @@ int principal_ask(struct api *api, const struct principal *principal, struct err
                      api->options.address_requests);
 }
 
-/* FNV-1a of 32 bits. */
+/* 32-bit FNV-1a. */
 uint32_t principal_payer(const struct principal *principal) {
     uint32_t hash = 2166136261u;
     for (const char *c = principal->key; *c; c++)

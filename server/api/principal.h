@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who somebody is and what he may do: from the headers of his request, or from a token that he sends later.
- */
+/* Identity and rights of a client, from its request's headers or from a token sent later. */
 #ifndef FACCIA_API_PRINCIPAL_H
 #define FACCIA_API_PRINCIPAL_H
 
@@ -12,48 +11,49 @@ struct http_request;
 struct api;
 
 struct principal {
-    struct token token; /* subject "", room "", all rights and no end where no tokens are demanded */
-    char key[80];       /* what his requests are counted by: "a ADDRESS" or "s SUBJECT" */
+    struct token token; /* if no tokens are required: subject "", room "", all rights, no expiry */
+    char key[80];       /* quota key of its requests: "a ADDRESS" or "s SUBJECT" */
     struct connection *connection;
 };
 
-/* The page that the request comes from may use the daemon. */
+/* Returns whether the page that sent the request may use the daemon. */
 bool principal_origin_allowed(const struct api *api, const struct http_request *request);
 
-/* It asks by a name of the daemon's own. -1 with *e: "unknown-host". */
+/* Checks that the Host header is a name of the daemon. -1 with *e: "unknown-host". */
 int principal_check_host(const struct api *api, const struct http_request *request, struct error *e);
 
-/* Lets him in, with the token of his headers (Authorization: Bearer, or token= in the address) if there is
- * one. -1 with *e: "bad-token", "expired-token", "revoked-token", "too-many-per-address". */
+/* Identifies the client by the token of the request, if there is one (Authorization: Bearer, or token= in
+ * the address). -1 with *e: "bad-token", "expired-token", "revoked-token", "too-many-per-address". */
 int principal_enter(struct api *api, const struct http_request *request, struct principal *principal,
                     struct error *e);
 
-/* Another token. -1 with *e as above; then the principal is as he was. */
+/* Switches to another token. -1 with *e as above, and the principal is unchanged. */
 int principal_show(struct api *api, struct principal *principal, const char *token, struct error *e);
 
-/* Stands for the room that the token is for, or any. */
+/* Stands for the room that the token is for, or any room. */
 extern const char principal_own_room[];
 
-/* His secret or token counts no more: then so are his rights. True: he had some. */
+/* Removes the rights if the secret or the token has been revoked. Returns whether it removed any. */
 bool principal_revoke(const struct api *api, struct principal *principal);
 
-/* Him as a number, for those who are to come by turns (speech_request.h); never 0. */
+/* Hash of the quota key, used to schedule payers in turn (speech_request.h); never 0. */
 uint32_t principal_payer(const struct principal *principal);
 
-/* His connection as a number, for those of one payer to come by turns; never 0. */
+/* Number of the connection, used to schedule the connections of one payer in turn; never 0. */
 uint32_t principal_asker(const struct principal *principal);
 
-/* May he do that now? room NULL = no room. -1 with *e: "token-needed", "expired-token", "forbidden". */
+/* Checks a right at the current time. room NULL: no room. -1 with *e: "token-needed", "expired-token",
+ * "forbidden". */
 int principal_may(const struct api *api, const struct principal *principal, enum right right,
                   const char *room, struct error *e);
 
-/* One more request of his. -1 with *e ("too-many-requests") when there have been too many in this minute. */
+/* Counts a request. -1 with *e ("too-many-requests") if the limit for this minute is reached. */
 int principal_ask(struct api *api, const struct principal *principal, struct error *e);
 
-/* Whether the client of the request may do that; when not, it has been answered and *result is what to
- * return. right 0: any may whose page is allowed. */
+/* Checks the page's origin, the right and the request limit. right 0: only the origin. Returns false after
+ * answering with an error; the caller then returns *result. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
 struct principal *
-exchange_principal(struct exchange *x); /* once it has been permitted something that needs a right */
+exchange_principal(struct exchange *x); /* valid once exchange_permits has granted a right */
 
 #endif

@@ -17,13 +17,13 @@ struct request_value value_from_json(const json_t *value) {
     return (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
 }
 
-/* One that is null is as if it were not there. */
+/* Treats null as absent. */
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
     return !json_is_null(value) && request_set(request, name, value_from_json(value), e) < 0 ? -1 : 0;
 }
 
-/* The halves of characters in the text; the last one of a text that is being written may get its other half
- * (request->half). */
+/* Joins the surrogates in the text. One at the end of an unfinished text is kept in request->half, for the
+ * next part. */
 static void join_halves(struct speech_request *request) {
     struct buf joined = {0};
     uint16_t half = 0;
@@ -43,7 +43,7 @@ static void join_halves(struct speech_request *request) {
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
     const char *name;
     const json_t *id = json_object_get(object, "id");
-    if (id && set_field(request, "id", id, e)) /* first, so that what is refused has it */
+    if (id && set_field(request, "id", id, e)) /* first, so that errors carry it */
         return -1;
     for (size_t i = 0; (name = request_field(i)); i++) {
         const json_t *value = json_object_get(object, name);
@@ -126,7 +126,7 @@ static void check_member(const char *name, const struct members *known,
 void query_check(const struct http_request *request, const struct members *known, bool text,
                  void (*warn)(void *ctx, const struct error *e), void *ctx) {
     for (size_t i = 0; i < request->member_count; i++)
-        if (strcmp(request->members[i].name, "token") && /* good everywhere */
+        if (strcmp(request->members[i].name, "token") && /* accepted everywhere */
             (!text || strcmp(request->members[i].name, "text")))
             check_member(request->members[i].name, known, warn, ctx);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Secrets and tokens that count no more: those of the settings, and what is taken back over HTTP. */
+/* Revoked secrets and tokens: by changed settings, and over HTTP. */
 #include "server/api/api_internal.h"
 #include "server/api/shared_limits.h"
 #include "server/base/log.h"
@@ -21,7 +21,7 @@ void rights_renew(struct api *api) {
     room_events_revoke(api);
 }
 
-/* Those that counted so far; the former list may have been changed in its place. */
+/* Compares with the secrets accepted so far: the old list may have been changed in place. */
 void rights_replace(struct api *api, const struct secrets *secrets) {
     for (size_t i = 0; i < api->secrets.count; i++)
         if (!secrets || !secrets_have(secrets, secret_number(api->secrets.list[i])))
@@ -30,7 +30,7 @@ void rights_replace(struct api *api, const struct secrets *secrets) {
     rights_renew(api);
 }
 
-/* What is taken back counts no more from now on, for any daemon; rights_renew puts it out. */
+/* Revokes a token or a subject on every daemon. rights_renew then removes its clients. */
 static void rights_revoke(struct api *api, const struct revoked *one) {
     if (revocations_add(&api->revocations, one, (long)time(NULL)))
         shared_limits_revoke_token(api->shared_limits, one);
@@ -49,7 +49,7 @@ struct taking_back {
     struct exchange *x;
 };
 
-/* -1 with *e when it is missing, no whole number, or none of a time. */
+/* Reads a time. -1 with *e if it is missing without a default, not an integer, or negative. */
 static int take_time(const json_t *body, const char *name, long otherwise, long *seconds, struct error *e) {
     const json_t *value = json_object_get(body, name);
     *seconds = value ? (long)json_integer_value(value) : otherwise;
@@ -59,7 +59,7 @@ static int take_time(const json_t *body, const char *name, long otherwise, long 
                           "must be a time in whole seconds since 1970");
 }
 
-/* A token itself says all that is needed; whatever is wrong with it, it opens nothing. */
+/* Revokes a token by its full text. If the token is invalid, there is nothing to revoke: an error. */
 static int whole(const struct api *api, const char *text, long now, struct revoked *one, struct error *e) {
     struct token token;
     if (!api->options.secrets)
@@ -104,7 +104,7 @@ static int on_body_end(void *self) {
         return exchange_error(x, &e);
     rights_revoke(api, &one);
     failed = exchange_json(x, 200, json_pack("{ss sI}", "type", "revoked", "exp", (json_int_t)one.until));
-    rights_renew(api); /* who asked may be among them */
+    rights_renew(api); /* the client that asked may be affected */
     return failed;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What happens in a room as server-sent events (HTML standard, 9.2). */
+/* Events of a room as server-sent events (HTML standard, 9.2). */
 #include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "server/rooms/notices.h"
@@ -9,14 +9,14 @@
 struct events {
     struct follower follower;
     struct exchange *x;
-    struct events *next, **self; /* in the net's list */
+    struct events *next, **self; /* in the API's list */
 };
 
 static void on_delivery(struct follower *f, struct queued_message *const *messages, size_t count) {
     struct events *events = (struct events *)f;
     struct buf text = {0};
     if (exchange_unsent(events->x) > exchange_api(events->x)->options.http.send_bytes)
-        return; /* a client that reads nothing misses something */
+        return; /* events are dropped for a client that does not read */
     for (size_t i = 0; i < count; i++) {
         buf_printf(&text, "event: %s\ndata: ", messages[i]->event);
         buf_add(&text, queued_message_body(messages[i]), messages[i]->size);
@@ -26,7 +26,7 @@ static void on_delivery(struct follower *f, struct queued_message *const *messag
     buf_free(&text);
 }
 
-/* A comment from time to time shows both ends that the other is there. */
+/* Sends a comment from time to time, so that both ends notice a lost connection. */
 static void events_keepalive(void *self) {
     struct events *events = self;
     static const char comment[] = ": still here\n\n";

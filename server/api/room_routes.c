@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Commands for rooms over HTTP: as the JSON of a message, by the short routes, and a text to be said, which
- * may still be written while it is spoken. */
+/* Room commands over HTTP: as the JSON of a message, by the short routes, and as a text to be spoken,
+ * which may still be written meanwhile. */
 #include "server/access/token.h"
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
@@ -25,12 +25,12 @@ struct channel *room_asked(struct exchange *x, int *result) {
     return NULL;
 }
 
-/* A request that is answered when its command has been run, here or where the room is led. */
+/* A request that is answered once its command has run, here or on the daemon that leads the room. */
 struct command_post {
-    struct post_text text;         /* of a text to be said; x is that of all */
-    const struct command *command; /* NULL: the message says which */
+    struct post_text text;         /* of a text to be spoken; its x is always set */
+    const struct command *command; /* NULL: named by the message */
     char room[TOKEN_ROOM + 1];
-    struct forward *forward; /* that is waited for, or NULL */
+    struct forward *forward; /* pending on another daemon; or NULL */
 };
 
 static void on_forwarded(void *ctx, unsigned status, const json_t *answer) {
@@ -84,7 +84,7 @@ static struct command_call call_of(const struct command_post *p, const json_t *m
                                  .by = exchange_principal(p->text.x)->token.subject};
 }
 
-/* A message that speaks: its members are those of a request. */
+/* Handles a message that speaks: its members are those of a request. */
 static int give_speech(struct command_post *p, const struct command *command, const json_t *message) {
     static const char *const more[] = {"type", "name", NULL};
     static const struct members known = {.speech = true, .more = more};
@@ -153,7 +153,8 @@ static struct command_post *post_open(struct exchange *x, const char *room, int 
     return p;
 }
 
-/* A name that is no room's is one in which nobody is; but one that is too long, cut, would be another one. */
+/* An unknown name is just an empty room. A name that is too long must be rejected: truncated, it could
+ * match another room. */
 static int check_room(const char *room, struct error *e) {
     if (!room)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "room");
@@ -191,7 +192,7 @@ int room_forward(struct exchange *x, json_t *packed) {
     return forward(post_open(x, http_query(exchange_request(x), "room"), NULL), packed);
 }
 
-/* Saying */
+/* Speaking a text */
 
 static const struct members say_members = {.speech = true};
 
@@ -208,15 +209,15 @@ static int on_text_end(void *self) {
     return result;
 }
 
-/* A text that is written to a room: what has come of the body is spoken while the rest is written. */
+/* A text written to a room: the part received is spoken while the rest is written. */
 struct text_post {
     struct post_text text;
-    uint64_t channel; /* its number: the room may go, and another of its name come */
+    uint64_t channel; /* its number, since another room of that name may replace it */
     uint32_t utterance;
     int listeners;
 };
 
-/* The room's stream while it is there. */
+/* Returns the stream of the room, or NULL if the room is gone. */
 static struct stream *stream_of(const struct text_post *p) {
     const char *room = http_query(exchange_request(p->text.x), "room");
     struct channel *channel = channel_find(exchange_api(p->text.x)->rooms, room);

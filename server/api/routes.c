@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What answers at which address, and what it needs. */
+/* Maps addresses to handlers, rights and accepted query members. */
 #include "server/api/api_internal.h"
 #include "server/library/library.h"
 #include <string.h>
@@ -16,7 +16,7 @@ static json_t *expressions(const struct api *api) {
     return json_pack("{so}", "expressions", message_expressions(api));
 }
 
-/* With a token for one room, that one. */
+/* A token for one room sees that room only. */
 static int rooms(struct exchange *x) {
     const char *only = exchange_principal(x)->token.room;
     return exchange_json(x, 200, json_pack("{so}", "rooms", message_rooms(exchange_api(x), only)));
@@ -32,11 +32,11 @@ static int metrics(struct exchange *x) {
     return result;
 }
 
-/* On what a route acts: a token for one room opens what acts on that room, and no more. */
+/* What a route acts on. A token for one room permits only routes that act on that room. */
 enum scope {
-    SCOPE_ALL,  /* on more than a room */
-    SCOPE_ROOM, /* on the room that the address names */
-    SCOPE_OWN,  /* on the token's room, or on all with a token for all */
+    SCOPE_ALL,  /* more than one room */
+    SCOPE_ROOM, /* the room that the address names */
+    SCOPE_OWN,  /* the token's room, or all rooms if the token is for all */
 };
 
 static const char *const room_members[] = {"room", NULL};
@@ -50,21 +50,21 @@ static const struct members none = {.speech = false}, only_room = {.more = room_
                             for_library = {.more = library_members}, for_oembed = {.more = oembed_members},
                             for_events = {.more = event_members};
 
-/* A room's commands lie below this, under ROOM/commands. */
+/* A room's commands are at /ROOM/commands below this. */
 static const char rooms_path[] = "/v1/rooms";
 
-/* A route has a JSON document to get, or something else, takes a POST, or gives a room a command. */
+/* A route has a JSON document, another kind of GET, a POST handler, or a room command. */
 static const struct route {
     const char *path;
     json_t *(*document)(const struct api *api);
     int (*get)(struct exchange *x);
     int (*post)(struct exchange *x);
-    const char *command; /* POST gives it to the room of ?room= */
-    enum right right;    /* that is needed; 0 = none */
+    const char *command; /* POST runs it in the room of ?room= */
+    enum right right;    /* required right; 0: none */
     enum scope scope;
-    const struct members *members; /* of its query; NULL: they are not looked at */
-    bool below;                    /* and whatever is below that address */
-    bool kept;                     /* get takes PUT and DELETE, too, of who may operate */
+    const struct members *members; /* accepted query members; NULL: not checked */
+    bool below;                    /* also serves all addresses below */
+    bool kept;                     /* `get` also handles PUT and DELETE, which require the operate right */
 } routes[] = {
     {.path = "/healthz", .document = message_health, .members = &none},
     {.path = "/v1/voices", .document = voices, .members = &none},
@@ -157,8 +157,8 @@ static const char *methods_of(const struct route *route) {
     return route->get ? "GET, HEAD, POST, OPTIONS" : "POST, OPTIONS";
 }
 
-/* What --embed is for: texts and the face. The pages that change something or show what is said (operator,
- * editor, the makers of avatars) are framed by nobody, lest clicks are drawn into them. */
+/* Pages that --embed applies to: texts and the face. Pages that change something or show what is said
+ * (operator, editor, avatar makers) may never be framed, to prevent clickjacking. */
 static bool is_for_frames(const char *path) {
     static const char *const pages[] = {"/", "/library.html", "/room.html"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
@@ -167,10 +167,10 @@ static bool is_for_frames(const char *path) {
     return is_below("/library", path);
 }
 
-/* The page of texts: the browser asks for the section that the address names (`at`) together with the page's
- * scripts. With tokens it could not say whose it is. */
+/* Adds a preload header to the page of texts, so that the browser fetches the section in the address
+ * (`at`) together with the scripts. Not with tokens, since a preload cannot send one. */
 static void preload_section(struct exchange *x) {
-    enum { LONGEST = 64 }; /* of a work's id, and of a section's number */
+    enum { LONGEST = 64 }; /* of a work's id and a section's number */
     static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789-", digits[] = "0123456789";
     const struct api_options *options = &exchange_api(x)->options;
     const char *at = http_query(exchange_request(x), "at");
@@ -205,7 +205,8 @@ static int refuse_method(struct exchange *x, const char *methods) {
     return exchange_error(x, &e);
 }
 
-/* POST /v1/rooms/ROOM/commands. Which right it needs, its message says; here any will do. */
+/* POST /v1/rooms/ROOM/commands. Any right is enough here; the command in the message then requires its
+ * own. */
 static int serve_commands(struct exchange *x, const char *path) {
     static const char last[] = "/commands";
     char room[TOKEN_ROOM + 1];

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-/* A ninth of a busy processor's time beside threads that have not stepped back. */
+/* Leaves about a ninth of a busy processor beside threads of normal priority. */
 #define NICE 10
 
 static struct asker *find(struct search_queue *queue, const char *key) {
@@ -55,7 +55,7 @@ void search_queue_done(struct search_queue *queue, struct asker *asker) {
 }
 
 void search_queue_lower_priority(void) {
-    setpriority(PRIO_PROCESS, 0, NICE); /* of the calling thread alone, on Linux */
+    setpriority(PRIO_PROCESS, 0, NICE); /* on Linux, of the calling thread only */
 }
 
 void search_queue_close(struct search_queue *queue) {

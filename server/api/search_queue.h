@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who asks something of the library, or saves something: each in a line of his own, and the lines take turns,
- * so that nobody waits for all that another has asked. What is asked is answered in threads of lower priority
- * than those that speak. */
+/* Queues jobs that search the library or save documents. Each client has its own line, and the lines take
+ * turns, so that no client waits for all the jobs of another. The jobs run in threads of lower priority
+ * than speech. */
 #ifndef FACCIA_API_SEARCH_QUEUE_H
 #define FACCIA_API_SEARCH_QUEUE_H
 
@@ -9,14 +9,14 @@
 #include "server/codec/coder_pool.h"
 
 enum {
-    SEARCHES_THREADS = 2, /* answer */
-    SEARCHES_EACH = 64,   /* questions of one asker that may wait or be answered */
-    SEARCHES_ALL = 512,   /* of all: beyond that, SEARCHES_FEW of one */
+    SEARCHES_THREADS = 2, /* worker threads */
+    SEARCHES_EACH = 64,   /* jobs of one client, waiting or running */
+    SEARCHES_ALL = 512,   /* jobs in total, above which a client may have only SEARCHES_FEW */
     SEARCHES_FEW = 4,
-    SEARCHES_MOST = 2048, /* and nobody */
+    SEARCHES_MOST = 2048, /* jobs in total, above which all are refused */
 };
 
-/* One of them. */
+/* A client with jobs in the queue. */
 struct asker {
     struct coder_line line;
     struct asker *next;
@@ -24,25 +24,24 @@ struct asker {
     unsigned questions;
 };
 
-/* Zeroed at first. */
+/* Initialise with zeros. */
 struct search_queue {
-    struct coder_pool *pool; /* NULL: nobody has asked yet */
+    struct coder_pool *pool; /* NULL until the first job */
     struct asker *first;
     unsigned questions;
-    enum error_code full; /* too many wait; ERROR_NONE: of the library */
+    enum error_code full; /* error when the queue is full; ERROR_NONE: "too-many-searches" */
 };
 
-/* Puts the question into the line of who has that key: he is told in *asker, and stays until
- * search_queue_done, which job->done has to call. -1 with *e (full, or "too-many-searches"): too many wait.
- */
+/* Queues the job under the client with that key. *asker is the client, valid until search_queue_done,
+ * which job->done must call. -1 with *e (full, or "too-many-searches") if too many jobs wait. */
 int search_queue_add(struct search_queue *queue, uv_loop_t *loop, const char *key, struct coder_job *job,
                      struct asker **asker, struct error *e);
 void search_queue_done(struct search_queue *queue, struct asker *asker);
 
-/* For job->work: the thread is one of lower priority from now on. */
+/* Lowers the priority of the calling thread for good. Call it from job->work. */
 void search_queue_lower_priority(void);
 
-/* Waits for what is being answered; the others are done, too, as cancelled. */
+/* Waits for the running jobs; the waiting ones are completed as cancelled. */
 void search_queue_close(struct search_queue *queue);
 
 #endif

@@ -13,11 +13,11 @@
 
 enum { CLOCK_SLACK_MS = 500, OWNER_BYTES = 64, MS = 1000 };
 
-/* The names of notes and marks. */
+/* Names of notes and marks on the board. */
 static const char limits_note[] = "limits", use_note[] = "use ", secret_mark_name[] = "secret ",
                   token_mark_name[] = "token ";
 
-/* A daemon that has other limits than this one. */
+/* A daemon whose limits differ from ours. */
 struct otherwise {
     struct otherwise *next;
     char owner[OWNER_BYTES], text[BOARD_TEXT_BYTES];
@@ -27,8 +27,8 @@ struct shared_limits {
     struct api *api;
     void (*revoked)(struct api *api);
     struct board *board;
-    bool longer;   /* what is revoked: of this look */
-    int64_t ahead; /* the clock of all, before that of the loop */
+    bool longer;   /* something was revoked in this look at the board */
+    int64_t ahead; /* shared clock minus loop clock, ms */
     char limits[BOARD_TEXT_BYTES];
     struct otherwise *otherwise;
 };
@@ -90,7 +90,7 @@ static void on_gone(void *ctx, const char *owner) {
 
 static void on_marked(void *ctx, const char *name, uint64_t until) {
     struct shared_limits *s = ctx;
-    (void)until; /* it says so itself */
+    (void)until; /* the mark itself contains it */
     const char *mark = after(name, secret_mark_name), *text = after(name, token_mark_name);
     struct revoked one;
     if (mark)
@@ -99,7 +99,7 @@ static void on_marked(void *ctx, const char *name, uint64_t until) {
         s->longer |= revocations_add(&s->api->revocations, &one, (long)time(NULL));
 }
 
-/* A little that the answer was slow does not move the minutes. */
+/* Small delays of the board's answer do not change the clock. */
 static void on_looked(void *ctx, uint64_t clock) {
     struct shared_limits *s = ctx;
     int64_t ahead = (int64_t)clock - (int64_t)uv_now(s->api->pipeline->loop);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What holds for all daemons of a cluster, by their board (cluster/board.h): how much an address or a subject
- * uses on all of them together, and which secrets of tokens, and which tokens, count no more. */
+/* Limits shared by all daemons of a cluster through their board (cluster/board.h): the usage of each
+ * address and subject, and the revoked secrets and tokens. */
 #ifndef FACCIA_API_SHARED_LIMITS_H
 #define FACCIA_API_SHARED_LIMITS_H
 
@@ -10,22 +10,22 @@ struct api;
 struct revoked;
 struct shared_limits;
 
-/* api->quota is counted together from now on. revoked: api->revoked or api->revocations has become longer. */
+/* Starts to share api->quota. Calls `revoked` when api->revoked or api->revocations has grown. */
 struct shared_limits *shared_limits_open(struct api *api, void (*revoked)(struct api *api));
 
-/* The limits may be others now. NULL is fine in each of these. */
+/* Call after the limits may have changed. `sharing` may be NULL, here and below. */
 void shared_limits_change(struct shared_limits *sharing);
 
-/* That secret counts no more, for any daemon. */
+/* Revokes the secret on every daemon. */
 void shared_limits_revoke(struct shared_limits *sharing, const char *secret);
 
-/* That token, or subject, counts no more, for any daemon. */
+/* Revokes the token or the subject on every daemon. */
 void shared_limits_revoke_token(struct shared_limits *sharing, const struct revoked *one);
 
-/* Ms, by a clock whose minutes are those of all daemons, once the board has been seen. */
+/* Current time, ms. Its minutes are the same on all daemons once the board has been read. */
 uint64_t shared_limits_now(const struct api *api);
 
-/* Before the board is closed. */
+/* Call before closing the board. */
 void shared_limits_close(struct shared_limits *sharing);
 
 #endif

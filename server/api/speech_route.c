@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* /v1/speech: a text is asked for, the answer is its sound, its FAPs or its timing. What is spoken in a room
- * over HTTP is read in the same way. */
+/* /v1/speech: returns the sound, the FAPs or the timing of a text. Requests to speak in a room over HTTP
+ * are read by the same code. */
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
 #include "server/api/surrogates.h"
@@ -17,8 +17,8 @@ static bool has_type(const char *type, const char *wanted) {
     return !strncasecmp(type, wanted, length) && (!type[length] || strchr("; \t", type[length]));
 }
 
-/* The markup that a content type stands for; NULL: none. What curl --data says by itself means the bytes as
- * they are, and some say nothing. */
+/* Returns the markup for a content type; NULL: none. The type that curl --data sends by default, and no
+ * type at all, mean "auto". */
 static const char *markup_of(const char *type) {
     const struct markup_kind *kind = markup_by_content_type(type);
     if (!*type || has_type(type, "application/x-www-form-urlencoded"))
@@ -91,8 +91,8 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     return 0;
 }
 
-/* A member that is no field of the request: of the body, or of the query; NULL: there is none. It is cut when
- * it is longer than any good one. -1 with *e when it is no string. */
+/* Reads a member that is not a request field, from the body or else the query. *found tells whether it is
+ * there. `cap` must exceed the longest valid value. -1 with *e if it is no string. */
 static int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
                             struct error *e) {
     const json_t *member = json_object_get(p->object, name);
@@ -108,7 +108,7 @@ void post_text_free(struct post_text *p) {
     p->object = NULL;
 }
 
-/* No further sentence is taken while more than this waits to be sent. */
+/* Pauses synthesis while more than this is unsent, bytes. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
 
 struct post {
@@ -117,7 +117,7 @@ struct post {
     const struct export_format *format;
     struct speech_export *speech;
     bool begun;
-    bool writing; /* the text is still being written, and spoken meanwhile */
+    bool writing; /* the text is spoken while it is still being written */
 };
 
 static bool has_room(const struct post *p) {
@@ -201,7 +201,7 @@ static int on_body_end(void *self) {
     return p->speech ? 0 : speak(p);
 }
 
-/* What is wrong with what comes later cannot be told any more: what came before is spoken. */
+/* Once the response has begun, an error in later text cannot be reported: the text before it is spoken. */
 static void on_body(void *self, const void *data, size_t size) {
     struct post *p = self;
     struct error e;

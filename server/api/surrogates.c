@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A half stands in a string as MARK and three hexadecimal digits, which count from DIGIT; a MARK that was
- * sent as MARK and SENT. They are noncharacters, which no text of anybody is to have. */
+/* A lone surrogate is encoded as MARK and three hexadecimal digits that count from DIGIT; a MARK in the
+ * input as MARK and SENT. All are noncharacters, which texts should not contain. */
 enum { MARK = 0xFDEF, SENT = 0xFDEE, DIGIT = 0xFDD0, DIGITS = 3, REPLACEMENT = 0xFFFD, ESCAPE = 6 };
 static const char mark[] = "\xEF\xB7\xAF";
 
@@ -18,7 +18,7 @@ static bool is_low(uint32_t c) {
     return c >= 0xDC00 && c < 0xE000;
 }
 
-/* The unit of a \uXXXX at s; 0: there is none. */
+/* Returns the code unit of a \uXXXX escape at s, or 0. */
 static uint32_t escape_at(const char *s, size_t n) {
     char digits[5] = "", *end;
     if (n < ESCAPE || s[0] != '\\' || s[1] != 'u')
@@ -40,7 +40,7 @@ static void put_half(struct buf *out, uint32_t unit) {
         put(out, DIGIT + ((unit - 0xD800) >> shift & 15));
 }
 
-/* Writes the halves, and the MARKs that were sent, as above. False when there are none. */
+/* Copies the input with lone surrogates and MARKs encoded as above. Returns false if there are none. */
 static bool replace_halves(const char *data, size_t size, struct buf *out) {
     bool found = false;
     for (size_t at = 0, length; at < size; at += length) {
@@ -72,7 +72,7 @@ struct source {
     struct work_limit *limit;
 };
 
-/* A json_load_callback_t, asked for a kilobyte at a time. */
+/* A json_load_callback_t, called for about a kilobyte at a time. */
 static size_t give(void *buffer, size_t room, void *ctx) {
     struct source *from = ctx;
     size_t size = from->left < room ? from->left : room;
@@ -101,7 +101,7 @@ json_t *surrogates_load_until(const char *data, size_t size, struct work_limit *
     if (!data || !size || (!memmem(data, size, "\\u", 2) && !memmem(data, size, mark, sizeof mark - 1)))
         return value;
     struct buf mended = {0};
-    json_error_t other; /* places count in what was sent */
+    json_error_t other; /* discarded: error positions must refer to the original input */
     if (replace_halves(data, size, &mended)) {
         json_decref(value);
         value = load((const char *)mended.data, mended.size, limit, &other);
@@ -110,7 +110,7 @@ json_t *surrogates_load_until(const char *data, size_t size, struct work_limit *
     return value;
 }
 
-/* The half whose digits stand there; 0: none. *length: the digits' bytes. */
+/* Decodes the surrogate at s; 0: there is none. *length: its bytes. */
 static uint32_t half_at(const char *s, size_t n, size_t *length) {
     uint32_t unit = 0, cp;
     *length = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sub-protocol for people who type: a line is spoken, /word is a command, and what happens is told in
- * lines. What is typed is turned into the messages of the other protocol. */
+/* The sub-protocol for typing: a line is spoken, /word is a command, and events arrive as lines. Input is
+ * translated to messages of the main protocol. */
 #include "server/api/client_internal.h"
 #include "server/base/suggest.h"
 #include <stdlib.h>
@@ -11,7 +11,7 @@ static const char help[] =
     "/interrupt TEXT, /replace TEXT, /join ROOM, /leave, /token TOKEN, /mood [AFFECT]..., and for "
     "the lines that follow /lang, /voice, /rate, /pitch, /volume, /engine, /markup, /phones";
 
-/* Commands that are a message with at most one string. */
+/* Commands that become a message with at most one string. */
 static const struct {
     const char *command, *type, *member, *mode;
 } simple[] = {
@@ -27,7 +27,7 @@ static const struct {
     {"interrupt", "speak", "text", "interrupt"},
 };
 
-/* Members of speak that a command sets for all lines that follow. */
+/* Members of speak that a command sets for all following lines. */
 static const char *const settings[] = {"lang",   "voice",  "rate",   "pitch", "volume",
                                        "engine", "markup", "phones", NULL};
 
@@ -55,7 +55,7 @@ static bool do_simple(struct client *c, const char *word, size_t size, const cha
     return false;
 }
 
-/* A rate counts for what is being said, too. */
+/* Applies a setting. A rate also affects current speech. */
 static bool do_setting(struct client *c, const char *word, size_t size, const char *rest, size_t left) {
     char value[256] = "true", *end;
     struct error e;

@@ -2,6 +2,7 @@
 #include "server/app/cli.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <getopt.h>
@@ -50,6 +51,29 @@ static int take(const struct cli_option *option, const char *text, void *ctx) {
     return option->take(ctx, option->name, text);
 }
 
+/* Does the option take the next argument as its value? */
+static bool takes_next(const char *argument, const char *letters, const struct option *options) {
+    const char *letter = argument[1] == '-' ? NULL : strchr(letters, argument[1]);
+    if (letter)
+        return letter[1] == ':' && !argument[2];
+    for (; options->name; options++)
+        if (argument[1] == '-' && !strcmp(options->name, argument + 2))
+            return options->has_arg == required_argument;
+    return false;
+}
+
+int cli_option_count(int argc, char **argv, const char *letters, const struct option *options) {
+    int i = 1;
+    while (i < argc && strcmp(argv[i], "--") != 0) {
+        const char *argument = argv[i];
+        bool dashed = argument[0] == '-' && argument[1];
+        if (dashed && argument[1] != '-' && !isalpha((unsigned char)argument[1]))
+            return i;
+        i += dashed && takes_next(argument, letters, options) ? 2 : 1;
+    }
+    return argc;
+}
+
 int cli_options(int argc, char **argv, const char *usage, const struct cli_option *list, void *ctx) {
     struct option options[MOST + 2] = {{"help", no_argument, NULL, 'h'}};
     char letters[2 * MOST + 2] = "h";
@@ -64,7 +88,8 @@ int cli_options(int argc, char **argv, const char *usage, const struct cli_optio
         if (!flag)
             letters[used++] = ':';
     }
-    for (int c; (c = getopt_long(argc, argv, letters, options, NULL)) != -1;) {
+    int most = cli_option_count(argc, argv, letters, options);
+    for (int c; (c = getopt_long(most, argv, letters, options, NULL)) != -1;) {
         size_t i = c >= FIRST ? (size_t)(c - FIRST) : 0;
         while (c < FIRST && i < count && list[i].letter != c)
             i++;

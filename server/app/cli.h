@@ -5,6 +5,7 @@
 
 #include "server/app/components.h"
 #include "server/base/buf.h"
+#include <getopt.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -38,6 +39,10 @@ struct cli_option {
      * continue. */
     int (*take)(void *ctx, const char *name, const char *text);
 };
+
+/* How many of the arguments may be options: all, or those before a text that begins with a minus ("-5 °C").
+ * Takes the place of argc for getopt_long. */
+int cli_option_count(int argc, char **argv, const char *letters, const struct option *options);
 
 /* The list ends with a NULL name; --help and -h are implied. argv[0] is the command's name. Returns an
  * exit code after a message or the usage, or -1 to continue with argv from optind on. */

@@ -101,7 +101,8 @@ int check_main(int argc, char **argv, const struct settings *settings) {
     static const struct option options[] = {
         {"markup", 1, NULL, 'm'}, {"score", 0, NULL, 's'}, {"help", 0, NULL, HELP}, {0}};
     struct check c = {markup_by_name("auto"), false, NULL};
-    for (int o; (o = getopt_long(argc, argv, "m:sh", options, NULL)) != -1;) {
+    int most = cli_option_count(argc, argv, "m:sh", options);
+    for (int o; (o = getopt_long(most, argv, "m:sh", options, NULL)) != -1;) {
         switch (o) {
         case 'm':
             c.kind = markup_by_name(optarg);

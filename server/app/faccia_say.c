@@ -389,7 +389,8 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
     const char *path = NULL;
     struct error e;
     char message[400];
-    for (int c, at; (at = -1, c = getopt_long(argc, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
+    int most = cli_option_count(argc, argv, SPEAK_LETTERS "f:h", options);
+    for (int c, at; (at = -1, c = getopt_long(most, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
         for (int i = 0; at < 0 && options[i].name; i++)
             at = options[i].val == c ? i : -1;
         if (c >= OUTPUT_OPTION) {

@@ -4,8 +4,7 @@
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/cluster/redis_names.h"
-#include "server/cluster/redis_work.h"
+#include "server/cluster/redis.h"
 #include "server/cluster/work_pack.h"
 #include "server/cluster/work_queue.h"
 #include "server/voice/voice_pool.h"
@@ -19,7 +18,7 @@
 
 struct worker_side;
 
-extern const struct work_hands_events worker_side_events;
+extern const struct work_consumer_events worker_side_events;
 
 enum { PLUGINS_MOST = 64 };
 
@@ -33,7 +32,7 @@ struct voice_queue {
 
 struct worker_side {
     struct voice_pool *pool;
-    struct work_hands *hands;
+    struct work_consumer *consumer;
     struct voice_queue list[PLUGINS_MOST];
     size_t count;
     struct work_offer offers[PLUGINS_MOST];
@@ -125,7 +124,7 @@ static void end(struct sentence *s, enum work_end how, const char *why) {
     --*count_of(s);
     work_answer(s->item, how, why ? &text : &s->frames);
     forget(s);
-    work_hands_look(w->hands);
+    work_consumer_look(w->consumer);
 }
 
 static void on_done(void *ctx, struct sentence_audio *audio) {
@@ -184,7 +183,7 @@ static void on_lost(void *ctx, struct work_item *item) {
     forget(s);
 }
 
-const struct work_hands_events worker_side_events = {offers, on_taken, on_lost};
+const struct work_consumer_events worker_side_events = {offers, on_taken, on_lost};
 
 static struct worker_side *worker_side_new(void) {
     return mem_alloc(sizeof(struct worker_side));
@@ -197,9 +196,10 @@ static void worker_side_free(struct worker_side *w) {
 }
 
 /* Starts to offer the pool's voices. */
-static void worker_side_begin(struct worker_side *w, struct voice_pool *pool, struct work_hands *hands) {
+static void worker_side_begin(struct worker_side *w, struct voice_pool *pool,
+                              struct work_consumer *consumer) {
     w->pool = pool;
-    w->hands = hands;
+    w->consumer = consumer;
 }
 
 /* Stops taking sentences. */
@@ -223,7 +223,7 @@ struct speaker {
     uv_loop_t loop;
     struct settings settings;
     struct voice_pool *pool;
-    struct work_hands *hands;
+    struct work_consumer *consumer;
     struct worker_side *work;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
@@ -239,7 +239,7 @@ static void complain(const struct error *e) {
 /* By now the returned sentences have been sent. */
 static void on_goodbye(uv_timer_t *timer) {
     struct speaker *p = timer->data;
-    work_hands_close(p->hands);
+    work_consumer_close(p->consumer);
     for (int i = 0; i < SIGNALS; i++)
         uv_close((uv_handle_t *)&p->signals[i], NULL);
     uv_close((uv_handle_t *)&p->ending, NULL);
@@ -290,8 +290,8 @@ static void on_ready(void *ctx) {
     snprintf(status, sizeof status, "%zu voices", count);
     log_info("ready: %s", status);
     service_ready(status);
-    worker_side_begin(p->work, p->pool, p->hands);
-    work_hands_look(p->hands);
+    worker_side_begin(p->work, p->pool, p->consumer);
+    work_consumer_look(p->consumer);
 }
 
 static void watch(struct speaker *p) {
@@ -314,12 +314,12 @@ static int start(struct speaker *p, struct error *e) {
     if (!p->settings.cluster || !*p->settings.cluster)
         return error_in_field(e, ERROR_BAD_FIELD, "--cluster", "is missing: where to take sentences from");
     p->work = worker_side_new();
-    p->hands = redis_hands_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
-    if (!p->hands)
+    p->consumer = redis_consumer_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
+    if (!p->consumer)
         return -1;
     p->pool = voice_pool_open(&p->loop, &voices, on_ready, p, e);
     if (!p->pool) {
-        work_hands_close(p->hands);
+        work_consumer_close(p->consumer);
         return -1;
     }
     watch(p);

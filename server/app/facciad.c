@@ -28,10 +28,7 @@
 #include <time.h>
 
 #ifdef HAVE_REDIS
-#include "server/cluster/redis_board.h"
-#include "server/cluster/redis_bus.h"
-#include "server/cluster/redis_cluster.h"
-#include "server/cluster/redis_work.h"
+#include "server/cluster/redis.h"
 #endif
 
 /* Secrets and revoked tokens, from the settings' files. */

@@ -13,7 +13,7 @@ void buf_free(struct buf *b) {
 
 void *buf_reserve(struct buf *b, size_t extra) {
     b->data = mem_grow(b->data, &b->cap, b->size + extra, 1);
-    return b->data ? b->data + b->size : NULL; /* nothing was there, and nothing is wanted */
+    return b->data ? b->data + b->size : NULL; /* the buffer is empty and no room is requested */
 }
 
 void buf_add(struct buf *b, const void *data, size_t size) {

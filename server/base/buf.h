@@ -12,9 +12,9 @@ struct buf {
 };
 
 void buf_free(struct buf *b);
-void *buf_reserve(struct buf *b, size_t extra); /* room for extra more bytes; returns where they go */
+void *buf_reserve(struct buf *b, size_t extra); /* makes room for `extra` more bytes; returns where they go */
 void buf_add(struct buf *b, const void *data, size_t size);
 void buf_printf(struct buf *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void buf_consume(struct buf *b, size_t size); /* drops the first size bytes */
+void buf_consume(struct buf *b, size_t size); /* drops the first `size` bytes */
 
 #endif

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Name of a file being written; no document's name begins like it. */
+/* File being written; no document's name begins with ".". */
 static const char part[] = ".part";
 
 static int cannot(struct error *e, const char *what) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A folder of named documents that clients fetch, save and remove, one file each. Files are replaced
- * atomically, even if the machine crashes. Whoever saves names the version it has seen, so that no change
- * is lost. Several threads and processes may share a folder: changes lock it. All functions may block. */
+/* A folder of named documents that clients read, save and remove, one file each. Files are replaced
+ * atomically, even if the machine crashes. A client that saves a document states which version it has
+ * seen, so that no change is lost. Threads and processes may share a folder: changes lock it. All
+ * functions may block. */
 #ifndef FACCIA_BASE_DOCUMENT_STORE_H
 #define FACCIA_BASE_DOCUMENT_STORE_H
 
@@ -14,22 +15,23 @@
 enum { DOCUMENT_NAME_BYTES = 65 }; /* including the NUL */
 
 struct document_store {
-    const char *folder;      /* NULL: off; every call fails with "nothing-kept" */
+    const char *folder;      /* NULL: disabled; every call fails with "nothing-kept" */
     const char *suffix;      /* of its files, such as ".json"; other files are ignored */
     enum error_code unknown; /* error for an unknown name */
-    size_t most_bytes;       /* size of a document */
-    size_t most;             /* number of documents */
+    size_t most_bytes;       /* maximum size of a document */
+    size_t most;             /* maximum number of documents */
 };
 
-/* Called after a document was saved or removed. */
+/* Notified after a document was saved or removed. */
 struct document_store_listener {
     void (*changed)(void *ctx); /* may be NULL */
     void *ctx;
 };
 
-/* Precondition of a change. For an existing document one member is required: "condition-needed". */
+/* Precondition of a change. Changing an existing document requires one of the members, or fails with
+ * "condition-needed". */
 struct document_condition {
-    const char *match; /* list of entity tags (If-Match), one of which must match, or "*"; NULL: absent */
+    const char *match; /* entity tags (If-Match), one of which must match, or "*"; NULL: not given */
     bool absent;       /* the document must not exist yet (If-None-Match: *) */
 };
 
@@ -39,8 +41,8 @@ struct document_entry {
     time_t saved;
 };
 
-/* Valid: 1 to 64 ASCII letters, digits, "-", "_", ".", not starting with ".". -1 with *e: "bad-field" in
- * "name". */
+/* Checks that the name is 1 to 64 ASCII letters, digits, "-", "_", ".", and does not start with ".".
+ * Returns -1 with *e: "bad-field" in "name". */
 int document_check_name(const char *name, struct error *e);
 
 /* The functions below return 0, or -1 with *e: "nothing-kept", "bad-field", the store's `unknown`,
@@ -50,14 +52,14 @@ int document_check_name(const char *name, struct error *e);
 /* Appends the document to *out. */
 int document_store_read(const struct document_store *shelf, const char *name, struct buf *out,
                         char tag[ETAG_BYTES], struct error *e);
-/* *created: the document is new. */
+/* *created: true if the document is new. */
 int document_store_save(const struct document_store *shelf, const char *name, const void *data, size_t size,
                         struct document_condition condition, char tag[ETAG_BYTES], bool *created,
                         struct error *e);
 int document_store_remove(const struct document_store *shelf, const char *name,
                           struct document_condition condition, struct error *e);
 
-/* Lists the documents by name; free *entries with free. */
+/* Lists the documents by name; the caller frees *entries. */
 int document_store_list(const struct document_store *shelf, struct document_entry **entries, size_t *count,
                         struct error *e);
 

@@ -23,7 +23,7 @@ unsigned error_status(enum error_code code) {
 static void fill(struct error *e, enum error_code code, const char *format, va_list args) {
     *e = (struct error){.code = code};
     vsnprintf(e->message, sizeof e->message, format, args);
-    utf8_mend(e->message); /* it may quote untrusted text, and may be cut within a character */
+    utf8_mend(e->message); /* it may quote untrusted text, and may end inside a character */
 }
 
 int error_set(struct error *e, enum error_code code, const char *format, ...) {

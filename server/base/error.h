@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An error in some input, with its place. */
+/* An error in some input, with its position. */
 #ifndef FACCIA_BASE_ERROR_H
 #define FACCIA_BASE_ERROR_H
 
@@ -35,11 +35,11 @@ int error_at_line(struct error *e, enum error_code code, size_t line, size_t col
 int error_in_field(struct error *e, enum error_code code, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The same with the message of error_codes.h. */
+/* Like error_set and error_in_field, with the message of error_codes.h. */
 int error_plain(struct error *e, enum error_code code);
 int error_plain_in_field(struct error *e, enum error_code code, const char *field);
 
-/* From the table: "bad-json"; the HTTP status. ERROR_NONE: "" and 500. */
+/* Name such as "bad-json", and HTTP status, from the table. ERROR_NONE gives "" and 500. */
 const char *error_name(enum error_code code);
 unsigned error_status(enum error_code code);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* All errors and warnings: identifier, stable code (explained in protocol/README.md), HTTP status (0:
- * never an answer; would be 500) and default message. tests/protocol/errors.test.mjs checks that this
- * table, the protocol's text and the schemas agree. */
+ * never sent as a response; would be 500) and default message. tests/protocol/errors.test.mjs checks that
+ * this table, the protocol's text and the schemas agree. */
 #ifndef FACCIA_BASE_ERROR_CODES_H
 #define FACCIA_BASE_ERROR_CODES_H
 
@@ -18,7 +18,7 @@
     X(UNKNOWN_COMMAND, "unknown-command", 400, "there is no such command") \
     X(MESSAGE_TOO_LONG, "message-too-long", 413, "the message is too long") \
     X(TEXT_TOO_LONG, "text-too-long", 413, "the text is too long") \
-    /* what is asked for */ \
+    /* unknown or unavailable resources */ \
     X(UNKNOWN_LANGUAGE, "unknown-language", 400, "there is no such language") \
     X(UNKNOWN_VOICE, "unknown-voice", 400, "there is no such voice") \
     X(UNKNOWN_ENGINE, "unknown-engine", 400, "there is no such engine") \
@@ -96,7 +96,7 @@
     X(FORBIDDEN, "forbidden", 403, "the token does not give the right to do that") \
     X(FORBIDDEN_ORIGIN, "forbidden-origin", 403, "pages from there may not use this server") \
     X(UNKNOWN_HOST, "unknown-host", 421, "this server is not known by that name") \
-    /* HTTP and the WebSocket's opening */ \
+    /* HTTP and the WebSocket handshake */ \
     X(NOT_FOUND, "not-found", 404, "nothing is at this address") \
     X(METHOD_NOT_ALLOWED, "method-not-allowed", 405, "this address does not take that method") \
     X(UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", 415, "bodies of that type are not taken") \
@@ -118,7 +118,7 @@
     X(UNKNOWN_EXPECTATION, "unknown-expectation", 417, "the only expectation that is supported is 100-continue") \
     X(BAD_HANDSHAKE, "bad-handshake", 400, "a WebSocket is opened by a GET of HTTP/1.1") \
     X(UNKNOWN_PROTOCOL, "unknown-protocol", 400, "there is no such sub-protocol") \
-    /* files: a code for each kind */ \
+    /* files: one code per kind */ \
     X(BAD_SPEECH_PACK, "bad-speech-pack", 0, "this is no speech pack") \
     X(BAD_ALPHABET, "bad-alphabet", 0, "this is no alphabet of phones") \
     X(BAD_SHAPE_TABLE, "bad-shape-table", 0, "this is no table of mouth shapes") \

@@ -17,7 +17,7 @@ static void set_int(json_t *object, const char *name, size_t value) {
     json_object_set_new_nocheck(object, name, json_integer((json_int_t)value));
 }
 
-/* Input that is quoted in a message may not be UTF-8, or may have been cut inside a character. */
+/* Converts quoted input, which may not be UTF-8, or may end inside a character. */
 static json_t *quoted(const char *value) {
     char copy[512];
     json_t *string = json_string(value);
@@ -61,7 +61,7 @@ json_t *warning_json(const struct error *e) {
 }
 
 int error_bad_json(const json_error_t *why, struct error *e) {
-    /* jansson counts the character that it stumbled over, except at the end of the text */
+    /* jansson includes the offending character, except at the end of the text */
     size_t at = (size_t)why->position;
     if (at && json_error_code(why) != json_error_premature_end_of_input)
         at--;

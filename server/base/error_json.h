@@ -7,19 +7,19 @@
 #include "server/base/error.h"
 #include <jansson.h>
 
-/* {"type":"error","code",...} with its place; a new reference. */
+/* {"type":"error","code",...} with its position; a new reference. */
 json_t *error_json(const struct error *e);
 
-/* Sets in an object what error_json has besides the type. */
+/* Sets the members of error_json, except the type, in an object. */
 void error_json_set(json_t *object, const struct error *e);
 
-/* A warning: the same, of another type. */
+/* Like error_json, with the type of a warning. */
 json_t *warning_json(const struct error *e);
 
-/* Appends the object as text, and releases it. */
+/* Appends the object as text and releases it. */
 void json_write(struct buf *out, json_t *object);
 
-/* Says where JSON could not be read ("bad-json", at a byte). Returns -1. */
+/* Converts a JSON parse error to "bad-json" at a byte. Returns -1. */
 int error_bad_json(const json_error_t *why, struct error *e);
 
 #endif

@@ -8,10 +8,10 @@
 
 enum { ETAG_BYTES = 24 };
 
-/* 64-bit FNV-1a: does not resist deliberate collisions. */
+/* 64-bit FNV-1a: not resistant to deliberate collisions. */
 void etag_of(const void *data, size_t size, char tag[ETAG_BYTES]);
 
-/* True when the tag is in a list as in If-Match and If-None-Match, weak tags included, or the list is "*". */
+/* True if the tag is in a list (If-Match, If-None-Match), weak tags included, or the list is "*". */
 bool etag_listed(const char *list, const char *tag);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields of requests: their type and range, and values as the carrier of a request has them. The fields of
- * the protocol are declared in protocol/messages.json. */
+/* Fields of requests: type, range, and values as received. protocol/messages.json declares the fields of
+ * the protocol. */
 #ifndef FACCIA_BASE_FIELD_H
 #define FACCIA_BASE_FIELD_H
 
@@ -9,11 +9,11 @@
 #include <stddef.h>
 
 enum field_type {
-    FIELD_TEXT,    /* any string, which may hold NUL; what holds it knows its size */
-    FIELD_STRING,  /* without NUL, least to most bytes */
-    FIELD_TAG,     /* a language tag, kept as lang_read writes it */
+    FIELD_TEXT,    /* any string, which may contain NUL; the owner stores its size */
+    FIELD_STRING,  /* without NUL; least to most bytes */
+    FIELD_TAG,     /* a language tag, as normalised by lang_read */
     FIELD_NUMBER,  /* least to most */
-    FIELD_INTEGER, /* the same, without a fraction */
+    FIELD_INTEGER, /* likewise, without a fraction */
     FIELD_FLAG,
     FIELD_CHOICE, /* one of the words */
 };
@@ -21,40 +21,40 @@ enum field_type {
 struct field {
     const char *name;
     enum field_type type;
-    double least, most;       /* of a number; of a string: bytes; most may be INFINITY */
-    const char *const *words; /* of a choice: in the order of its enum, NULL-terminated */
+    double least, most;       /* range of a number, or of a string's length in bytes; most may be INFINITY */
+    const char *const *words; /* of a choice, in the order of its enum; NULL-terminated */
     bool required;
 };
 
-/* A value as its carrier has it: JSON knows its type, a query or an option is a string. */
+/* A value as received: typed in JSON, a string in a query or an option. */
 struct request_value {
     enum {
         REQUEST_STRING,
         REQUEST_NUMBER,
         REQUEST_BOOL,
-        REQUEST_WORD,     /* a string to be converted to the type of the field */
-        REQUEST_STRUCTURE /* an array or object: fits no field */
+        REQUEST_WORD,     /* a string to convert to the field's type */
+        REQUEST_STRUCTURE /* an array or object, which fits no field */
     } type;
     const char *string;
     size_t size;
     double number; /* NUMBER, BOOL */
 };
 
-/* Where a field is kept. */
+/* Storage for a field's value. */
 union field_member {
-    char *string;    /* TEXT, STRING, TAG: owned, ends with NUL; NULL = not given */
+    char *string;    /* TEXT, STRING, TAG: owned, NUL-terminated; NULL = not given */
     double number;   /* NUMBER, INTEGER */
     bool flag;       /* FLAG */
-    unsigned choice; /* CHOICE: the place of the word */
+    unsigned choice; /* CHOICE: index of the word */
 };
 
 bool field_is_string(const struct field *field); /* TEXT, STRING or TAG */
 
-/* Sets the member, which has the type of the field; a string that it had is freed. -1 with *e "bad-field"
- * when the value is not of the field's type or range: then it stays as it was. */
+/* Sets the member, whose type is that of the field, and frees its previous string. Returns -1 with *e
+ * "bad-field" if the value has the wrong type or is out of range; the member is unchanged then. */
 int field_set(const struct field *field, void *member, const struct request_value *value, struct error *e);
 
-/* Whether the value has the field's type and range. -1 with *e "bad-field". */
+/* Checks the value's type and range. Returns -1 with *e "bad-field". */
 int field_check(const struct field *field, const struct request_value *value, struct error *e);
 
 #endif

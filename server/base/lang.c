@@ -27,7 +27,7 @@ bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad) {
     size_t end = 0;
     while (end < n && s[end] != '.' && s[end] != '@')
         end++;
-    for (size_t at = end; at < n; at++) /* what a locale has behind its territory */
+    for (size_t at = end; at < n; at++) /* the rest of a locale: codeset and modifier */
         if (!memchr(codeset, s[at], sizeof codeset - 1) &&
             !(at == end || (s[at] == '@' && s[end] == '.' && !memchr(s + end, '@', at - end)))) {
             *bad = at;

@@ -9,17 +9,17 @@
 /* The longest tag, in bytes (RFC 5646, 4.4.1). */
 enum { LANG_BYTES = 35 };
 
-/* True when s[0..n) has the syntax of a BCP 47 tag: subtags of 1 to 8 letters and digits separated by
- * hyphens, the first of 2 to 8 letters, or "x" or "i". Voices' own tags ("en-us-nyc") match, too. *bad is
- * the first offending byte. */
+/* True if s[0..n) has the syntax of a BCP 47 tag: subtags of 1 to 8 letters and digits separated by
+ * hyphens; the first has 2 to 8 letters, or is "x" or "i". Accepts voices' own tags ("en-us-nyc"), too.
+ * *bad is the first offending byte. */
 bool lang_is_tag(const char *s, size_t n, size_t *bad);
 
-/* Reads a tag, or a POSIX locale with territory or codeset ("it_IT", "pt_BR.UTF-8", "ca_ES@valencia"; the
- * modifier is dropped). False, with *bad as above, if it is neither. */
+/* Reads a tag, or a POSIX locale with territory or codeset ("it_IT", "pt_BR.UTF-8", "ca_ES@valencia"),
+ * whose modifier is dropped. Returns false, with *bad as above, if it is neither. */
 bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad);
 
-/* Replaces a macrolanguage by the language usually meant ("zh" for Mandarin, RFC 5646, 4.1.2), and a
- * withdrawn ISO 639 code by its successor ("iw" by "he"). Returns a static string or the argument. */
+/* Replaces a macrolanguage with the language usually meant ("zh" becomes Mandarin, RFC 5646, 4.1.2), and a
+ * withdrawn ISO 639 code with its successor ("iw" becomes "he"). Returns a static string or the argument. */
 const char *lang_usual(const char *tag);
 
 #endif

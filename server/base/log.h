@@ -8,11 +8,11 @@
 
 enum log_format { LOG_TEXT, LOG_JSON, LOG_JOURNAL };
 
-/* Sets the format of this process; text by default. Like standard error it is global to the process: main
- * calls it. Other threads may log meanwhile. */
+/* Sets the format; text by default. Like standard error, it is global to the process: call it in main.
+ * Other threads may log meanwhile. */
 void log_open(enum log_format format);
 
-/* The same by name, as passed to a child process. False: unknown. */
+/* Set the format by name, and return its name, to pass it to a child process. False: unknown name. */
 bool log_open_named(const char *name);
 const char *log_format_name(void);
 

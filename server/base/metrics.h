@@ -47,13 +47,13 @@ enum metric {
     METRICS,
 };
 
-/* Seconds from a request to its first media message. */
+/* Buckets of the histogram of seconds from a request to its first media message. */
 enum { METRIC_BUCKETS = 10 };
 
 struct metrics {
     double values[METRICS];
     double first_media_sum;
-    unsigned long first_media[METRIC_BUCKETS + 1]; /* not cumulative; the last one has no upper bound */
+    unsigned long first_media[METRIC_BUCKETS + 1]; /* not cumulative; the last bucket has no upper bound */
 };
 
 /* metrics may be NULL. */

@@ -10,7 +10,7 @@
 #define KEEP (1 - 1.0 / 20000)
 /* Frames needed to judge a channel: 5 to 30 ms. */
 enum { HEARD_LEAST = 256 };
-#define LOUDEST 16.0 /* float files may hold anything; keeps sums of squares finite */
+#define LOUDEST 16.0 /* float files may contain anything; keeps sums of squares finite */
 
 static double sane(float x) {
     return isfinite(x) ? fmax(-LOUDEST, fmin(LOUDEST, (double)x)) : 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Mixes the channels of a sound to one. A plain mean would silence a recording whose second channel is the
- * inverted first (a balanced line plugged in as stereo, a miswired microphone): such a channel is inverted
- * before it is added. */
+ * inverse of the first (a balanced line plugged in as stereo, a miswired microphone), so such a channel is
+ * inverted before it is added. */
 #ifndef FACCIA_BASE_MIXDOWN_H
 #define FACCIA_BASE_MIXDOWN_H
 
@@ -10,17 +10,17 @@
 
 enum { MIXDOWN_CHANNELS_MAX = 16 };
 
-/* Zeroed = nothing heard. The result does not depend on how frames are divided into calls. */
+/* Zeroed at first. The result does not depend on how frames are divided into calls. */
 struct mixdown {
     struct {
-        double energy, with,
-            rest;     /* of the channel, of the product with the channels before it, and of those */
-        size_t heard; /* frames in which both sound */
+        double energy, with, rest; /* energy of the channel, its product with the sum of the channels before
+                                      it, energy of that sum */
+        size_t heard;              /* frames in which neither the channel nor that sum is zero */
         bool inverted;
     } channels[MIXDOWN_CHANNELS_MAX];
 };
 
-/* Mean of a frame's channels (at most MIXDOWN_CHANNELS_MAX). Replaces NaN and infinity with 0. */
+/* Returns the mean of a frame's channels (at most MIXDOWN_CHANNELS_MAX). Replaces NaN and infinity with 0. */
 double mixdown_frame(struct mixdown *m, const float *frame, unsigned channels);
 
 #endif

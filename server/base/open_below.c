@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* Opens component by component, without following links. */
+/* Opens one path component at a time, without following links. */
 static int open_slowly(int folder, const char *path, int flags) {
     char name[NAME_MAX + 1];
     int at = dup(folder);

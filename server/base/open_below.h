@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opens files below a folder and never outside it, whatever symbolic links exist. The kernel resolves each
- * path in one step (openat2, RESOLVE_BENEATH), so that concurrent changes of links are harmless; without
- * openat2 (before Linux 5.6, or forbidden) no links are followed at all. */
+ * path in one step (openat2, RESOLVE_BENEATH), so concurrent changes of links are harmless. Without
+ * openat2 (before Linux 5.6, or forbidden), no links are followed. */
 #ifndef FACCIA_BASE_OPEN_BELOW_H
 #define FACCIA_BASE_OPEN_BELOW_H
 
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Opens `path` relative to the open folder. -1 with errno: EXDEV or ELOOP if it leads outside. flags as
- * for open(2), without O_CREAT; O_CLOEXEC and O_NONBLOCK are added, so that a named pipe does not block. */
+/* Opens `path` relative to the open folder. Returns -1 with errno, which is EXDEV or ELOOP if the path
+ * leads outside. flags: as for open(2), without O_CREAT. Adds O_CLOEXEC, and O_NONBLOCK so that a named
+ * pipe does not block. */
 int open_below_at(int folder, const char *path, int flags);
 
-/* The same for a folder by name, which may itself be a link. */
+/* Likewise for a folder by name, which may itself be a link. */
 int open_below(const char *folder, const char *path, int flags);
 
-/* Opens a regular file for reading. NULL with errno. */
+/* Opens a regular file for reading. Returns NULL with errno. */
 FILE *open_file_below(const char *folder, const char *path);
 
-/* Tests by opening it whether the path leads outside. */
+/* True if the path leads outside; opens it to find out. */
 bool path_leads_outside(const char *folder, const char *path);
 
-/* True when errno means that the path leads outside. */
+/* True if this errno means that the path leads outside. */
 bool error_is_outside(int error);
 
 #endif

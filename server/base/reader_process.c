@@ -22,8 +22,8 @@ static uint64_t now(void) {
     return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
 }
 
-/* Default signal handling, and a process group of its own, so that it does not get the signals of the
- * parent's. */
+/* Starts the process with default signal handling, in its own process group, so that the parent's signals
+ * do not reach it. */
 static int spawn(pid_t *pid, int in, int out, char *const args[]) {
     posix_spawn_file_actions_t files;
     posix_spawnattr_t how;
@@ -102,7 +102,7 @@ bool reader_process_read(struct reader_process *p, void *data, size_t size) {
     return true;
 }
 
-/* True when it closed its output. It ends by itself then, and is not waited for here. */
+/* True if the process closed its output. It will exit by itself, so this does not wait for it. */
 static bool has_closed(struct reader_process *p) {
     char more;
     struct pollfd ready = {p->fd, POLLIN, 0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A process that parses untrusted input (faccia-reader, server/app/reader.c). It has limits of processor
- * time and memory, sees only its input, and is killed when its result is no longer wanted. Each input gets
- * a process of its own, so that no input sees another. */
+ * time and memory, sees only its input, and is killed when its result is no longer needed. Each input gets
+ * its own process, so that no input can see another. */
 #ifndef FACCIA_BASE_READER_PROCESS_H
 #define FACCIA_BASE_READER_PROCESS_H
 
@@ -11,15 +11,15 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* How to start readers. */
+/* How readers are started. */
 struct reader {
-    const char *program; /* path of faccia-reader; NULL or "" = read in the calling process, without limits */
+    const char *program; /* path of faccia-reader; NULL or "": parse in this process, without limits */
     bool unconfined;     /* run without the sandbox */
 };
 
 /* Limits for one input. */
 struct reader_limits {
-    unsigned seconds;   /* of processor time; ten times as much wall time */
+    unsigned seconds;   /* of processor time; the wall time limit is ten times that */
     unsigned megabytes; /* of address space */
 };
 
@@ -27,28 +27,28 @@ struct reader_process {
     pid_t pid; /* 0 = not running */
     int fd;    /* its standard output */
     struct reader_limits limits;
-    unsigned patience;           /* seconds of wall time, */
-    uint64_t until;              /* which end here, in ms of the monotonic clock */
-    const atomic_bool *given_up; /* becomes true when the result is not wanted any more; may be NULL */
+    unsigned patience;           /* wall time limit, s */
+    uint64_t until;              /* its deadline, ms of the monotonic clock */
+    const atomic_bool *given_up; /* set when the result is no longer needed; may be NULL */
 };
 
-/* Starts the reader with a NULL-terminated list of arguments; input: its standard input, or -1 = none. -1
- * with *e ("bad-work"). */
+/* Starts the reader with a NULL-terminated list of arguments; input: its standard input, -1 = none.
+ * Returns -1 with *e ("bad-work"). */
 int reader_process_start(struct reader_process *p, const struct reader *reader,
                          const struct reader_limits *limits, const char *const args[], int input,
                          const atomic_bool *given_up, struct error *e);
 
-/* Reads exactly that many bytes. False: it ended early, timed out or was given up. */
+/* Reads exactly `size` bytes. False: it ended early, timed out or was given up. */
 bool reader_process_read(struct reader_process *p, void *data, size_t size);
 
 /* Restarts the wall time limit, for a result that is consumed gradually. */
 void reader_process_go_on(struct reader_process *p, unsigned seconds);
 
-/* Ends the process, even if it still runs. 0: it exited successfully. -1: why tells what happened, such as
- * "took more than 5 s of processor time". */
+/* Ends the process, even if it is still running. 0: it exited successfully. -1: `why` is the reason, such
+ * as "took more than 5 s of processor time". */
 int reader_process_end(struct reader_process *p, char *why, size_t cap);
 
-/* Returns a descriptor from which the bytes can be read, or -1. */
+/* Returns a descriptor to read the bytes from, or -1. */
 int reader_input(const void *data, size_t size);
 
 #endif

@@ -83,7 +83,7 @@ size_t sampa_from_ipa(const char *ipa, char *out, size_t cap) {
     return unknown;
 }
 
-/* Code points whose X-SAMPA is read back as another one: ligatures, precomposed letters with a tilde,
+/* Code points whose X-SAMPA converts back to another one: ligatures, precomposed letters with a tilde,
  * diacritics that may stand above or below, and distinctions that X-SAMPA lacks. */
 static bool is_second(uint32_t ipa) {
     static const uint32_t second[] = {0x00E3, 0x00F1, 0x00F5, 0x0129, 0x0169, 0x02A3, 0x02A4,
@@ -95,7 +95,7 @@ static bool is_second(uint32_t ipa) {
     return false;
 }
 
-/* Longest symbol at the start of the string, or NULL. */
+/* Returns the longest symbol at the start of the string, or NULL. */
 static const struct symbol *longest(const char *sampa) {
     const struct symbol *best = NULL;
     for (size_t i = 0; i < sizeof symbols / sizeof *symbols; i++) {

@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Processor time: SECONDS_LEAST, plus SECONDS_EACH per megabyte, as a megabyte of Opus can hold an hour of
- * speech, which takes half a minute to decode. While its output is not read, the process blocks and uses
- * none. */
+/* Processor time limit: SECONDS_LEAST, plus SECONDS_EACH per megabyte, as a megabyte of Opus can contain
+ * an hour of speech, which takes half a minute to decode. The process blocks, and uses no time, while its
+ * output is not read. */
 enum {
     BLOCK = 4096,
     MEGABYTES = 512,
@@ -23,7 +23,7 @@ enum {
     BLOCK_SECONDS = 10 /* wall time for the next block of samples */
 };
 
-/* First message of the process. Blocks of samples follow, each preceded by its count; 0 = end. */
+/* First message of the process. Blocks of samples follow, each preceded by its size; 0 = end. */
 struct greeting {
     uint32_t rate; /* 0: unreadable */
     char message[SOUND_MESSAGE_BYTES];
@@ -42,7 +42,7 @@ struct sound_reader {
     struct decoder decoder;
     struct reader_process process;
     unsigned rate;
-    float block[BLOCK]; /* samples of the process that have not been consumed */
+    float block[BLOCK]; /* samples received but not yet consumed */
     size_t at, count;
     bool ended;
     char wrong[SOUND_MESSAGE_BYTES]; /* "": none */

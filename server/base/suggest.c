@@ -36,7 +36,7 @@ static unsigned distance(const char *a, const char *b) {
     return rows[n % 3][m];
 }
 
-/* Largest accepted distance for a name of that length. */
+/* Largest accepted distance for a name of this length. */
 static unsigned farthest(size_t length) {
     return length < 4 ? 1 : length < 8 ? 2 : 3;
 }

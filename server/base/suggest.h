@@ -14,11 +14,11 @@ struct suggestions {
     size_t count;
 };
 
-/* Starts the search for an unknown name; it and the candidates are borrowed. */
+/* Starts the search for an unknown name. The name and the candidates are borrowed. */
 struct suggestions suggestions_for(const char *wanted);
 
-/* Tries a candidate, which is suggested as `shown`. Distance counts letters inserted, deleted, replaced or
- * swapped with the next (optimal string alignment), ignoring case. */
+/* Tries a candidate, to be suggested as `shown`. The distance counts letters inserted, deleted, replaced
+ * or swapped with the next one (optimal string alignment), ignoring case. */
 void suggest_name(struct suggestions *s, const char *name, const char *shown);
 void suggest_names(struct suggestions *s, const char *const *names); /* NULL-terminated */
 

@@ -6,37 +6,37 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Decodes the character at s (n > 0 bytes). Returns its length 1..4 and its code point, or 0 when
+/* Decodes the character at s (n > 0 bytes). Returns its length, 1 to 4, and its code point; 0 if
  * malformed. */
 size_t utf8_next(const char *s, size_t n, uint32_t *cp);
 
-/* Writes cp to out (4 bytes) and returns the length; 0 when cp is not a character. */
+/* Writes cp to out (4 bytes) and returns the length; 0 if cp is not a character. */
 size_t utf8_put(uint32_t cp, char *out);
 
-/* Offset of the first malformed byte, or n. */
+/* Returns the offset of the first malformed byte, or n. */
 size_t utf8_check(const char *s, size_t n);
 
-/* The same for text in pieces. Begins zeroed. Returns the offset, in the piece, of the byte that makes a
- * character malformed, which began `done` bytes earlier; or n. At the end of the text a character is
- * incomplete when it needs more bytes. */
+/* Likewise for text in pieces. Begins zeroed. Returns the offset in the piece of the byte that makes a
+ * character malformed (the character began `done` bytes before it), or n. If `need` is not 0 at the end of
+ * the text, the last character is incomplete. */
 struct utf8_reader {
-    uint8_t need, done; /* bytes of the current character */
+    uint8_t need, done; /* bytes of the current character: still needed, and read */
     uint8_t low, high;  /* valid range of its next byte */
 };
 size_t utf8_feed(struct utf8_reader *reader, const void *piece, size_t n);
 
-/* Makes s fit for a one-line message: malformed bytes become "?", control characters (C0, C1, DEL) and
+/* Makes s fit for a one-line message: malformed bytes become "?"; control characters (C0, C1, DEL) and
  * line and paragraph separators (U+2028, U+2029) become spaces. */
 void utf8_mend(char *s);
 
-/* Converts byte offsets of a well-formed text to UTF-16 offsets. Remembers the last one, so that ascending
+/* Converts byte offsets in well-formed text to UTF-16 offsets. Caches the last one, so that ascending
  * offsets cost a single pass. Begins zeroed. */
 struct utf16_counter {
     size_t bytes, units;
 };
 size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte);
 
-/* Inverse: byte of a UTF-16 unit, at most n. The same counter may serve both. */
+/* The inverse: byte offset of a UTF-16 unit, at most n. The same counter may serve both. */
 size_t utf16_byte(struct utf16_counter *counter, const char *s, size_t n, size_t units);
 
 /* Overwrites text with white space of the same length in bytes and UTF-16 units. Keeps line ends. */

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The header is searched in the first HEAD_BYTES, as metadata may precede the sound. */
+/* The header is searched within the first HEAD_BYTES, as metadata may precede the sound. */
 enum { HEAD_BYTES = 65536, UNKNOWN = 0xFFFFFFFFu, FORMAT_BYTES = 16, EXTENSIBLE_BYTES = 26 };
 
 /* A WAV file whose header lacks the length of the sound. */
@@ -50,7 +50,7 @@ static bool is_missing(uint32_t length, uint32_t riff, uint64_t file_size) {
     return length == UNKNOWN || (!length && (uint64_t)riff + 8 != file_size);
 }
 
-/* Position of the data chunk's length in the head; 0: no WAV file, or an intact one. */
+/* Offset of the data chunk's length in the head; 0: not a WAV file, or an intact one. */
 static size_t find_missing(const uint8_t *head, size_t size, uint64_t file_size, size_t *format,
                            size_t *format_size) {
     *format = *format_size = 0;

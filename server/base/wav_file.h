@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opens sound files of any format of libsndfile. A WAV file whose recorder died lacks lengths in its
- * header (0 or 0xFFFFFFFF), and libsndfile finds no sound in it; here its sound extends to the end of the
+/* Opens sound files of any format of libsndfile. If a recorder died, its WAV file lacks lengths in the
+ * header (0 or 0xFFFFFFFF), and libsndfile finds no sound in it; here the sound extends to the end of the
  * file. */
 #ifndef FACCIA_BASE_WAV_FILE_H
 #define FACCIA_BASE_WAV_FILE_H
@@ -8,8 +8,8 @@
 #include <sndfile.h>
 #include <stdint.h>
 
-/* Like sf_open and sf_open_fd for reading. close_it: SF_TRUE closes the descriptor with the file, and on
- * failure. */
+/* Like sf_open and sf_open_fd for reading. close_it: SF_TRUE closes the descriptor with the file, and also
+ * on failure. */
 SNDFILE *wav_file_open(const char *path, SF_INFO *info);
 SNDFILE *wav_file_open_fd(int fd, int close_it, SF_INFO *info);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers and strings exchanged by processes of one machine and one build: native byte order. */
+/* Serialises numbers and strings for processes of the same machine and build: native byte order. */
 #ifndef FACCIA_BASE_WIRE_BYTES_H
 #define FACCIA_BASE_WIRE_BYTES_H
 
@@ -7,14 +7,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A string is its length, its bytes and a NUL; NULL has a special length. */
+/* A string is its length, its bytes and a NUL; NULL is a special length. */
 void wire_put_u32(struct buf *b, uint32_t v);
 void wire_put_u64(struct buf *b, uint64_t v);
 void wire_put_string(struct buf *b, const char *s);
 void wire_put_f64(struct buf *b, double v);
 
-/* Reads a payload. After a missing value, bad is set and everything reads as 0 or NULL. Strings point into
- * the payload. */
+/* Reads a payload. After a truncated value, `bad` is set and all reads return 0 or NULL. Strings point
+ * into the payload. */
 struct wire_reader {
     const uint8_t *at, *end;
     bool bad;

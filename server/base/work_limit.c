@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <time.h>
 
-/* Reading the clock is a system call, and steps may be as short as a tag. */
+/* Calls between clock readings, which are system calls; a step may be as short as a tag. */
 enum { ASKED_EACH = 64 };
 
 static uint64_t now(void) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* When a work of another thread has to stop before it is done: nobody wants its result any more, or it has
- * taken all the processor time that it may. A work asks at each step that is short by itself. */
+/* Tells a job in another thread when to stop early: its result is no longer needed, or its processor time
+ * is used up. The job checks it at every step, and each step must be short. */
 #ifndef FACCIA_BASE_WORK_LIMIT_H
 #define FACCIA_BASE_WORK_LIMIT_H
 
@@ -9,16 +9,16 @@
 #include <stdint.h>
 
 struct work_limit {
-    const atomic_bool *given_up; /* nobody waits for it any more; NULL = never */
-    uint64_t until;              /* ns of its thread's processor time; 0 = no such limit */
-    unsigned asked;              /* the clock is read every so many times */
-    bool late;                   /* it has taken too long */
+    const atomic_bool *given_up; /* set when the result is no longer needed; NULL = never */
+    uint64_t until;              /* deadline in ns of the thread's processor time; 0 = none */
+    unsigned asked;              /* number of calls; only every 64th reads the clock */
+    bool late;                   /* the deadline has passed */
 };
 
-/* From now on, for the calling thread. seconds = 0: it may take as long as it likes. */
+/* Starts the limit for the calling thread. seconds = 0: no time limit. */
 struct work_limit work_limit_begin(const atomic_bool *given_up, unsigned seconds);
 
-/* Whether to stop; once true, always true. limit = NULL: never. */
+/* True if the job must stop; stays true. limit = NULL: never. */
 bool work_limit_over(struct work_limit *limit);
 
 #endif

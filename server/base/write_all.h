@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Writes everything to a blocking descriptor, and continues after signals. False: errno is set. */
+/* Writes everything to a blocking descriptor, resuming after signals. False: see errno. */
 bool write_all(int fd, const void *data, size_t size);
 
 #endif

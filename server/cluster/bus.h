@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How daemons speak to each other. Each has a name on the bus. A lease is held by one of them at a time: who
- * does not claim it again within BUS_LEASE_MS loses it, and each new holder has a higher token than the one
- * before. What is sent under a lease leaves only while the sender still holds it under that token: the bus
- * itself looks, at the moment of sending, so that a home that slept cannot speak after another has taken
- * its place. What one daemon sends to another arrives in its order, or not at all.
- * An engine is one const table of functions, as in cluster.h. All belongs to the loop's thread; no function
- * waits. */
+/* How daemons talk to each other. Each has a name on the bus. A lease has one holder at a time: a holder
+ * that does not claim it again within BUS_LEASE_MS loses it, and each new holder has a higher token than
+ * the one before. Data sent under a lease leaves only while the sender still holds the lease under that
+ * token: the bus itself checks at the moment of sending, so that a daemon that was suspended cannot speak
+ * after another has taken its place. What one daemon sends to another arrives in order, or not at all. An
+ * engine is one const table of functions, as in cluster.h. Everything runs in the loop's thread; no
+ * function blocks. */
 #ifndef FACCIA_CLUSTER_BUS_H
 #define FACCIA_CLUSTER_BUS_H
 
@@ -18,28 +18,29 @@ struct bus;
 enum {
     BUS_NAME_BYTES = 33,
     BUS_LEASE_MS = 2000,
-    BUS_CLAIM_MS = 400, /* so often a lease is claimed, by who holds it and by who would take it over */
+    BUS_CLAIM_MS = 400, /* interval at which a lease is claimed, by its holder and by candidates */
 };
 
-/* What the bus tells; never from within a call of its functions. */
+/* Callbacks of the bus; never called from within one of its functions. */
 struct bus_ear {
-    /* While it is not up, each daemon goes on by itself. What was said just before may be lost. */
+    /* The bus is up, or down. While it is down, each daemon works by itself. Data sent just before may be
+     * lost. */
     void (*changed)(void *ctx, bool up);
-    /* The answer to bus_claim, which was asked at that loop time: who holds the lease, and under which
-     * token. holder NULL: nobody can hold it, the bus takes none. */
+    /* The answer to bus_claim: the holder of the lease, and its token. asked: loop time of the claim.
+     * holder NULL: the bus grants no lease. */
     void (*claimed)(void *ctx, const char *lease, const char *holder, uint64_t token, uint64_t asked);
-    /* What was sent under that lease and token has not left, as it is somebody else's by now. */
+    /* Data sent under the lease and token was dropped, since the sender no longer holds it. */
     void (*refused)(void *ctx, const char *lease, uint64_t token);
     void (*heard)(void *ctx, const void *data, size_t size);
 };
 
-/* Under which lease something is sent. */
+/* The lease under which something is sent. */
 struct bus_right {
     const char *lease;
     uint64_t token;
 };
 
-/* Daemons by their names. */
+/* Names of daemons. */
 struct bus_receivers {
     const char *const *names;
     size_t count;
@@ -57,23 +58,23 @@ struct bus_engine {
     void (*close)(struct bus *bus);
 };
 
-/* The beginning of what an engine keeps. */
+/* Common header of every engine's state. */
 struct bus {
     const struct bus_engine *engine;
 };
 
-/* By which the others reach this daemon. */
+/* The name under which other daemons reach this one. */
 const char *bus_name(const struct bus *bus);
 
 bool bus_up(const struct bus *bus);
 
-/* ear is borrowed; NULL: nobody listens any more. */
+/* Sets the callbacks. ear is borrowed; NULL: none. */
 void bus_listen(struct bus *bus, const struct bus_ear *ear, void *ctx);
 
-/* Takes the lease, or holds it for longer, or asks who does. A new token is higher than `above`. */
+/* Takes the lease, renews it, or finds out who holds it. A new token is higher than `above`. */
 void bus_claim(struct bus *bus, const char *lease, uint64_t above);
 
-/* Gives the lease up, and sends that at the same time. */
+/* Releases the lease and sends the data in one step. */
 void bus_leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
                const void *data, size_t size);
 
@@ -81,7 +82,7 @@ void bus_leave(struct bus *bus, const struct bus_right *right, const struct bus_
 void bus_send(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
               const void *data, size_t size);
 
-/* It is gone when the loop has run out. NULL is fine. */
+/* Frees the bus once the loop has run out of its handles. NULL is allowed. */
 void bus_close(struct bus *bus);
 
 #endif

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Public functions of the cluster: they call the engine's table. */
 #include "server/cluster/cluster.h"
+#include "server/cluster/board.h"
+#include "server/cluster/bus.h"
+#include "server/cluster/work_queue.h"
 #include <stddef.h>
 
 bool cluster_up(const struct cluster *cluster) {
@@ -27,4 +31,88 @@ void cluster_give(struct cluster *cluster, const struct buf *key, const struct b
 void cluster_close(struct cluster *cluster) {
     if (cluster)
         cluster->engine->close(cluster);
+}
+
+void board_look(struct board *board, const struct board_eye *eye, void *ctx) {
+    board->engine->look(board, eye, ctx);
+}
+
+void board_write(struct board *board, const char *name, const char *text) {
+    board->engine->write(board, name, text);
+}
+
+void board_mark(struct board *board, const char *name, uint64_t until) {
+    board->engine->mark(board, name, until);
+}
+
+void board_close(struct board *board) {
+    if (board)
+        board->engine->close(board);
+}
+
+const char *bus_name(const struct bus *bus) {
+    return bus->engine->name(bus);
+}
+
+bool bus_up(const struct bus *bus) {
+    return bus->engine->up(bus);
+}
+
+void bus_listen(struct bus *bus, const struct bus_ear *ear, void *ctx) {
+    bus->engine->listen(bus, ear, ctx);
+}
+
+void bus_claim(struct bus *bus, const char *lease, uint64_t above) {
+    bus->engine->claim(bus, lease, above);
+}
+
+void bus_leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
+               const void *data, size_t size) {
+    bus->engine->leave(bus, right, to, data, size);
+}
+
+void bus_send(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
+              const void *data, size_t size) {
+    bus->engine->send(bus, right, to, data, size);
+}
+
+void bus_close(struct bus *bus) {
+    if (bus)
+        bus->engine->close(bus);
+}
+
+void work_watch(struct work *work, work_seen seen, void *ctx) {
+    work->engine->watch(work, seen, ctx);
+}
+
+struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
+                           const struct buf *sentence, work_answered answered, void *ctx) {
+    return work->engine->put(work, queue, turn, payer, sentence, answered, ctx);
+}
+
+void work_cancel(struct work_task *task) {
+    if (task)
+        task->work->engine->cancel(task);
+}
+
+void work_close(struct work *work) {
+    if (work)
+        work->engine->close(work);
+}
+
+void work_consumer_look(struct work_consumer *consumer) {
+    consumer->engine->look(consumer);
+}
+
+void work_answer(struct work_item *item, enum work_end end, const struct buf *body) {
+    item->consumer->engine->answer(item, end, body);
+}
+
+void work_give_back(struct work_item *item) {
+    item->consumer->engine->give_back(item);
+}
+
+void work_consumer_close(struct work_consumer *consumer) {
+    if (consumer)
+        consumer->engine->close(consumer);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What several daemons have in common. An engine is one const table of functions: callers see this header
- * alone, and another engine than Redis needs no change of theirs. All belongs to the loop's thread; no
- * function waits. */
+/* A cache of values that daemons share, so that each value is made once. An engine is one const table of
+ * functions: callers see this header alone, so an engine other than Redis needs no change in them.
+ * Everything runs in the loop's thread; no function blocks. */
 #ifndef FACCIA_CLUSTER_CLUSTER_H
 #define FACCIA_CLUSTER_CLUSTER_H
 
@@ -11,8 +11,9 @@
 struct cluster;
 struct cluster_ask;
 
-/* The answer: the value of the key, good until the callback returns; or NULL: nobody has it, and nobody makes
- * it who can be known of, so that it is the asker's to make. Comes once, never before cluster_ask returns. */
+/* The answer: the value of the key, valid until the callback returns. NULL: not cached and not claimed by
+ * another daemon that is known, so the caller makes the value. Called once, never before cluster_ask
+ * returns. */
 typedef void (*cluster_answered)(void *ctx, const struct buf *value);
 
 struct cluster_engine {
@@ -25,41 +26,43 @@ struct cluster_engine {
     void (*close)(struct cluster *cluster);
 };
 
-/* The beginning of what an engine keeps. */
+/* Common header of every engine's state. */
 struct cluster {
     const struct cluster_engine *engine;
 };
 
-/* The beginning of what an engine keeps of a question. */
+/* Common header of every engine's query. */
 struct cluster_ask {
     struct cluster *cluster;
 };
 
-/* Does it answer? While it does not, each daemon goes on with what it has. False for NULL. */
+/* Returns whether the cluster answers. While it does not, each daemon uses its own cache. False for NULL. */
 bool cluster_up(const struct cluster *cluster);
 
-/* Who asks for a key that another daemon is making is answered when that one gives the value, gives up or
- * dies. Only while it is up; when it goes meanwhile, the answer is NULL. */
+/* Queries a key. If another daemon is making the value, the answer comes when that daemon delivers it,
+ * gives up or dies. Call only while the cluster is up; if it goes down meanwhile, the answer is NULL. */
 struct cluster_ask *cluster_ask(struct cluster *cluster, const struct buf *key, cluster_answered answered,
                                 void *ctx);
 
-/* No answer will come. */
+/* Cancels a query: no answer will come. */
 void cluster_forget(struct cluster_ask *ask);
 
-/* Who was answered NULL says so again and again while he makes the value (CLUSTER_MAKING_MS): the others wait
- * so long. */
+/* Renews the claim of a caller that was answered NULL: call repeatedly while making the value. Other
+ * daemons wait CLUSTER_MAKING_MS after each call. */
 void cluster_making(struct cluster *cluster, const struct buf *key);
 
-/* At last he gives the value, or NULL: there will be none of his. */
+/* Delivers the value and ends the claim. NULL: the caller gives up. */
 void cluster_give(struct cluster *cluster, const struct buf *key, const struct buf *value);
 
-/* After the last ask has been answered or forgotten. It is gone when the loop has run out. NULL is fine. */
+/* Call after the last query has been answered or cancelled. Frees the cluster once the loop has run out of
+ * its handles. NULL is allowed. */
 void cluster_close(struct cluster *cluster);
 
 enum {
-    CLUSTER_CLAIM_MS = 400,   /* who was answered NULL begins within that time, or another may */
-    CLUSTER_WAIT_MS = 10000,  /* who waits for another's value makes it by himself after that */
-    CLUSTER_MAKING_MS = 2000, /* who makes it, and has said so, is believed for so long */
+    CLUSTER_CLAIM_MS =
+        400, /* after NULL, call cluster_making within this time, or another daemon may claim the key */
+    CLUSTER_WAIT_MS = 10000,  /* longest wait for another daemon's value, after which the caller makes it */
+    CLUSTER_MAKING_MS = 2000, /* how long each call of cluster_making holds the claim */
 };
 
 #endif

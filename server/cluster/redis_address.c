@@ -16,7 +16,7 @@ static int fail(struct error *e, const char *why) {
         why);
 }
 
-/* A number of digits alone, or -1. */
+/* Parses a number that consists of digits only. Returns -1 if it is not valid. */
 static int number_of(const char *text, size_t size) {
     int number = 0;
     if (!size || size > 5)
@@ -29,7 +29,8 @@ static int number_of(const char *text, size_t size) {
     return number <= NUMBER_MOST ? number : -1;
 }
 
-/* NULL when a percent sign is followed by something else than two digits, or by those of NUL. */
+/* Decodes percent-encoding. Returns NULL for a percent sign without two hexadecimal digits, or for an
+ * encoded NUL. */
 static char *decoded(const char *text, size_t size) {
     char *out = mem_alloc(size + 1), *to = out;
     for (size_t i = 0; i < size; i++) {
@@ -50,7 +51,7 @@ static char *decoded(const char *text, size_t size) {
     return out;
 }
 
-/* "USER:PASSWORD", before the last @. */
+/* Reads "USER:PASSWORD", the part before the last @. */
 static int read_login(const char *text, size_t size, struct redis_address *address, struct error *e) {
     const char *colon = memchr(text, ':', size);
     if (!colon)

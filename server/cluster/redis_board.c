@@ -1,22 +1,244 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/redis_board.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis_board_scripts.h"
-#include "server/cluster/redis_names.h"
-#include "server/cluster/redis_notes.h"
-#include "server/cluster/redis_work_link.h"
+#include "server/cluster/board.h"
+#include "server/cluster/redis.h"
+#include "server/cluster/redis_link.h"
+#include "server/cluster/redis_work_internal.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <uthash.h>
+#include <utlist.h>
+
+/* This daemon's state on the board, written or still to be written: its notes, and the marks that it
+ * knows. */
+
+/* how long a removal is visible to other daemons; after that the note's name is forgotten */
+enum { NOTE_LEAVES_MS = 4 * BOARD_LIFE_MS };
+
+struct note {
+    bool is_mark, dirty, written; /* dirty: still to be written; written: was written before */
+    uint64_t until;               /* of a mark: as board_mark */
+    uint64_t leaves;              /* loop time at which a removed note is forgotten; 0: not removed */
+    struct note *prev, *next;     /* in the list of dirty notes and marks */
+    struct note *leaving_prev, *leaving_next;
+    UT_hash_handle hh;
+    char text[BOARD_TEXT_BYTES]; /* "": removed */
+    char name[];
+};
+
+struct notes {
+    struct note *notes, *marks, *dirty, *leaving;
+    unsigned written; /* notes believed to be on the board */
+};
+
+/* The script of the board, in Redis's Lua: it runs atomically. "faccia:board" holds the daemons by the
+ * time of their last look; "faccia:board:notes:ID" the notes of one daemon; "faccia:board:marks" the marks
+ * by the time of creation; "faccia:board:ends" the marks that end, by their end; "faccia:board:count" the
+ * number of changes so far; and "faccia:board:changes" the latest change of each note ("ID NAME") and mark
+ * ("* NAME"). */
+
+#define REDIS_BOARD "faccia:board"
+
+/* most changes per reply; more than one look can make (BATCH) */
+#define REDIS_BOARD_ROWS "512"
+
+/* KEYS: REDIS_BOARD. ARGV: daemon, last change that it knows, ms after which a daemon is dead, limit of
+ * marks; then triples: "n" or "f", a note and its text (f: the removal need no longer be visible), or "m", a
+ * mark and its end in ms since 1970, or "". Returns {clock in ms, 1: the daemon was unknown or changes were
+ * lost, last change now known, 1: there is more, number of the daemon's notes, number of marks, {daemons},
+ * {owner, name, text, ...}}. A daemon that was unknown gets everything from the beginning. */
+#define SCRIPT_LOOK                                                                                          \
+    "local k, id, life = KEYS[1], ARGV[1], tonumber(ARGV[3]) "                                               \
+    "local t = redis.call('TIME') "                                                                          \
+    "local now = t[1] * 1000 + math.floor(t[2] / 1000) "                                                     \
+    "local notes, changes, marks = k .. ':notes:' .. id, k .. ':changes', k .. ':marks' "                    \
+    "local ends = k .. ':ends' "                                                                             \
+    "local function drop(names) for _, name in ipairs(names) do "                                            \
+    "redis.call('ZREM', marks, name) redis.call('ZREM', ends, name) "                                        \
+    "redis.call('ZREM', changes, '* ' .. name) end return #names end "                                       \
+    "drop(redis.call('ZRANGE', ends, '-inf', now, 'BYSCORE', 'LIMIT', 0, 100)) "                             \
+    "local count = tonumber(redis.call('GET', k .. ':count') or '0') "                                       \
+    "local since = tonumber(ARGV[2]) "                                                                       \
+    "local fresh = (not redis.call('ZSCORE', k, id) or since > count) and 1 or 0 "                           \
+    "if fresh == 1 then since = 0 end "                                                                      \
+    "redis.call('ZADD', k, now, id) "                                                                        \
+    "for _, dead in ipairs(redis.call('ZRANGE', k, '-inf', now - life, 'BYSCORE', 'LIMIT', 0, 10)) do "      \
+    "for _, name in ipairs(redis.call('HKEYS', k .. ':notes:' .. dead)) do "                                 \
+    "redis.call('ZREM', changes, dead .. ' ' .. name) end "                                                  \
+    "redis.call('DEL', k .. ':notes:' .. dead) redis.call('ZREM', k, dead) end "                             \
+    "if #ARGV > 4 then count = redis.call('INCR', k .. ':count') end "                                       \
+    "for i = 5, #ARGV, 3 do "                                                                                \
+    "if ARGV[i] == 'm' then "                                                                                \
+    "if not redis.call('ZSCORE', marks, ARGV[i + 1]) then "                                                  \
+    "redis.call('ZADD', marks, now, ARGV[i + 1]) "                                                           \
+    "if ARGV[i + 2] ~= '' then redis.call('ZADD', ends, ARGV[i + 2], ARGV[i + 1]) end "                      \
+    "redis.call('ZADD', changes, count, '* ' .. ARGV[i + 1]) end "                                           \
+    "elseif ARGV[i] == 'f' then "                                                                            \
+    "redis.call('HDEL', notes, ARGV[i + 1]) redis.call('ZREM', changes, id .. ' ' .. ARGV[i + 1]) "          \
+    "else redis.call('HSET', notes, ARGV[i + 1], ARGV[i + 2]) "                                              \
+    "redis.call('ZADD', changes, count, id .. ' ' .. ARGV[i + 1]) end end "                                  \
+    "local over = redis.call('ZCARD', marks) - tonumber(ARGV[4]) "                                           \
+    "if over > 0 then over = over - drop(redis.call('ZRANGE', ends, 0, over - 1)) end "                      \
+    "if over > 0 then drop(redis.call('ZRANGE', marks, 0, over - 1)) end "                                   \
+    "local found = redis.call('ZRANGE', changes, since + 1, '+inf', 'BYSCORE', 'LIMIT', "                    \
+    "0, " REDIS_BOARD_ROWS ", 'WITHSCORES') "                                                                \
+    "local more, known, rows = 0, count, {} "                                                                \
+    "if #found == 2 * " REDIS_BOARD_ROWS " then more = 1 known = tonumber(found[#found]) - 1 end "           \
+    "for i = 1, #found, 2 do "                                                                               \
+    "local space = string.find(found[i], ' ', 1, true) "                                                     \
+    "local who, name = string.sub(found[i], 1, space - 1), string.sub(found[i], space + 1) "                 \
+    "if who ~= id then "                                                                                     \
+    "local text "                                                                                            \
+    "if who == '*' then text = redis.call('ZSCORE', ends, name) or '' "                                      \
+    "else text = redis.call('HGET', k .. ':notes:' .. who, name) end "                                       \
+    "if text then rows[#rows + 1] = who rows[#rows + 1] = name rows[#rows + 1] = text end end end "          \
+    "return {now, fresh, known, more, redis.call('HLEN', notes), redis.call('ZCARD', marks), "               \
+    "redis.call('ZRANGE', k, 0, 1000), rows}"
+
+static struct note *note_new(const char *name, bool is_mark) {
+    size_t size = strlen(name) + 1;
+    struct note *note = mem_alloc(sizeof *note + size);
+    memcpy(note->name, name, size);
+    note->is_mark = is_mark;
+    return note;
+}
+
+static void want(struct notes *all, struct note *note) {
+    if (!note->dirty)
+        DL_APPEND(all->dirty, note);
+    note->dirty = true;
+}
+
+static void stay(struct notes *all, struct note *note) {
+    if (note->leaves)
+        DL_DELETE2(all->leaving, note, leaving_prev, leaving_next);
+    note->leaves = 0;
+}
+
+static void notes_write(struct notes *all, const char *name, const char *text) {
+    struct note *note;
+    HASH_FIND_STR(all->notes, name, note);
+    if (!note && !*text)
+        return;
+    if (!note) {
+        note = note_new(name, false);
+        HASH_ADD_STR(all->notes, name, note);
+    }
+    if (!strcmp(note->text, text))
+        return;
+    snprintf(note->text, sizeof note->text, "%s", text);
+    stay(all, note);
+    want(all, note);
+}
+
+/* Adds a mark. Returns false when it was known. known: it is on the board already, so it need not be
+ * written; beyond BOARD_MARKS_MOST such a mark is not remembered. */
+static bool notes_mark(struct notes *all, const char *name, uint64_t until, bool known) {
+    struct note *mark;
+    HASH_FIND_STR(all->marks, name, mark);
+    if (mark)
+        return false;
+    if (known && HASH_COUNT(all->marks) >= BOARD_MARKS_MOST)
+        return true;
+    mark = note_new(name, true);
+    mark->until = until;
+    if (until)
+        snprintf(mark->text, sizeof mark->text, "%" PRIu64, until);
+    HASH_ADD_STR(all->marks, name, mark);
+    if (!known)
+        want(all, mark);
+    return true;
+}
+
+/* Forgets the marks that have ended. */
+static void notes_end(struct notes *all, uint64_t clock) {
+    struct note *mark, *next;
+    HASH_ITER(hh, all->marks, mark, next) {
+        if (!mark->until || mark->until > clock)
+            continue;
+        if (mark->dirty)
+            DL_DELETE(all->dirty, mark);
+        HASH_DEL(all->marks, mark);
+        free(mark);
+    }
+}
+
+/* Collects what to write. Notes removed long ago come first; they stay in their list until the words have
+ * been sent. */
+static int notes_batch(struct notes *all, struct link_text *words, int most, uint64_t now) {
+    int count = 0;
+    for (struct note *n = all->leaving; n && n->leaves <= now && !n->dirty && count < most;
+         n = n->leaving_next, count++) {
+        words[3 * count] = link_text_of("f");
+        words[3 * count + 1] = link_text_of(n->name);
+        words[3 * count + 2] = link_text_of("");
+        n->leaves = 1;
+    }
+    while (all->dirty && count < most) {
+        struct note *n = all->dirty;
+        DL_DELETE(all->dirty, n);
+        n->dirty = false;
+        words[3 * count] = link_text_of(n->is_mark ? "m" : "n");
+        words[3 * count + 1] = link_text_of(n->name);
+        words[3 * count++ + 2] = link_text_of(n->text);
+        if (n->is_mark)
+            continue;
+        all->written += !n->written;
+        n->written = true;
+        stay(all, n);
+        if (!*n->text) {
+            n->leaves = now + NOTE_LEAVES_MS;
+            DL_APPEND2(all->leaving, n, leaving_prev, leaving_next);
+        }
+    }
+    return count;
+}
+
+/* Frees the notes that the last batch removed for good: its words are no longer needed. */
+static void notes_sent(struct notes *all) {
+    while (all->leaving && all->leaving->leaves == 1) {
+        struct note *n = all->leaving;
+        DL_DELETE2(all->leaving, n, leaving_prev, leaving_next);
+        HASH_DEL(all->notes, n);
+        all->written -= n->written;
+        free(n);
+    }
+}
+
+/* Marks everything to be written again. */
+static void notes_again(struct notes *all) {
+    for (struct note *n = all->notes; n; n = n->hh.next) {
+        n->written = false;
+        want(all, n);
+    }
+    for (struct note *n = all->marks; n; n = n->hh.next)
+        want(all, n);
+    all->written = 0;
+}
+
+static void free_notes(struct note *notes) {
+    struct note *n, *next;
+    HASH_ITER(hh, notes, n, next) {
+        HASH_DEL(notes, n);
+        free(n);
+    }
+}
+
+static void notes_free(struct notes *all) {
+    free_notes(all->notes);
+    free_notes(all->marks);
+    *all = (struct notes){0};
+}
 
 enum { BATCH = 40, WORDS_BEFORE = 8, OWNERS_MOST = 1000, NUMBER_BYTES = 24 };
 
-/* So often all is asked for, also when nothing has changed: the daemon is seen to live, and the dead go. */
+/* interval of a full look even without changes: it shows that the daemon lives, and removes dead ones */
 enum { ALL_MS = 1000 };
 
-/* Another daemon of which there are notes. */
+/* Another daemon on the board. */
 struct owner {
     char id[REDIS_ID_BYTES];
     bool here;
@@ -28,19 +250,19 @@ struct redis_board {
     uv_loop_t *loop;
     struct redis_link *link;
     uv_timer_t again;
-    const struct board_eye *eye; /* NULL: nobody */
+    const struct board_eye *eye; /* NULL: no callbacks */
     void *ctx;
     struct metrics *metrics;
     struct notes notes;
     struct owner *owners;
     char id[REDIS_ID_BYTES];
-    uint64_t known;  /* up to which change */
-    uint64_t looked; /* loop time when all was asked for last */
-    unsigned users;  /* the question on its way, and the timer: the board stays for them */
+    uint64_t known;  /* last change that this daemon has seen */
+    uint64_t looked; /* loop time of the last full look */
+    unsigned users;  /* references: the command in flight and the timer; the last one frees the board */
     bool asking, up, told;
 };
 
-/* What script_look answers. */
+/* Elements of SCRIPT_LOOK's reply. */
 enum { LOOK_CLOCK, LOOK_FRESH, LOOK_KNOWN, LOOK_MORE, LOOK_NOTES, LOOK_MARKS, LOOK_OWNERS, LOOK_ROWS, LOOKS };
 
 static void done_with(struct redis_board *b) {
@@ -88,7 +310,7 @@ static struct owner *owner_of(struct redis_board *b, const char *id, bool add) {
     return owner;
 }
 
-/* Who is there; the others have gone. */
+/* Reads the list of daemons; the missing ones are gone. */
 static void read_owners(struct redis_board *b, const redisReply *ids) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
@@ -106,7 +328,7 @@ static void read_owners(struct redis_board *b, const redisReply *ids) {
     }
 }
 
-/* Who, name, text. Anybody may have written it: what is too long is passed over. */
+/* Reads owner, name, text. Any client of Redis may have written them, so long ones are skipped. */
 static void read_row(struct redis_board *b, const redisReply *rows, size_t at) {
     const char *who = redis_work_text(rows, at), *name = redis_work_text(rows, at + 1);
     const char *text = redis_work_text(rows, at + 2);
@@ -152,7 +374,7 @@ static void read_look(struct redis_board *b, const redisReply *reply) {
 
 static void look_now(struct redis_board *b);
 
-/* reply NULL: none came. */
+/* reply NULL: the connection was lost. */
 static void fail(struct redis_board *b, const redisReply *reply) {
     if (reply && !b->told)
         log_warn("cluster: the board: %s; this daemon counts by itself",
@@ -208,7 +430,7 @@ static void on_glanced(void *ctx, const redisReply *reply) {
     done_with(b);
 }
 
-/* Has anything changed? It costs Redis a hundredth of what the whole look does. */
+/* Asks only whether anything has changed, at a hundredth of the cost of a full look. */
 static void glance(struct redis_board *b) {
     const struct link_text words[] = {link_text_of("GET"), link_text_of(REDIS_BOARD ":count")};
     b->asking = redis_link_send(b->link, words, 2, on_glanced, b);

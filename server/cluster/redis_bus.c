@@ -1,13 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/redis_bus.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis_bus_scripts.h"
+#include "server/cluster/redis.h"
 #include "server/cluster/redis_link.h"
-#include "server/cluster/redis_names.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* The scripts of the bus, in Redis's Lua: each runs atomically. KEYS[1]: the lease. */
+
+/* Returns "HOLDER TOKEN". KEYS[2]: counter of tokens. ARGV: claimant, ms, number that a new token must
+ * exceed. */
+#define SCRIPT_CLAIM                                                                                         \
+    "local held = redis.call('GET', KEYS[1]) "                                                               \
+    "if not held then "                                                                                      \
+    "local token = redis.call('INCR', KEYS[2]) "                                                             \
+    "if token <= tonumber(ARGV[3]) then "                                                                    \
+    "token = tonumber(ARGV[3]) + 1 redis.call('SET', KEYS[2], string.format('%d', token)) end "              \
+    "held = ARGV[1] .. ' ' .. string.format('%d', token) "                                                   \
+    "redis.call('SET', KEYS[1], held, 'PX', ARGV[2]) "                                                       \
+    "elseif string.sub(held, 1, #ARGV[1]) == ARGV[1] then redis.call('PEXPIRE', KEYS[1], ARGV[2]) end "      \
+    "return held"
+
+/* Returns 1, or 0: the sender no longer holds the lease, and nothing was sent. ARGV: "HOLDER TOKEN", data,
+ * channels. */
+#define SCRIPT_SEND                                                                                          \
+    "if redis.call('GET', KEYS[1]) ~= ARGV[1] then return 0 end "                                            \
+    "for i = 3, #ARGV do redis.call('PUBLISH', ARGV[i], ARGV[2]) end "                                       \
+    "return 1"
+
+/* Does the same, and releases the lease. */
+#define SCRIPT_GIVE_UP                                                                                       \
+    "if redis.call('GET', KEYS[1]) ~= ARGV[1] then return 0 end "                                            \
+    "redis.call('DEL', KEYS[1]) "                                                                            \
+    "for i = 3, #ARGV do redis.call('PUBLISH', ARGV[i], ARGV[2]) end "                                       \
+    "return 1"
 
 _Static_assert((int)BUS_NAME_BYTES == (int)REDIS_ID_BYTES, "a name on the bus is such an id");
 
@@ -17,17 +44,17 @@ struct redis_bus {
     struct bus bus;
     uv_loop_t *loop;
     struct redis_link *says, *hears;
-    const struct bus_ear *ear; /* NULL: nobody */
+    const struct bus_ear *ear; /* NULL: no callbacks */
     void *ctx;
     char name[BUS_NAME_BYTES];
     struct metrics *metrics;
     uv_timer_t telling;
-    unsigned users; /* questions on their way, and the timer: the bus stays for them */
+    unsigned users; /* references: commands in flight and the timer; the last one frees the bus */
     bool up, told;
-    bool lost; /* since it was told last */
+    bool lost; /* went down since the last report */
 };
 
-/* A claim, or something sent under a lease, whose answer is waited for. */
+/* A claim, or data sent under a lease, that awaits its answer. */
 struct asked {
     struct redis_bus *bus;
     char lease[LEASE_BYTES];
@@ -98,7 +125,7 @@ static void on_sent(void *ctx, const redisReply *reply) {
     asked_free(a);
 }
 
-/* To a few of them. */
+/* Sends to at most RECEIVERS_AT_ONCE daemons. */
 static void run(struct redis_bus *b, const char *script, const struct bus_right *right,
                 const struct bus_receivers *to, const struct link_text *data) {
     char key[KEY_BYTES], holder[HOLDER_BYTES], channels[RECEIVERS_AT_ONCE][CHANNEL_BYTES];
@@ -136,7 +163,7 @@ static void send_data(struct bus *bus, const struct bus_right *right, const stru
                                            left < RECEIVERS_AT_ONCE ? left : RECEIVERS_AT_ONCE};
         run(b, SCRIPT_SEND, right, &some, &text);
     }
-    redis_link_flush(b->says); /* before it goes to many here */
+    redis_link_flush(b->says); /* write to the bus before local followers are served */
 }
 
 static void leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
@@ -164,7 +191,7 @@ static void on_telling(uv_timer_t *timer) {
         tell(b, true);
 }
 
-/* A link may be lost while something is sent by it: then it is told later. */
+/* A link may be lost while something is being sent through it, so the timer reports the change later. */
 static void on_changed(void *ctx, bool up) {
     struct redis_bus *b = ctx;
     (void)up;

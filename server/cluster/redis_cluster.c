@@ -1,25 +1,75 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/redis_cluster.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/cluster/redis.h"
 #include "server/cluster/redis_link.h"
-#include "server/cluster/redis_names.h"
-#include "server/cluster/redis_scripts.h"
 #include "server/cluster/sound_pack.h"
+#include <openssl/evp.h>
+#include <openssl/rand.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <utlist.h>
 
+/* The scripts of the cluster, in Redis's Lua: each runs atomically. KEYS: value, claim. ARGV[1]: the
+ * daemon; further arguments as below. */
+
+/* Returns the value; or 1: the daemon now has the claim; or 0: another daemon has it. ARGV: ms of the
+ * claim, seconds to keep the value. */
+#define SCRIPT_ASK                                                                                           \
+    "local value = redis.call('GET', KEYS[1]) "                                                              \
+    "if value then redis.call('EXPIRE', KEYS[1], ARGV[3]) return value end "                                 \
+    "if redis.call('SET', KEYS[2], ARGV[1], 'NX', 'PX', ARGV[2]) then return 1 end "                         \
+    "return 0"
+
+/* Renews the claim, unless another daemon has it by now. ARGV: ms of the claim. */
+#define SCRIPT_MAKING                                                                                        \
+    "local who = redis.call('GET', KEYS[2]) "                                                                \
+    "if not who or who == ARGV[1] then redis.call('SET', KEYS[2], ARGV[1], 'PX', ARGV[2]) end "              \
+    "return 0"
+
+/* Ends the claim. */
+#define SCRIPT_LEAVE                                                                                         \
+    "if redis.call('GET', KEYS[2]) == ARGV[1] then redis.call('DEL', KEYS[2]) end "                          \
+    "return 0"
+
+/* Stores the value and ends the claim. ARGV: value, seconds to keep it. */
+#define SCRIPT_GIVE "redis.call('SET', KEYS[1], ARGV[2], 'EX', ARGV[3]) " SCRIPT_LEAVE
+
+static void write_hex(const unsigned char *bytes, size_t count, char *out) {
+    for (size_t i = 0; i < count; i++)
+        snprintf(out + 2 * i, 3, "%02x", bytes[i]);
+}
+
+void redis_hash_of(const struct buf *key, char hex[REDIS_HASH_BYTES]) {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    EVP_Digest(key->data, key->size, digest, NULL, EVP_sha256(), NULL);
+    write_hex(digest, (REDIS_HASH_BYTES - 1) / 2, hex);
+}
+
+/* Derives the names from the key's hash. */
+static void redis_names_of(const struct buf *key, struct redis_names *names) {
+    char hex[REDIS_HASH_BYTES];
+    redis_hash_of(key, hex);
+    snprintf(names->value, sizeof names->value, "faccia:{%s}:speech", hex);
+    snprintf(names->claim, sizeof names->claim, "faccia:{%s}:making", hex);
+}
+
+void redis_id_make(char id[REDIS_ID_BYTES]) {
+    unsigned char bytes[(REDIS_ID_BYTES - 1) / 2];
+    RAND_bytes(bytes, sizeof bytes);
+    write_hex(bytes, sizeof bytes, id);
+}
+
 enum { ASK_AGAIN_MS = 20, VALUE_MOST = 8 << 20, NUMBER_BYTES = 16 };
 
 struct redis_ask {
     struct cluster_ask ask;
-    struct redis_ask *prev, *next; /* of those that wait */
+    struct redis_ask *prev, *next; /* list of waiting queries */
     struct redis_names names;
-    cluster_answered answered; /* NULL: forgotten */
+    cluster_answered answered; /* NULL: cancelled */
     void *ctx;
-    uint64_t since; /* loop time when it waited first; 0: it has not */
+    uint64_t since; /* loop time when it first waited; 0: it has not */
     bool sent;
 };
 
@@ -27,15 +77,15 @@ struct redis_cluster {
     struct cluster cluster;
     uv_loop_t *loop;
     struct redis_link *link;
-    struct redis_ask *waiting; /* for somebody else's value: they ask again when the timer rings */
+    struct redis_ask *waiting; /* queries waiting for another daemon's value: the timer sends them again */
     uv_timer_t again;
     char id[REDIS_ID_BYTES], keep[NUMBER_BYTES];
     struct metrics *metrics;
-    unsigned users; /* the timer, and values that are being packed */
+    unsigned users; /* references: the timer, and values being packed */
     bool full_told, closed;
 };
 
-/* A value on its way: packed by the thread pool. */
+/* A value to be stored: the thread pool packs it. */
 struct gift {
     uv_work_t work;
     struct redis_cluster *cluster;
@@ -72,7 +122,7 @@ static void wait_for_others(struct redis_ask *a) {
         uv_timer_start(&c->again, on_again, ASK_AGAIN_MS, 0);
 }
 
-/* For long enough: whoever makes it, if it is not Redis that says so wrongly, takes too long. */
+/* Limits the wait for a value: its maker is too slow, or Redis reports a claim wrongly. */
 static bool has_waited(const struct redis_ask *a) {
     const struct redis_cluster *c = (const struct redis_cluster *)a->ask.cluster;
     return a->since && uv_now(c->loop) - a->since >= CLUSTER_WAIT_MS;
@@ -109,7 +159,8 @@ static bool send_ask(struct redis_ask *a) {
     return a->sent;
 }
 
-/* What cannot be sent is answered: each has left the list before, whatever the callbacks do to it. */
+/* Sends the waiting queries again; one that cannot be sent is answered NULL. Each leaves the list first,
+ * so callbacks may change the list. */
 static void on_again(uv_timer_t *timer) {
     struct redis_cluster *c = timer->data;
     while (c->waiting) {
@@ -159,7 +210,7 @@ static void leave(struct redis_cluster *c, const struct redis_names *names) {
     run_script(c, SCRIPT_LEAVE, names, NULL, 0, NULL, NULL);
 }
 
-/* Redis may have no room, or be told to take nothing: said once. */
+/* Redis may be out of memory or read-only: logged once. */
 static void on_given(void *ctx, const redisReply *reply) {
     struct gift *gift = ctx;
     struct redis_cluster *c = gift->cluster;

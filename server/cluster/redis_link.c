@@ -1,35 +1,314 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/redis_link.h"
+#include "server/base/buf.h"
 #include "server/base/log.h"
+#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis_loop.h"
-#include "server/cluster/redis_silence.h"
+#include "server/cluster/reply_check.h"
 #include <errno.h>
+#include <hiredis/hiredis.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/un.h>
+#include <unistd.h>
+#include <utlist.h>
+#include <uv.h>
+
+/* A connection to a Redis server on a libuv loop. hiredis only parses the replies. Its asynchronous interface
+ * asserts that a server sends no unrequested replies, so a server could abort the daemon. Each reply goes to
+ * the oldest pending command; a reply without one, or one that reply_check.h rejects, closes the connection.
+ *
+ * The socket is polled for input all the time, and output is written together at the end of the loop's turn.
+ * An adapter that changes the polled events at each command makes libuv forget that the socket is readable,
+ * so a loop with output in every turn would never read an answer. */
+
+struct redis_loop;
+struct link_text;
+
+struct redis_loop_events {
+    void (*connected)(void *ctx);
+    void (*lost)(void *ctx, const char *why); /* called once; the owner must close the connection then */
+};
+
+/* Measures how long a server has been silent, in a loop that checks only periodically. */
+
+struct silence {
+    uint64_t ms;        /* since the last answer, or since the first command without one */
+    uint64_t looked_at; /* loop time */
+};
+
+static inline void silence_begin(struct silence *silence, uint64_t now) {
+    *silence = (struct silence){.looked_at = now};
+}
+
+/* A loop that was busy, or a process that got no CPU time, has not checked meanwhile. However long the gap
+ * was, it counts as at most `most` ms, so the loop reads pending data before it judges. */
+static inline void silence_count(struct silence *silence, uint64_t now, uint64_t most) {
+    uint64_t since = now - silence->looked_at;
+    silence->ms += since < most ? since : most;
+    silence->looked_at = now;
+}
+
+enum { READ_BYTES = 65536 };
+
+/* A command that awaits its answer. */
+struct loop_question {
+    void (*answered)(void *ctx, const redisReply *reply);
+    void *ctx;
+    struct loop_question *next;
+};
+
+struct redis_loop {
+    uv_poll_t poll;
+    struct loop_idle *end; /* armed while there is output for the end of the loop's turn */
+    struct redis_loop_events events;
+    void *ctx;
+    int fd, polled;
+    bool connected, lost, closed;
+    struct reply_check check;
+    redisReader *reader;
+    struct buf unsent;
+    struct loop_question *questions, *last; /* oldest first */
+    void (*heard)(void *ctx, const redisReply *reply);
+    void *heard_ctx;
+};
+
+static void on_poll(uv_poll_t *poll, int status, int events);
+
+static void poll_for(struct redis_loop *l, int events) {
+    if (l->polled == events || l->closed)
+        return;
+    l->polled = events;
+    uv_poll_start(&l->poll, events, on_poll);
+}
+
+/* Reports the connection as lost. Nothing is read or written from here on. */
+static void lose(struct redis_loop *l, const char *why) {
+    if (l->lost || l->closed)
+        return;
+    l->lost = true;
+    loop_idle_wait(l->end, false);
+    uv_poll_stop(&l->poll);
+    l->events.lost(l->ctx, why);
+}
+
+static void answer(struct redis_loop *l, const redisReply *reply) {
+    struct loop_question *q = l->questions;
+    if (!q && l->heard) {
+        l->heard(l->heard_ctx, reply);
+    } else if (!q) {
+        char why[128];
+        snprintf(why, sizeof why, "%s",
+                 reply->type == REDIS_REPLY_ERROR ? reply->str : "it sends what nobody has asked for");
+        lose(l, why);
+    } else {
+        LL_DELETE(l->questions, q);
+        if (q->answered)
+            q->answered(q->ctx, reply);
+        free(q);
+    }
+}
+
+/* A callback may close the connection; the reader is freed later (on_closed). */
+static void read_replies(struct redis_loop *l) {
+    void *reply = NULL;
+    while (!l->lost && !l->closed) {
+        if (redisReaderGetReply(l->reader, &reply) != REDIS_OK) {
+            lose(l, redisReaderGetError(l->reader));
+            return;
+        }
+        if (!reply)
+            return;
+        answer(l, reply);
+        freeReplyObject(reply);
+    }
+}
+
+static void take(struct redis_loop *l) {
+    char bytes[READ_BYTES];
+    ssize_t size = recv(l->fd, bytes, sizeof bytes, MSG_DONTWAIT);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR))
+        return;
+    const char *why = size < 0    ? strerror(errno)
+                      : size == 0 ? "the connection was closed"
+                                  : reply_check(&l->check, bytes, (size_t)size);
+    if (!why && redisReaderFeed(l->reader, bytes, (size_t)size) != REDIS_OK)
+        why = redisReaderGetError(l->reader);
+    if (why)
+        lose(l, why);
+    else
+        read_replies(l);
+}
+
+static void write_unsent(struct redis_loop *l) {
+    if (!l->connected || l->lost || l->closed)
+        return;
+    ssize_t size =
+        l->unsent.size ? send(l->fd, l->unsent.data, l->unsent.size, MSG_DONTWAIT | MSG_NOSIGNAL) : 0;
+    if (size < 0 && errno != EAGAIN && errno != EINTR) {
+        lose(l, strerror(errno));
+        return;
+    }
+    if (size > 0)
+        buf_consume(&l->unsent, (size_t)size);
+    loop_idle_wait(l->end, false);
+    poll_for(l, UV_READABLE | (l->unsent.size ? UV_WRITABLE : 0));
+}
+
+static void finish_connecting(struct redis_loop *l) {
+    int why = 0;
+    socklen_t size = sizeof why;
+    if (getsockopt(l->fd, SOL_SOCKET, SO_ERROR, &why, &size) || why) {
+        lose(l, strerror(why ? why : errno));
+        return;
+    }
+    l->connected = true;
+    l->events.connected(l->ctx);
+    write_unsent(l);
+}
+
+/* status < 0: libuv has stopped polling; reading shows the cause. */
+static void on_poll(uv_poll_t *poll, int status, int events) {
+    struct redis_loop *l = poll->data;
+    if (!l->connected) {
+        if (status < 0 || events & UV_WRITABLE)
+            finish_connecting(l);
+        return;
+    }
+    if (status < 0 || events & UV_READABLE)
+        take(l);
+    if (status < 0)
+        lose(l, uv_strerror(status));
+    else if (events & UV_WRITABLE)
+        write_unsent(l);
+}
+
+/* Writes what the kernel accepts; the rest follows when the socket is writable. */
+static void write_now(void *data) {
+    write_unsent(data);
+}
+
+static int connect_to(const struct sockaddr *to, socklen_t size) {
+    int yes = 1, fd = socket(to->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return -1;
+    if (to->sa_family != AF_UNIX)
+        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    if (!connect(fd, to, size) || errno == EINPROGRESS)
+        return fd;
+    int why = errno;
+    close(fd);
+    errno = why;
+    return -1;
+}
+
+/* Returns NULL with errno set. */
+static struct redis_loop *redis_loop_open(uv_loop_t *loop, const struct sockaddr *to, socklen_t size,
+                                          const struct redis_loop_events *events, void *ctx) {
+    int fd = connect_to(to, size);
+    if (fd < 0)
+        return NULL;
+    struct redis_loop *l = mem_alloc(sizeof *l);
+    *l = (struct redis_loop){.fd = fd, .events = *events, .ctx = ctx, .reader = redisReaderCreate()};
+    int failed = l->reader ? uv_poll_init(loop, &l->poll, fd) : UV_ENOMEM;
+    if (failed) {
+        if (l->reader)
+            redisReaderFree(l->reader);
+        close(fd);
+        free(l);
+        errno = -failed;
+        return NULL;
+    }
+    l->poll.data = l;
+    l->end = loop_idle_open(loop, write_now, l);
+    poll_for(l, UV_WRITABLE); /* writable means connected */
+    return l;
+}
+
+static void write_command(struct redis_loop *l, const struct link_text *words, int count) {
+    buf_printf(&l->unsent, "*%d\r\n", count);
+    for (int i = 0; i < count; i++) {
+        buf_printf(&l->unsent, "$%zu\r\n", words[i].size);
+        buf_add(&l->unsent, words[i].data, words[i].size);
+        buf_add(&l->unsent, "\r\n", 2);
+    }
+    if (l->connected && !(l->polled & UV_WRITABLE))
+        loop_idle_wait(l->end, true);
+}
+
+/* Sends a command. answered may be NULL; its reply is valid until it returns, and NULL when the connection
+ * is closed first. */
+static void redis_loop_ask(struct redis_loop *l, const struct link_text *words, int count,
+                           void (*answered)(void *ctx, const redisReply *reply), void *ctx) {
+    struct loop_question *q = mem_alloc(sizeof *q);
+    *q = (struct loop_question){answered, ctx, NULL};
+    if (l->questions)
+        l->last->next = q;
+    else
+        l->questions = q;
+    l->last = q;
+    write_command(l, words, count);
+}
+
+/* Sends a command whose replies keep coming; all go to heard. */
+static void redis_loop_hear(struct redis_loop *l, const struct link_text *words, int count,
+                            void (*heard)(void *ctx, const redisReply *reply), void *ctx) {
+    l->heard = heard;
+    l->heard_ctx = ctx;
+    write_command(l, words, count);
+}
+
+/* Writes pending output now, as far as the kernel accepts it. This may lose the connection. */
+static void redis_loop_flush(struct redis_loop *l) {
+    write_unsent(l);
+}
+
+static void on_closed(uv_handle_t *poll) {
+    struct redis_loop *l = poll->data;
+    redisReaderFree(l->reader);
+    buf_free(&l->unsent);
+    free(l);
+}
+
+/* Closes the connection; pending commands get NULL. */
+static void redis_loop_close(struct redis_loop *l) {
+    l->closed = true;
+    loop_idle_close(l->end);
+    uv_close((uv_handle_t *)&l->poll, on_closed);
+    close(l->fd);
+    while (l->questions) {
+        struct loop_question *q = l->questions;
+        LL_DELETE(l->questions, q);
+        if (q->answered)
+            q->answered(q->ctx, NULL);
+        free(q);
+    }
+}
 
 struct redis_link {
     uv_loop_t *loop;
     struct redis_address address;
-    struct redis_loop *redis; /* NULL: not begun, or lost */
+    struct redis_loop *redis; /* NULL: not connected */
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
-    uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
+    uint64_t again, again_in; /* loop time of the next attempt; delay of the one after it, ms */
     struct silence silence;
     unsigned unanswered;
-    bool overdue; /* seen so once: what had come may not have been read yet */
+    bool overdue; /* timed out once already: pending data may not have been read yet */
     bool up, told, looking_up, closing;
     void (*changed)(void *ctx, bool up);
     void *ctx;
-    char *channel; /* that it listens to; NULL: it asks */
+    char *channel; /* channel it subscribes to; NULL: it sends commands */
     void (*heard)(void *ctx, const void *data, size_t size);
     void *heard_ctx;
 };
 
-/* A command whose answer is waited for. */
+/* A command that awaits its answer. */
 struct question {
     struct redis_link *link;
     link_answered answered;
@@ -51,7 +330,7 @@ static void lost(struct redis_link *link, const char *why) {
         link->changed(link->ctx, false);
 }
 
-/* What is asked from within the callbacks finds no link. */
+/* Closes the connection. Callbacks called meanwhile find the link down. */
 static void drop(struct redis_link *link, const char *why) {
     struct redis_loop *redis = link->redis;
     link->redis = NULL;
@@ -99,12 +378,12 @@ void redis_link_flush(struct redis_link *link) {
         redis_loop_flush(link->redis);
 }
 
-/* While a lost link ends its questions, it is up no more. */
+/* False while a lost link is ending its pending commands. */
 bool redis_link_up(const struct redis_link *link) {
     return link->up && link->redis;
 }
 
-/* To AUTH and SELECT: what they refuse stands in the log, and it is tried again. */
+/* Handles the replies to AUTH and SELECT: an error is logged, and the connection is tried again. */
 static void on_greeted(void *ctx, const redisReply *reply) {
     struct redis_link *link = ctx;
     if (reply && reply->type == REDIS_REPLY_ERROR)
@@ -124,7 +403,7 @@ static bool is_word(const redisReply *reply, const char *word) {
     return reply->type == REDIS_REPLY_STRING && !strcmp(reply->str, word);
 }
 
-/* Of a channel: that it is listened to, and what comes. */
+/* Handles the confirmation of a subscription, and messages. */
 static void on_channel(void *ctx, const redisReply *reply) {
     struct redis_link *link = ctx;
     bool well =
@@ -144,7 +423,8 @@ static void on_channel(void *ctx, const redisReply *reply) {
         come_up(link);
 }
 
-/* Listening to it once more is answered, too, which no other command is on such a connection. */
+/* Subscribes. Subscribing again also serves as a ping: it is answered, unlike other commands on such a
+ * connection. */
 static void hear(struct redis_link *link) {
     redis_loop_hear(link->redis, (struct link_text[]){link_text_of("SUBSCRIBE"), link_text_of(link->channel)},
                     2, on_channel, link);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/redis_work_link.h"
 #include "server/base/buf.h"
 #include "server/base/log.h"
-#include "server/cluster/redis_work_scripts.h"
+#include "server/cluster/redis_work_internal.h"
 #include <stdlib.h>
 
 enum { WORDS_MOST = 12 };

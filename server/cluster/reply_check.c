@@ -7,7 +7,7 @@
 static const char malformed[] = "it does not speak the protocol of Redis";
 static const char oversized[] = "it sends a reply that is too large";
 
-/* An element is complete, and perhaps arrays with it. */
+/* Completes an element, and the arrays that end with it. */
 static void complete(struct reply_check *c) {
     c->state = REPLY_TYPE;
     while (c->depth && --c->missing[c->depth - 1] == 0)
@@ -18,7 +18,7 @@ static void complete(struct reply_check *c) {
     c->bytes = c->elements = 0;
 }
 
-/* As hiredis reads it: of 64 bits, without zeros in front. */
+/* Parses a number as hiredis does: 64 bits, no leading zeros. */
 static bool read_number(const struct reply_check *c, long long *value) {
     size_t sign = *c->number == '-';
     const char *digits = c->number + sign;
@@ -79,12 +79,12 @@ static const char *end_line(struct reply_check *c) {
     return NULL;
 }
 
-/* A byte of a line, behind its type. */
+/* Takes a byte of a line after its type. */
 static const char *take_line(struct reply_check *c, char byte) {
     if (c->state == REPLY_LINE_FEED && byte == '\n')
         return end_line(c);
     if (c->state == REPLY_LINE_FEED && c->type != '+' && c->type != '-')
-        return malformed; /* a CR within a number */
+        return malformed; /* CR inside a number */
     c->state = byte == '\r' ? REPLY_LINE_FEED : REPLY_LINE;
     if (byte == '\r')
         return NULL;
@@ -128,7 +128,7 @@ const char *reply_check(struct reply_check *c, const void *data, size_t size) {
         } else {
             why = take(c, *at);
         }
-        c->bytes += used; /* 0 again behind a complete reply, give or take its last byte */
+        c->bytes += used; /* reset by a complete reply, except for its last byte */
         at += used;
         if (!why && c->bytes > REPLY_BYTES_MOST)
             why = oversized;

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Of what is packed: a byte that tells the form, and the size, lowest byte first. */
+/* Header of packed data: a byte for the format, and the size, little-endian. */
 enum { FORM = 1, SIZE_BYTES = 4, HEADER_BYTES = 1 + SIZE_BYTES, LEVEL = 1 };
 
 void sound_pack(const struct buf *value, struct buf *out) {

@@ -33,7 +33,7 @@ bool work_unpack_sentence(const void *data, size_t size, struct buf *out) {
     return true;
 }
 
-/* Its length in a byte, which is enough for both. */
+/* Writes the length in one byte, which is enough for both texts. */
 static void put_text(struct buf *out, const char *text) {
     uint8_t length = (uint8_t)strlen(text);
     buf_add(out, &length, 1);
@@ -50,7 +50,7 @@ static bool get_text(const uint8_t **at, const uint8_t *end, char *text, size_t 
     return true;
 }
 
-/* After the form: end, last, the index with its lowest byte first, the two texts, the body. */
+/* Layout after the tag: end, last, index (little-endian), the two texts, the body. */
 enum { FIXED_BYTES = WORK_FORM_BYTES + 2 + 4 };
 
 void work_pack_piece(const struct work_piece *piece, struct buf *out) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sentences and answers as they lie in the queue. Both hold frames of wire.h, whose numbers are in the
- * machine's order: a form that says so stands before them, and nobody reads another. */
+/* The format of sentences and answers in the queue. Both hold frames of wire.h, whose numbers are in the
+ * machine's byte order: a tag in front names format and byte order, and data with another tag is rejected. */
 #ifndef FACCIA_CLUSTER_WORK_PACK_H
 #define FACCIA_CLUSTER_WORK_PACK_H
 
@@ -13,15 +13,15 @@ void work_form(char form[WORK_FORM_BYTES + 1]);
 
 void work_pack_sentence(const struct buf *sentence, struct buf *out);
 
-/* Appends; false when it is none of this form. */
+/* Appends the sentence; returns false when the data has another tag. */
 bool work_unpack_sentence(const void *data, size_t size, struct buf *out);
 
-/* A piece of an answer. Texts belong to who reads it; body points into what is read. */
+/* A piece of an answer. The texts are copies; body points into the data that was read. */
 struct work_piece {
     char task[WORK_TASK_BYTES], attempt[WORK_ATTEMPT_BYTES];
     unsigned index;
     bool last;
-    enum work_end end; /* of the last one */
+    enum work_end end; /* of the last piece */
     const uint8_t *body;
     size_t size;
 };

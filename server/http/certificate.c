@@ -16,7 +16,7 @@
 
 enum { DAYS = 825, WEEK = 7 * 24 * 3600 };
 
-/* Besides letters, digits and "-" nothing is written into the list of names, whose syntax has commas. */
+/* Only letters, digits, "-" and "." may enter the list of names, whose syntax uses commas. */
 static bool is_name(const char *name) {
     return *name && !name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-.")];
 }
@@ -40,7 +40,7 @@ static void add_addresses(struct buf *names) {
     freeifaddrs(list);
 }
 
-/* By what this machine may be asked for: its name, that name on the local network (mDNS), its addresses. */
+/* Lists the names of this machine: its host name, its name on the local network (mDNS) and its addresses. */
 static void names_of_machine(struct buf *names, char host[256]) {
     buf_printf(names, "DNS:localhost,IP:127.0.0.1,IP:::1");
     if (gethostname(host, 255) || !is_name(host))
@@ -67,12 +67,12 @@ static bool set_name(X509_NAME *name, const char *common) {
            X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, (const unsigned char *)common, -1, -1, 0);
 }
 
-/* Number, time, key and name. NULL: OpenSSL could not. */
+/* Sets serial number, validity, key and subject. Returns NULL if OpenSSL fails. */
 static X509 *begin(EVP_PKEY *key, const char *common) {
     unsigned char number[16];
     X509 *x = X509_new();
     bool made = x && RAND_bytes(number, sizeof number) == 1;
-    number[0] &= 0x7F; /* a positive number */
+    number[0] &= 0x7F; /* serial numbers are positive */
     BIGNUM *serial = made ? BN_bin2bn(number, sizeof number, NULL) : NULL;
     made = serial && BN_to_ASN1_INTEGER(serial, X509_get_serialNumber(x)) && X509_set_version(x, 2) &&
            X509_gmtime_adj(X509_getm_notBefore(x), -3600) &&
@@ -85,7 +85,7 @@ static X509 *begin(EVP_PKEY *key, const char *common) {
     return NULL;
 }
 
-/* An authority that has signed one certificate, and can sign no other once its key is gone. */
+/* Makes an authority that signs one certificate. It can sign no other once its key is discarded. */
 static X509 *make_authority(EVP_PKEY *key, const char *host) {
     char common[300];
     snprintf(common, sizeof common, "faccia on %.40s", host);
@@ -114,7 +114,7 @@ static X509 *certify(EVP_PKEY *key, X509 *ca, EVP_PKEY *ca_key, const char *name
     return NULL;
 }
 
-/* The key is never to be seen with more rights than in the end. */
+/* Creates the file with its final mode, so that a key is never readable by others. */
 static FILE *create(const char *path, mode_t mode) {
     unlink(path);
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
@@ -124,7 +124,7 @@ static FILE *create(const char *path, mode_t mode) {
     return file;
 }
 
-/* Which of the three certificates and keys a file gets. */
+/* Writes the key and the certificates that are not NULL. */
 static bool write_file(const char *path, mode_t mode, EVP_PKEY *key, X509 *first, X509 *second) {
     FILE *file = create(path, mode);
     bool written = file && (!key || PEM_write_PrivateKey(file, key, NULL, NULL, 0, NULL, NULL) == 1) &&

@@ -11,15 +11,16 @@
 #include <string.h>
 
 enum {
-    FINISH_MS = 2000,    /* for the other end to close */
-    UNSENT_BYTES = 16384 /* in the kernel */
+    FINISH_MS = 2000,    /* wait for the peer to close */
+    UNSENT_BYTES = 16384 /* in the kernel's send buffer */
 };
 
 uint64_t connection_now(const struct connection *c) {
     return uv_now(c->server->loop);
 }
 
-/* What the connections of one client are counted by: of IPv6, it has a whole network. */
+/* Returns the quota key of an address. IPv6 addresses are counted by their /64, because one client may
+ * have a whole network. */
 static char *key_of(const struct sockaddr_storage *peer) {
     char text[INET6_ADDRSTRLEN] = "local", key[80];
     const struct sockaddr_in6 *six = (const struct sockaddr_in6 *)peer;
@@ -66,8 +67,8 @@ static void count(struct http_server *server, int change) {
         metrics_add(server->metrics, METRIC_CONNECTIONS_TOTAL, 1);
 }
 
-/* What a client does not take shall wait here, where it can be left out, and not in the kernel, which would
- * hide minutes of it: so a connection can be written to only while less than this is unsent (tcp(7)). */
+/* Keeps unsent data in our queues, where media can be dropped, and out of the kernel, which would buffer
+ * minutes of it. The socket is writable only while less than this is unsent (tcp(7)). */
 static void prepare(int fd) {
     int bytes = UNSENT_BYTES, yes = 1;
     setsockopt(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &bytes, sizeof bytes);
@@ -122,7 +123,7 @@ size_t connection_send_parts(struct connection *c, const struct iovec *parts, si
 }
 
 size_t connection_send(struct connection *c, const void *bytes, size_t size) {
-    /* sendmsg takes the bytes as void * and changes none */
+    /* iovec is not const, but sendmsg does not change the bytes */
     const struct iovec part = {(void *)(uintptr_t)bytes, size};
     return connection_send_parts(c, &part, 1);
 }
@@ -144,7 +145,7 @@ void connection_finish(struct connection *c) {
     connection_read(c, true);
 }
 
-/* What belongs to it goes with it, or before. */
+/* Frees the protocol's state. */
 static void drop_protocol(struct connection *c) {
     if (c->protocol)
         c->protocol->free(c);
@@ -193,7 +194,7 @@ void connections_close(struct http_server *server) {
     }
 }
 
-void connections_due(uv_idle_t *idle) {
+static void connections_due(uv_idle_t *idle) {
     struct http_server *server = idle->data;
     uv_idle_stop(idle);
     for (struct connection *c; (c = server->due);) {

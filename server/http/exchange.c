@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One HTTP request: how it comes and goes, its body, and the head and body of its answer. */
+/* One HTTP request: its lifecycle, its body, and the head and body of its response. */
 #include "server/access/headers.h"
 #include "server/base/error_json.h"
 #include "server/base/mem.h"
@@ -109,6 +109,8 @@ const char *exchange_query(const struct exchange *x, const char *name, char *val
     return value;
 }
 
+static void exchange_flush(struct exchange *x);
+
 void exchange_add(struct exchange *x, const void *data, size_t size) {
     if (!size || x->complete)
         return;
@@ -133,7 +135,8 @@ size_t exchange_unsent(const struct exchange *x) {
     return x->queue.size + x->body_size + connection_unsent(x->connection);
 }
 
-void exchange_flush(struct exchange *x) {
+/* sends as many queued bytes as there is room for */
+static void exchange_flush(struct exchange *x) {
     if (x->queue.size)
         buf_consume(&x->queue, connection_send(x->connection, x->queue.data, x->queue.size));
     if (!x->queue.size && x->body_size) {
@@ -204,7 +207,7 @@ static void add_date(struct head *h) {
     head_add(h, "date", date);
 }
 
-/* Those that some answers always have (RFC 9110). */
+/* Adds headers that some statuses require (RFC 9110). */
 static void add_by_status(struct head *h, unsigned status) {
     if (status == 426) {
         head_add(h, "upgrade", "websocket");
@@ -214,7 +217,7 @@ static void add_by_status(struct head *h, unsigned status) {
         head_add(h, "retry-after", status == 429 ? "60" : "5");
 }
 
-/* RFC 9110, 15. */
+/* Reason phrases of RFC 9110, 15. */
 static const char *reason_of(unsigned status) {
     static const struct {
         unsigned status;
@@ -263,7 +266,7 @@ static void head_begin(struct head *h, struct exchange *x, unsigned status) {
     add_by_status(h, status);
 }
 
-/* Which pages a browser lets see the answer (Fetch standard, CORS protocol). */
+/* Tells the browser which pages may read the response (Fetch standard, CORS protocol). */
 static void head_origin(struct head *h, const struct exchange *x) {
     const char *origin = http_header(x->request, "origin");
     if (x->shared) {
@@ -277,7 +280,7 @@ static void head_origin(struct head *h, const struct exchange *x) {
         head_add(h, "access-control-expose-headers", "etag, faccia-warning");
 }
 
-/* In ASCII, and on one line. */
+/* Headers must be ASCII on one line. */
 static void head_warnings(struct head *h, const struct exchange *x) {
     for (size_t i = 0; i < x->warning_count; i++) {
         json_t *warning = error_json(&x->warnings[i]);
@@ -322,7 +325,7 @@ static bool has_no_body(const struct exchange *x, unsigned status) {
     return x->request->method == HTTP_HEAD || status == 204 || status == 304;
 }
 
-/* The body is copied, or it lives as long as the net. */
+/* copied: the body is copied; otherwise it must live as long as the server. */
 static int send_known(struct exchange *x, struct head *h, const void *body, size_t size, bool copied) {
     char length[24];
     snprintf(length, sizeof length, "%zu", size);
@@ -393,9 +396,9 @@ int exchange_redirect(struct exchange *x, const char *scheme) {
     const char *host = http_header(x->request, "host"), *target = (const char *)x->request->head.data;
     struct buf to = {0};
     struct head h;
-    target += strcspn(target, " ") + 1; /* of the request's line */
+    target += strcspn(target, " ") + 1; /* of the request line */
     int length = *target == '/' ? (int)strcspn(target, " ") : 0;
-    if (!host || !*host) { /* HTTP/1.0 may not say it */
+    if (!host || !*host) { /* HTTP/1.0 may omit it */
         struct error e;
         error_set(&e, ERROR_BAD_HOST, "this server wants TLS: %s", scheme);
         return exchange_error(x, &e);
@@ -411,7 +414,8 @@ int exchange_redirect(struct exchange *x, const char *scheme) {
 int exchange_into_folder(struct exchange *x, const char *path) {
     struct head h;
     char to[256];
-    snprintf(to, sizeof to, "%s/", strrchr(path, '/') + 1); /* relative: a proxy may serve it elsewhere */
+    snprintf(to, sizeof to, "%s/",
+             strrchr(path, '/') + 1); /* relative, since a proxy may serve it at another address */
     head_begin(&h, x, 308);
     head_add(&h, "location", to);
     head_add(&h, "cache-control", "no-store");

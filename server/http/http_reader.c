@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The head is gathered whole, so that it is bounded and what stands in it need not be copied; then it is
- * taken apart line by line. A line ends with CR LF, or with LF alone (RFC 9112, 2.2). */
+/* Collects the whole head first, which bounds its size and lets the fields point into it, then parses it
+ * line by line. Lines end with CR LF or with LF alone (RFC 9112, 2.2). */
 #include "server/http/http_reader.h"
 #include "server/base/mem.h"
 #include <ctype.h>
@@ -9,11 +9,11 @@
 #include <strings.h>
 
 enum {
-    BLANK_LINES = 8,         /* bytes of empty lines that may stand before a request (RFC 9112, 2.2) */
-    REQUEST_LINE_BYTES = 32, /* beside the target */
+    BLANK_LINES = 8,         /* bytes of empty lines allowed before a request (RFC 9112, 2.2) */
+    REQUEST_LINE_BYTES = 32, /* besides the target */
 };
 
-/* Fills the error. */
+/* Sets r->error. */
 static enum http_event refuse(struct http_reader *r, enum error_code code, const char *why) {
     r->at = HTTP_AT_WRONG;
     error_set(&r->error, code, "%s", why);
@@ -36,7 +36,7 @@ static bool is_token(const char *text) {
     return true;
 }
 
-/* The request's line (RFC 9112, 3). */
+/* The request line (RFC 9112, 3). */
 struct request_line {
     const char *target;
     size_t target_size;
@@ -91,7 +91,7 @@ static enum http_event take_line(struct http_reader *r, const char *line, const 
     return HTTP_READ_HEAD;
 }
 
-/* A field's line (RFC 9112, 5). Its name and its value are terminated where they stand. */
+/* Parses a field line (RFC 9112, 5), terminating name and value in place. */
 static enum http_event take_field(struct http_reader *r, char *line, char *end) {
     struct http_request *q = &r->request;
     char *colon = memchr(line, ':', (size_t)(end - line)), *value;
@@ -111,7 +111,7 @@ static enum http_event take_field(struct http_reader *r, char *line, char *end) 
     return HTTP_READ_HEAD;
 }
 
-/* All lines but the last, which is empty. */
+/* Parses all lines up to the empty one. */
 static enum http_event take_lines(struct http_reader *r, struct request_line *parts) {
     char *head = (char *)r->request.head.data, *stop = head + r->request.head.size - 1;
     enum http_event result = HTTP_READ_HEAD;
@@ -147,7 +147,7 @@ static enum http_event check_fields(struct http_reader *r) {
     return HTTP_READ_HEAD;
 }
 
-/* How long the body is (RFC 9112, 6.3). */
+/* Determines the length of the body (RFC 9112, 6.3). */
 static enum http_event check_body(struct http_reader *r) {
     struct http_request *q = &r->request;
     const char *coding = http_header(q, "transfer-encoding"), *length = http_header(q, "content-length");
@@ -173,7 +173,7 @@ static enum http_event check_expectation(struct http_reader *r) {
     return HTTP_READ_HEAD;
 }
 
-/* The target, in whichever form it is (RFC 9112, 3.2). Of the absolute form, the host counts instead of the
+/* Parses the target in any of its forms (RFC 9112, 3.2). The host of the absolute form replaces the Host
  * header. */
 static enum http_event take_target(struct http_reader *r, const struct request_line *parts) {
     static const char scheme[] = "http://";
@@ -182,7 +182,7 @@ static enum http_event take_target(struct http_reader *r, const struct request_l
     if (size > HTTP_TARGET_BYTES)
         return refuse(r, ERROR_URI_TOO_LONG, "the address is too long");
     if (r->request.method == HTTP_CONNECT) {
-        target = "/"; /* no route takes it, whatever it names */
+        target = "/"; /* no route accepts CONNECT, whatever it names */
         size = 1;
     } else if (size > strlen(scheme) && !strncasecmp(target, scheme, strlen(scheme))) {
         size_t host = strlen(scheme), path = host;
@@ -238,13 +238,13 @@ static enum http_event parse_head(struct http_reader *r) {
     return result;
 }
 
-/* Does the line that is there so far end the head? */
+/* Returns whether the current line ends the head. */
 static bool is_end(const struct buf *head) {
     const uint8_t *end = head->data + head->size;
     return (head->size >= 2 && end[-2] == '\n') || (head->size >= 3 && end[-2] == '\r' && end[-3] == '\n');
 }
 
-/* The bytes up to the end of the head. */
+/* Collects bytes up to the end of the head. */
 static enum http_event gather(struct http_reader *r, const uint8_t *bytes, size_t size, size_t *used) {
     struct buf *head = &r->request.head;
     while (*used < size) {
@@ -267,7 +267,7 @@ static enum http_event gather(struct http_reader *r, const uint8_t *bytes, size_
 
 enum {
     SIZE_DIGITS = 15,    /* of a chunk's size */
-    LINE_BYTES = 1024,   /* a chunk's first line, with its extensions */
+    LINE_BYTES = 1024,   /* first line of a chunk, with its extensions */
     TRAILER_BYTES = 8192 /* all fields after the last chunk */
 };
 
@@ -289,7 +289,7 @@ static void begin_line(struct http_reader *r) {
     r->extension = r->carriage = false;
 }
 
-/* One byte of a chunk's first line. False: it cannot be. */
+/* Takes one byte of a chunk's first line. Returns false if it is invalid. */
 static bool size_byte(struct http_reader *r, uint8_t c) {
     if (++r->line > LINE_BYTES)
         return false;
@@ -312,7 +312,7 @@ static bool size_byte(struct http_reader *r, uint8_t c) {
     return r->digits && strchr("; \t", c);
 }
 
-/* The fields after the last chunk are of no use to anybody here. digits counts the bytes of the line. */
+/* Skips the fields after the last chunk, which nothing here uses. `digits` counts the bytes of the line. */
 static bool trailer_byte(struct http_reader *r, uint8_t c) {
     if (++r->line > TRAILER_BYTES || (c < ' ' && !strchr("\t\r\n", c)) || !c)
         return false;
@@ -336,7 +336,7 @@ static bool between_byte(struct http_reader *r, uint8_t c) {
     return c == '\n';
 }
 
-/* Bodies of known length, and chunked ones (RFC 9112, 6 and 7.1), to the letter. */
+/* Reads bodies of known length and chunked ones (RFC 9112, 6 and 7.1), accepting no deviation. */
 static enum http_event body_feed(struct http_reader *r, const uint8_t *bytes, size_t size, size_t *used) {
     for (;;) {
         bool data = r->at == HTTP_AT_BODY || r->at == HTTP_AT_CHUNK_DATA;

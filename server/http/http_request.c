@@ -28,7 +28,7 @@ size_t http_header_count(const struct http_request *r, const char *name) {
     return count;
 }
 
-/* The word of a list that begins at or after *at; its end is where *at is afterwards. */
+/* Finds the next word of a list at or after *at, and moves *at behind it. */
 static bool next_word(const char *list, size_t *at, const char **word, size_t *length) {
     *at += strspn(list + *at, ", \t");
     *word = list + *at;
@@ -41,7 +41,7 @@ static bool next_word(const char *list, size_t *at, const char **word, size_t *l
 
 bool http_header_next(const struct http_request *r, const char *name, size_t *at, const char **word,
                       size_t *length) {
-    size_t before = 0; /* where the fields before this one end, in one count over all */
+    size_t before = 0; /* bytes in all matching fields before this one; *at counts across fields */
     for (size_t i = 0; i < r->field_count; i++) {
         if (strcasecmp(r->fields[i].name, name))
             continue;
@@ -80,8 +80,9 @@ static int hex(char c) {
     return c <= '9' ? c - '0' : (c | 0x20) - 'a' + 10;
 }
 
-/* Decodes up to any of the stops (RFC 3986, 2.1; a plus is a space in a query, as forms write it). The result
- * is terminated and grows no longer than what it was. Returns where it stopped, or NULL with *e. */
+/* Decodes in place up to one of the stops (RFC 3986, 2.1; in a query a plus is a space, as forms encode
+ * it). The result is never longer than the input, and is not terminated. Returns where it stopped, or NULL
+ * with *e. */
 static char *decode(char *from, const char *start, const char *stops, bool query, size_t *size,
                     struct error *e) {
     char *out = from, *to = out;
@@ -104,8 +105,8 @@ static char *decode(char *from, const char *start, const char *stops, bool query
     return from;
 }
 
-/* Terminates what was decoded, which may end where the next part begins. Returns the sign that stood there.
- */
+/* Terminates a decoded part, whose end may be where the next part begins. Returns the character that was
+ * there. */
 static char end_part(char *out, size_t size, char *at) {
     char stop = *at;
     out[size] = '\0';

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The head of an HTTP/1 request, as it was read: see http_reader.h. All strings live as long as it does. */
+/* The parsed head of an HTTP/1 request: see http_reader.h. All strings live as long as the request. */
 #ifndef FACCIA_HTTP_HTTP_REQUEST_H
 #define FACCIA_HTTP_HTTP_REQUEST_H
 
@@ -9,7 +9,7 @@
 
 struct connection;
 
-/* Those of RFC 9110, 9.3, and of RFC 5789. */
+/* Methods of RFC 9110, 9.3, and RFC 5789. */
 enum http_method {
     HTTP_DELETE,
     HTTP_GET,
@@ -28,11 +28,11 @@ struct http_field {
 
 struct http_member {
     char *name, *value; /* decoded */
-    size_t size;        /* of the value */
+    size_t size;        /* of the value, bytes */
 };
 
 struct http_request {
-    struct connection *connection; /* whose it is; NULL = nobody's */
+    struct connection *connection; /* NULL: none */
     enum http_method method;
     unsigned minor; /* the version is HTTP/1.minor */
     char *path;     /* decoded; begins with a slash, or is "*" */
@@ -40,32 +40,32 @@ struct http_request {
     size_t member_count, member_cap;
     struct http_field *fields;
     size_t field_count, field_cap;
-    bool keep_alive;         /* the client will ask for more on this connection */
-    bool expects_continue;   /* it waits for "100 Continue" before it sends the body */
-    bool chunked;            /* the body is */
-    uint64_t content_length; /* of a body that is not */
-    struct buf head, target; /* the memory of all that */
+    bool keep_alive;         /* the connection stays open for another request */
+    bool expects_continue;   /* the client waits for "100 Continue" before it sends the body */
+    bool chunked;            /* the body is chunked */
+    uint64_t content_length; /* of a body that is not chunked, bytes */
+    struct buf head, target; /* memory behind the strings */
 };
 
 void http_request_free(struct http_request *request);
 
-/* The value of the first header field of that name, or NULL. */
+/* Returns the value of the first header field of that name, or NULL. */
 const char *http_header(const struct http_request *request, const char *name);
 size_t http_header_count(const struct http_request *request, const char *name);
 
-/* Does a field of that name have the word in its list (RFC 9110, 5.6.1)? Case does not count. */
+/* Returns whether a field of that name lists the word (RFC 9110, 5.6.1), ignoring case. */
 bool http_header_lists(const struct http_request *request, const char *name, const char *word);
 
-/* The words of all fields of that name, one after the other: *at begins as 0. False: there is no further one.
- * The word is not terminated. */
+/* Iterates over the words in all fields of that name; *at starts as 0. Returns false after the last. The
+ * word is not NUL-terminated. */
 bool http_header_next(const struct http_request *request, const char *name, size_t *at, const char **word,
                       size_t *length);
 
-/* The value of the first member of the query of that name, or NULL. */
+/* Returns the value of the first query member of that name, or NULL. */
 const char *http_query(const struct http_request *request, const char *name);
 
-/* Splits and decodes a target in origin-form; it is changed, and kept. -1 with *e ("bad-target",
- * "bad-escape") at a byte of it. */
+/* Splits and decodes a target in origin-form into `request`, which keeps a copy. -1 with *e ("bad-target",
+ * "bad-escape") at a byte of the target. */
 int http_request_target(struct http_request *request, const char *target, size_t size, struct error *e);
 
 #endif

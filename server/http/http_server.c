@@ -8,7 +8,7 @@
 
 enum { LOOK_MS = 1000 };
 
-/* Has it taken nothing for too long, though bytes wait? */
+/* Returns whether the client has taken no bytes for too long while some wait. */
 static bool is_stalled(struct connection *c) {
     size_t unsent = connection_unsent(c);
     if (!unsent || unsent != c->unsent)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HTTP on one connection: its requests, one after the other, and how long they may take. */
+/* HTTP on one connection: its requests, one after the other, and their timeouts. */
 #include "server/base/mem.h"
 #include "server/base/metrics.h"
 #include "server/http/http_internal.h"
@@ -8,26 +8,26 @@
 #include <string.h>
 
 enum {
-    PENDING_BYTES = 65536, /* of requests that came before the present one was answered */
-    DROP_BYTES = 65536,    /* of a body that nobody wants, to be read all the same */
+    PENDING_BYTES = 65536, /* of requests that arrive before the current one is answered */
+    DROP_BYTES = 65536,    /* of a body to be read and discarded */
     IDLE_MS = 30000,       /* without a request */
-    HEAD_MS = 15000,       /* for a request's head */
-    BODY_MS = 15000,       /* for a body, and without a byte of it, */
-    BODY_BYTES_MS = 1,     /* and so much more for each byte of it */
+    HEAD_MS = 15000,       /* for the head of a request */
+    BODY_MS = 15000,       /* without a byte of the body, and for the whole body */
+    BODY_BYTES_MS = 1,     /* additional time for each byte of the body */
 };
 
 struct http_session {
     struct http_reader reader;
-    struct exchange *exchange; /* the request that is being answered; NULL = none */
-    struct buf pending;        /* what came meanwhile */
-    uint64_t began;            /* loop time when what is waited for began, ms */
-    uint64_t last_rx;          /* and when the last of it came */
+    struct exchange *exchange; /* the request being answered; NULL: none */
+    struct buf pending;        /* bytes received meanwhile */
+    uint64_t began;            /* loop time when the current wait began, ms */
+    uint64_t last_rx;          /* loop time of the last bytes, ms */
     uint64_t body;             /* bytes of the body so far */
-    bool complete;             /* all of the present request has come */
-    bool served;               /* an answer has been given on this connection */
-    bool advancing;            /* its functions are at work */
-    bool eof;                  /* nothing more will come */
-    bool last;                 /* nothing more will be answered */
+    bool complete;             /* the current request has arrived completely */
+    bool served;               /* a response has been sent on this connection */
+    bool advancing;            /* advance() is running */
+    bool eof;                  /* the peer sends nothing more */
+    bool last;                 /* no further request is answered */
 };
 
 static void free_session(struct http_session *h) {
@@ -54,7 +54,7 @@ static void answered(struct connection *c) {
 
 static const struct exchange_session session = {persists, answered};
 
-/* A request that is refused before anybody else hears of it. */
+/* Refuses a request before the owner of the server sees it. */
 static void refuse(struct connection *c, const struct error *e) {
     struct http_session *h = c->http;
     h->last = true;
@@ -66,7 +66,7 @@ static void refuse(struct connection *c, const struct error *e) {
         exchange_error(h->exchange, e);
 }
 
-/* Somebody above the limits: the operator's questions are answered all the same. */
+/* Refuses clients above the limits, but still answers the operator's /healthz and /metrics. */
 static bool turned_away(struct connection *c) {
     const struct http_request *r = &c->http->reader.request;
     struct error e;
@@ -79,8 +79,8 @@ static bool turned_away(struct connection *c) {
     return true;
 }
 
-/* Whoever comes from another machine without TLS, where there is TLS, is sent to the same address with it
- * (RFC 9110, 15.4.9). What this machine's own programs say is heard by nobody else. */
+/* Redirects clients on other machines from plain HTTP to TLS, if it is configured (RFC 9110, 15.4.9).
+ * Programs on this machine may use plain HTTP, which no one can intercept. */
 static bool sent_to_tls(struct connection *c) {
     if (!c->server->options.tls || c->local || connection_secure(c))
         return false;
@@ -123,7 +123,7 @@ static void end(struct connection *c) {
         work->body_end(work->self);
 }
 
-/* The present answer has left. */
+/* Ends the current exchange, whose response has been sent. */
 static void settle(struct connection *c) {
     struct http_session *h = c->http;
     bool goes_on = exchange_persists(h->exchange) && !h->last;
@@ -141,7 +141,7 @@ static bool is_over(const struct connection *c) {
     return c->closing || c->finished || !c->http;
 }
 
-/* Returns how many of the bytes were dealt with. The others have to wait, or are not HTTP any more. */
+/* Returns how many bytes were handled. The others must wait, or are no longer HTTP. */
 static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
     struct http_session *h = c->http;
     size_t at = 0, used;
@@ -171,7 +171,7 @@ static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
     return at;
 }
 
-/* What is left after the connection has become a WebSocket is that one's. */
+/* Passes the remaining bytes to the WebSocket that replaced HTTP on the connection. */
 static void hand_over(struct connection *c, struct http_session *h, const uint8_t *rest, size_t size) {
     free_session(h);
     if (size && !c->closing)
@@ -215,8 +215,8 @@ static void take_bytes(struct connection *c, const char *bytes, size_t size) {
         buf_add(&h->pending, (const uint8_t *)bytes + used, size - used);
 }
 
-/* A client that closes its side may still read: it is answered. Most, however, have left; so what only sends
- * events ends, and what costs much is not worth the doubt. */
+/* A client that closes its side may still read, so it is answered. Most such clients have gone, though:
+ * event streams and costly work end at once. */
 static void on_eof(struct connection *c) {
     struct http_session *h = c->http;
     h->eof = true;
@@ -240,7 +240,8 @@ bool http_session_is_idle(const struct connection *c) {
 static bool is_late(const struct connection *c) {
     const struct http_session *h = c->http;
     uint64_t now = connection_now(c);
-    if (h->exchange && exchange_streams_body(h->exchange)) /* its writer is watched by who speaks it */
+    if (h->exchange &&
+        exchange_streams_body(h->exchange)) /* the code that speaks the text has its own timeout */
         return false;
     if (h->exchange && !h->complete)
         return now - h->last_rx > BODY_MS || now - h->began > BODY_MS + BODY_BYTES_MS * h->body;

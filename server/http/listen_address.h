@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The addresses that a host name or an interface stands for. */
+/* Resolves a host name or an interface to addresses. */
 #ifndef FACCIA_HTTP_LISTEN_ADDRESS_H
 #define FACCIA_HTTP_LISTEN_ADDRESS_H
 
@@ -17,17 +17,17 @@ struct listen_addresses {
     size_t count, cap;
 };
 
-/* host: an address, with or without brackets; a name; an interface; "*" = all of IPv4 and IPv6. IPv4 comes
- * first. Nothing is found: count is 0. The list is the caller's to free. */
+/* host: an address, with or without brackets; a name; an interface; "*": all of IPv4 and IPv6. IPv4 comes
+ * first. count is 0 if nothing is found. The caller frees the list. */
 void listen_addresses_find(struct listen_addresses *found, const char *host);
 
-/* Can it be reached from this machine only? */
+/* Returns whether only this machine can reach the address. */
 bool listen_address_is_local(const struct sockaddr_storage *address);
 
 void listen_address_set_port(struct sockaddr_storage *address, int port);
 int listen_address_port(const struct sockaddr_storage *address); /* 0: it has none */
 
-/* "http://127.0.0.1:8080/", "http://[::1]:8080/", "unix:/run/faccia" */
+/* Appends "http://127.0.0.1:8080/", "http://[::1]:8080/" or "unix:/run/faccia". */
 void listen_address_write(const struct sockaddr_storage *address, bool tls, struct buf *out);
 
 #endif

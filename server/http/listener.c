@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Listens on an address of the machine, or on sockets that were passed, and takes connections within the
- * limits. */
+/* Listens on an address of the machine or on passed sockets, and accepts connections within the limits. */
 #include "server/access/quota.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -15,11 +14,11 @@
 #include <unistd.h>
 
 enum {
-    BIND_TRIES = 20,    /* for a free port that is free in all addresses */
-    ACCEPTS = 64,       /* at a time */
-    BORROWED_MS = 1000, /* for which each of those in reserve is lent */
-    CROWD = 8,          /* connections above what an address may have, which can be told so */
-    RESERVE = 4,        /* descriptors with which somebody can be told that there are no more */
+    BIND_TRIES = 20,    /* to find a port that is free on all addresses */
+    ACCEPTS = 64,       /* per callback */
+    BORROWED_MS = 1000, /* time limit of a connection on a reserve descriptor */
+    CROWD = 8,          /* connections above the limit of an address that are still told so */
+    RESERVE = 4,        /* descriptors for telling clients that there are no more */
 };
 
 struct listener {
@@ -45,7 +44,7 @@ static int bind_to(struct listen_address *a, int port) {
         return -1;
     listen_address_set_port(&a->at, port);
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (a->at.ss_family == AF_INET6) /* IPv4 is another address */
+    if (a->at.ss_family == AF_INET6) /* IPv4 has a socket of its own */
         setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &yes, sizeof yes);
     if (bind(fd, (struct sockaddr *)&a->at, a->size) || listen(fd, SOMAXCONN)) {
         int why = errno;
@@ -72,8 +71,8 @@ static void sockets_drop(struct listeners *all) {
     }
 }
 
-/* In all addresses, at one port. An address of a family that the machine does not have may be missing when
- * there is another. -1: errno says why. */
+/* Binds all addresses to one port. Skips an address whose family the machine lacks, as long as another
+ * works. -1: errno tells why. */
 static int bind_all(struct listeners *all, struct listen_addresses *found, int port) {
     int why = EADDRNOTAVAIL;
     for (size_t i = 0; i < found->count; i++) {
@@ -106,7 +105,7 @@ static int bind_host(struct listeners *all, struct listen_addresses *found, stru
     return 0;
 }
 
-/* Somebody else (systemd) has opened them, and listens on them. */
+/* Takes sockets that another process (systemd) opened and listens on. */
 static int take_passed(struct listeners *all, struct error *e) {
     const struct http_options *o = &all->server->options;
     for (unsigned i = 0; i < o->listen_count; i++) {
@@ -122,7 +121,7 @@ static int take_passed(struct listeners *all, struct error *e) {
     return 0;
 }
 
-/* May what others can reach be listened on? */
+/* Checks whether listening on an address that other machines can reach is allowed. */
 static int check(const struct http_server *server, bool local, const char *what, struct error *e) {
     const struct http_options *o = &server->options;
     if (local || (o->remote && o->tokens))
@@ -188,7 +187,7 @@ static void fill_reserve(struct listeners *all) {
     }
 }
 
-/* A connection that asks for nothing at the moment gives way. */
+/* Closes an idle connection to make room. Returns false if there is none. */
 static bool make_room(struct http_server *server) {
     struct connection *oldest = NULL;
     for (struct connection *c = server->open; c; c = c->next)
@@ -199,7 +198,8 @@ static bool make_room(struct http_server *server) {
     return oldest != NULL;
 }
 
-/* Far above the limits: nothing is made for it, so that its descriptor is free at once. */
+/* Closes a connection far above the limits without allocating anything for it, which frees its descriptor
+ * at once. */
 static bool turned_away(struct http_server *server, int fd, bool borrowed) {
     if (server->connections < server->options.connections + server->options.connections_above)
         return false;
@@ -240,12 +240,12 @@ static int accept_from(const struct listener *l, struct sockaddr_storage *peer) 
     *peer = (struct sockaddr_storage){0};
     int fd = accept4(l->fd, (struct sockaddr *)peer, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd >= 0 && size <= sizeof(sa_family_t))
-        peer->ss_family = AF_UNIX; /* without a name */
+        peer->ss_family = AF_UNIX; /* an unnamed peer */
     return fd;
 }
 
-/* There are no descriptors: those in reserve let a few in, who are told so; then nobody is let in until one
- * is free. */
+/* Out of descriptors: a few clients are accepted on reserve descriptors and told so. After that, accepting
+ * pauses until a descriptor is free. */
 static void when_full(struct listener *l, int why) {
     struct listeners *all = l->all;
     struct sockaddr_storage peer;
@@ -277,7 +277,6 @@ static void on_connection(uv_poll_t *poll, int status, int events) {
     }
 }
 
-/* A connection is gone: a descriptor, perhaps one of the reserve, is free. */
 void listeners_freed(struct http_server *server, bool reserve) {
     struct listeners *all = server->listeners;
     if (!all || (!reserve && !all->paused && all->reserved == RESERVE))

@@ -10,7 +10,7 @@ struct message_queue_link {
 };
 
 static struct queued_message *make(const uint8_t *head, size_t head_size, const void *data, size_t size) {
-    /* not zeroed: all of it is written, and there is one for each message */
+    /* not zeroed: every byte is written, and this runs for each message */
     struct queued_message *message = mem_resize(NULL, sizeof *message + head_size + size);
     *message = (struct queued_message){.refs = 1, .head = (uint8_t)head_size, .size = size};
     memcpy(message->bytes, head, head_size);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What waits to leave on one WebSocket connection. A message that goes to many is made once and shared. */
+/* Send queue of one WebSocket. A message for many clients is built once and shared. */
 #ifndef FACCIA_HTTP_MESSAGE_QUEUE_H
 #define FACCIA_HTTP_MESSAGE_QUEUE_H
 
@@ -7,22 +7,24 @@
 #include "server/http/websocket_reader.h"
 #include <stdbool.h>
 
-/* One message, as the frame that is sent: what a server sends is not masked, so it is the same for all. */
+/* One message as a complete frame. Server frames are not masked (RFC 6455, 5.1), so all clients get the
+ * same bytes. */
 struct queued_message {
     unsigned refs;
-    bool media;                  /* may be left out for a client that is too slow */
-    const char *event;           /* of a text message: its type */
-    struct queued_message *line; /* and the same for those who type, which it owns; or NULL */
-    uint64_t born;               /* loop time when it was made, ms; of media */
-    size_t size;                 /* of the message */
-    uint8_t head;                /* bytes of the frame before it */
+    bool media;        /* may be dropped for a client that is too slow */
+    const char *event; /* type of a text message */
+    struct queued_message
+        *line;     /* the same message for clients of the text protocol, owned by this one; or NULL */
+    uint64_t born; /* loop time of its creation, ms; for media */
+    size_t size;   /* of the message, bytes */
+    uint8_t head;  /* size of the frame header, bytes */
     uint8_t bytes[];
 };
 
-/* With one reference, which belongs to the caller. */
+/* Returns a message with one reference, owned by the caller. */
 struct queued_message *queued_message_new(enum websocket_opcode opcode, const void *data, size_t size);
 
-/* Bytes that are no frame. */
+/* The same for raw bytes without a frame. */
 struct queued_message *queued_message_plain(const void *data, size_t size);
 const uint8_t *queued_message_body(const struct queued_message *message);
 void queued_message_release(struct queued_message *message);
@@ -36,16 +38,16 @@ void message_queue_open(struct message_queue *box);
 void message_queue_close(struct message_queue *box);
 bool message_queue_empty(const struct message_queue *box);
 
-/* Takes a reference of its own. */
+/* Adds a reference of its own. */
 void message_queue_push(struct message_queue *box, struct queued_message *message);
 
-/* The next to be sent, whose reference is the caller's; NULL when there is none. */
+/* Returns the next message, whose reference passes to the caller; NULL if empty. */
 struct queued_message *message_queue_pop(struct message_queue *box);
 
-/* For how long the oldest media have waited, ms. */
+/* Returns how long the oldest media have waited, ms. */
 uint64_t message_queue_age(const struct message_queue *box, uint64_t now);
 
-/* Leaves out the media that wait. */
+/* Drops the media in the queue. */
 void message_queue_drop_media(struct message_queue *box);
 
 #endif

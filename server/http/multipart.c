@@ -7,7 +7,7 @@
 
 enum { BOUNDARY_BYTES = 70 /* RFC 2046, 5.1.1 */ };
 
-/* What stands between two parts, without the line break before it. */
+/* Separates the parts: "--" and the boundary, without the preceding line break. */
 struct boundary {
     char text[2 + BOUNDARY_BYTES + 1];
     size_t size;
@@ -29,7 +29,7 @@ static const uint8_t *find(const uint8_t *from, const uint8_t *end, const void *
     return from < end ? memmem(from, (size_t)(end - from), what, size) : NULL;
 }
 
-/* Does a header among these lines say name="NAME" (of Content-Disposition)? */
+/* Returns whether a Content-Disposition among these lines has name="NAME". */
 static int is_named(const uint8_t *head, const uint8_t *end, const char *name) {
     char quoted[80];
     int size = snprintf(quoted, sizeof quoted, " name=\"%s\"", name);

@@ -57,8 +57,8 @@ static uint8_t *read_file(const char *path, size_t *size) {
     return data;
 }
 
-/* Takes FILE.gz when it lies beside FILE, else compresses, but for the nets: their numbers do not get
- * smaller. file NULL: it is none. */
+/* Uses FILE.gz beside FILE, or else compresses. Neural nets are not compressed, as their numbers do not
+ * shrink. file NULL: the bytes come from no file. */
 static void pack(struct static_file *a, const char *file) {
     char sibling[4096];
     snprintf(sibling, sizeof sibling, "%s.gz", file ? file : "");
@@ -101,7 +101,7 @@ static struct static_file *add(struct static_files *files, const char *path, con
     return a;
 }
 
-/* Adds the files of a folder and of those in it, under the address of that folder ("" for the first). */
+/* Adds the files of a folder and its subfolders below `address` ("" for the top folder). */
 static void add_folder(struct static_files *files, const char *folder, const char *address, int depth) {
     char pattern[4096];
     glob_t found;

@@ -12,21 +12,21 @@
 
 enum {
     HANDSHAKE_SECONDS = 15, /* for TLS to begin */
-    OUT_LEAST = 512,        /* of the buffer for what waits */
+    OUT_LEAST = 512,        /* initial size of the output buffer */
 };
 
 struct peer {
     struct transport *transport;
     struct lws *wsi; /* NULL: gone, or not there yet */
     void *owner;
-    uint8_t *out; /* what waits, behind LWS_PRE bytes of libwebsockets; NULL: nothing */
+    uint8_t *out; /* unsent bytes, after LWS_PRE bytes for libwebsockets; NULL: none */
     size_t out_size, out_cap;
     struct peer *next_due;
-    int half; /* a copy of the descriptor of a socket whose peer sends nothing more; -1: none */
-    bool due; /* among those that on_due looks after */
+    int half; /* copy of the descriptor of a socket whose peer sends nothing more; -1: none */
+    bool due; /* in the list of on_due */
     bool adopting, closing, failed;
-    bool eof;       /* nothing more comes: it is not read */
-    bool telling;   /* `sent` is owed */
+    bool eof;       /* the peer sends nothing more, so reading is off */
+    bool telling;   /* `sent` must be called */
     bool finishing; /* nothing more is written */
 };
 
@@ -75,8 +75,8 @@ static void adopt(struct peer *p, int fd, int type) {
     later(p);
 }
 
-/* libwebsockets closes a socket whose peer sends nothing more. A plain one goes on under a copy of its
- * descriptor, from which nothing is read. */
+/* libwebsockets closes a socket whose peer sends nothing more. A plain one continues on a copy of its
+ * descriptor, with reading off. */
 static void go_on_half(struct peer *p) {
     int fd = p->half;
     p->half = -1;
@@ -99,7 +99,7 @@ static void on_due(uv_idle_t *idle) {
         if (p->half >= 0 && !p->closing) {
             go_on_half(p);
         } else if (p->closing && p->wsi) {
-            lws_set_timeout(p->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_SYNC); /* to on_close */
+            lws_set_timeout(p->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_SYNC); /* calls on_close */
         } else if (!p->wsi && (p->closing || p->failed)) {
             if (p->half >= 0)
                 close(p->half);
@@ -122,7 +122,7 @@ static void on_close(struct peer *p, struct lws *wsi) {
                   ? fcntl(lws_get_socket_fd(wsi), F_DUPFD_CLOEXEC, 3)
                   : -1;
     p->failed = p->half < 0;
-    if (p->failed && !p->due) /* nothing else knows it */
+    if (p->failed && !p->due) /* no list refers to it */
         gone(p);
     else
         later(p);
@@ -135,7 +135,7 @@ static void tell_end(struct peer *p) {
         shutdown(lws_get_socket_fd(p->wsi), SHUT_WR);
 }
 
-/* -1: the connection is broken. */
+/* Returns -1 if the connection is broken. */
 static int on_writable(struct peer *p) {
     if (p->closing)
         return 0;
@@ -147,11 +147,11 @@ static int on_writable(struct peer *p) {
         if (taken < 0)
             return -1;
     }
-    if (lws_partial_buffered(p->wsi)) /* it asks again when that has left */
+    if (lws_partial_buffered(p->wsi)) /* libwebsockets calls again when it has been sent */
         return 0;
     if (p->finishing) {
         tell_end(p);
-        if (p->eof) /* both have said so */
+        if (p->eof) /* both sides have finished */
             peer_close(p);
     }
     if (p->telling) {
@@ -195,8 +195,8 @@ bool peer_secure(const struct peer *p) {
     return p->wsi && lws_get_ssl(p->wsi);
 }
 
-/* Straight to the kernel, when nothing is before it and no TLS: a writeable callback for each message would
- * cost more than the message. What the kernel does not take waits for that callback. */
+/* Writes directly to the socket if nothing is queued and there is no TLS: a writeable callback per message
+ * would cost more than the message. The rest waits for that callback. */
 static size_t send_now(struct peer *p, const struct iovec *parts, size_t count) {
     const struct msghdr message = {.msg_iov = (struct iovec *)(uintptr_t)parts, .msg_iovlen = count};
     if (!p->wsi || p->telling || lws_get_ssl(p->wsi))
@@ -227,7 +227,7 @@ size_t peer_write(struct peer *p, const struct iovec *parts, size_t count) {
         all += parts[i].iov_len;
     if (p->closing || p->failed || p->finishing || (taken = send_now(p, parts, count)) == all || p->closing)
         return all;
-    size_t at = taken; /* of the part that is next */
+    size_t at = taken; /* bytes of the parts already sent */
     for (size_t i = 0; i < count; i++) {
         size_t left = parts[i].iov_len > at ? parts[i].iov_len - at : 0;
         size_t kept = keep(p, (const uint8_t *)parts[i].iov_base + (parts[i].iov_len - left), left);
@@ -277,7 +277,8 @@ static void on_log(int level, const char *line) {
 
 struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls,
                                  const struct transport_tls *tls, struct error *e) {
-    static const lws_retry_bo_t none = {0}; /* who owns a connection asks whether its peer is there */
+    static const lws_retry_bo_t none = {
+        0}; /* no keepalive: the owner of a connection checks that its peer is alive */
     void *loops[] = {loop};
     if (tls && transport_check_tls(tls, e))
         return NULL;
@@ -290,7 +291,7 @@ struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls
         .timeout_secs = HANDSHAKE_SECONDS,
         .pt_serv_buf_size = PEER_READ_BYTES,
         .vhost_name = "faccia",
-        .alpn = "http/1.1", /* HTTP/2 is never spoken (CVE-2026-19773) */
+        .alpn = "http/1.1", /* never HTTP/2 (CVE-2026-19773) */
     };
     if (tls) {
         info.ssl_cert_filepath = tls->cert;
@@ -326,7 +327,7 @@ void transport_close(struct transport *all) {
     uv_close((uv_handle_t *)all->idle, free_idle);
     all->idle = NULL;
     if (all->context)
-        lws_context_destroy(all->context); /* on a foreign loop this is the first of two steps */
+        lws_context_destroy(all->context); /* the first of two steps, on a foreign loop */
 }
 
 void transport_free(struct transport *all) {

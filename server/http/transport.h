@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Carries the bytes of connections, plain or over TLS, with libwebsockets on the program's libuv loop. No
- * other folder includes that library. What is spoken over one is its owner's affair: libwebsockets' own
- * readers of HTTP/1, HTTP/2 and WebSocket are never entered. */
+/* Transfers bytes over connections, plain or TLS, with libwebsockets on the program's libuv loop. No other
+ * folder includes that library. The owner of a connection parses its bytes: the HTTP/1, HTTP/2 and
+ * WebSocket parsers of libwebsockets are never used. */
 #ifndef FACCIA_HTTP_TRANSPORT_H
 #define FACCIA_HTTP_TRANSPORT_H
 
@@ -12,62 +12,62 @@
 #include <uv.h>
 
 enum {
-    PEER_READ_BYTES = 65536,  /* at most, at a time */
-    PEER_WRITE_BYTES = 32768, /* that wait to leave one connection, at most */
+    PEER_READ_BYTES = 65536,  /* most bytes per read */
+    PEER_WRITE_BYTES = 32768, /* most unsent bytes of one connection */
 };
 
 struct transport;
 struct peer;
 
 struct peer_calls {
-    void (*read)(void *owner, const char *bytes, size_t size); /* bytes have come */
-    void (*eof)(void *owner);    /* the peer sends nothing more, but may still read; never of TLS */
-    void (*sent)(void *owner);   /* all that was written has left */
-    void (*closed)(void *owner); /* it is gone: the last call */
+    void (*read)(void *owner, const char *bytes, size_t size); /* bytes have arrived */
+    void (*eof)(void *owner);    /* the peer sends nothing more, but may still read; never called for TLS */
+    void (*sent)(void *owner);   /* everything written has been sent */
+    void (*closed)(void *owner); /* it is gone; this is the last call */
 };
 
-/* Certificate and key, in PEM; both stay the caller's. */
+/* PEM files of the certificate and its key. The strings stay the caller's. */
 struct transport_tls {
-    const char *cert, *key; /* files */
+    const char *cert, *key; /* file names */
 };
 
-/* NULL with *e ("listen": libwebsockets cannot begin, or as transport_check_tls). tls: NULL for none. With
- * it, a connection is TLS when its peer begins so, and plain when it does not: see peer_secure. */
+/* NULL with *e ("listen": libwebsockets cannot start, or as transport_check_tls). tls NULL: no TLS.
+ * Otherwise each peer decides how it begins, TLS or plain: see peer_secure. */
 struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls,
                                  const struct transport_tls *tls, struct error *e);
 
-/* Whether the files hold a certificate and its key, and nobody else can read the key. -1 with *e
- * ("bad-field"). */
+/* Checks that the files hold a certificate and its key, and that the key is not readable by everyone. -1
+ * with *e ("bad-field"). */
 int transport_check_tls(const struct transport_tls *tls, struct error *e);
 
-/* Reads the files with which it was opened anew; connections that are open go on with what they have. -1 with
- * *e, and nothing is changed. */
+/* Reloads the files given to transport_open; open connections keep their certificate. -1 with *e, changing
+ * nothing. */
 int transport_renew_tls(struct transport *transport, const struct transport_tls *tls, struct error *e);
 
-/* Closes what is open. Then the loop must run before it is freed. */
+/* Closes all connections. The loop must run before the transport is freed. */
 void transport_close(struct transport *transport);
 void transport_free(struct transport *transport);
 
-/* Takes the connected socket, which is closed with it, and reads from it. Never NULL; one that fails is
- * told as closed, later. */
+/* Takes ownership of the connected socket and reads from it. Never returns NULL: a failure is reported
+ * later by `closed`. */
 struct peer *peer_open(struct transport *transport, int fd, void *owner);
 
-/* Is it TLS? Known once bytes have come. */
+/* Returns whether it uses TLS. Known once bytes have arrived. */
 bool peer_secure(const struct peer *peer);
 
-/* Takes bytes that are to leave, as many as there is room for, and returns how many; when that is not all,
- * the rest can be written once `sent` was called. Of one that closes it takes all, and they are lost. */
+/* Sends as many bytes as there is room for, and returns how many. If not all fit, write the rest once
+ * `sent` is called. A closing peer accepts all bytes and discards them. */
 size_t peer_write(struct peer *peer, const struct iovec *parts, size_t count);
 
-/* Bytes that wait. */
+/* Returns the number of unsent bytes. */
 size_t peer_unsent(const struct peer *peer);
 
 void peer_read(struct peer *peer, bool on);
 
-/* Tells the peer, when all has left, that nothing follows. Reading goes on. */
+/* Ends the sending side once everything has been sent. Reading continues. */
 void peer_finish(struct peer *peer);
 
-/* It is closed soon after. */
+/* Closes it soon after. */
 void peer_close(struct peer *peer);
 
 #endif

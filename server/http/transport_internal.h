@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of this folder share. */
+/* Shared by the files of the transport. */
 #ifndef FACCIA_HTTP_TRANSPORT_INTERNAL_H
 #define FACCIA_HTTP_TRANSPORT_INTERNAL_H
 
@@ -11,15 +11,15 @@ struct transport {
     struct lws_context *context;
     struct lws_vhost *vhost;
     uv_idle_t *idle;  /* NULL: closing */
-    struct peer *due; /* see later() */
+    struct peer *due; /* peers to handle in the next loop iteration, see later() */
 };
 
 /* transport_tls.c */
 
-/* TLS 1.2 and later. */
+/* Allows TLS 1.2 and later. */
 long transport_tls_options(void);
 
-/* Tells the peer that nothing follows. */
+/* Sends the peer a TLS close_notify. */
 void transport_end_tls(struct lws *wsi);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Certificates, and what of TLS libwebsockets leaves to OpenSSL. */
+/* Certificates, and the TLS details that libwebsockets leaves to OpenSSL. */
 #include "server/http/transport_internal.h"
 #include <errno.h>
 #include <openssl/err.h>
@@ -19,7 +19,7 @@ void transport_end_tls(struct lws *wsi) {
     ERR_clear_error();
 }
 
-/* What OpenSSL says, without its numbers. */
+/* Reports OpenSSL's reason without its error codes. */
 static int refuse(const char *field, const char *file, struct error *e) {
     const char *why = ERR_reason_error_string(ERR_peek_last_error());
     ERR_clear_error();

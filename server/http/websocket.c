@@ -13,11 +13,11 @@
 enum {
     KEY_CHARS = 24,
     ACCEPT_CHARS = 28,
-    MESSAGE_TIMES = 16, /* a message so many times as long as allowed ends the connection */
-    HEAD_BYTES = 512,   /* kept of the beginning of a message that is too long */
-    SEND_TOGETHER = 32, /* messages that leave together, at most */
-    HANG_UP_MS = 25000, /* clients wait half a minute for the answer to their close */
-    GOODBYE_MS = 2000,  /* a client may take to answer ours */
+    MESSAGE_TIMES = 16, /* a message this many times the limit ends the connection */
+    HEAD_BYTES = 512,   /* kept of a message that is too long */
+    SEND_TOGETHER = 32, /* most messages per write */
+    HANG_UP_MS = 25000, /* clients wait half a minute for the reply to their close */
+    GOODBYE_MS = 2000,  /* for the client to answer our close */
 };
 
 struct websocket {
@@ -26,32 +26,33 @@ struct websocket {
     void *owner;
     struct websocket_reader reader;
     struct buf message; /* being received */
-    bool too_long;      /* its rest is being dropped */
+    bool too_long;      /* the rest of it is dropped */
     struct message_queue queue;
-    struct queued_message *leaving;                   /* not all of it has been taken: */
-    size_t left_at;                                   /* bytes of its frame that have */
-    struct queued_message *pong;                      /* the answer to the last ping, while it waits */
-    uint64_t last_rx;                                 /* loop time at which it said something last, ms */
-    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
-    bool rx_paused; /* nothing is read from a client that takes nothing, until it does */
-    bool held;      /* by its owner: nothing is read, and what has come waits here: */
+    struct queued_message *leaving;                   /* partly sent message */
+    size_t left_at;                                   /* bytes of its frame already sent */
+    struct queued_message *pong;                      /* queued answer to the last ping */
+    uint64_t last_rx;                                 /* loop time when the client last sent bytes, ms */
+    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that checks whether the client is alive */
+    bool rx_paused;                                   /* reading is off until the client takes bytes again */
+    bool held; /* by the owner: reading is off, and received bytes wait in `unread` */
     struct buf unread;
     const char *close_reason; /* why the connection is to be closed */
     enum websocket_status close_status;
-    enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
-    uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
-    bool farewell; /* the client has closed, or broken the rules: nothing more is awaited from it */
-    bool closing;  /* the close frame is on its way, or has left */
-    bool sending;  /* go_on is at work */
+    enum websocket_status hangs_up; /* status of the client's close, which is answered later */
+    uint64_t hang_up_by;            /* loop time of the latest answer, ms; 0: the client has not closed */
+    bool farewell; /* the client has closed or violated the protocol: nothing more is expected from it */
+    bool closing;  /* the close frame is being sent, or was sent */
+    bool sending;  /* go_on is running */
 };
 
 static void go_on(struct websocket *ws);
 
-uint64_t websocket_now(const struct websocket *ws) {
+/* Loop time, ms. */
+static uint64_t websocket_now(const struct websocket *ws) {
     return connection_now(ws->connection);
 }
 
-/* Closes it now: the client has, or has broken the rules. */
+/* Closes now, because the client has closed or violated the protocol. */
 static void bid_farewell(struct websocket *ws, enum websocket_status status, const char *reason) {
     ws->farewell = true;
     if (ws->closing) {
@@ -62,7 +63,7 @@ static void bid_farewell(struct websocket *ws, enum websocket_status status, con
     websocket_close(ws, status, reason);
 }
 
-/* Reads what comes, if nothing speaks against it. */
+/* Resumes reading unless it is paused or held. */
 static void listen_again(struct websocket *ws) {
     connection_read(ws->connection, !ws->rx_paused && !ws->held);
 }
@@ -77,7 +78,7 @@ static void on_piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, 
     ws->too_long |= ws->message.size + size > most;
     if (ws->too_long)
         most = HEAD_BYTES;
-    if (ws->message.size < most) /* of one that is too long, its id may be there, for who is told */
+    if (ws->message.size < most) /* the beginning may hold the id needed to report the error */
         buf_add(&ws->message, bytes, size < most - ws->message.size ? size : most - ws->message.size);
     if (!last)
         return;
@@ -89,7 +90,7 @@ static void on_piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, 
     buf_free(&message);
 }
 
-/* When pings come faster than answers leave, the last one is answered (RFC 6455, 5.5.3). */
+/* If pings arrive faster than answers leave, only the last is answered (RFC 6455, 5.5.3). */
 static void on_ping(void *ctx, const uint8_t *payload, size_t size) {
     struct websocket *ws = ctx;
     if (ws->closing)
@@ -100,11 +101,11 @@ static void on_ping(void *ctx, const uint8_t *payload, size_t size) {
 }
 
 static void on_pong(void *ctx) {
-    (void)ctx; /* it has been heard */
+    (void)ctx; /* read_bytes has noted that the client is alive */
 }
 
-/* The close of a client that is still to hear something is answered after that (RFC 6455, 5.5.1, leaves that
- * open). */
+/* Delays the answer to a close while the client must still receive something (RFC 6455, 5.5.1, permits
+ * that). */
 static void on_close(void *ctx, enum websocket_status status) {
     struct websocket *ws = ctx;
     if (ws->calls->lingers(ws->owner)) {
@@ -154,8 +155,7 @@ void websocket_hold(struct websocket *ws, bool held) {
     listen_again(ws);
 }
 
-/* A client that has been silent is asked whether it is still there (RFC 6455, 5.5.2), and closed when it does
- * not answer. */
+/* Pings a client that has been silent (RFC 6455, 5.5.2), and closes it if it does not answer. */
 static void look(struct connection *c) {
     struct websocket *ws = c->websocket;
     uint64_t silent = websocket_now(ws) - ws->last_rx;
@@ -163,14 +163,14 @@ static void look(struct connection *c) {
     if (ws->closing)
         return;
     if (ws->hang_up_by) {
-        note_heard(ws); /* it says nothing more */
+        note_heard(ws); /* after its close the client is silent */
         bool over = !ws->calls->lingers(ws->owner) && message_queue_empty(&ws->queue);
         if (over || websocket_now(ws) >= ws->hang_up_by)
             bid_farewell(ws, ws->hangs_up, "");
         return;
     }
     if (ws->rx_paused || ws->held) {
-        note_heard(ws); /* its answers lie unread */
+        note_heard(ws); /* its answers are not read */
     } else if (ws->probe == PROBE_NONE && silent >= ping_ms) {
         ws->probe = PROBE_DUE;
         go_on(ws);
@@ -182,7 +182,7 @@ static void look(struct connection *c) {
 
 /* Sending */
 
-/* So many bytes of its frame have been taken; the rest is kept until there is room for more. */
+/* Accounts for the sent bytes of a frame, and keeps the rest until there is room. */
 static void note_taken(struct websocket *ws, struct queued_message *message, size_t taken) {
     metrics_add(ws->connection->server->metrics, METRIC_SENT_BYTES, (double)message->size);
     if (taken >= message->head + message->size)
@@ -196,7 +196,7 @@ static void transmit(struct websocket *ws, struct queued_message *message) {
     note_taken(ws, message, connection_send(ws->connection, message->bytes, message->head + message->size));
 }
 
-/* The rest of a message that has been begun. */
+/* Sends the rest of a partly sent message. */
 static void transmit_rest(struct websocket *ws) {
     struct queued_message *message = ws->leaving;
     size_t left = message->head + message->size - ws->left_at;
@@ -241,7 +241,7 @@ void websocket_send(struct websocket *ws, struct queued_message *message) {
     }
 }
 
-/* The close frame (RFC 6455, 5.5.1), before which nothing waits any more. */
+/* Sends the close frame (RFC 6455, 5.5.1), dropping what is queued. */
 static void say_goodbye(struct websocket *ws) {
     enum { STATUS_BYTES = 2 };
     uint8_t payload[WEBSOCKET_CONTROL_BYTES] = {(uint8_t)(ws->close_status >> 8), (uint8_t)ws->close_status};
@@ -254,17 +254,17 @@ static void say_goodbye(struct websocket *ws) {
     message_queue_close(&ws->queue);
     ws->connection->end_by = websocket_now(ws) + GOODBYE_MS;
     if (ws->rx_paused)
-        connection_read(ws->connection, true); /* to hear the client's answer */
+        connection_read(ws->connection, true); /* to read the client's answer */
     transmit(ws, frame);
     queued_message_release(frame);
 }
 
-/* The next thing that has to leave. False: there is none. */
+/* Sends the next frame. Returns false if there is none. */
 static bool send_next(struct websocket *ws) {
     bool empty = message_queue_empty(&ws->queue);
     if (ws->closing)
         return false;
-    /* one that is too slow gets nothing more, nor does one that has closed; others get what is on its way */
+    /* Clients that are too slow or have closed get only the close frame; others first get what is queued. */
     if (ws->close_reason &&
         (empty || ws->farewell || ws->queue.unsent > ws->connection->server->options.send_bytes_max)) {
         say_goodbye(ws);
@@ -284,7 +284,7 @@ static bool send_next(struct websocket *ws) {
     return message != NULL;
 }
 
-/* Less waits than before. */
+/* Called after the queue has shrunk. */
 static void ease(struct websocket *ws) {
     if (ws->rx_paused && ws->queue.unsent <= ws->connection->server->options.send_bytes) {
         ws->rx_paused = false;
@@ -331,7 +331,7 @@ bool websocket_all_sent(const struct websocket *ws) {
     return !ws->leaving && !connection_unsent(ws->connection) && message_queue_empty(&ws->queue);
 }
 
-struct connection *websocket_connection(const struct websocket *ws) {
+static struct connection *websocket_connection(const struct websocket *ws) {
     return ws->connection;
 }
 
@@ -344,7 +344,7 @@ static int refuse(struct exchange *x, enum error_code code, const char *why) {
     return -1;
 }
 
-/* 16 bytes in base64. */
+/* Checks for the base64 form of 16 bytes. */
 static bool is_key(const char *key) {
     if (!key || strlen(key) != KEY_CHARS || strcmp(key + KEY_CHARS - 2, "=="))
         return false;
@@ -388,7 +388,7 @@ static int choose_protocol(struct exchange *x, const char *const *known, const c
     return -1;
 }
 
-/* RFC 6455, 4.2.2, 5.4. */
+/* Computes Sec-WebSocket-Accept (RFC 6455, 4.2.2, 5.4). */
 static void accept_of(const char *key, char accept[ACCEPT_CHARS + 1]) {
     static const char constant[] = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
     char text[KEY_CHARS + sizeof constant];
@@ -448,7 +448,7 @@ void websocket_use(struct websocket *ws, const struct websocket_calls *calls, vo
     ws->calls = calls;
     ws->owner = owner;
     c->websocket = ws;
-    c->http = NULL; /* its session is freed by who called `upgrade` */
+    c->http = NULL; /* the caller of `upgrade` frees the session */
     c->name = name;
     connection_use(c, &protocol);
     note_heard(ws);

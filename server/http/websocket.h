@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One WebSocket (RFC 6455): its handshake, whole messages in and out, back pressure, pings and its close. */
+/* One WebSocket (RFC 6455): handshake, whole messages in both directions, back pressure, pings and close. */
 #ifndef FACCIA_HTTP_WEBSOCKET_H
 #define FACCIA_HTTP_WEBSOCKET_H
 
@@ -10,53 +10,52 @@
 struct exchange;
 struct websocket;
 
-/* What the owner of one is told. */
+/* Callbacks of the owner. */
 struct websocket_calls {
-    /* A whole message, which the owner may take over. Of one that is too long only the beginning is there. */
+    /* A whole message has arrived; the owner may take the buffer over. If it is too long, only its
+     * beginning is present. */
     void (*message)(void *owner, struct buf *message, bool binary, bool too_long);
 
-    /* The client has broken the rules, and can still be told why before the connection closes. */
+    /* The client has violated the protocol. It can still be told why before the connection closes. */
     void (*fault)(void *owner, const struct error *e);
 
-    /* The client has closed its side: is there something that it is still to hear? Asked until it says no. */
+    /* The client has closed its side. Returns whether it must still receive something; called until it
+     * returns false. */
     bool (*lingers)(void *owner);
 
-    /* All that waited has left: there is room for more. */
+    /* The queue has been sent: there is room for more. */
     void (*drained)(void *owner);
 
-    /* It is gone. */
+    /* The WebSocket is gone. */
     void (*free)(void *owner);
 };
 
-/* Checks the handshake, and chooses the first sub-protocol of the client's list that is among those known
- * here (NULL-terminated): *chosen is one of them, or NULL where the client has no list. What is sent before
- * websocket_use stays in line. NULL after a refusal has been answered. */
+/* Checks the handshake and picks the first sub-protocol of the client's list that is in `protocols`
+ * (NULL-terminated). *chosen is one of them, or NULL if the client sent no list. Messages sent before
+ * websocket_use are queued. Returns NULL after answering with a refusal. */
 struct websocket *websocket_accept(struct exchange *x, const char *const *protocols, const char **chosen);
 
-/* name is for the log; it lives as long as the owner. */
+/* name is for the log and must live as long as the owner. */
 void websocket_use(struct websocket *ws, const struct websocket_calls *calls, void *owner, const char *name);
 
-/* Sends the message, of which it keeps a reference. */
+/* Sends the message, adding a reference. */
 void websocket_send(struct websocket *ws, struct queued_message *message);
 
-/* Sends together, and at once, when nothing is before them, so many of them; the others are for
+/* Sends messages together and at once if none are queued before them. Returns how many; pass the others to
  * websocket_send. */
 size_t websocket_send_now(struct websocket *ws, struct queued_message *const *messages, size_t count);
 
-/* What waits. */
+/* The messages waiting to be sent. */
 struct message_queue *websocket_queue(struct websocket *ws);
 bool websocket_all_sent(const struct websocket *ws);
 
-/* Reads nothing, and hears nothing of what has been read, until it is let go on. */
+/* Stops reading and delivering messages until called with false. */
 void websocket_hold(struct websocket *ws, bool held);
 
-/* Closes the connection when what waits has left; what follows is dropped. The reason is a literal. */
+/* Closes the connection once the queue has been sent; later messages are dropped. The reason is a string
+ * literal. */
 void websocket_close(struct websocket *ws, enum websocket_status status, const char *reason);
-bool websocket_closing(const struct websocket *ws); /* its close is on the way: nothing more is heard */
-
-struct connection *websocket_connection(const struct websocket *ws);
-
-/* Loop time, ms. */
-uint64_t websocket_now(const struct websocket *ws);
+bool websocket_closing(
+    const struct websocket *ws); /* its close frame is being sent: no more messages are delivered */
 
 #endif

@@ -7,10 +7,10 @@
 #include <string.h>
 
 enum {
-    OPEN_SECONDS = 10,     /* within which it must be open */
-    AGAIN_MS = 500,        /* to the first of the tries to come back, which come later each time */
-    AGAIN_MOST_MS = 10000, /* between two tries */
-    STEADY_MS = 5000,      /* open for so long, and the next try after it comes soon again */
+    OPEN_SECONDS = 10,     /* to open the connection */
+    AGAIN_MS = 500,        /* before the first reconnect; doubles each time */
+    AGAIN_MOST_MS = 10000, /* longest delay before a reconnect */
+    STEADY_MS = 5000,      /* a connection open for this long resets the delay */
     KEEPALIVE_SECONDS = 30,
 };
 
@@ -18,7 +18,7 @@ struct outgoing {
     struct outgoing *next;
     bool binary;
     size_t size;
-    uint8_t bytes[]; /* behind LWS_PRE of libwebsockets */
+    uint8_t bytes[]; /* after LWS_PRE bytes for libwebsockets */
 };
 
 struct websocket_client {
@@ -30,15 +30,15 @@ struct websocket_client {
     char *address, *path, *bearer, *origin_host;
     int port;
     bool tls, again, closed;
-    bool open, starting, too_long, failed; /* failed: while it was starting */
-    char why[128];                         /* so */
+    bool open, starting, too_long, failed; /* failed: during start() */
+    char why[128];                         /* reason of the failure */
     struct websocket_calls calls;
     void *ctx;
     struct buf come;
     struct outgoing *first, **last;
     size_t unsent;
-    unsigned wait;  /* ms before the next try */
-    uint64_t since; /* loop time at which it was opened, ms */
+    unsigned wait;  /* before the next reconnect, ms */
+    uint64_t since; /* loop time when it was opened, ms */
 };
 
 const char websocket_unreachable[] = "it cannot be connected to";
@@ -63,7 +63,7 @@ static void drop_outgoing(struct websocket_client *c) {
 
 static void lose(struct websocket_client *c, const char *why) {
     c->wsi = NULL;
-    if (c->starting) { /* told where it was started */
+    if (c->starting) { /* start() reports it */
         c->failed = true;
         snprintf(c->why, sizeof c->why, "%s", why);
         return;
@@ -110,7 +110,7 @@ static void on_again(uv_timer_t *timer) {
     start(timer->data);
 }
 
-/* -1: the connection is given up. */
+/* Returns -1 to give up the connection. */
 static int take(struct websocket_client *c, struct lws *wsi, const void *bytes, size_t size) {
     if (lws_frame_is_binary(wsi) || c->closed)
         return 0;
@@ -150,8 +150,8 @@ static int append_token(const struct websocket_client *c, struct lws *wsi, void 
                                        (const unsigned char *)c->bearer, (int)strlen(c->bearer), at, end);
 }
 
-/* Why a connection could not be made, as libwebsockets says it: what begins with "HS: " is about the answer
- * to the handshake. */
+/* Translates the reason of libwebsockets for a failed connection. "HS: " begins those about the
+ * handshake's response. */
 static const char *reason_of(const void *in) {
     const char *why = in;
     if (!why || !*why || !strcmp(why, "closed before established"))
@@ -183,7 +183,8 @@ static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *use
         return send_next(c);
     case LWS_CALLBACK_CLIENT_CLOSED:
     case LWS_CALLBACK_CLOSED_CLIENT_HTTP:
-    case LWS_CALLBACK_WSI_DESTROY: /* that it goes in the middle of the handshake is not always told before */
+    case LWS_CALLBACK_WSI_DESTROY: /* a connection that dies during the handshake is not always reported
+                                      otherwise */
         if (wsi == c->wsi)
             lose(c, c->too_long ? "it sends a message that is too long" : "it was closed");
         return 0;
@@ -208,7 +209,7 @@ static bool read_url(struct websocket_client *c, const char *url) {
         c->address = mem_strdup(address);
         buf_printf(&text, "/%s", path);
         c->path = (char *)text.data;
-        const char *host = strstr(url, "://") + 3; /* as it is written, with the port */
+        const char *host = strstr(url, "://") + 3; /* as written, with the port */
         c->origin_host = mem_strndup(host, strcspn(host, "/?#"));
     }
     free(copy);
@@ -243,12 +244,13 @@ struct websocket_client *websocket_client_new(uv_loop_t *loop, const char *url, 
         .ka_interval = KEEPALIVE_SECONDS / 3,
         .vhost_name = "faccia-client",
     };
-    lws_set_log_level(0, NULL); /* what is wrong is told to the caller */
+    lws_set_log_level(0, NULL); /* errors are reported to the caller */
     uv_timer_init(loop, &c->timer);
     c->timer.data = c;
     c->context = lws_create_context(&info);
     c->vhost = c->context ? lws_create_vhost(c->context, &info) : NULL;
-    uv_timer_start(&c->timer, on_again, 0, 0); /* the caller has it before it is told anything */
+    uv_timer_start(&c->timer, on_again, 0,
+                   0); /* deferred, so that the caller has the client before any callback */
     return c;
 }
 
@@ -283,7 +285,7 @@ void websocket_client_close(struct websocket_client *c) {
     c->closed = true;
     uv_close((uv_handle_t *)&c->timer, NULL);
     if (c->context)
-        lws_context_destroy(c->context); /* on a foreign loop this is the first of two steps */
+        lws_context_destroy(c->context); /* the first of two steps, on a foreign loop */
 }
 
 void websocket_client_free(struct websocket_client *c) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A WebSocket (RFC 6455) as its client, by libwebsockets on a loop of libuv. */
+/* A WebSocket client (RFC 6455), using libwebsockets on a libuv loop. */
 #ifndef FACCIA_HTTP_WEBSOCKET_CLIENT_H
 #define FACCIA_HTTP_WEBSOCKET_CLIENT_H
 
@@ -9,31 +9,32 @@
 
 struct websocket_client;
 
-/* None of them may close it. */
+/* Callbacks. They must not close the client. */
 struct websocket_calls {
     void (*open)(void *ctx);
     void (*text)(void *ctx, const char *text, size_t size); /* a whole message */
-    void (*lost)(void *ctx, const char *why);               /* after open, or when it could not be opened */
+    void (*lost)(void *ctx, const char *why);               /* the connection ended, or could not be opened */
 };
 
 enum { WEBSOCKET_TEXT_MOST = 1 << 20 /* bytes; a longer message ends the connection */ };
 
-/* What `lost` says when there is nobody at that address. */
+/* Passed to `lost` if the address cannot be reached. */
 extern const char websocket_unreachable[];
 
-/* url: ws:, wss:, http: or https:. token: a bearer's; NULL: none. again: a connection that ends is made
- * again. NULL when the url is none. */
+/* url: ws:, wss:, http: or https:. token: a bearer token; NULL: none. again: reconnect when a connection
+ * ends. Returns NULL if the url is invalid. */
 struct websocket_client *websocket_client_new(uv_loop_t *loop, const char *url, const char *token, bool again,
                                               const struct websocket_calls *calls, void *ctx);
 
-/* Sends a message, once there is a connection; what waits goes with the connection. */
+/* Sends a message, waiting for the connection if it is not open yet. Messages still waiting are dropped
+ * with the connection. */
 void websocket_client_text(struct websocket_client *client, const char *text, size_t size);
 void websocket_client_binary(struct websocket_client *client, const void *bytes, size_t size);
 
-/* Bytes of messages that wait. */
+/* Bytes of messages waiting to be sent. */
 size_t websocket_client_unsent(const struct websocket_client *client);
 
-/* No call comes after it. The loop must run until it has nothing to do before the client is freed. */
+/* No callback follows. The loop must run until it is idle before the client is freed. */
 void websocket_client_close(struct websocket_client *client);
 void websocket_client_free(struct websocket_client *client);
 

@@ -6,19 +6,18 @@
 #include <string.h>
 
 enum {
-    HEAD_MOST = 14,    /* two bytes, eight of a length, four of a mask */
-    PIECE_BYTES = 4096 /* that are unmasked at a time */
+    HEAD_MOST = 14,    /* two bytes, eight of the length, four of the mask */
+    PIECE_BYTES = 4096 /* unmasked at a time */
 };
 
-/* A frame that has not come whole. It is kept only where its pieces come apart: nearly always there is one.
- */
+/* An incomplete frame. Allocated only if a frame arrives in pieces; usually it arrives whole. */
 struct websocket_frame {
     uint8_t head[HEAD_MOST];
     uint8_t head_size; /* bytes of it so far */
     bool open;         /* its head is complete */
     bool fin;
     uint8_t opcode, mask[4];
-    uint64_t length, got; /* of the payload */
+    uint64_t length, got; /* bytes of the payload */
     uint8_t control[WEBSOCKET_CONTROL_BYTES];
 };
 
@@ -32,7 +31,7 @@ static void fault(struct websocket_reader *r, const char *why) {
     fault_at(r, WEBSOCKET_PROTOCOL, why, 0);
 }
 
-/* Those that may stand in a close frame (RFC 6455, 7.4). */
+/* Status codes allowed in a close frame (RFC 6455, 7.4). */
 static bool may_close_with(unsigned status) {
     return (status >= 1000 && status <= 1003) || (status >= 1007 && status <= 1014) ||
            (status >= 3000 && status <= 4999);
@@ -77,7 +76,7 @@ static bool is_control(unsigned opcode) {
     return opcode >= WEBSOCKET_CLOSE;
 }
 
-/* What may not be in the head of a frame here, or NULL. */
+/* Returns what is invalid in the head of this frame, or NULL. */
 static const char *wrong(const struct websocket_reader *r, const struct websocket_frame *f) {
     switch (f->opcode) {
     case WEBSOCKET_CONTINUATION:
@@ -99,7 +98,7 @@ static const char *wrong(const struct websocket_reader *r, const struct websocke
     return f->head[0] & 0x70 ? "reserved-bits" : !(f->head[1] & 0x80) ? "not-masked" : NULL;
 }
 
-/* How many bytes of the length follow the first two. */
+/* Returns how many bytes of length follow the first two. */
 static unsigned length_bytes(const struct websocket_frame *f) {
     unsigned first = f->head[1] & 0x7F;
     return first == 126 ? 2 : first == 127 ? 8 : 0;
@@ -109,7 +108,7 @@ static unsigned head_bytes(const struct websocket_frame *f) {
     return f->head_size < 2 ? 2 : 2 + length_bytes(f) + (f->head[1] & 0x80 ? 4 : 0);
 }
 
-/* The head is complete (RFC 6455, 5.2). */
+/* Decodes a complete head (RFC 6455, 5.2). */
 static void open_frame(struct websocket_reader *r, struct websocket_frame *f) {
     unsigned more = length_bytes(f);
     f->open = true;
@@ -142,7 +141,7 @@ static void open_frame(struct websocket_reader *r, struct websocket_frame *f) {
         fault_at(r, WEBSOCKET_TOO_LARGE, error_name(ERROR_MESSAGE_TOO_LONG), 0);
 }
 
-/* A piece of the payload, which may be empty when all of it is. Returns how many bytes were taken. */
+/* Takes a piece of the payload, perhaps an empty one. Returns how many bytes were taken. */
 static size_t take_payload(struct websocket_reader *r, struct websocket_frame *f, const uint8_t *bytes,
                            size_t size) {
     uint8_t piece[PIECE_BYTES];

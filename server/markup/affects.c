@@ -3,7 +3,7 @@
 #include <math.h>
 #include <strings.h>
 
-/* An affect that is not basic has to be nearer by so much, in cosines. */
+/* An affect that is not basic must be closer by this cosine difference. */
 #define BASIC_MARGIN 0.03
 
 static bool has_alias(const struct affect *affect, const char *name) {
@@ -31,7 +31,7 @@ const char *affect_meant(const struct affects *affects, const char *name) {
 const char *affect_at(const struct affects *affects, double activation, double evaluation,
                       double *intensity) {
     double radius = hypot(activation, evaluation), best[] = {-2, -2};
-    const char *names[] = {NULL, NULL}; /* the nearest that is not basic, and the nearest that is */
+    const char *names[] = {NULL, NULL}; /* nearest that is not basic; nearest that is */
     if (radius < 0.05)
         return NULL;
     for (size_t i = 0; affects && i < affects->count; i++) {

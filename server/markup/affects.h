@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The affects that a text can name, as the expressions file has them (models/expressions.json): their other
- * names, and their places on the disc of activation and evaluation. */
+/* The affects that a text can name, from the expressions file (models/expressions.json): their aliases and
+ * their coordinates in the activation-evaluation space. */
 #ifndef FACCIA_MARKUP_AFFECTS_H
 #define FACCIA_MARKUP_AFFECTS_H
 
@@ -10,26 +10,28 @@
 struct affect {
     const char *name;
     char *const *aliases;          /* NULL-terminated; may be NULL */
-    double activation, evaluation; /* -1..1; both 0: it has no place */
+    double activation, evaluation; /* -1..1; both 0: no coordinates */
     bool basic;                    /* one of the six basic emotions */
 };
 
-/* In the order of the file. Who gives it to a reader owns it, and keeps it as long as it reads. */
+/* In the order of the file. Whoever passes it to a reader owns it and keeps it alive while the reader
+ * runs. */
 struct affects {
     const struct affect *items;
     size_t count;
 };
 
-/* The affect of that name, or the one that has it as an alias (any case); NULL when there is none. affects
- * may be NULL: then there are none. */
+/* Finds an affect by its name or else an alias, ignoring case. Returns NULL if it is unknown or affects is
+ * NULL. */
 const struct affect *affect_find(const struct affects *affects, const char *name);
 
-/* The name of the affect that is meant; the name itself when there is none. */
+/* Returns the canonical name of an affect; an unknown name is returned unchanged. */
 const char *affect_meant(const struct affects *affects, const char *name);
 
-/* The affect that lies in that direction; both -1..1. *intensity is the distance from the neutral middle, at
- * most 1. The basic emotions are taken where they lie within about 14 degrees of the nearest; of several in
- * one direction the first. NULL in the middle, and when no affect has a place. */
+/* Returns the affect in the given direction (both coordinates -1..1) and sets *intensity to the distance
+ * from the neutral centre, at most 1. A basic emotion wins if it lies within about 14 degrees of the
+ * nearest affect; of several in the same direction, the first wins. Returns NULL at the centre, and if no
+ * affect has coordinates. */
 const char *affect_at(const struct affects *affects, double activation, double evaluation, double *intensity);
 
 #endif

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* APML: De Carolis, Pelachaud, Poggi, Steedman, "APML, a markup language for believable behavior generation",
- * in Prendinger and Ishizuka (eds.), Life-like Characters, Springer 2004, and its public DTD. Documents that
- * break the DTD are read as far as they can be understood. */
+/* APML: De Carolis, Pelachaud, Poggi, Steedman, "APML, a markup language for believable behavior
+ * generation", in Prendinger and Ishizuka (eds.), Life-like Characters, Springer 2004, and its public DTD.
+ * Documents that violate the DTD are read as far as possible. */
 #include "server/markup/bml.h"
 #include "server/markup/styles.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-/* The attributes of time, which hold for all that an element asks for. */
+/* Timing attributes, which apply to all cues of an element. */
 struct timing {
     struct score_time delay, duration;
     double intensity, onset, offset;
 };
 
-/* Seconds, or a share of the stretch. */
+/* Reads seconds, or a percentage of the stretch. */
 static bool read_time(const char *value, struct score_time *time) {
     struct quantity q;
     double seconds;
@@ -36,7 +36,7 @@ static void take_time(struct tag *tag, const char *attribute, struct score_time 
         tag_bad(tag, attribute, "is neither seconds nor a percentage");
 }
 
-/* The DTD's default, 0, leaves it to the expression. */
+/* The DTD's default of 0 means that the expression decides. */
 static void take_ramp(struct tag *tag, const char *attribute, double *seconds) {
     const char *value = tag_take(tag, attribute);
     double given;
@@ -64,8 +64,7 @@ static void take_intensity(struct tag *tag, double *intensity) {
         *intensity = q.number < 1 ? q.number : 1;
 }
 
-/* The DTD's default for a delay, 100 %, can only mean that there is none; other percentages are shares of the
- * stretch. */
+/* The DTD's default delay of 100 % can only mean no delay. Other percentages are shares of the stretch. */
 static struct timing take_timing(struct tag *tag) {
     struct timing t = {.duration = {.share = 1}, .intensity = 1, .onset = -1, .offset = -1};
     take_time(tag, "duration", &t.duration);
@@ -92,7 +91,8 @@ static void cue(struct tag *tag, const char *kind, const char *name, const struc
     c->intensity *= share;
 }
 
-/* "complex:X_maskedby_Y": Y is shown and X leaks through; "complex:X_Y", "X_superposedto_Y": both at once. */
+/* "complex:X_maskedby_Y": Y is shown and X leaks through. "complex:X_Y", "X_superposedto_Y": both are
+ * shown. */
 static void complex_affect(struct tag *tag, const char *name, const struct timing *t) {
     static const struct choice rules[] = {{"maskedby", 0.3},     {"masked-by", 0.3},    {"masked", 0.3},
                                           {"superposedto", 0.6}, {"superposedby", 0.6}, {"and", 0.6}};
@@ -115,7 +115,7 @@ static void complex_affect(struct tag *tag, const char *name, const struct timin
     }
 }
 
-/* What performative, theme and rheme may say about the mind. */
+/* Takes the mental state that performative, theme and rheme may express. */
 static void take_mind(struct tag *tag, const struct timing *t) {
     static const char *const kinds[] = {"belief-relation", "certainty", "meta-cognitive"};
     const char *affect = tag_take(tag, "affect");
@@ -166,8 +166,8 @@ static void begin_backchannel(struct markup_reader *r, struct tag *tag) {
     take_mind(tag, &t);
 }
 
-/* Without a pitch accent the part of the sentence tells which: themes have L+H*, rhemes H* (Steedman 2000,
- * "Information structure and the syntax-phonology interface"). */
+/* Without an explicit pitch accent, themes get L+H* and rhemes H* (Steedman 2000, "Information structure
+ * and the syntax-phonology interface"). */
 static void take_accent(struct tag *tag, const struct timing *t) {
     static const struct choice accents[] = {{"Hstar", 0},      {"Lstar", 0},      {"LplusHstar", 0},
                                             {"LstarplusH", 0}, {"HstarplusL", 0}, {"HplusLstar", 0}};
@@ -206,11 +206,12 @@ static void begin_emphasis(struct markup_reader *r, struct tag *tag) {
     take_mind(tag, &t);
 }
 
-/* The tone is the last word's. Two letters end an intonational phrase, which is heard as a short silence. */
+/* The boundary tone applies to the last word. Two letters end an intonational phrase, heard as a short
+ * silence. */
 static void begin_boundary(struct markup_reader *r, struct tag *tag) {
     static const struct choice types[] = {{"L", 0},     {"H", 0},     {"LL", 0.15},
                                           {"HH", 0.15}, {"LH", 0.15}, {"HL", 0.15}};
-    if (tag_has(tag, "start")) { /* as SEMAINE writes it: at a sync point */
+    if (tag_has(tag, "start")) { /* SEMAINE places boundaries at sync points */
         bml_begin_boundary(r, tag);
         return;
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* BML 1.0 (Behavior Markup Language, SAIBA, 2014) and its drafts, FML and FML-APML as the Greta and SEMAINE
- * systems write them: speech is spoken, what a head can show is shown at its time, the rest is warned of. */
+/* BML 1.0 (Behavior Markup Language, SAIBA, 2014) and its drafts, and FML and FML-APML as the Greta and
+ * SEMAINE systems write them. Speech is spoken, behaviours of the head are shown at their times, and the
+ * rest causes warnings. */
 #include "server/markup/bml.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 
 void bml_open(struct markup_reader *r, size_t root) {
     r->bml = mem_alloc(sizeof *r->bml);
-    if (r->vocabulary->mute) /* else all text is spoken */
+    if (r->vocabulary->mute) /* otherwise all text is spoken */
         bml_outline(r, root);
 }
 
@@ -31,7 +32,7 @@ static const struct bml_speech *outline_of(struct bml *b, size_t at) {
                : NULL;
 }
 
-/* SEMAINE's documents name languages by their English names. */
+/* SEMAINE's documents give languages by their English names. */
 static void take_language(struct markup_reader *r, struct tag *tag) {
     static const char *const names[][2] = {{"english", "en"}, {"french", "fr"},  {"german", "de"},
                                            {"italian", "it"}, {"polish", "pl"},  {"portuguese", "pt"},
@@ -48,7 +49,8 @@ static void take_language(struct markup_reader *r, struct tag *tag) {
         reader_language(tag, "language");
 }
 
-/* Speeches follow each other. A time on the clock, or a distance from what was before, is a pause. */
+/* Speeches run one after another. A start in seconds, or an offset from something earlier, becomes a
+ * pause. */
 static void take_pause(struct markup_reader *r, struct tag *tag, const struct bml_behaviour *b) {
     double seconds;
     const char *sign = b->start ? strrchr(b->start, '+') : NULL;
@@ -72,7 +74,7 @@ static void begin_speech(struct markup_reader *r, struct tag *tag) {
     take_language(r, tag);
     if (voice && *voice)
         tag->frame->style.voice = reader_keep(r, voice);
-    if (!outline) /* a speech inside another */
+    if (!outline) /* nested in another speech */
         return;
     take_pause(r, tag, b);
     r->bml->speech = b->id;
@@ -95,13 +97,13 @@ static void end_speech(struct markup_reader *r, struct frame *frame) {
     r->bml->spoken = 0;
 }
 
-/* Outside a speech it is one. */
+/* Text outside a speech is spoken as if inside one. */
 static void begin_text(struct markup_reader *r, struct tag *tag) {
     if (!r->bml->speech)
         tag->frame->mute = false;
 }
 
-/* Inside a face, a head or a gaze: how Greta names what it shows. */
+/* Inside a face, head or gaze: the name that Greta gives to what it shows. */
 static void begin_value(struct markup_reader *r, struct tag *tag) {
     reader_capture(r, tag->frame);
 }

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* BML and FML: behaviours whose times are given by the sync points of speech, by other behaviours or in
- * seconds. Behaviours and points are collected while the document is read; when all text is in the score, the
- * times are found and the behaviours become cues. */
+/* BML and FML: behaviours timed by sync points of the speech, by other behaviours or in seconds.
+ * Behaviours and sync points are collected while the document is read. Once all text is in the score,
+ * references are resolved and the behaviours become cues. */
 #ifndef FACCIA_MARKUP_BML_H
 #define FACCIA_MARKUP_BML_H
 
 #include "server/markup/markup_reader.h"
 
-/* A moment: at an item of the score, or on the utterance's clock; and so many seconds later. */
+/* A moment: `seconds` after an item of the score, or after the start of the utterance. */
 struct bml_place {
     enum { BML_NOWHERE, BML_ITEM, BML_CLOCK } kind;
     size_t item;
     double seconds;
 };
 
-struct bml_sync { /* a sync point of a speech */
+struct bml_sync { /* sync point of a speech */
     const char *speech, *name;
-    size_t cue;   /* the score's cue that holds its place while the text is read */
-    double clock; /* if that is 0 or more it is at that time instead */
+    size_t cue;   /* placeholder cue in the score, which tracks the position while the text is read */
+    double clock; /* s from the start of the utterance; negative: at the cue */
 };
 
-/* A name that is shown: kind NULL = nothing. */
+/* Something to show; kind NULL: nothing. */
 struct bml_sign {
     const char *kind, *name;
     double intensity;
@@ -30,19 +30,19 @@ enum { BML_SIGNS = 4 };
 struct bml_behaviour {
     const char *id;
     size_t at;
-    const char *start, *end; /* as written; NULL = not given */
-    size_t start_at, end_at; /* where */
+    const char *start, *end; /* as written; NULL: not given */
+    size_t start_at, end_at; /* bytes of the input, for warnings */
     struct bml_sign signs[BML_SIGNS];
     size_t sign_count;
-    double intensity, usual; /* usual: its length when no end is given, s; 0 = until the text ends */
+    double intensity, usual; /* usual: length without an end, s; 0: until the text ends */
     bool is_boundary, is_speech;
     enum { BML_OPEN, BML_BUSY, BML_DONE } state;
     struct bml_place from, to;
 };
 
-struct bml_speech {     /* what the outline knows of a speech element */
-    size_t at;          /* of its start tag */
-    size_t description; /* of the description that is spoken instead of the text; 0 = none */
+struct bml_speech {     /* a speech element, from the outline */
+    size_t at;          /* byte of its start tag */
+    size_t description; /* byte of the description spoken instead of its text; 0: none */
     bool has_text;
 };
 
@@ -53,32 +53,32 @@ struct bml {
     size_t behaviour_count, behaviour_cap;
     struct bml_speech *speeches;
     size_t speech_count, speech_cap, next_speech;
-    size_t *by_id; /* behaviours, by their ids */
+    size_t *by_id; /* indices of the behaviours that have an id, sorted by it */
     size_t by_id_count;
-    const char *speech; /* id of the one that is open; NULL = none */
+    const char *speech; /* id of the open speech; NULL: none */
     bool spoke;         /* a speech has begun */
-    size_t spoken;      /* the description that is spoken; 0 = none */
+    size_t spoken;      /* byte of the description being spoken; 0: none */
 };
 
-/* Hooks of a vocabulary that has any of this. */
+/* Hooks for vocabularies with behaviours or sync points. */
 void bml_open(struct markup_reader *r, size_t root);
 void bml_finish(struct markup_reader *r);
 void bml_close(struct markup_reader *r);
 
-/* A sync point here. */
+/* Adds a sync point at this place in the text. */
 void bml_point(struct markup_reader *r, size_t at, const char *name);
-void bml_begin_point(struct markup_reader *r, struct tag *tag); /* the element tm or sync */
+void bml_begin_point(struct markup_reader *r, struct tag *tag); /* elements tm, sync and mark */
 
-/* A behaviour of that element, with its times; the pointer is good until the next one. */
+/* Adds a behaviour for the element and reads its times. The pointer is valid until the next call. */
 struct bml_behaviour *bml_add(struct tag *tag, double usual);
 
-/* bml_behaviour.c: elements that APML has, too. */
+/* bml_behaviour.c: elements shared with APML. */
 void bml_begin_accent(struct markup_reader *r, struct tag *tag);
 void bml_begin_boundary(struct markup_reader *r, struct tag *tag);
 void bml_begin_other(struct markup_reader *r, struct tag *tag);
 void bml_begin_gesture(struct markup_reader *r, struct tag *tag);
 
-/* Further ones of BML and FML. */
+/* Elements of BML and FML only. */
 void bml_begin_face(struct markup_reader *r, struct tag *tag);
 void bml_begin_lexeme(struct markup_reader *r, struct tag *tag);
 void bml_begin_facs(struct markup_reader *r, struct tag *tag);
@@ -89,17 +89,17 @@ void bml_begin_world(struct markup_reader *r, struct tag *tag);
 void bml_end_reference(struct markup_reader *r, struct frame *frame);
 void bml_end_intensity(struct markup_reader *r, struct frame *frame);
 
-/* bml_outline.c: what of each speech is spoken, which may be known at its end only. */
+/* bml_outline.c: finds what is spoken of each speech, which may become clear only at its end. */
 void bml_outline(struct markup_reader *r, size_t root);
-/* The vocabulary that a description's type stands for; NULL when it is none that is spoken. */
+/* Vocabulary for a description's type; NULL if that type cannot be spoken. */
 const struct vocabulary *bml_description(const char *type);
 
-/* bml_names.c: what a name means. Written in any case, with "_" or "-". */
+/* bml_names.c: resolves names, ignoring case and treating "_" as "-". */
 enum { BML_NAME = 64 };
 void bml_show(struct bml_behaviour *behaviour, const char *kind, const char *name, double intensity);
 void bml_plain_name(const char *name, char out[BML_NAME]);
-void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name); /* of a face */
-bool bml_show_gaze(struct bml_behaviour *b, const char *name); /* false when nobody knows where that is */
+void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name); /* of the face */
+bool bml_show_gaze(struct bml_behaviour *b, const char *name); /* false: unknown target */
 void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name);
 
 #endif

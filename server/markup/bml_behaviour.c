@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The behaviours of BML and the functions of FML: what each shows. */
+/* What the behaviours of BML and the functions of FML show. */
 #include "server/base/mem.h"
 #include "server/markup/bml.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-/* Of what has no end of its own, s. */
+/* Default length of a behaviour, s. */
 #define SHORT 1.0
 
 static void take_intensity(struct tag *tag, double *intensity) {
@@ -40,7 +40,7 @@ static void missing(struct tag *tag, const char *what) {
                what);
 }
 
-/* Only the draft's have a kind of their own; those of BML 1.0 have their parts inside. */
+/* In the draft the element itself says what to show; in BML 1.0 its children do. */
 void bml_begin_face(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *lexeme = tag_take(tag, "lexeme"), *shape = tag_take(tag, "shape"), *au = tag_take(tag, "au");
@@ -53,7 +53,7 @@ void bml_begin_face(struct markup_reader *r, struct tag *tag) {
     }
 }
 
-/* The face that this is a part of, or a behaviour of its own. */
+/* Returns the enclosing face, or else adds a behaviour. */
 static struct bml_behaviour *own_or_outer(struct tag *tag) {
     struct bml *b = tag->r->bml;
     const struct frame *outer = tag->frame - 1;
@@ -95,7 +95,7 @@ void bml_begin_facs(struct markup_reader *r, struct tag *tag) {
         scale(tag, b);
 }
 
-/* BML 1.0 has a lexeme, the draft a type and a direction. */
+/* BML 1.0 uses a lexeme; the draft uses a type and a direction. */
 void bml_begin_head(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *lexeme = tag_take(tag, "lexeme"), *type = tag_take(tag, "type"),
@@ -172,7 +172,7 @@ void bml_begin_function(struct markup_reader *r, struct tag *tag) {
         bml_show_affect(b, r, affect);
 }
 
-/* Something in the world that is spoken of: she points at it with her gaze. */
+/* A reference to something in the world: the head points at it with its gaze. */
 void bml_begin_world(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, 0);
     const char *id = tag_take(tag, "ref_id");
@@ -205,7 +205,7 @@ void bml_begin_other(struct markup_reader *r, struct tag *tag) {
     tag->count = 0;
 }
 
-/* Of BML's gestures those that have a name here; hands it has none. */
+/* A gesture needs a lexeme, which the expressions file may know; the head has no hands to show others. */
 void bml_begin_gesture(struct markup_reader *r, struct tag *tag) {
     const char *lexeme = tag_take(tag, "lexeme");
     char name[BML_NAME];
@@ -217,7 +217,8 @@ void bml_begin_gesture(struct markup_reader *r, struct tag *tag) {
     bml_show(bml_add(tag, SHORT), "gesture", reader_keep(r, name), 1);
 }
 
-/* Greta's "affect=anger", "head=head_up", "look_at": the behaviour that it stands in shows that. */
+/* Reads Greta's "affect=anger", "head=head_up" or "look_at", which replaces what the enclosing behaviour
+ * shows. */
 void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     static const char *const kinds[] = {"performative", "certainty", "deictic", "adjectival", "emphasis"};
     if (!frame->captures)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the names of BML, FML and Greta's own files mean: an affect, a direction, or a signal of the
- * expressions file, which knows them by their usual names (models/expressions.json). */
+/* Resolves names of BML, FML and Greta's own files: an affect, a direction, or else a signal, which the
+ * expressions file knows by its usual name (models/expressions.json). */
 #include "server/markup/bml.h"
 #include <string.h>
 #include <strings.h>
@@ -15,12 +15,12 @@ void bml_plain_name(const char *name, char out[BML_NAME]) {
                                                   : *name;
     while (n && (out[n - 1] == '-' || (out[n - 1] >= '\t' && out[n - 1] <= '\r')))
         n--;
-    while (*name && n && ((unsigned char)out[n - 1] & 0x80)) /* cut off inside a character, perhaps */
+    while (*name && n && ((unsigned char)out[n - 1] & 0x80)) /* the cut may be inside a character */
         n--;
     out[n] = '\0';
 }
 
-/* How strong it is may be part of its name: "joyStrong", "anger_weak". */
+/* A name may include its strength: "joyStrong", "anger_weak". */
 static double cut_strength(char *name) {
     static const struct choice endings[] = {{"strong", 1}, {"medium", 0.7}, {"weak", 0.4}, {"light", 0.4}};
     size_t length = strlen(name);
@@ -68,7 +68,7 @@ void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const cha
         bml_show(b, "signal", reader_keep(r, plain), 1);
 }
 
-/* The direction that the text begins with. */
+/* Returns the direction that the text begins with, or NULL. */
 static const char *direction_at(const char *text) {
     static const char *const directions[] = {"left", "right", "up", "down"};
     for (size_t i = 0; i < sizeof directions / sizeof *directions; i++)
@@ -94,7 +94,7 @@ bool bml_show_gaze(struct bml_behaviour *b, const char *name) {
             bml_show(b, "signal", "look-at", 1);
             return true;
         }
-    while ((direction = direction_at(at))) { /* "upright" is up and right */
+    while ((direction = direction_at(at))) { /* "upright" means up and right */
         at += strlen(direction);
         at += *at == '-';
         bml_show(b, "deictic", direction, 1);

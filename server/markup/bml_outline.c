@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What of each speech is spoken: a description that is understood comes before the text, the one with the
- * highest priority first. It may stand after the text, so the document is gone through once before it is
- * read. */
+/* Determines what is spoken of each speech. A supported description takes precedence over the text; among
+ * several, the highest priority wins. As a description may follow the text, this pass runs before the
+ * document is read. */
 #include "server/base/mem.h"
 #include "server/markup/bml.h"
 #include "server/markup/white.h"
@@ -14,7 +14,7 @@ struct outline {
     struct bml *bml;
     XML_Parser parser;
     size_t root, depth;
-    size_t speech, description; /* depths of those that are open, 0 = none */
+    size_t speech, description; /* depths of the open elements, 0 = none */
     double best;
 };
 
@@ -94,6 +94,6 @@ void bml_outline(struct markup_reader *r, size_t root) {
     XML_UseForeignDTD(o.parser, XML_TRUE);
     XML_SetElementHandler(o.parser, on_start, on_end);
     XML_SetCharacterDataHandler(o.parser, on_text);
-    (void)XML_Parse(o.parser, r->text + root, (int)(r->size - root), 1); /* what is wrong the reader finds */
+    (void)XML_Parse(o.parser, r->text + root, (int)(r->size - root), 1); /* the reader reports errors */
     XML_ParserFree(o.parser);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Times of behaviours: "1.5", "s1:tm2", "s1:tm2+0.3", "g1:end-0.2". When all text is in the score they become
- * cues. */
+/* Resolves times of behaviours ("1.5", "s1:tm2", "s1:tm2+0.3", "g1:end-0.2") when all text is in the
+ * score, and turns the behaviours into cues. */
 #include "server/base/mem.h"
 #include "server/markup/bml.h"
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* References from one behaviour to the next, and no further. */
+/* Longest chain of references between behaviours. */
 enum { CHAIN = 64 };
 
 static const char sync_kind[] = "sync";
@@ -45,7 +45,7 @@ static int compare_syncs(const void *a, const void *b) {
     return speeches ? speeches : strcmp(x->name, y->name);
 }
 
-/* A part of a reference, as a string of its own. */
+/* Part of a reference, NUL-terminated. */
 struct name {
     char text[128];
 };
@@ -84,8 +84,8 @@ static struct bml_behaviour *find_behaviour(struct bml *b, const char *id) {
     return found && !strcmp(found->id, id) ? found : NULL;
 }
 
-/* A sync point of a speech or, of another behaviour, its beginning or its end: what lies between is taken for
- * the nearer of the two. */
+/* Finds a sync point of a speech, or the beginning or end of a behaviour. Points in between map to the
+ * nearer of the two. */
 static bool find_point(struct markup_reader *r, const char *id, const char *sync, int chain,
                        struct bml_place *out) {
     static const char *const late[] = {"end", "relax", "strokeEnd", "stroke_end"},
@@ -118,7 +118,7 @@ static bool find_place(struct markup_reader *r, const char *ref, int chain, stru
     }
     if (!colon)
         return find_point(r, name_of(id, strcspn(id, " \t\r\n")).text, "start", chain, out);
-    for (const char *c = id; c < colon; c++) /* the block's own name before it says nothing more */
+    for (const char *c = id; c < colon; c++) /* skip the name of the block */
         if (*c == ':')
             id = c + 1;
     struct name behaviour = name_of(id, (size_t)(colon - id));
@@ -164,7 +164,7 @@ static void resolve(struct markup_reader *r, struct bml_behaviour *b, int chain)
                    b->end);
         b->to = usual;
     }
-    /* Greta writes a length where the end should be */
+    /* Greta writes a length in place of the end */
     bool length =
         b->end && b->to.kind == BML_CLOCK && (b->from.kind == BML_ITEM || b->to.seconds <= b->from.seconds);
     if (length) {
@@ -173,7 +173,7 @@ static void resolve(struct markup_reader *r, struct bml_behaviour *b, int chain)
         b->to = usual;
     }
     if (b->from.kind == BML_CLOCK && b->to.kind == BML_ITEM)
-        b->from.kind = BML_ITEM; /* seconds after the text begins */
+        b->from.kind = BML_ITEM; /* seconds after the beginning of the text */
     b->state = BML_DONE;
 }
 
@@ -193,7 +193,7 @@ static void add_cue(struct score *score, const struct bml_behaviour *b, const st
     cue->intensity = intensity;
     cue->first = b->from.item;
     cue->last = b->to.item > cue->first ? b->to.item : cue->first;
-    if (b->is_boundary) { /* its tone is that of what comes before */
+    if (b->is_boundary) { /* the tone applies to the item before it */
         cue->last = b->from.item;
         cue->first = cue->last ? cue->last - 1 : 0;
         return;
@@ -227,7 +227,7 @@ static void sort_ids(struct bml *b) {
         qsort_r(b->by_id, b->by_id_count, sizeof *b->by_id, compare_ids, b->behaviours);
 }
 
-/* The cues that only held the places of sync points. */
+/* Removes the placeholder cues of sync points. */
 static void drop_syncs(struct score *score) {
     size_t kept = 0;
     for (size_t i = 0; i < score->cue_count; i++)
@@ -236,7 +236,7 @@ static void drop_syncs(struct score *score) {
     score->cue_count = kept;
 }
 
-/* What nobody speaks to is shown in silence: until the last of it ends. */
+/* A document without speech becomes a silence that lasts until its last behaviour ends. */
 static void add_silence(struct markup_reader *r) {
     const struct bml *b = r->bml;
     double seconds = 0;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The order of a score's cues, how many of them may come together, and how those of a sentence are found. */
+/* Sorts a score's cues, limits how many overlap, and finds those of a sentence. */
 #include "server/base/mem.h"
 #include "server/markup/score.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* By their beginnings, outer ones first. */
+/* By beginning, outer ones first. */
 static int compare_cues(const void *a, const void *b) {
     const struct score_cue *x = a, *y = b;
     if (x->first != y->first)
@@ -36,7 +36,7 @@ static bool is_in_or_behind(const struct score *score, size_t sentence, size_t i
     return sentence < score->sentence_count && score->sentences[sentence].first <= item;
 }
 
-/* The sentence of an item, looked for from one that is not behind it; the last one for items behind that. */
+/* Sentence of an item, at or after sentence `from`; the last sentence if the item lies beyond it. */
 static size_t sentence_of(const struct score *score, size_t from, size_t item) {
     if (!is_in_or_behind(score, from + 1, item))
         return from;
@@ -51,7 +51,7 @@ static size_t sentence_of(const struct score *score, size_t from, size_t item) {
     return low;
 }
 
-/* A sentence costs as much as its cues are many, and one cue may lie in many sentences. */
+/* Each sentence costs time in proportion to its cues, and one cue may span many sentences. */
 static void limit_cues(struct score *score) {
     size_t *ended = mem_alloc((score->sentence_count + 1) * sizeof *ended), active = 0, sentence = 0,
            kept = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The encodings that documents come in, to UTF-8. Tables: ISO/IEC 8859-1 and -9, and Microsoft's code pages
- * 1252 and 1254 as Unicode's mappings give them. */
+/* Converts the encodings of documents to UTF-8. Tables: ISO/IEC 8859-1 and -9, and Microsoft's code pages
+ * 1252 and 1254 according to Unicode's mappings. */
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static const struct {
     {"cp1254", true, true},
 };
 
-/* 0 where the encoding has no character. */
+/* Returns 0 for a byte without a character. */
 static uint32_t decode(uint8_t byte, bool turkish, bool cp) {
     static const uint8_t turkish_bytes[] = {0xD0, 0xDD, 0xDE, 0xF0, 0xFD, 0xFE};
     static const uint16_t turkish_letters[] = {0x011E, 0x0130, 0x015E, 0x011F, 0x0131, 0x015F};

@@ -19,7 +19,7 @@ static void skip_white(struct scan *s) {
         s->at++;
 }
 
-/* Goes behind the next `end`. False when there is none. */
+/* Moves past the next `end`. False if there is none. */
 static bool skip_past(struct scan *s, const char *end) {
     const char *found = memmem(s->text + s->at, s->size - s->at, end, strlen(end));
     if (found)
@@ -27,7 +27,8 @@ static bool skip_past(struct scan *s, const char *end) {
     return found;
 }
 
-/* At "<!DOCTYPE": to behind its ">". Quoted strings, comments and the declarations inside may hold one. */
+/* Moves from "<!DOCTYPE" past its ">", skipping quoted strings, comments and nested declarations, which
+ * may contain one. */
 static bool skip_doctype(struct scan *s, struct prolog *prolog) {
     bool inside = false;
     for (s->at += 2; s->at < s->size; s->at++) {
@@ -60,7 +61,7 @@ static bool skip_doctype(struct scan *s, struct prolog *prolog) {
     return false;
 }
 
-/* The value of encoding="..." in the XML declaration text[from..to). */
+/* Reads the value of encoding="..." from the XML declaration text[from..). */
 static void read_encoding(const struct scan *s, size_t from, struct prolog *prolog) {
     const char *at = memmem(s->text + from, s->at - from, "encoding", 8), *end = s->text + s->at;
     if (!at)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* EmotionML 1.0 (W3C Recommendation, 22 May 2014). An emotion holds for the text inside it; one without text
- * for the rest of the element that it stands in. */
+/* EmotionML 1.0 (W3C Recommendation, 22 May 2014). An emotion applies to the text inside it; without text,
+ * to the rest of the enclosing element. */
 #include "server/markup/emotionml.h"
 #include <math.h>
 
-/* Milliseconds. */
+/* Reads a time in milliseconds. */
 static void take_time(struct tag *tag, const char *attribute, struct score_time *time) {
     const char *value = tag_take(tag, attribute);
     double ms;
@@ -24,7 +24,7 @@ void emotionml_begin_emotion(struct markup_reader *r, struct tag *tag) {
     take_time(tag, "offset-to-start", &emotion->delay);
 }
 
-/* A cue from the beginning of the emotion on. */
+/* Adds a cue that begins where the emotion begins. */
 static void add_cue(struct markup_reader *r, struct frame *frame, size_t at, const char *name,
                     double intensity) {
     struct score_cue *cue = reader_cue(r, frame, at, "affect", name);
@@ -35,7 +35,7 @@ static void add_cue(struct markup_reader *r, struct frame *frame, size_t at, con
         passage_from(&r->passage, frame->piece);
 }
 
-/* The emotion that the element of the tag stands in; NULL, with a warning, when there is none. */
+/* Returns the enclosing emotion, or NULL with a warning. */
 static struct frame *emotion_around(struct markup_reader *r, const struct tag *tag) {
     struct frame *outer = tag->frame - 1;
     if (outer->element && outer->element->begin == emotionml_begin_emotion)

@@ -11,7 +11,7 @@ void emotionml_begin_category(struct markup_reader *r, struct tag *tag);
 void emotionml_begin_dimension(struct markup_reader *r, struct tag *tag);
 void emotionml_begin_unused(struct markup_reader *r, struct tag *tag);
 
-/* The rows of these elements in a vocabulary's table. */
+/* Rows for the element table of a vocabulary. */
 #define EMOTIONML_EMOTION                                                                                    \
     {                                                                                                        \
         .name = "emotion", .begin = emotionml_begin_emotion, .end = emotionml_end_emotion,                   \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* JSML: the Java Speech Markup Language, Sun Microsystems, versions 0.5 (1997) and 0.6 (1999; W3C Note of
  * 5 June 2000), with the emotion elements of E. Akagunduz, "Talking head with expressions" (METU, 2004).
- * Names of elements and attributes are compared without regard to case; a document needs no root. */
+ * Element and attribute names are case-insensitive; a document needs no root. */
 #include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
 #include <string.h>
@@ -51,7 +51,7 @@ static void begin_phoneme(struct markup_reader *r, struct tag *tag) {
         tag->frame->value = original ? reader_keep(r, original) : NULL;
 }
 
-/* The phones are the content. */
+/* The element's content is the phones. */
 static void end_phoneme(struct markup_reader *r, struct frame *frame) {
     if (!frame->captures)
         return;
@@ -102,8 +102,8 @@ static void begin_engine(struct markup_reader *r, struct tag *tag) {
                "no data is passed to a speech engine: the text is read instead");
 }
 
-/* The thesis's weight is the emotion's share in the face; where an element does not say it, the face stage
- * takes 0.2 in a text that is shown by weights. */
+/* The thesis's weight is the share of the emotion in the face. If the attribute is absent in a text shown
+ * by weights, the face stage uses 0.2. */
 static void begin_emotion(struct markup_reader *r, struct tag *tag) {
     const char *weight = tag_take(tag, "weight");
     double share = -1;

@@ -25,7 +25,7 @@ static int compare(const void *a, const void *b) {
     const struct language_run *x = a, *y = b;
     if (x->from != y->from)
         return x->from < y->from ? -1 : 1;
-    return (x->to < y->to) - (x->to > y->to); /* the longer one first: it is around the other */
+    return (x->to < y->to) - (x->to > y->to); /* the longer one first, as it encloses the other */
 }
 
 static void add(struct language_runs *runs, const struct language_run *of, size_t from, size_t to) {
@@ -37,7 +37,7 @@ static void add(struct language_runs *runs, const struct language_run *of, size_
     runs->list[runs->count++].to = to;
 }
 
-/* Cuts the sorted ones where others begin inside them. The open ones are a stack, outer ones first. */
+/* Splits the sorted runs where others begin inside them. Open runs form a stack, outermost first. */
 static void flatten(struct language_runs *to, const struct language_runs *from) {
     size_t *open = mem_alloc((from->count + 1) * sizeof *open), depth = 0, at = 0;
     for (size_t i = 0; i <= from->count; i++) {

@@ -13,14 +13,15 @@ static bool is_alnum(char c) {
     return (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z') || (unsigned char)c >= 0xC3;
 }
 
-/* At a line's beginning: what makes it a heading, an item or a quotation. Returns where its text begins. */
+/* At the beginning of a line: removes marks of headings, items and quotations. Returns where the text of
+ * the line begins. */
 static size_t blank_line_mark(char *s, size_t n, size_t at) {
     while (at < n && is_blank(s[at]))
         at++;
     size_t hashes = at;
     while (hashes < n && s[hashes] == '#')
         hashes++;
-    bool hashtag = hashes > at && hashes < n && !is_white(s[hashes]); /* "#ciao" is no heading */
+    bool hashtag = hashes > at && hashes < n && !is_white(s[hashes]); /* "#ciao" is not a heading */
     while (!hashtag && at < n && (s[at] == '#' || s[at] == '>'))
         s[at++] = MARKDOWN_LEFT_OUT;
     if (at + 1 < n && strchr("-*+", s[at]) && is_blank(s[at + 1]))
@@ -28,11 +29,11 @@ static size_t blank_line_mark(char *s, size_t n, size_t at) {
     return at;
 }
 
-/* The next sign of its kind in a text that is read from its beginning to its end. It is looked for again only
- * from where it was, and only once it is passed or left out: all looking together costs one pass. */
+/* Next occurrence of a character, for a scan from beginning to end. It is searched for again only after it
+ * has been passed or removed, so that all searches together cost one pass. */
 struct next_sign {
     char sign;
-    size_t at; /* the size of the text: there is none */
+    size_t at; /* size of the text = not found */
 };
 
 static size_t find_sign(struct next_sign *next, const char *s, size_t n, size_t from) {
@@ -46,10 +47,10 @@ static size_t find_sign(struct next_sign *next, const char *s, size_t n, size_t 
 }
 
 struct link_signs {
-    struct next_sign bracket, parenthesis; /* that close */
+    struct next_sign bracket, parenthesis; /* closing ones */
 };
 
-/* [text](address) keeps its text. */
+/* Reduces [text](address) to its text. */
 static void blank_link(struct link_signs *signs, char *s, size_t n, size_t at) {
     size_t close = find_sign(&signs->bracket, s, n, at);
     if (close + 1 >= n || s[close + 1] != '(')
@@ -66,7 +67,7 @@ static bool is_emoji(uint32_t c) {
            c == 0x20E3 || c == 0x2B50 || c == 0x2B55 || (c >= 0xE0020 && c <= 0xE007F);
 }
 
-/* Whether a mark of the kind of `s[at]` marks words there: "2 * 3" and "a_name" are what they are. */
+/* True if the mark at `s[at]` is markup; in "2 * 3" and "a_name" it is not. */
 static bool marks_words(const char *s, size_t n, size_t at) {
     char before = at ? s[at - 1] : ' ', after = at + 1 < n ? s[at + 1] : ' ';
     if (before == MARKDOWN_LEFT_OUT)

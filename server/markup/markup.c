@@ -78,7 +78,7 @@ const struct markup_kind *markup_by_content_type(const char *type) {
     return NULL;
 }
 
-/* The elements that a document may begin with, and what it is then. */
+/* Root elements, and the kind of document that each implies. */
 static const struct {
     const char *root, *kind;
 } roots[] = {
@@ -108,7 +108,7 @@ static const struct {
     {"disgusted", "jsml"},
 };
 
-/* Something that begins with a tag and ends with one. */
+/* True if the text begins and ends with a tag. */
 static bool looks_like_xml(const struct prolog *prolog, const char *text, size_t size) {
     while (size && is_white(text[size - 1]))
         size--;
@@ -153,8 +153,8 @@ static void warn(struct score *score, const struct error *e) {
     score->warnings[score->warning_count++] = *e;
 }
 
-/* The words of a text with tags that is no document. broken: why it is none; NULL: it did not look like one.
- */
+/* Reads the words of text with tags that is not a document. broken: why parsing failed; NULL: it did not
+ * look like a document. */
 static int read_words(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                       const struct error *broken, struct error *e) {
     struct markup_rules words = rules ? *rules : (struct markup_rules){0};

@@ -23,7 +23,7 @@ static const struct {
     [PROSODY_VOLUME] = {volumes, sizeof volumes / sizeof *volumes, 0, 4},
 };
 
-/* The number that stands for a factor of 1 in that unit; 0 = not a unit of this kind. */
+/* Number that means a factor of 1 in that unit; 0 = unit of another kind. */
 static double unit_of(enum prosody_kind kind, const struct prosody_dialect *d, const char *unit) {
     bool bare = !*unit, hertz = !strcmp(unit, "hz");
     switch (kind) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values of rate, pitch, range and volume as the markups write them, to the factors of a style. */
+/* Converts values of rate, pitch, range and volume to the factors of a style. */
 #ifndef FACCIA_MARKUP_MARKUP_PROSODY_H
 #define FACCIA_MARKUP_MARKUP_PROSODY_H
 
@@ -7,23 +7,23 @@
 
 enum prosody_kind { PROSODY_RATE, PROSODY_PITCH, PROSODY_RANGE, PROSODY_VOLUME };
 
-/* What a number without a unit means. */
+/* Meaning of a number without a unit. */
 struct prosody_dialect {
-    double rate;   /* the number that means an unchanged rate: 1 = factors */
-    double volume; /* the number that means an unchanged volume */
+    double rate;   /* number for an unchanged rate; 1: the number is a factor */
+    double volume; /* number for an unchanged volume */
 };
 
-/* What absolute values are related to, since a voice does not tell its own: a pitch between those of women
- * and men, its usual range, and a reader's rate. */
+/* Reference for absolute values, as voices do not report their own: a pitch between those of women and
+ * men, its usual range, and the rate of a reader. */
 enum { PROSODY_HZ = 150, PROSODY_RANGE_HZ = 60, PROSODY_WPM = 170 };
 
-/* Takes the attribute, where it is there, into the factor. Words and absolute values replace it, percentages,
- * differences, semitones and decibels change it. Values that are not understood, or are too far off, get a
- * warning. */
+/* Applies the attribute, if present, to the factor. Words and absolute values replace it; percentages,
+ * differences, semitones and decibels modify it. Warns of values that are invalid or out of range. */
 void prosody_take(struct tag *tag, const char *attribute, enum prosody_kind kind,
                   const struct prosody_dialect *dialect, double *factor);
 
-/* "(0%,+20Hz) (50%,+30%)": the mean of the pitches goes into the factor, with a warning that no more does. */
+/* Applies the mean pitch of a contour such as "(0%,+20Hz) (50%,+30%)" to the factor, and warns that the
+ * rest is ignored. */
 void prosody_take_contour(struct tag *tag, const char *attribute, double *factor);
 
 #endif

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Do the two tags mean one language, one of them perhaps with a region? */
+/* True if both tags mean the same language, one perhaps with a region. */
 static bool same_language(const char *a, const char *b) {
     size_t n = strlen(a), m = strlen(b), shorter = n < m ? n : m;
     return !strncasecmp(a, b, shorter) && (n == m || (n > m ? a : b)[shorter] == '-');
@@ -34,7 +34,7 @@ static struct score_cue *add_cue(struct markup_reader *r, size_t at, const char 
         lower[n++] = *name >= 'A' && *name <= 'Z' ? (char)(*name | 32) : *name;
     while (n && is_white(lower[n - 1]))
         n--;
-    while (*name && n && ((unsigned char)lower[n - 1] & 0x80)) /* cut off inside a character, perhaps */
+    while (*name && n && ((unsigned char)lower[n - 1] & 0x80)) /* the cut may be inside a character */
         n--;
     lower[n] = '\0';
     return score_add_cue(r->score, kind, lower, at);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of the markup stage: what the readers of XML vocabularies share. A vocabulary is a table of
- * elements; xml.c walks through the document and calls what the table says. */
+/* Internals of the markup stage, shared by the readers of XML vocabularies. A vocabulary is a table of
+ * elements; xml.c walks the document and calls the functions in the table. */
 #ifndef FACCIA_MARKUP_MARKUP_READER_H
 #define FACCIA_MARKUP_MARKUP_READER_H
 
@@ -10,48 +10,48 @@
 #include <stdint.h>
 
 enum {
-    READER_DEPTH = 64,      /* elements inside each other */
-    READER_ATTRIBUTES = 64, /* of one element */
+    READER_DEPTH = 64,      /* nested elements */
+    READER_ATTRIBUTES = 64, /* per element */
     READER_BYTES = 16 << 20,
-    READER_SECONDS = 60, /* the longest pause */
-    READER_ONE_BYTES =
-        1000, /* what stands for something else and is longer is cut into sentences as any text is */
-    READER_PHONES_BYTES = 500, /* of one phoneme element */
+    READER_SECONDS = 60,       /* longest pause, s */
+    READER_ONE_BYTES = 1000,   /* longer replacement texts are cut into sentences */
+    READER_PHONES_BYTES = 500, /* in one phoneme element */
 };
 
 struct markup_reader;
 struct frame;
 struct tag;
 
-/* What an element does besides calling its functions. */
+/* Properties of an element. */
 enum {
-    ELEMENT_BOUNDARY = 1, /* sentences end before and after it */
-    ELEMENT_SENTENCE = 2, /* it is one sentence, whatever marks it holds; implies ELEMENT_BOUNDARY */
-    ELEMENT_SILENT = 4,   /* its content is about the document, and neither read nor spoken */
+    ELEMENT_BOUNDARY = 1, /* ends the sentence before it and after it */
+    ELEMENT_SENTENCE = 2, /* one sentence, whatever punctuation it contains; implies ELEMENT_BOUNDARY */
+    ELEMENT_SILENT = 4,   /* its content is metadata, neither read nor spoken */
 };
 
 struct element {
-    const char *name; /* lower case; compared without regard to case */
+    const char *name; /* lower case; compared ignoring case */
     unsigned flags;
     void (*begin)(struct markup_reader *r, struct tag *tag); /* may be NULL */
     void (*end)(struct markup_reader *r, struct frame *frame);
-    const char *ignored; /* attributes that are known and not acted on: " a b ", may be NULL */
-    const char *quiet;   /* attributes that need no action: " id version ", may be NULL */
+    const char *ignored; /* known but without effect, which causes a warning: " a b "; may be NULL */
+    const char *quiet;   /* need no action: " id version "; may be NULL */
 };
 
 struct vocabulary {
-    const char *root;               /* its root element; NULL = of a part of documents */
+    const char *root;               /* root element; NULL: not a document of its own */
     const struct element *elements; /* sorted by name */
     size_t element_count;
-    bool rootless;                   /* a document may be several elements, and text, without a root */
-    bool mute;                       /* what is spoken stands inside elements that say so */
-    bool quiet;                      /* unknown elements are passed over without a warning */
-    const struct vocabulary *spoken; /* of what else may stand where text is spoken; may be NULL */
+    bool rootless;                   /* a document may consist of several elements and text, without a root */
+    bool mute;                       /* text is spoken only inside elements that unmute it */
+    bool quiet;                      /* unknown elements cause no warning */
+    const struct vocabulary *spoken; /* its elements are allowed in spoken text, too; may be NULL */
     void (*common)(struct markup_reader *r,
-                   struct tag *tag); /* attributes that any element may have; may be NULL */
-    void (*mark)(struct markup_reader *r, size_t at, const char *name); /* one is read; may be NULL */
-    /* Before the first element; when all text is in the score, and before its cues are put in order; at the
-     * end in any case. May be NULL. */
+                   struct tag *tag); /* reads attributes that any element may have; may be NULL */
+    void (*mark)(struct markup_reader *r, size_t at,
+                 const char *name); /* called for each mark; may be NULL */
+    /* Called before the first element; when the score has all text, but its cues are unsorted; and at the
+     * end, also after an error. May be NULL. */
     void (*open)(struct markup_reader *r, size_t root);
     void (*finish)(struct markup_reader *r);
     void (*close)(struct markup_reader *r);
@@ -62,30 +62,30 @@ extern const struct vocabulary apml_vocabulary, jsml_vocabulary, ssml_vocabulary
 
 /* An open element. */
 struct frame {
-    const struct element *element; /* NULL = not known */
-    size_t at, inside;             /* bytes of the input: the start tag, and its end */
+    const struct element *element; /* NULL = unknown */
+    size_t at, inside;             /* bytes of the input: its start tag, and the end of that tag */
     struct score_style style;
-    const struct score_style *kept;      /* the same, in the score */
-    size_t style_depth;                  /* of the element that set it */
-    const struct vocabulary *vocabulary; /* of what stands inside */
+    const struct score_style *kept;      /* copy of `style` in the score */
+    size_t style_depth;                  /* depth of the element that set the style */
+    const struct vocabulary *vocabulary; /* for its content */
     bool silent;
-    bool mute;             /* its text is not spoken; what stands inside is acted on */
-    bool captures;         /* its text goes to the reader's capture */
-    const char *value;     /* free for the element's functions; belongs to the score */
-    size_t piece, flushes; /* of the passage: what comes inside begins here */
-    struct emotion {       /* EmotionML, while an emotion is open */
+    bool mute;             /* its text is not spoken, but its elements are processed */
+    bool captures;         /* its text is collected in the reader's `capture` */
+    const char *value;     /* for the element's own functions; belongs to the score */
+    size_t piece, flushes; /* of the passage, where its content begins */
+    struct emotion {       /* for EmotionML's emotion */
         double activation, evaluation, intensity;
-        bool is_placed; /* on the disc */
+        bool is_placed; /* has coordinates */
         struct score_time duration, delay;
     } emotion;
 };
 
-/* A start tag, while its functions are called. */
+/* A start tag; exists while its functions are called. */
 struct tag {
     struct markup_reader *r;
     struct frame *frame;
-    size_t at, bytes;        /* of the tag in the input */
-    const char **attributes; /* name, value... */
+    size_t at, bytes;        /* bytes of the input */
+    const char **attributes; /* pairs of name and value */
     size_t count;
     uint64_t taken;
 };
@@ -97,17 +97,17 @@ struct markup_reader {
     const struct markup_rules *rules;
     const struct vocabulary *vocabulary;
     struct passage passage;
-    struct frame frames[READER_DEPTH + 1]; /* frames[0] is the document */
+    struct frame frames[READER_DEPTH + 1]; /* frames[0] stands for the document */
     size_t depth;
     struct buf capture;
-    size_t end; /* byte of the input: the end tag, in an element's end function */
+    size_t end; /* byte of the end tag, while the element's end function runs */
     bool capturing;
-    struct bml *bml; /* sync points and behaviours; NULL = the vocabulary has none */
-    size_t audio;    /* depth of the outermost open audio element, 0 = none: no sentence ends in it */
+    struct bml *bml; /* sync points and behaviours; NULL: the vocabulary has none */
+    size_t audio;    /* depth of the outermost open audio element, in which no sentence ends; 0 = none */
 };
 
-/* The element of that name, with or without a namespace's prefix; NULL = not known. Where text is spoken
- * (mute = false), those of the vocabulary that may stand there count, too. */
+/* Finds an element by name, with or without a namespace prefix; NULL if unknown. Where text is spoken
+ * (mute = false), elements of the `spoken` vocabulary are known, too. */
 const struct element *vocabulary_find(const struct vocabulary *vocabulary, bool mute, const char *name);
 
 /* Errors: "bad-xml", "too-deep", "too-many-attributes" (line and column), "text-too-long". */
@@ -116,71 +116,72 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
 
 bool tag_has(const struct tag *tag, const char *name);
 
-/* The value of an attribute, which counts as acted on from then; NULL when there is none of that name. */
+/* Returns an attribute's value and marks it as used; NULL if it is absent. */
 const char *tag_take(struct tag *tag, const char *name);
-/* Warns at the place of that attribute: its value cannot be acted on. why: "is no number". */
+/* Warns that the value of an attribute is invalid. why: a predicate such as "is no number". */
 void tag_bad(struct tag *tag, const char *name, const char *why);
 void tag_warn(struct tag *tag, const char *name, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The byte of the input where that attribute begins; the tag's when it is not there. */
+/* Byte of the input where the attribute begins; if it is absent, where the tag begins. */
 size_t tag_place(const struct tag *tag, const char *name);
 
-/* Warn of attributes that were not taken, and of references to entities, which vanish in the parser. */
+/* Warn of unused attributes, and of entity references, which the parser drops. */
 void tag_check_attributes(struct tag *tag);
 void tag_check_references(struct tag *tag);
 
-/* The attributes of any vocabulary: xml:lang and its like. */
+/* Takes the language from an attribute such as xml:lang. */
 void reader_language(struct tag *tag, const char *attribute);
 
-/* A cue over the element of the frame. The name is taken in lower case, without white space around it. The
- * pointer is good until the next cue. */
+/* Adds a cue that spans the frame's element. The name is trimmed and converted to lower case. The pointer
+ * is valid until the next cue is added. */
 struct score_cue *reader_cue(struct markup_reader *r, struct frame *frame, size_t at, const char *kind,
                              const char *name);
-/* The affect that the name means among those that the text can name; the name itself when there is none. */
+/* Canonical name of an affect; an unknown name is returned unchanged. */
 const char *reader_affect(const struct markup_reader *r, const char *name);
-/* A cue at this point of the text. */
+/* Adds a cue at this point of the text. */
 struct score_cue *reader_point(struct markup_reader *r, size_t at, const char *kind, const char *name);
 
-/* A cue over the last word before this point. */
+/* Adds a cue over the last word before this point. */
 struct score_cue *reader_last_word(struct markup_reader *r, size_t at, const char *kind, const char *name);
 
-/* Closes the present sentence. */
+/* Ends the current sentence. */
 void reader_boundary(struct markup_reader *r);
 
-/* A pause; what is negative or longer than READER_SECONDS gets a warning at the attribute. */
+/* Adds a pause. Warns at the attribute if it is negative or longer than READER_SECONDS. */
 void reader_pause(struct tag *tag, const char *attribute, double seconds);
 
 void reader_mark(struct markup_reader *r, size_t at, const char *name);
 
-/* The text inside the frame is collected instead of spoken. False when it already is. */
+/* Collects the text inside the frame instead of speaking it. False if text is being collected already. */
 bool reader_capture(struct markup_reader *r, struct frame *frame);
-/* Ends that, in the frame's end function. The text, ended by a NUL, until the next capture. */
+/* Ends the collection; call it in the frame's end function. The returned string is valid until the next
+ * one. */
 const char *reader_captured(struct markup_reader *r, struct frame *frame);
-/* Speaks text in place of what the frame, which ends, has inside. */
+/* Speaks text in place of the content of a frame, at its end. */
 void reader_say(struct markup_reader *r, const struct frame *frame, const char *text,
                 const struct score_style *style);
 
-/* A copy that lives as long as the score. */
+/* Returns a copy that lives as long as the score. */
 const char *reader_keep(struct markup_reader *r, const char *s);
 
-/* The value in the table, without regard to case and to white space around it; NULL when it is not there. */
+/* Finds a name in the table, ignoring case and surrounding white space; NULL if it is absent. */
 struct choice {
     const char *name;
     double value;
 };
 const struct choice *choice_find(const struct choice *choices, size_t count, const char *name);
 
-/* A number with its unit ("+10%", "1.5s", "-2st"). False when it is none. */
+/* Reads a number with a unit ("+10%", "1.5s", "-2st"). False if it is malformed. */
 struct quantity {
     double number;
     bool relative; /* has a sign */
-    char unit[8];  /* lower case, "" = none */
+    char unit[8];  /* lower case; "" = none */
 };
 bool quantity_read(const char *text, struct quantity *q);
-/* A length of time: "1.5s", "500ms", or a number alone in `unit` seconds. */
+/* Reads a duration: "1.5s", "500ms", or a bare number, counted in units of `unit` seconds. */
 bool quantity_seconds(const char *text, double unit, double *seconds);
-/* A number from min to max, nothing else. */
+/* Reads a bare number from min to max. */
 bool quantity_plain(const char *text, double min, double max, double *number);
 
 #endif

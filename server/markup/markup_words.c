@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where words begin and end in a passage. */
+/* Finds words in a passage. */
 #include "server/base/utf8.h"
 #include "server/markup/passage.h"
 
-/* How far back a boundary looks for its word, and how much of it it takes. */
+/* How far before the end the last word is searched for, and its greatest length. */
 enum { NEAR_BYTES = 256 };
 
-/* Letters, digits and what joins them to words. Scripts without spaces have no words in this sense: there a
- * style may begin at any character. */
+/* True for letters, digits and characters that join them. Scripts without spaces have no words in this
+ * sense: a style may begin at any of their characters. */
 static bool is_word(uint32_t c) {
     if (c < 0x80)
         return (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z') || c == '\'';
@@ -27,7 +27,7 @@ static bool inside_character(const char *s, size_t at) {
     return ((unsigned char)s[at] & 0xC0) == 0x80;
 }
 
-/* The character that ends before `at`, and its length; 0 at the beginning. */
+/* Character that ends before `at`, and its length; 0 at the beginning. */
 static uint32_t before(const char *s, size_t at, size_t *length) {
     uint32_t c = 0;
     size_t from = at;
@@ -48,7 +48,7 @@ static uint32_t after(const char *s, size_t at, size_t size, size_t *length) {
     return c;
 }
 
-/* Index of the first barrier at or after the place. */
+/* Index of the first barrier at or after `flat`. */
 static size_t barrier_from(const struct passage *p, size_t flat) {
     size_t low = 0, high = p->barrier_count;
     while (low < high) {
@@ -61,7 +61,7 @@ static size_t barrier_from(const struct passage *p, size_t flat) {
     return low;
 }
 
-/* Does a word go on over the place? An apostrophe counts between two letters only. */
+/* True if a word continues across `at`. An apostrophe joins only two letters. */
 static bool joins(const char *s, size_t size, size_t at) {
     size_t left, right, more;
     uint32_t a = before(s, at, &left), b = after(s, at, size, &right);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Without the character that is not whole yet. */
+/* Length without an incomplete character at the end. */
 static size_t whole_characters(const char *text, size_t size) {
     size_t back = 0;
     uint32_t cp;
@@ -20,8 +20,8 @@ static size_t whole_characters(const char *text, size_t size) {
     return utf8_next(text + size - 1 - back, back + 1, &cp) ? size : size - 1 - back;
 }
 
-/* The root's name tells what the text is, once it is known to have ended. Unlike of a text that is there as a
- * whole, nothing is made of its end. */
+/* Determines the kind from the root element, once its name is complete. Unlike for a complete text, the
+ * end of the text plays no role. */
 static bool find_kind(struct open_text *o, const char *text, size_t size, enum open_end end) {
     struct prolog prolog;
     struct error e;
@@ -51,7 +51,7 @@ static size_t skip_white(const char *text, size_t size, size_t at, bool *goes_on
     return at;
 }
 
-/* What has no words in it is passed over. */
+/* Skips sentences without words. */
 static int plain_next(struct open_text *o, const char *text, size_t size, enum open_end end,
                       const struct markup_rules *base, struct open_piece *piece) {
     struct markup_rules rules = *base;
@@ -112,7 +112,7 @@ bool open_text_seems_ended(const struct open_text *o, const char *text, size_t s
     return open_xml_seems_ended(o, text, size, &rules);
 }
 
-/* Letters, and what stands between them in a plain sentence. Quotes of other scripts than ASCII's may be
+/* True for letters, and what separates them in a plain sentence. False for non-ASCII quotes, which may be
  * closed later: U+00AB, U+2018 to U+201F, U+300C and the like. */
 static bool is_simple(uint32_t c) {
     if (c < 0x80)

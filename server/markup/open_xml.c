@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pieces of a text with tags: sentences are looked for in what lies between the tags, and each piece is read
- * inside copies of the elements that it lies in. What is broken is found by those who read it. */
+/* Cuts text with tags into pieces: finds sentences in the text between tags, and encloses each piece in
+ * copies of its open elements. Whoever reads the pieces reports errors in them. */
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/markup/markdown.h"
@@ -16,7 +16,7 @@ struct token {
     size_t start, end;
 };
 
-/* Elements that a sentence ends with; and those whose text is one thing, which no sentence ends in. */
+/* blocks: a sentence ends with the element. wholes: no sentence ends inside. */
 static const char blocks[] = " p s paragraph sentence sent para div speak jsml apml performative ";
 static const char wholes[] = " say-as sayas sub phoneme audio desc w token emphasis emp ";
 
@@ -30,7 +30,7 @@ static size_t past(const char *s, size_t n, const char *end) {
     return found ? (size_t)(found - s) + strlen(end) : 0;
 }
 
-/* The length of a tag, whose attributes may hold a ">"; 0: it is not whole. */
+/* Length of a tag, whose attributes may contain ">"; 0: incomplete. */
 static size_t tag_length(const char *s, size_t n) {
     char quote = 0;
     for (size_t i = 1; i < n; i++) {
@@ -67,7 +67,7 @@ static struct token markup_at(const char *s, size_t n, size_t at) {
     return t;
 }
 
-/* What stands at text[at], at < size. A reference to a character is whole, too. */
+/* Token at text[at], at < size. An incomplete character reference is TOKEN_HALF, too. */
 static struct token token_at(const char *text, size_t size, size_t at) {
     enum { REFERENCE = 12 };
     size_t n = size - at;
@@ -78,7 +78,7 @@ static struct token token_at(const char *text, size_t size, size_t at) {
     return (struct token){TOKEN_TEXT, at, at + 1};
 }
 
-/* Is the tag's name, without its prefix, one of those? */
+/* True if the tag's name, without its prefix, is in the list. */
 static bool is_one_of(const char *text, struct token t, const char *names) {
     char name[32] = " ";
     const char *s = text + t.start + (t.kind == TOKEN_CLOSE ? 2 : 1);
@@ -96,14 +96,14 @@ static bool is_one_of(const char *text, struct token t, const char *names) {
     return strstr(names, name) != NULL;
 }
 
-/* What is looked at from the last piece on. */
+/* What follows the last piece. */
 struct view {
-    struct buf flat; /* the text without its tags; what is one thing without its marks */
-    size_t *from;    /* where in the text each byte of it stands */
+    struct buf flat; /* text without tags; inside `wholes`, without punctuation */
+    size_t *from;    /* offset in the text for each byte of it */
     size_t from_cap;
-    size_t whole; /* such elements are open */
-    size_t end;   /* of the last whole token */
-    bool tags;    /* there are some besides those that close */
+    size_t whole; /* open elements of `wholes` */
+    size_t end;   /* end of the last complete token */
+    bool tags;    /* contains tags other than end tags */
 };
 
 static void add(struct view *v, char c, size_t at) {
@@ -122,8 +122,8 @@ static const char *flat(const struct view *v) {
     return v->flat.size ? (const char *)v->flat.data : "";
 }
 
-/* The end of the first sentence in view, in the text; 0: it is not known. limit: that of a piece in which
- * there is but one. */
+/* Offset in the text where the first sentence of the view ends; 0: unknown. limit: returned if there is
+ * only one sentence. */
 static size_t first_end(const struct view *v, const struct markup_rules *base, bool more, size_t limit) {
     struct markup_rules rules = *base;
     size_t skip = 0, n = v->flat.size;
@@ -158,7 +158,7 @@ static void take(struct view *v, const char *text, struct token t) {
         v->whole--;
 }
 
-/* Where the next piece ends; 0: that is not known; SIZE_MAX with *e. */
+/* Where the next piece ends; 0: unknown; SIZE_MAX with *e. */
 static size_t find_end(struct open_text *o, const char *text, size_t size, enum open_end end,
                        const struct markup_rules *rules, struct view *v, struct error *e) {
     size_t found = 0;
@@ -184,12 +184,12 @@ static size_t find_end(struct open_text *o, const char *text, size_t size, enum 
             (found = first_end(v, rules, false, t.end)))
             return found;
     }
-    if (end == OPEN_CLOSED) /* what is half is given to those who know what to say of it */
+    if (end == OPEN_CLOSED) /* incomplete tokens are left to the reader, which reports them */
         return (found = first_end(v, rules, false, size)) ? found : size;
     return first_end(v, rules, end == OPEN_GOES_ON, v->end);
 }
 
-/* Follows the tags of a piece. */
+/* Updates the open elements with the tags of a piece. */
 static int follow(struct open_text *o, const char *text, size_t end, struct error *e) {
     for (size_t at = o->at; at < end;) {
         struct token t = token_at(text, end, at);
@@ -207,7 +207,7 @@ static int follow(struct open_text *o, const char *text, size_t end, struct erro
     return 0;
 }
 
-/* Start tags in one line, so that the piece's own lines stay as they are. */
+/* Writes the start tags on one line, to keep the line numbers of the piece. */
 static void add_starts(struct buf *b, const struct open_text *o, const char *text) {
     for (size_t i = 0; i < o->element_count; i++)
         for (size_t at = o->elements[i].start; at < o->elements[i].end; at++)

@@ -21,7 +21,7 @@ static void add_barrier(struct passage *p) {
     p->barriers[p->barrier_count++] = p->flat.size;
 }
 
-/* Line ends on both sides of a tag make no blank line. */
+/* Line ends on both sides of a tag do not make a blank line. */
 static void join_lines(struct passage *p, size_t from) {
     char *s = (char *)p->flat.data;
     for (size_t at = from; at < p->flat.size && is_white(s[at]); at++)
@@ -29,7 +29,7 @@ static void join_lines(struct passage *p, size_t from) {
             s[at] = ' ';
 }
 
-/* After text was added from there on. */
+/* Updates line_ended after text was added at `from`. */
 static void note_line_end(struct passage *p, size_t from) {
     const char *s = (const char *)p->flat.data;
     size_t at = p->flat.size;

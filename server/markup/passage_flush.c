@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a complete passage to the items, sentences and cues of the score. */
+/* Converts a complete passage to items, sentences and cues of the score. */
 #include "server/base/mem.h"
 #include "server/markup/passage_internal.h"
 #include "server/markup/plain.h"
@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sentence of so many items ends at a mark or a break: they may be many without a word. */
+/* A sentence with this many items ends at the next mark or break: there may be many without a word. */
 enum { SENTENCE_ITEMS = 1000 };
 
-/* The end of the sentence that begins at the place. One that the author marked as such ends only where it is
- * too long. */
+/* End of the sentence that begins at `at`. A sentence marked by the author ends early only if it is too
+ * long. */
 static size_t sentence_end(struct flush *f, size_t at) {
     const char *s = (const char *)f->p->flat.data;
     size_t size = f->p->flat.size, end = at;
@@ -51,7 +51,7 @@ static void emit(struct flush *f, const struct run *run, size_t from, size_t to)
 static void make_items(struct flush *f) {
     struct passage *p = f->p;
     const char *s = (const char *)p->flat.data;
-    size_t at = 0, run = 0, sound = 0; /* pieces before `sound` belong to one */
+    size_t at = 0, run = 0, sound = 0; /* pieces before `sound` belong to a sound */
     while (at < p->flat.size && is_white(s[at]))
         at++;
     while (at < p->flat.size || run < f->run_count) {
@@ -86,7 +86,8 @@ static void make_items(struct flush *f) {
     }
 }
 
-/* Index of the first new item that comes from the piece or a later one, or ends (begins) behind a place. */
+/* Index of the first new item that comes from piece `key` or a later one, ends after or begins at offset
+ * `key`. */
 enum where { OF_PIECE, ENDS_AFTER, BEGINS_AT };
 
 static size_t find_item(const struct flush *f, enum where where, size_t key) {

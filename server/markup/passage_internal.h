@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of a passage's way into the score: runs of one style, and zones that no sentence ends in. */
+/* Internals of adding a passage to the score: runs of one style, and zones in which no sentence may end. */
 #ifndef FACCIA_MARKUP_PASSAGE_INTERNAL_H
 #define FACCIA_MARKUP_PASSAGE_INTERNAL_H
 
 #include "server/markup/passage.h"
 
-/* A part of a piece that has one style and belongs to one set of words. */
+/* A part of a piece with a single style. */
 struct run {
-    size_t piece; /* never falls from run to run */
+    size_t piece; /* index; never decreases from run to run */
     size_t from, to;
     const struct piece *of;
     const struct score_style *style;
 };
 
-/* A part of the flat text that no sentence ends in. */
+/* A range of the flat text in which no sentence may end. */
 struct zone {
     size_t from, to;
 };
@@ -22,20 +22,20 @@ struct flush {
     struct passage *p;
     struct run *runs;
     size_t run_count, run_cap;
-    size_t *marks; /* that lie inside a word, which ends at marks_until: they go behind it */
+    size_t *marks; /* marks inside a word that ends at marks_until; they follow it */
     size_t mark_count, mark_cap, marks_until;
     size_t cut;
-    struct word styled; /* the last word that has a style of its own, and that */
+    struct word styled; /* cache of word_style: the last word and its style */
     const struct score_style *word_style;
     struct zone *zones;
     size_t zone_count, zone_cap, zone;
-    struct run *placed; /* where the new items came from */
+    struct run *placed; /* origin of each new item */
     size_t placed_count, placed_cap, first_item;
 };
 
 /* passage_runs.c */
 void passage_make_runs(struct flush *f);
 void passage_make_zones(struct flush *f);
-void passage_warn_word(struct passage *p, size_t at, const char *what); /* once for a place */
+void passage_warn_word(struct passage *p, size_t at, const char *what); /* at most once per position */
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The pieces of a passage are cut where their style, their words or a sentence's limits change. */
+/* Splits the pieces of a passage into runs where the style or word changes, and finds its zones. */
 #include "server/base/mem.h"
 #include "server/markup/passage_internal.h"
 
@@ -23,7 +23,7 @@ static void add_run(struct flush *f, size_t piece, size_t from, size_t to, const
     put_run(f, (struct run){piece, from, to, &f->p->pieces[piece], style});
 }
 
-/* The style that the innermost element gives to the word around an end of the piece. */
+/* Style of a word around one end of the piece: the innermost element decides. */
 static const struct score_style *word_style(struct flush *f, size_t piece, struct word word) {
     const struct passage *p = f->p;
     if (f->styled.from == word.from && f->styled.to == word.to)

@@ -13,7 +13,7 @@ struct cursor {
     size_t size, at;
 };
 
-/* The character at the cursor (0 at the end) and its length. The text is well-formed UTF-8. */
+/* Returns the character at the cursor (0 at the end) and its length. The text is well-formed UTF-8. */
 static uint32_t look(const struct cursor *c, size_t *length) {
     uint32_t cp = 0;
     *length = c->at < c->size ? utf8_next(c->text + c->at, c->size - c->at, &cp) : 0;
@@ -25,7 +25,7 @@ static bool is_space(uint32_t c) {
            c == 0x2029 || c == 0x3000 || c == 0xFEFF /* byte order mark */;
 }
 
-/* Of Unicode's Sentence_Terminal (UAX 29), those of the scripts that voices here speak. */
+/* Unicode's Sentence_Terminal (UAX 29), limited to scripts with voices here. */
 static bool is_terminator(uint32_t c) {
     if (c < 0x80)
         return c == '.' || c == '?' || c == '!';
@@ -64,7 +64,7 @@ static bool is_closing(uint32_t c, const struct markup_rules *rules) {
            c == 0x203A || c == 0x300D /* 」 */ || c == 0x300F || c == 0xFF09;
 }
 
-/* Lower-case letters of the Latin scripts that the languages here use. */
+/* Lower-case Latin letters of the languages with voices here. */
 static bool is_lower(uint32_t c) {
     if (c < 0x100)
         return (c >= 'a' && c <= 'z') || (c >= 0xDF && c != 0xF7);
@@ -80,7 +80,7 @@ static bool listed(const struct markup_rules *rules, const char *word, size_t le
     return false;
 }
 
-/* Among those that may end a sentence? */
+/* True if it is one of the abbreviations that may end a sentence. */
 static bool listed_open(const struct markup_rules *rules, const char *word, size_t length) {
     for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
         if (**a == '?' && strlen(*a + 1) == length && !strncasecmp(*a + 1, word, length))
@@ -88,13 +88,13 @@ static bool listed_open(const struct markup_rules *rules, const char *word, size
     return false;
 }
 
-/* Is it all digits (at most three), or a Roman number in capitals? */
+/* True if it consists of at most three digits, or is a Roman number in capitals. */
 static bool is_ordinal(const char *word, size_t length) {
     size_t digits = strspn(word, "0123456789"), roman = strspn(word, "IVXLC");
     return (digits == length && length <= 3) || (roman == length && length <= 7);
 }
 
-/* Has the word no vowel, so that nobody can say it as it is? */
+/* True if the word has no vowel, so that it cannot be pronounced. */
 static bool has_no_vowel(const char *word, size_t length) {
     for (size_t i = 0; i < length; i++)
         if ((unsigned char)word[i] >= 0x80 || strchr("aeiouyAEIOUY0123456789", word[i]))
@@ -102,8 +102,8 @@ static bool has_no_vowel(const char *word, size_t length) {
     return true;
 }
 
-/* Does the word that ends before `end` stand for more (an initial, "prof")? lower: what follows begins with
- * a small letter. */
+/* True if the word that ends before `end` is an abbreviation (an initial, "prof"). lower: a small letter
+ * follows. */
 static bool is_abbreviation(const char *text, size_t end, const struct markup_rules *rules, bool lower) {
     const char *before = is_markdown(rules) ? " \t\r\n(\"'*_[\1" : " \t\r\n(\"'";
     size_t from = end;
@@ -124,8 +124,7 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
                      strspn(text + from, "0123456789") == length || listed_open(rules, text + from, length));
 }
 
-/* Does the word that ends before `end` stand for something that is counted, when a number follows ("no. 5")?
- */
+/* True if the word that ends before `end` is an abbreviation before a number ("no. 5"). */
 static bool stands_for_number(const char *text, size_t end, const struct markup_rules *rules) {
     size_t from = end;
     while (from > 0 && !strchr(" \t\r\n(", text[from - 1]))
@@ -136,7 +135,7 @@ static bool stands_for_number(const char *text, size_t end, const struct markup_
     return false;
 }
 
-/* Does only a number stand before `end` in its line: that of a list's item? */
+/* True if only a number precedes `end` in its line, as in a numbered list. */
 static bool is_item_number(const char *text, size_t end) {
     size_t from = end;
     while (from > 0 && text[from - 1] >= '0' && text[from - 1] <= '9')
@@ -147,7 +146,7 @@ static bool is_item_number(const char *text, size_t end) {
     return number && (!from || text[from - 1] == '\n');
 }
 
-/* At a terminator: the end of the sentence after closing marks, or 0 when it ends none here. */
+/* At a terminator: end of the sentence, including closing marks; 0 if it does not end here. */
 static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
     bool more = rules && rules->more;
     size_t start = c.at, length, marks = 0;
@@ -186,7 +185,7 @@ static size_t skip_space(struct cursor c, size_t *newlines) {
     return c.at;
 }
 
-/* Does a line that begins there stand for itself: a heading, an item of a list, a quotation? */
+/* Tells whether a line at `at` starts a heading, list item or quotation. */
 static enum { LINE_GOES_ON, LINE_BEGINS, LINE_UNKNOWN } line_at(const struct cursor *c, size_t at) {
     size_t i = at;
     while (i < c->size && i < at + 3 && c->text[i] >= '0' && c->text[i] <= '9')
@@ -199,8 +198,8 @@ static enum { LINE_GOES_ON, LINE_BEGINS, LINE_UNKNOWN } line_at(const struct cur
     return one && strchr(" \t", c->text[i + 1]) ? LINE_BEGINS : LINE_GOES_ON;
 }
 
-/* Does a short line, without a comma at its end, stand before one that begins with a capital or a digit, as
- * the items of a list and the lines of an address do? */
+/* True for a short line without a comma at its end, followed by one that begins with a capital or digit,
+ * as in lists and addresses. */
 enum { SHORT_LINE_BYTES = 32 };
 
 static bool is_line_alone(const struct cursor *c, size_t line, size_t next) {
@@ -216,7 +215,7 @@ static bool is_line_alone(const struct cursor *c, size_t line, size_t next) {
            cp == 0x130 || cp == 0x15E || cp == 0x11E;
 }
 
-/* Behind the white space after a line: the sentence's end there, or 0. */
+/* After the white space behind a line: end of the sentence, or 0. */
 static size_t line_end(const struct cursor *c, size_t line, size_t next, size_t newlines,
                        const struct markup_rules *rules) {
     if (newlines > 1)
@@ -237,7 +236,7 @@ static bool is_letter(char c) {
     return (c | 32) >= 'a' && (c | 32) <= 'z';
 }
 
-/* Passes over terminators that end no sentence, as far as one may reach. */
+/* Skips terminators that do not end a sentence, within its maximum length. */
 static size_t skip_marks(struct cursor c, size_t next) {
     size_t length;
     for (c.at = next; is_terminator(look(&c, &length)) && c.at + length <= PLAIN_SENTENCE_BYTES;
@@ -270,7 +269,7 @@ size_t plain_sentence(const char *text, size_t size, const struct markup_rules *
         }
         if (end)
             return end;
-        if (rules && rules->more && next >= size) /* what follows may belong to what stands here */
+        if (rules && rules->more && next >= size) /* what follows may belong to this word */
             return PLAIN_UNKNOWN;
         length = next - c.at;
         c.at = next;
@@ -306,15 +305,15 @@ static bool is_word(const char *text, size_t at, size_t end) {
     return at < end && (is_letter(text[at]) || (unsigned char)text[at] >= 0x80);
 }
 
-/* The end of the word that the place lies in: languages hold for whole words. */
+/* End of the word around `at`: languages apply to whole words. */
 static size_t word_end(const char *text, size_t at, size_t end) {
     while (is_word(text, at, end) && at && is_word(text, at - 1, end))
         at++;
     return at;
 }
 
-/* Adds text[at..to). What stands there for a tag or a reference (stray_tags.h) is an item of its own, whose
- * place is all of that: up to `end` with what is left out behind it. style: NULL = the plain one. */
+/* Adds text[at..to). A replaced tag or reference (stray_tags.h) becomes an item of its own, which covers
+ * the bytes of its source, up to `end` with removed bytes after it. style: NULL = plain. */
 static void add_text(struct score *score, const char *text, size_t at, size_t to, size_t end,
                      const struct score_style *style) {
     const char *input = score->input;
@@ -334,7 +333,7 @@ static void add_text(struct score *score, const char *text, size_t at, size_t to
     }
 }
 
-/* Adds what is in one language, from a place on; *run: the stretch that comes next. Returns its end. */
+/* Adds text in one language, starting at `at`. *run: index of the next language run. Returns the end. */
 static size_t add_run(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
     const struct language_runs *runs = rules ? rules->runs : NULL;
@@ -359,7 +358,7 @@ static size_t add_run(struct score *score, const char *text, size_t at, size_t e
     return to;
 }
 
-/* What is left out of it stands between items. */
+/* Adds a sentence as items, which removed bytes separate. */
 static void add_items(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
     bool markdown = is_markdown(rules);
@@ -406,7 +405,7 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
     struct markup_rules marked = *rules;
     char *copy = mem_strndup(text, size);
     markdown_blank(copy, size, true);
-    /* of a text that is nothing but signs and emoji the voice says what it can */
+    /* in a text of nothing but symbols and emoji, leave them to the voice */
     marked.markdown = markdown_has_words(copy, size);
     int failed = read_all(score, marked.markdown ? copy : text, size, &marked, e);
     free(copy);

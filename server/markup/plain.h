@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plain text: sentences end at . ? ! … (and their like in other scripts) and at blank lines. */
+/* Reads plain text. Sentences end at . ? ! … (and equivalents in other scripts) and at blank lines. */
 #ifndef FACCIA_MARKUP_PLAIN_H
 #define FACCIA_MARKUP_PLAIN_H
 
@@ -10,18 +10,18 @@
 int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                struct error *e);
 
-/* Length in bytes of the sentence at the head of text[0..size), with its closing marks and the white space
- * after it. At most PLAIN_SENTENCE_BYTES, cut at a comma or a space where a longer one has any, so that
- * speech can begin early; the rules may ask for shorter ones, cut at a comma. */
+/* Returns the length in bytes of the first sentence of text[0..size), including closing marks and trailing
+ * white space. Longer sentences than PLAIN_SENTENCE_BYTES are cut at a comma or space if possible, so that
+ * speech can begin early. The rules may ask for shorter ones, cut at a comma. */
 enum { PLAIN_SENTENCE_BYTES = 400 };
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules);
 
-/* What plain_sentence gives of a text that is still being written (rules->more) when what follows could
- * change where its sentence ends. What it gives otherwise holds whatever follows. */
+/* Returned by plain_sentence if the text is unfinished (rules->more) and a continuation could move the
+ * sentence's end. Any other result is final. */
 #define PLAIN_UNKNOWN SIZE_MAX
 
-/* Whether text[0..size) looks like whole sentences, so that nothing more need be awaited: the last one ends
- * with its mark, which is not that of an abbreviation or a number. */
+/* True if text[0..size) looks like whole sentences, so that there is no need to wait for more: it ends
+ * with a sentence mark that does not belong to an abbreviation or number. */
 bool plain_seems_ended(const char *text, size_t size, const struct markup_rules *rules);
 
 #endif

@@ -6,7 +6,7 @@
 
 static const char dates[] = " dmy mdy ymd ydm my ym md dm d m y ", times[] = " hms hm h hms12 hms24 ";
 
-/* What a markup calls it, what it becomes, and the formats that it may have. */
+/* Name in a markup, canonical name, allowed formats. */
 static const struct {
     const char *from, *to, *formats;
 } forms[] = {

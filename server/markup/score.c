@@ -10,7 +10,7 @@
 
 const struct score_style score_plain_style = {.rate = 1, .pitch = 1, .range = 1, .volume = 1};
 
-/* Memory that is only ever freed as a whole: strings and styles of one score. */
+/* Arena for the strings and styles of a score, freed as a whole. */
 struct score_block {
     struct score_block *next;
     size_t used, size;
@@ -54,7 +54,7 @@ void score_free(struct score *score) {
     free(score);
 }
 
-/* mem_grow makes room from there. */
+/* The capacity equals the count; mem_grow enlarges it later. */
 static void *copy(const void *list, size_t count, size_t size) {
     return count ? memcpy(mem_resize(NULL, count * size), list, count * size) : NULL;
 }

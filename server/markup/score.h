@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The score: what the markup stage hands on. It is the document, which no later stage changes; what they find
- * out (what an expression does to the voice, the words of a date, who can speak what) goes into a script,
- * which stands beside it and is the score that is spoken. A list of items in reading order, cut into
- * sentences; every item knows which bytes of the input it came from. All strings belong to the score. */
+/* The score: output of the markup stage. It is a list of items in reading order, divided into sentences;
+ * every item knows which bytes of the input it came from. Later stages never change this document. They
+ * write their findings (how an expression changes the voice, a date in words, who can speak what) to a
+ * script, a second score, which is the one spoken. A score owns its strings. */
 #ifndef FACCIA_MARKUP_SCORE_H
 #define FACCIA_MARKUP_SCORE_H
 
@@ -12,23 +12,23 @@
 #include <stddef.h>
 
 enum score_kind {
-    SCORE_TEXT,  /* text to be spoken in one style */
+    SCORE_TEXT,  /* text spoken in one style */
     SCORE_BREAK, /* a pause of `seconds` */
-    SCORE_MARK,  /* a name to be reported when it is reached */
-    SCORE_AUDIO, /* a sound file to be heard here */
+    SCORE_MARK,  /* a name to report when it is reached */
+    SCORE_AUDIO, /* a sound file to play */
 };
 
 enum score_emphasis { EMPHASIS_NONE, EMPHASIS_REDUCED, EMPHASIS_WEAK, EMPHASIS_MEDIUM, EMPHASIS_STRONG };
 
-/* An emotion that the voice itself may know how to play (FACCIA_VOICE_EMOTION). */
+/* An emotion that the voice itself may be able to render (FACCIA_VOICE_EMOTION). */
 struct score_emotion {
-    const char *name; /* an affect of the expressions file; NULL = neutral */
+    const char *name; /* affect of the expressions file; NULL = neutral */
     double intensity; /* 0..1 */
 };
 
-/* How a stretch is to be said. Factors multiply the voice's own value; 1 = unchanged.
+/* How to say a stretch. Factors multiply the voice's own values; 1 = unchanged.
  *
- * say_as is in one form for all markups, CLASS or CLASS:FORMAT, always one of these:
+ * say_as has one form for all markups, CLASS or CLASS:FORMAT:
  *   characters                 letter by letter
  *   digits                     digit by digit
  *   cardinal, ordinal          a number, or its ordinal
@@ -39,63 +39,62 @@ struct score_emotion {
  *   telephone, currency, measure, name, address
  *   net:email, net:url */
 struct score_style {
-    const char *lang;  /* BCP 47; NULL = the request's */
-    const char *voice; /* NULL = the request's; else as written: one name, or several by preference, spaced */
-    const char *gender; /* of the voice: NULL = any, "male", "female", "neutral" */
+    const char *lang;   /* BCP 47; NULL = the request's */
+    const char *voice;  /* NULL = the request's; a name or several, by preference, space-separated */
+    const char *gender; /* NULL = any, "male", "female", "neutral" */
     double rate, pitch, range, volume;
     enum score_emphasis emphasis;
-    const char *say_as;   /* NULL, or how to read it */
-    const char *phonemes; /* NULL, or IPA that replaces the text */
+    const char *say_as;   /* NULL = as usual */
+    const char *phonemes; /* IPA that replaces the text, or NULL */
     struct score_emotion emotion;
 };
 
-/* What is to be shown, and heard in the voice, over a stretch: an affect, a performative, an emphasis... The
- * expressions file (models/expressions.json) tells how each looks and sounds. */
+/* Something to show, and hear in the voice, over a stretch: an affect, a performative, an emphasis... The
+ * expressions file (models/expressions.json) defines how each looks and sounds. */
 struct score_cue {
     const char
         *kind;          /* "affect", "performative", "certainty", "meta-cognitive", "belief-relation", "turn",
                            "emphasis", "pitch-accent", "boundary", "deictic", "adjectival", "signal", "gesture" */
-    const char *name;   /* "joy", "warn", "LplusHstar"...: as the author wrote it, in lower case */
-    size_t first, last; /* items [first, last); first == last: at the point before item first */
-    size_t around;      /* the nearest cue before it that ends later, counted from 1; 0 = none */
-    size_t at;          /* byte of the input where the author asked for it */
+    const char *name;   /* "joy", "warn", "lplushstar"...: as the author wrote it, in lower case */
+    size_t first, last; /* items [first, last); first == last: the point before item first */
+    size_t around;      /* 1 + index of the nearest earlier cue that ends later; 0 = none */
+    size_t at;          /* byte of the input that asks for it */
     double intensity;   /* 0..1 */
-    double
-        weight; /* the face's share in the mouth (omega of the Turkish thesis), 0..1; negative = not given */
-    /* Its time: begins delay after the stretch, rises for onset, lasts duration in all, falls for offset at
-     * its end. Delay and duration are seconds + share * (length of the stretch); seconds may be negative.
-     * An onset or offset that is negative = not given: the expression's own. */
+    double weight;      /* share of the expression in the mouth, 0..1; negative: unset (omega of the Turkish
+                           thesis) */
+    /* Timing. The cue begins `delay` after the start of the stretch, rises during `onset`, and lasts
+     * `duration`, of which the last `offset` seconds are its fall. Delay and duration are `seconds`, which
+     * may be negative, plus `share` times the length of the stretch. A negative onset or offset is unset:
+     * the expression's own applies. */
     struct score_time {
         double seconds, share;
     } delay, duration;
     double onset, offset; /* s */
-    double clock;         /* of score.timed: when it begins, s from the beginning of the utterance */
+    double clock;         /* of score.timed: beginning, s from the start of the utterance */
 };
 
-/* A part of a text that a script says in other words: bytes of the words, and of the input that they stand
- * for. */
+/* A part of a text that the script rewords: a range of the new words, and the input that they replace. */
 struct score_part {
     size_t offset, bytes; /* in the item's text */
     size_t start, end;    /* bytes of the input */
     bool verbatim;        /* the words are exactly input[start..end) */
-    bool guess;           /* it may have been meant otherwise */
+    bool guess;           /* the author may have meant something else */
 };
 
 struct score_item {
     enum score_kind kind;
-    size_t start, end; /* bytes of the input */
-    const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
-    bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
-    const struct score_part *parts; /* SCORE_TEXT of a script: they cover the text, in order; NULL = all of it
-                                       is one, from start to end */
+    size_t start, end;              /* bytes of the input */
+    const char *text;               /* SCORE_TEXT: UTF-8; SCORE_MARK: its name; SCORE_AUDIO: src as written */
+    bool verbatim;                  /* text is exactly input[start..end): offsets map one to one */
+    const struct score_part *parts; /* of a script's text: cover it, in order; NULL: start to end */
     size_t part_count;
     double seconds;  /* SCORE_BREAK */
-    size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
-                        left out when the sound is played, spoken when it cannot be */
+    size_t fallback; /* SCORE_AUDIO: number of items after it, in its sentence, that are its alternate
+                        content: skipped if the sound plays, spoken if it cannot */
     const struct score_style *style; /* never NULL */
 };
 
-/* Items first..first+count of a score: one sentence, the unit that flows through the stages. */
+/* Items first..first+count of a score: one sentence, the unit that passes through the stages. */
 struct score_sentence {
     size_t first, count;
     size_t start, end; /* bytes of the input */
@@ -106,29 +105,29 @@ struct score {
     size_t item_count, item_cap;
     struct score_sentence *sentences;
     size_t sentence_count, sentence_cap;
-    struct score_cue *cues; /* in the order of their beginnings; they may overlap and nest */
+    struct score_cue *cues; /* sorted by beginning; they may overlap and nest */
     size_t cue_count, cue_cap;
-    struct score_cue *timed; /* cues at times instead of places, by their clocks: for the face alone */
+    struct score_cue *timed; /* cues at times instead of items, sorted by clock; for the face only */
     size_t timed_count, timed_cap;
-    struct error *warnings; /* what was not acted on, with its line and column */
+    struct error *warnings; /* input without effect, with line and column */
     size_t warning_count, warning_cap;
-    const char *input; /* what was read, for the places of warnings: borrowed; NULL = not known */
+    const char *input; /* the text that was read, for placing warnings; borrowed; NULL = unknown */
     size_t input_size;
     struct lines lines;         /* of the input */
     struct score_block *blocks; /* owns strings and styles */
 };
 
-/* The style that changes nothing. */
+/* The default style. */
 extern const struct score_style score_plain_style;
 
 struct score *score_new(void);
 void score_free(struct score *score);
 
-/* A score beside the document, the same at first, to be changed by those who find out more. Its strings and
- * styles that are as they were stay the document's, which has to outlive it. */
+/* Creates a script that begins as a copy of the document. It shares the document's strings and styles, so
+ * the document must outlive it. */
 struct score *score_script(const struct score *document);
 
-/* Copies that live as long as the score. */
+/* Return copies that live as long as the score. */
 const char *score_strndup(struct score *score, const char *s, size_t n);
 const struct score_style *score_keep_style(struct score *score, const struct score_style *style);
 
@@ -136,44 +135,43 @@ const struct score_part *score_keep_parts(struct score *score, const struct scor
 
 struct score_item *score_add(struct score *score, enum score_kind kind, size_t start, size_t end);
 
-/* A cue with intensity 1, the whole stretch for its time, and nothing else given. kind is static; name is
- * copied. It begins at the item that is added next, and is empty. */
+/* Adds an empty cue before the next item, with intensity 1 and the duration of its stretch; all else is
+ * unset. kind must be static; name is copied. */
 struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at);
 
-/* The same at a time of the utterance; for `seconds`. NULL when there are SCORE_TIMED already. */
+/* Adds a cue at a time of the utterance instead. NULL if there are SCORE_TIMED already. */
 enum { SCORE_TIMED = 1000 };
 struct score_cue *score_add_timed(struct score *score, const char *kind, const char *name, size_t at,
                                   double clock, double seconds);
 
-/* Puts the cues in the order of their beginnings, leaves out, with a warning, what exceeds SCORE_CUES in a
- * sentence, and links them. To be called when all sentences and cues are there; and the linking alone when
- * some were taken out afterwards. */
+/* Sorts the cues by beginning, drops those beyond SCORE_CUES in a sentence, with a warning, and links them
+ * (`around`). Call it when all sentences and cues have been added. After removing cues, call
+ * score_link_cues alone. */
 enum { SCORE_CUES = 512 };
 void score_order_cues(struct score *score);
 void score_link_cues(struct score *score);
 
-/* Index of the first cue that begins at that item or behind it. */
+/* Index of the first cue that begins at or after that item. */
 size_t score_cues_from(const struct score *score, size_t item);
 
-/* What stands at that byte of the input is not acted on (or not as it was meant). code is static. At most
- * SCORE_WARNINGS are kept; the last then says that there were more ("more-warnings"). The input must still be
- * there. */
+/* Warns that the input at byte `at` has no effect, or not the intended one. Keeps at most SCORE_WARNINGS;
+ * the last one then says that there were more ("more-warnings"). score->input must still be valid. */
 enum { SCORE_WARNINGS = 1000 };
 void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Shortens the pauses that go beyond SCORE_PAUSE_SENTENCE in a sentence, or beyond SCORE_PAUSE_TEXT together
- * with those that there were in the text before (paused), s; warns of each sentence where it does. */
+/* Shortens pauses that exceed SCORE_PAUSE_SENTENCE seconds in a sentence or, added to `paused` seconds
+ * earlier in the text, SCORE_PAUSE_TEXT seconds. Warns once for each sentence concerned. */
 enum { SCORE_PAUSE_SENTENCE = 120, SCORE_PAUSE_TEXT = 3600 };
 void score_bound_pauses(struct score *score, double paused);
-double score_pauses(const struct score *score); /* how long they are together, s */
+double score_pauses(const struct score *score); /* total length, s */
 
-/* Adds copies of the items, sentences and cues of another score, behind what is there. place tells where in
- * the input of this one a byte of the other's stands. */
+/* Appends copies of the items, sentences and cues of another score. place converts a byte of that score's
+ * input to a byte of this one's. */
 void score_append(struct score *to, const struct score *from, size_t (*place)(const void *ctx, size_t byte),
                   const void *ctx);
 
-/* Closes the sentence that began after the last closed one. Does nothing when it has no items. */
+/* Ends the sentence that began after the previous one. Does nothing if it has no items. */
 void score_end_sentence(struct score *score);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A score that grows: what was read of a text's next piece comes behind what is there. */
+/* Appends the score of a text's next piece. */
 #include "server/base/mem.h"
 #include "server/markup/score.h"
 #include <string.h>

@@ -21,7 +21,7 @@ static void add_style(const struct score_style *s, struct buf *out) {
         buf_printf(out, " emphasis=%s", levels[s->emphasis]);
 }
 
-/* On one line. */
+/* Escapes line ends. */
 static void add_text(const char *text, struct buf *out) {
     buf_add(out, " \"", 2);
     for (; *text; text++) {

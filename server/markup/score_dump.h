@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A score as text for people: what a reader understood. One line for each sentence, its items indented below
- * it, and then the cues. Places are bytes of the input. What has its usual value is left out. */
+/* Prints a score for people, to show what a reader understood: a line for each sentence, its items
+ * indented below it, then the cues. Positions are bytes of the input. Default values are omitted. */
 #ifndef FACCIA_MARKUP_SCORE_DUMP_H
 #define FACCIA_MARKUP_SCORE_DUMP_H
 

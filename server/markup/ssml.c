@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and two vendors' emotions inside. */
+/* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and the emotion elements of two vendors. */
 #include "server/base/sampa.h"
 #include "server/markup/emotionml.h"
 #include "server/markup/markup_prosody.h"
@@ -32,7 +32,7 @@ static void begin_break(struct markup_reader *r, struct tag *tag) {
                                           {"medium", 0.4}, {"strong", 0.75}, {"x-strong", 1.2}};
     (void)r;
     if (style_take_pause(tag, "time", 0.001))
-        (void)tag_take(tag, "strength"); /* the length says more */
+        (void)tag_take(tag, "strength"); /* time takes precedence */
     else
         style_take_pause_word(tag, "strength", words, sizeof words / sizeof *words, &words[3]);
 }
@@ -109,7 +109,8 @@ static void begin_lexicon(struct markup_reader *r, struct tag *tag) {
                tag->frame->element->name);
 }
 
-/* A style's name is an emotion's; what the vendor calls twice as strong is as strong as it gets. */
+/* The style names an emotion. Intensity is 0.7 at the default degree, and limited to 1 for the vendor's
+ * maximum of 2. */
 static void begin_express_as(struct markup_reader *r, struct tag *tag) {
     const char *style = tag_take(tag, "style"), *degree = tag_take(tag, "styledegree");
     double times = 1;

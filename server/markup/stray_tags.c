@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Elements around which a sentence ends; those between which words end; and others that are known. Their text
- * is spoken, but for the silent ones'. */
+/* blocks end sentences; lines separate words; inlines are merely known. Their text is spoken, except in
+ * silent elements. */
 static const char blocks[] = " address article aside blockquote body center dd details dialog div dl dt "
                              "fieldset figcaption figure footer "
                              "form h1 h2 h3 h4 h5 h6 head header hgroup hr html legend li main nav ol p para "
@@ -44,12 +44,13 @@ bool stray_tag_parts_words(const char *name, size_t n) {
 }
 
 struct stray {
-    size_t name, name_bytes; /* offset from the "<" */
-    size_t length;           /* with its ">" */
+    size_t name, name_bytes; /* offset from "<" */
+    size_t length;           /* including ">" */
     bool close, empty, attributes;
 };
 
-/* At a "<": a tag by its form. Quoted values may hold a ">"; a "<" ends the hope. */
+/* Reads a tag at "<" by its syntax only. Quoted values may contain ">"; a second "<" means that there is
+ * no tag. */
 static bool read_tag(const char *s, size_t n, struct stray *tag) {
     enum { TAG_BYTES = 1024 };
     size_t at = 1;
@@ -82,11 +83,9 @@ static bool read_tag(const char *s, size_t n, struct stray *tag) {
     return false;
 }
 
-/* Whether what looks like a start tag is one: its element is known, has values, or is closed somewhere. */
+/* True if an apparent start tag is one: a known element, with attributes, or closed later. */
 static bool is_element(const char *s, size_t n, const struct stray *tag) {
-    enum {
-        FAR = 1000
-    }; /* bytes in which its end is looked for: the search is not repeated over long texts */
+    enum { FAR = 1000 }; /* search limit for the end tag, in bytes: keeps long texts linear */
     const char *name = s + tag->name;
     if (tag->close || tag->empty || tag->attributes || memchr(name, ':', tag->name_bytes) ||
         listed(blocks, name, tag->name_bytes) || listed(lines, name, tag->name_bytes) ||
@@ -102,8 +101,8 @@ static bool is_element(const char *s, size_t n, const struct stray *tag) {
     return false;
 }
 
-/* What begins many times and never ends is looked for once: what does not come behind a place does not come
- * behind a later one. */
+/* Remembers failed searches: an end that does not follow one position does not follow a later one, so that
+ * each is searched for in vain only once. */
 struct ends {
     bool no_comment, no_instruction, no_declaration, no_cdata, no_silent;
 };
@@ -114,7 +113,7 @@ static size_t past(const char *s, size_t n, const char *end, bool *none) {
     return found ? (size_t)(found - s) + strlen(end) : 0;
 }
 
-/* The end of a silent element's end tag; 0: it has none. */
+/* Length up to the end of a silent element's end tag; 0: none. */
 static size_t silent_length(const char *s, size_t n, const struct stray *tag, struct ends *ends) {
     for (size_t at = tag->length; !ends->no_silent && at + 2 + tag->name_bytes < n; at++) {
         const char *end = memchr(s + at, '<', n - at);
@@ -136,7 +135,7 @@ static void blank(char *s, size_t n, char with) {
     memset(s, with, n);
 }
 
-/* A comment, a declaration, an instruction; of CDATA the text stays. Its length, 0: none. */
+/* Blanks a comment, declaration or instruction; keeps the text of CDATA. Returns its length; 0: none. */
 static size_t blank_other(char *s, size_t n, struct ends *ends) {
     static const char cdata[] = "<![CDATA[";
     size_t length = 0, open = sizeof cdata - 1, end;
@@ -157,7 +156,7 @@ static size_t blank_other(char *s, size_t n, struct ends *ends) {
     return length;
 }
 
-/* Returns how many bytes have been dealt with; 0: this "<" is what it is. */
+/* Returns the number of bytes processed; 0: this is a literal "<". */
 static size_t blank_tag(char *s, size_t n, bool *counts, struct ends *ends) {
     struct stray tag;
     size_t other = blank_other(s, n, ends);
@@ -165,7 +164,7 @@ static size_t blank_tag(char *s, size_t n, bool *counts, struct ends *ends) {
         return other;
     if (!read_tag(s, n, &tag))
         return 0;
-    if (!is_element(s, n, &tag)) { /* a word: "<Anna>" */
+    if (!is_element(s, n, &tag)) { /* a word such as "<Anna>" */
         s[0] = s[tag.length - 1] = ' ';
         *counts = false;
         return tag.length;
@@ -221,7 +220,8 @@ static uint32_t number(const char *s, size_t n) {
     return cp;
 }
 
-/* At a "&": the reference becomes its character, which is never longer. Returns its length; 0: it is none. */
+/* Replaces a reference at "&" by its character, which is never longer. Returns the length; 0: not a
+ * reference. */
 static size_t replace_reference(char *s, size_t n) {
     enum { REFERENCE = 12 };
     const char *end = memchr(s, ';', n < REFERENCE ? n : REFERENCE);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A start tag: its attributes, and what of them nobody acts on. */
+/* A start tag: finds its attributes, and warns of unused ones. */
 #include "server/markup/markup_reader.h"
 #include "server/markup/white.h"
 #include <stdarg.h>
@@ -85,7 +85,7 @@ void tag_check_attributes(struct tag *tag) {
     }
 }
 
-/* Entity references in attributes vanish in the parser. */
+/* The parser drops entity references in attributes. */
 void tag_check_references(struct tag *tag) {
     static const char *const known[] = {"&lt;", "&gt;", "&amp;", "&quot;", "&apos;", "&#"};
     const char *text = tag->r->text, *s = text + tag->at, *end = s + tag->bytes;

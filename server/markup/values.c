@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Attribute values: words from a list, numbers with units. */
+/* Parses attribute values: words from a list, numbers with units. */
 #include "server/markup/markup_reader.h"
 #include "server/markup/white.h"
 #include <string.h>

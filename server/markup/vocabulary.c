@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which element of a vocabulary a name stands for. */
+/* Finds the element that a name stands for. */
 #include "server/markup/markup_reader.h"
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static const struct element *find_in(const struct vocabulary *v, const char *nam
     return bsearch(name, v->elements, v->element_count, sizeof *v->elements, compare_name);
 }
 
-/* A prefix is part of the name of vendors' elements; else it stands for a namespace and does not count. */
+/* Vendors' elements include the prefix in their name; otherwise a prefix is a namespace, and is ignored. */
 static const struct element *find_element(const struct vocabulary *v, const char *name) {
     const struct element *element = find_in(v, name);
     const char *colon = element ? NULL : strchr(name, ':');

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* White space as XML has it. */
+/* White space as in XML. */
 #ifndef FACCIA_MARKUP_WHITE_H
 #define FACCIA_MARKUP_WHITE_H
 

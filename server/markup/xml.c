@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The walk through an XML document. No DTD is read and no entity is expanded but the five that XML defines:
- * the parser never sees the prolog (detect.c passes over it), so nothing can be declared. */
+/* Walks an XML document. No DTD is read, and only XML's five predefined entities are expanded: as detect.c
+ * skips the prolog, the parser sees no declarations. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
@@ -14,7 +14,7 @@
 struct walk {
     struct markup_reader reader;
     XML_Parser parser;
-    size_t begin, prefix; /* byte of the input where the parser began, and what it was given before that */
+    size_t begin, prefix; /* byte of the input where parsing began; size of `prefix`, parsed first */
     struct error *error;
     bool failed;
 };
@@ -42,7 +42,7 @@ static void fail(struct walk *w, enum error_code code, const char *message) {
     XML_StopParser(w->parser, XML_FALSE);
 }
 
-/* Whether the reading is to stop. */
+/* True if reading must stop; the error is set. */
 static bool give_up(struct walk *w) {
     const struct markup_rules *rules = w->reader.rules;
     enum error_code code;
@@ -86,8 +86,8 @@ static void begin_known(struct markup_reader *r, struct frame *frame, struct tag
         passage_open(&r->passage, SPAN_STYLE, tag->at, r->depth);
 }
 
-/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words.
- */
+/* Adds a space before and after an unknown element that ends a line or block in HTML, so that "a<br/>b" is
+ * two words. */
 static void part_words(struct walk *w, const char *name, size_t at, size_t end) {
     struct markup_reader *r = &w->reader;
     const struct frame *frame = &r->frames[r->depth];
@@ -203,7 +203,7 @@ static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *da
                    target);
 }
 
-/* What the parser complains about, where it is. */
+/* Reports the parser's error with its position. */
 static void explain(struct walk *w) {
     struct markup_reader *r = &w->reader;
     char message[200];
@@ -227,7 +227,7 @@ static int parse(struct walk *w, const char *text, size_t size, bool last) {
     return -1;
 }
 
-/* Entities that are not declared are skipped instead of being errors when there may be a DTD elsewhere. */
+/* Undeclared entities are errors unless a DTD may exist elsewhere; with this they are skipped. */
 static XML_Parser make_parser(struct walk *w) {
     XML_Parser parser = XML_ParserCreate("UTF-8");
     if (!parser)
@@ -241,7 +241,7 @@ static XML_Parser make_parser(struct walk *w) {
     return parser;
 }
 
-/* By their places. */
+/* By position. */
 static int compare_warnings(const void *a, const void *b) {
     const struct error *x = a, *y = b;
     if (x->line != y->line)
@@ -251,7 +251,7 @@ static int compare_warnings(const void *a, const void *b) {
     return strcmp(x->message, y->message);
 }
 
-/* What was found late, at the end of an element or of a sentence, goes where it belongs. */
+/* Sorts cues and warnings, as those found at the end of an element or sentence come late. */
 static void sort(struct score *score) {
     score_order_cues(score);
     size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS);

@@ -24,7 +24,7 @@ static void put(struct characters *c, const UChar *units, size_t count, size_t f
     }
 }
 
-/* Is the compatibility character only another shape of what it stands for? */
+/* True if the compatibility character differs from its replacement only in shape. */
 static bool is_shape(UChar32 cp) {
     switch (u_getIntPropertyValue(cp, UCHAR_DECOMPOSITION_TYPE)) {
     case U_DT_FONT:
@@ -45,7 +45,7 @@ static bool is_shape(UChar32 cp) {
 static bool is_left_out(UChar32 cp) {
     if (cp == 0xAD || (cp >= 0x200B && cp <= 0x200F) || (cp >= 0x202A && cp <= 0x202E) ||
         (cp >= 0x2060 && cp <= 0x206F) || cp == 0xFEFF)
-        return cp != 0x200C && cp != 0x200D; /* joiners shape letters of some scripts */
+        return cp != 0x200C && cp != 0x200D; /* joiners change the shape of letters in some scripts */
     int type = u_charType(cp);
     return type == U_PRIVATE_USE_CHAR || (type == U_UNASSIGNED && cp >= 0x80);
 }
@@ -54,7 +54,7 @@ static bool is_mark(UChar32 cp) {
     return cp >= 0x300 && u_getCombiningClass(cp) != 0;
 }
 
-/* Composes one letter with its marks, of which only the first ones count. */
+/* Composes a letter with its marks. */
 static void put_letter(struct characters *c, const UChar *units, size_t count, size_t from, size_t to) {
     UErrorCode e = U_ZERO_ERROR;
     const UNormalizer2 *nfc = unorm2_getNFCInstance(&e);

@@ -12,13 +12,13 @@ struct characters {
     UChar *text;
     size_t *from, *to; /* bytes of the stretch, for each unit */
     size_t size, cap;
-    bool changed; /* some unit is not what the stretch has there */
+    bool changed; /* at least one unit differs from the stretch */
 };
 
-/* Composes letters with their accents (NFC). Ligatures, full-width, mathematical and circled characters
- * become the plain ones that they stand for (NFKC); other compatibility characters stay, as they mean
- * something of their own (2 and superscript 2). Directional controls, soft hyphens and private-use characters
- * are left out; so are combining marks beyond CHARACTERS_MARKS on one letter. stretch: well-formed UTF-8. */
+/* Composes letters with their accents (NFC). Ligatures and full-width, mathematical and circled characters
+ * become the plain characters that they stand for (NFKC). Other compatibility characters stay, because
+ * their meaning differs (2 and superscript 2). Removes directional controls, soft hyphens, private-use
+ * characters, and combining marks beyond CHARACTERS_MARKS on one letter. stretch: well-formed UTF-8. */
 enum { CHARACTERS_MARKS = 8 };
 void characters_read(struct characters *characters, const char *stretch, size_t size);
 void characters_free(struct characters *characters);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Dates, times of the day, lengths of time. */
+/* Dates, times of day and durations. */
 #include "server/normalize/normalizers_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +8,8 @@
 
 enum { FIELDS = 3 };
 
-/* Up to three numbers of up to four digits with one of the separators (and spaces) between them. Returns how
- * many; 0 when there is anything else. *rest is what follows, when it is allowed (not NULL). */
+/* Parses one to three numbers of up to four digits, separated by the given characters. Returns their
+ * count; 0 if anything else is found. *rest is the remaining text; rest = NULL allows none. */
 static size_t numbers(const char *text, const char *separators, unsigned out[FIELDS], size_t digits[FIELDS],
                       const char **rest) {
     size_t count = 0;
@@ -30,7 +30,7 @@ static size_t numbers(const char *text, const char *separators, unsigned out[FIE
     return *s && !rest ? 0 : count;
 }
 
-/* "20240312" by the order of its fields: four digits for the year, two for the others. */
+/* Parses "20240312" in the given field order: four digits for the year, two for other fields. */
 static size_t run_together(const char *text, const char *order, unsigned out[FIELDS], size_t digits[FIELDS]) {
     size_t at = 0, count = 0;
     if (strspn(text, "0123456789") != strlen(text))
@@ -47,7 +47,7 @@ static size_t run_together(const char *text, const char *order, unsigned out[FIE
     return text[at] ? 0 : count;
 }
 
-/* Which field is which, when the author does not say: the year shows by its four digits. */
+/* Field order when the author gives none: a field of four digits is the year. */
 static const char *usual_order(const struct normalizer *normalizer, size_t count,
                                const size_t digits[FIELDS]) {
     const char *order = normalizer_string(normalizer, "order", NULL);
@@ -137,7 +137,7 @@ bool normalize_time(const struct normalizer *normalizer, const char *format, con
     return true;
 }
 
-/* "1:20" are minutes and seconds, "1:20:00" hours too. */
+/* "1:20" is minutes and seconds; "1:20:00" starts with hours. */
 bool normalize_duration(const struct normalizer *normalizer, const char *text, struct buf *out) {
     static const char *const units[] = {"h", "m", "s"};
     unsigned values[FIELDS];

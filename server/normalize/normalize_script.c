@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stage over a whole script: stretches that one voice speaks in one language, and the way back from their
- * words to the bytes of the input. */
+/* Normalises a whole script: forms stretches of one voice and one language, and maps their words back to
+ * the bytes of the input. */
 #include "server/base/mem.h"
 #include "server/normalize/normalizers_internal.h"
 #include "server/normalize/text_rules.h"
@@ -8,11 +8,11 @@
 #include <string.h>
 #include <strings.h>
 
-/* Texts that stand together, as one. */
+/* Adjacent texts, normalised as one. */
 struct stretch {
     struct score *script;
     size_t first, last; /* items [first, last) */
-    size_t *begins;     /* where each item's text begins, and where the last one ends */
+    size_t *begins;     /* offset of each item's text; the last entry is the end */
     struct buf text;
 };
 
@@ -20,7 +20,7 @@ static bool same(const char *a, const char *b) {
     return a == b || (a && b && !strcasecmp(a, b));
 }
 
-/* Is it a text whose author left open how it is read? */
+/* True if the author did not specify how to read the text. */
 static bool is_open(const struct score_item *item) {
     return item->kind == SCORE_TEXT && item->text && !item->style->say_as && !item->style->phonemes &&
            !item->parts;
@@ -30,7 +30,7 @@ static const char *lang_of(const char *const *langs, size_t item) {
     return langs[item] ? langs[item] : "";
 }
 
-/* The bytes of the input for a byte of the stretch, which lies in that item. */
+/* Byte of the input for a byte of the stretch, which lies in that item. */
 static size_t place_of(const struct stretch *s, size_t item, size_t byte, bool end) {
     const struct score_item *i = &s->script->items[item];
     if (i->verbatim)
@@ -38,8 +38,8 @@ static size_t place_of(const struct stretch *s, size_t item, size_t byte, bool e
     return end ? i->end : i->start;
 }
 
-/* Moves *item on to the one that the byte lies in; at the end of one and the beginning of another that is the
- * latter, unless `end`. */
+/* Item that contains the byte, at or after `item`. Between two items it is the second, or with `end` the
+ * first. */
 static size_t item_of(const struct stretch *s, size_t item, size_t byte, bool end) {
     while (item + 1 < s->last &&
            (end ? s->begins[item + 1 - s->first] < byte : s->begins[item + 1 - s->first] <= byte))
@@ -70,8 +70,8 @@ static void close_item(struct stretch *s, size_t item, struct item_words *words)
     words->words.size = words->count = 0;
 }
 
-/* Gives each item its words: those of a part belong to the item in which the part begins. What is verbatim is
- * cut where one item ends. */
+/* Distributes the words to the items: each part belongs to the item where it begins. Verbatim parts are
+ * split at item boundaries. */
 static void hand_out(struct stretch *s, const struct said *said) {
     struct item_words words = {0};
     size_t item = s->first;
@@ -119,8 +119,7 @@ static void say_stretch(struct stretch *s, struct text_rules *rules) {
     free(s->begins);
 }
 
-/* What the author gave a way of reading is read in that way; the numbers in its words are said in words, too.
- */
+/* Reads an item in the way that its author specified. Numbers in the resulting words are normalised, too. */
 static void say_as(const struct normalizers *normalizers, struct score *script, size_t item,
                    const char *lang) {
     const char *way = script->items[item].style->say_as;
@@ -134,7 +133,7 @@ static void say_as(const struct normalizers *normalizers, struct score *script, 
     bool verbatim = i->verbatim;
     say_stretch(&s, normalizers_rules(normalizers, lang));
     i = &script->items[item];
-    if (!i->parts) { /* so that no rule of running text changes it */
+    if (!i->parts) { /* makes is_open false, so that the rules of running text leave it alone */
         const struct score_part whole = {0, strlen(i->text), i->start, i->end, verbatim, false};
         i->parts = score_keep_parts(script, &whole, 1);
         i->part_count = 1;

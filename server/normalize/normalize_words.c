@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a text and the way to read it to words. */
+/* Converts a text to words in a given way of reading. */
 #include "server/normalize/normalizers_internal.h"
 #include <ctype.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@ static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* Digit by digit; what is between groups of digits is a short pause. */
+/* Reads digit by digit, with a short pause between groups of digits. */
 static bool read_digits(const struct normalizer *normalizer, const char *text, size_t longest,
                         struct buf *out) {
     size_t run = 0, before = out->size;
@@ -23,7 +23,7 @@ static bool read_digits(const struct normalizer *normalizer, const char *text, s
             return false;
         }
         if (!is_digit(*s)) {
-            run = run ? longest : 0; /* a pause, if more digits come */
+            run = run ? longest : 0; /* a pause, if more digits follow */
             continue;
         }
         if (run)
@@ -39,7 +39,7 @@ static bool read_digits(const struct normalizer *normalizer, const char *text, s
     return false;
 }
 
-/* Only its digits, or a Roman number. */
+/* Reads only plain numbers and Roman numerals. */
 static bool read_cardinal(const struct normalizer *normalizer, const char *text, struct buf *out) {
     struct number n;
     size_t sign = *text == '-' || *text == '+',
@@ -84,7 +84,7 @@ static bool fits(const struct normalizer *normalizer, const json_t *signs, const
     return strlen(code) == length && !memcmp(code, s, length);
 }
 
-/* "€ 12,50", "12.50 EUR": whole and hundredths in words of their own. */
+/* "€ 12,50", "12.50 EUR": the hundredths are a second amount with a name of its own. */
 bool normalize_currency(const struct normalizer *normalizer, const char *text, struct buf *out) {
     struct number n;
     size_t before = strcspn(text, "0123456789"), length = before;
@@ -130,7 +130,7 @@ bool normalize_measure(const struct normalizer *normalizer, const char *text, st
     return true;
 }
 
-/* The signs in it by their names; the rest are words. */
+/* Replaces signs by their names; the rest are words. */
 static bool read_net(const struct normalizer *normalizer, const char *text, struct buf *out) {
     for (const char *s = text; *s; s++) {
         const char one[2] = {*s, '\0'}, *name = normalizer_string(normalizer, "net", one);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What all kinds of text need: strings and forms of a language's file, its templates, its ordinals. */
+/* Shared by all ways of reading: strings and forms of a language file, its templates and ordinals. */
 #include "server/normalize/normalizers_internal.h"
 #include <stdlib.h>
 #include <string.h>

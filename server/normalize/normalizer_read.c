@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads a language's file: models/normalization/README.md, models/normalization.schema.json. */
+/* Reads a language file: models/normalization/README.md, models/normalization.schema.json. */
 #include "server/base/json_place.h"
 #include "server/normalize/normalizers_internal.h"
 #include <string.h>
@@ -11,7 +11,7 @@ static int text(const struct json_place *at) {
     return json_place_text(at, &value);
 }
 
-/* A text that may be empty. */
+/* A string that may be empty. */
 static int word(const struct json_place *at) {
     return json_is_string(at->json) && !json_string_length(at->json) ? 0 : text(at);
 }
@@ -33,7 +33,7 @@ static int months(const struct json_place *at) {
     return has_items(at, 12) || texts(at) ? -1 : 0;
 }
 
-/* Of one and of several. */
+/* Singular and plural. */
 static int forms(const struct json_place *at) {
     return has_items(at, 2) || texts(at) ? -1 : 0;
 }
@@ -43,7 +43,7 @@ static int tag(const struct json_place *at) {
     return json_place_tag(at, &value);
 }
 
-/* Between digits. */
+/* A separator between digits. */
 static int separator(const struct json_place *at) {
     const char *value;
     if (json_place_text(at, &value))
@@ -58,7 +58,7 @@ static int order(const struct json_place *at) {
     return json_place_choice(at, names, &which);
 }
 
-/* The members that there must be, by one reader. */
+/* Reads required members, all with the same reader. */
 static int members(const struct json_place *at, const char *const *names, reader *read) {
     for (; *names; names++) {
         struct json_place child = json_place_key(at, *names);
@@ -128,7 +128,7 @@ static bool is_symbol(const char *name) {
     return *name;
 }
 
-/* Every member, each with a name that fits. */
+/* Reads every member; `fits` checks its name. */
 static int each(const struct json_place *at, bool (*fits)(const char *name), const char *what, reader *read) {
     const char *name;
     json_t *value;

@@ -47,7 +47,7 @@ static int load_rules_of(struct normalizers *normalizers, const char *path, cons
     return 0;
 }
 
-/* A file, and once more for each of its regions. */
+/* Loads a file, once for the language and once for each of its regions. */
 static int load_rules(struct normalizers *normalizers, const char *path, struct error *e) {
     if (load_rules_of(normalizers, path, "", e))
         return -1;
@@ -68,7 +68,7 @@ struct text_rules *normalizers_rules(const struct normalizers *normalizers, cons
         if (!strcasecmp(r->tag, lang))
             return r->rules;
         if (!found && strcspn(r->tag, "-") == primary && !strncasecmp(r->tag, lang, primary))
-            found = r->rules; /* a file comes before its regions */
+            found = r->rules; /* the language precedes its regions */
     }
     return found;
 }
@@ -85,7 +85,7 @@ static int load_folder(struct normalizers *normalizers, const char *folder,
     int result = 0;
     DIR *dir = opendir(folder);
     if (!dir)
-        return 0; /* no language says how it reads: the voices do as they like */
+        return 0; /* no files: texts are left to the voices */
     for (struct dirent *entry; !result && (entry = readdir(dir)) != NULL;) {
         const char *dot = strrchr(entry->d_name, '.');
         if (!dot || strcmp(dot, ".json") != 0)

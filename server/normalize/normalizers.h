@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a text does not write in words becomes words, before any voice sees it: what its author marked
- * (say-as), by the files of models/normalization, and all else by those of models/normalization/text. */
+/* Puts numbers, dates, signs and abbreviations into words before a voice reads them. Text that its author
+ * marked (say-as) follows the files of models/normalization; all other text follows those of
+ * models/normalization/text. */
 #ifndef FACCIA_NORMALIZE_NORMALIZERS_H
 #define FACCIA_NORMALIZE_NORMALIZERS_H
 
@@ -15,45 +16,46 @@ struct text_rules;
 struct normalizers {
     struct normalizer **list;
     size_t count, cap;
-    struct language_rules *rules; /* of running text */
+    struct language_rules *rules; /* for running text */
     size_t rule_count, rule_cap;
 };
 
-/* Loads every *.json of the folder; without a folder there are none. -1 with *e ("bad-normalization") when
- * one is broken; the message names the file. */
+/* Loads every *.json file of the folder; a missing folder counts as empty. Returns -1 with *e
+ * ("bad-normalization") if a file is invalid; the message names the file. */
 int normalizers_load(struct normalizers *normalizers, const char *folder, struct error *e);
 void normalizers_free(struct normalizers *normalizers);
 
-/* One such file, to be released with json_decref. NULL with *e, whose field is the place in it. */
+/* Reads a single file; release it with json_decref. Returns NULL with *e, whose field is the path of the
+ * invalid value. */
 json_t *normalizer_read(const char *path, struct error *e);
 
-/* For a BCP 47 tag: the same language, whatever its region; else NULL. */
+/* Finds the normalizer for the language of a BCP 47 tag, ignoring regions; NULL if there is none. */
 const struct normalizer *normalizers_find(const struct normalizers *normalizers, const char *lang);
 
-/* Text in the words of the language. way is a say_as of struct score_style. False when the text is not of
- * that kind, or the language has no words for it; then nothing is added. normalizer NULL = a language without
- * a file: what needs no words of it can be read. */
+/* Appends the text in words of the language. way: a say_as of struct score_style. Returns false and
+ * appends nothing if the text is not of that kind, or the language has no words for it. normalizer NULL: a
+ * language without a file, in which only texts that need no words from it can be read. */
 bool normalizer_words(const struct normalizer *normalizer, const char *way, const char *text,
                       struct buf *out);
 
-/* Rewrites an item of a script, whose voice speaks lang. Letters to be spelled stay as they are: voices know
- * their names. What is not of the kind that its author says gets a warning ("bad-value"), and stays too, for
- * the voice to try. */
+/* Replaces the text of a script's item with say_as by words of lang, its voice's language. Letters to be
+ * spelled stay, as voices know their names. If the text does not fit its say_as, it stays for the voice to
+ * try, with a warning ("bad-value"). */
 void normalizers_apply(const struct normalizers *normalizers, struct score *script, size_t item,
                        const char *lang);
 
-/* How running text of that language (BCP 47) is read: of its region where that has rules of its own. NULL =
- * there is no file: its letters are composed, no more. */
+/* Returns the rules for running text of a language (BCP 47), preferring those of its region. NULL: no
+ * file; the text's letters are only composed. */
 struct text_rules *normalizers_rules(const struct normalizers *normalizers, const char *lang);
 
-/* The short forms behind whose dot a sentence of that language goes on (markup_rules.abbreviations). NULL =
- * there is no file. */
+/* Returns the abbreviations whose dot does not end a sentence in that language
+ * (markup_rules.abbreviations). NULL: no file. */
 const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang);
 
-/* The stage: says in words, whatever markup a text came in, what its author did not write in words. Each item
- * keeps the bytes of the input that each of its words stands for (score_item.parts). langs: of each item, the
- * language that it is spoken in; voices: who speaks each item, as texts of two voices are read apart; NULL =
- * the same voice speaks all. limit: ends it; may be NULL. */
+/* The normalisation stage: puts numbers, signs and abbreviations into words, whatever the markup. Each
+ * item records which bytes of the input its words stand for (score_item.parts). langs: language of each
+ * item. voices: speaker of each item, as texts of different voices are normalised separately; may be NULL:
+ * one voice speaks all. limit: stops the work early; may be NULL. */
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
                       const void *const *voices, struct work_limit *limit);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parts of the reader: a language's file, what fills its templates, and the kinds of text. */
+/* Internals of the normalizers: a language file, its templates, and the kinds of text. */
 #ifndef FACCIA_NORMALIZE_NORMALIZERS_INTERNAL_H
 #define FACCIA_NORMALIZE_NORMALIZERS_INTERNAL_H
 
@@ -8,34 +8,34 @@
 struct normalizer {
     json_t *root;
     const char *tag;
-    char decimal, thousands; /* in its numbers */
+    char decimal, thousands; /* separators in its numbers */
 };
 
-enum { NORMALIZER_TEXT_MAX = 256 }; /* longer texts are not read in a special way, bytes */
+enum { NORMALIZER_TEXT_MAX = 256 }; /* bytes; longer texts get no special reading */
 
-/* A number of digits, maybe grouped, maybe with decimals, without a sign. */
+/* An unsigned number, possibly grouped or with decimals. */
 struct number {
     char whole[32], decimals[16]; /* digits; decimals "" = none */
 };
 
-/* A number at the beginning of the text. Returns its bytes, 0 when there is none. */
+/* Parses a number at the beginning of the text. Returns its length in bytes, 0 if there is none. */
 size_t number_read(const struct normalizer *normalizer, const char *text, struct number *number);
-/* 1..3999 in Roman digits, the whole text. False when it is none. */
+/* Parses a Roman numeral, 1 to 3999, which must be the whole text. */
 bool number_roman(const char *text, struct number *number);
-/* As the language writes it, without groups. */
+/* Writes the number as the language does, without grouping. */
 void number_write(const struct normalizer *normalizer, const struct number *number, struct buf *out);
 bool number_is_one(const struct number *number);
 
-/* Replaces {NAME} by values, which are pairs of name and value ended by NULL. */
+/* Replaces {NAME} by its value; values: pairs of name and value, ended by NULL. */
 void template_fill(struct buf *out, const char *template, const char *const *values);
 
-/* The string at a path of members; NULL when it is not there. */
+/* Returns the string root[member][name], or root[member] if name is NULL; NULL if it is missing. */
 const char *normalizer_string(const struct normalizer *normalizer, const char *member, const char *name);
 
-/* The forms of one and of many, of an array of two. */
+/* Singular or plural of an array [SINGULAR, PLURAL]. */
 const char *normalizer_form(const json_t *forms, bool one);
 
-/* One for each kind; text is trimmed. */
+/* One function per kind of text; text is trimmed. False if it is not of that kind. */
 bool normalize_ordinal(const struct normalizer *normalizer, const char *text, struct buf *out);
 bool normalize_fraction(const struct normalizer *normalizer, const char *text, struct buf *out);
 bool normalize_date(const struct normalizer *normalizer, const char *format, const char *text,

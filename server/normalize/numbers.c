@@ -8,7 +8,7 @@ static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* Three digits after a separator of groups. */
+/* True for exactly three digits, as after a grouping separator. */
 static bool is_group(const char *s) {
     return is_digit(s[0]) && is_digit(s[1]) && is_digit(s[2]) && !is_digit(s[3]);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fills the template of a rule that has matched. A template is text with {GROUP|FUNCTION:ARGUMENT|...}: what
- * a named group matched goes through the functions in turn; a function that is not listed here is the name of
- * a table. models/normalization/text/README.md lists them. */
+/* Fills the template of a matched rule. A template is text with {GROUP|FUNCTION:ARGUMENT|...}: the match
+ * of a named group passes through the functions in turn. A function that is unknown here is the name of a
+ * table. models/normalization/text/README.md lists the functions. */
 #include "server/base/mem.h"
 #include "server/normalize/text_rules_internal.h"
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unicode/ustring.h>
 
-enum { NAME_BYTES = 64, PLAIN_DECIMALS = 3 /* that are said as one number */ };
+enum { NAME_BYTES = 64, PLAIN_DECIMALS = 3 /* most decimals read as one number */ };
 
 static char *copy_group(const struct text_rule *rule, int32_t group) {
     UErrorCode e = U_ZERO_ERROR;
@@ -29,7 +29,7 @@ static void copy_groups(struct filling *f) {
         f->groups[i] = copy_group(f->rule, i);
 }
 
-/* What the group matched. "" when it took no part, or there is none. */
+/* Copy of what a group matched; "" if it took no part in the match or does not exist. */
 static char *group_text(const struct filling *f, const char *name) {
     UErrorCode e = U_ZERO_ERROR;
     int32_t group = *name ? uregex_groupNumberFromCName(f->rule->match, name, -1, &e) : 0;
@@ -42,7 +42,7 @@ static const char *number_string(const struct text_rules *r, const char *name) {
     return value ? value : "";
 }
 
-/* A number as it is written. */
+/* A number as written. */
 struct figure {
     bool minus, plus;
     char whole[RULE_WINDOW + 1], decimals[RULE_WINDOW + 1];
@@ -56,7 +56,7 @@ static void read_figure(const char *text, char decimal, struct figure *out) {
     size_t whole = 0, decimals = 0, length = strlen(text);
     bool after = false;
     const char other = decimal == ',' ? '.' : ',';
-    /* two digits behind the sign that is not this language's are decimals all the same: "$49.95" */
+    /* two digits after the other language's decimal sign are decimals, too: "$49.95" */
     if (decimal && length > 3 && text[length - 3] == other && !strchr(text, decimal))
         decimal = other;
     *out = (struct figure){.minus = *text == '-' || starts(text, "\u2212") || starts(text, "\u2013"),
@@ -83,7 +83,7 @@ static void add_whole(const struct text_rules *r, const char *form, const char *
         spellout_digits(r->spellout, digits, out);
 }
 
-/* Digits behind the decimal sign: as the language says them. */
+/* Reads decimals in the language's way: one by one or as a number. */
 static void add_decimals(const struct text_rules *r, const char *digits, struct buf *out) {
     bool one_by_one = !strcmp(number_string(r, "decimals"), "digits") || strlen(digits) > PLAIN_DECIMALS;
     size_t zeros = one_by_one ? strlen(digits) : strspn(digits, "0");
@@ -116,7 +116,7 @@ static bool is_one(const struct figure *f) {
     return !*f->decimals && !strcmp(skip_zeros(f->whole), "1");
 }
 
-/* The form of the number for a noun of that gender: "" or "-f". */
+/* Form of the number for the noun's gender, such as "cardinal" or "cardinal-f"; "one" or "one-f" for one. */
 static const char *form_for(const json_t *noun, bool one, char form[16]) {
     const char *gender = json_string_value(json_array_get(noun, 2));
     snprintf(form, 16, "%s%s%s", one ? "one" : "cardinal", gender && *gender ? "-" : "",
@@ -124,8 +124,8 @@ static const char *form_for(const json_t *noun, bool one, char form[16]) {
     return form;
 }
 
-/* A number with what it counts: noun is [ONE, MANY, GENDER]. A "#" in the noun stands for the
- * number; a noun that begins with "=" has it in itself. */
+/* Adds a number with what it counts; noun: [ONE, MANY, GENDER]. "#" in the noun is replaced by the number;
+ * a noun that begins with "=" includes the number already. */
 static void add_counted(const struct text_rules *r, const struct figure *f, const json_t *noun,
                         struct buf *out) {
     bool one = is_one(f);
@@ -155,7 +155,7 @@ static void add_counted(const struct text_rules *r, const struct figure *f, cons
     buf_free(&number);
 }
 
-/* NAME1,NAME2 */
+/* Splits NAME1,NAME2. */
 static bool two_names(const char *argument, char first[NAME_BYTES], char second[NAME_BYTES]) {
     const char *comma = strchr(argument, ',');
     if (!comma || comma - argument >= NAME_BYTES || strlen(comma) > NAME_BYTES)
@@ -180,7 +180,7 @@ static bool amount(const struct filling *f, const char *value, const char *argum
     return true;
 }
 
-/* Replaces {NAME} in a template; values are pairs of name and value, ended by NULL. */
+/* Replaces {NAME} in a template; values: pairs of name and value, ended by NULL. */
 static void fill_in(struct buf *out, const char *template, const char *const *values) {
     for (const char *s = template; *s;) {
         size_t length = *s == '{' ? strcspn(s, "}") : 0;
@@ -196,7 +196,7 @@ static void fill_in(struct buf *out, const char *template, const char *const *va
     }
 }
 
-/* A sum of money, with whole and hundredths. */
+/* Reads a sum of money, with hundredths. */
 static bool money(const struct filling *f, const char *value, const char *argument, struct buf *out) {
     const struct text_rules *r = f->rules;
     char *sign = group_text(f, argument);
@@ -239,7 +239,7 @@ static bool money(const struct filling *f, const char *value, const char *argume
     return true;
 }
 
-/* Each letter by its name; what has no name stays. */
+/* Reads the name of each letter; a letter without a name stays. */
 static void add_letters(const struct text_rules *r, const char *text, struct buf *out) {
     bool first = true;
     for (size_t at = 0, length, size = strlen(text); at < size; at += length) {
@@ -260,8 +260,8 @@ static void add_letters(const struct text_rules *r, const char *text, struct buf
     }
 }
 
-/* An address of the net: its signs by their names, its words as they are, its numbers and what cannot be
- * said as a word digit by digit and letter by letter. */
+/* Reads an Internet address: signs by their names, numbers of up to four digits as numbers, other numbers
+ * digit by digit, short words without vowels letter by letter, and other words as they are. */
 static void add_address(const struct text_rules *r, const char *text, struct buf *out) {
     size_t before = out->size;
     for (const char *s = text; *s;) {
@@ -300,7 +300,7 @@ static void add_address(const struct text_rules *r, const char *text, struct buf
     }
 }
 
-/* 1 to 3999 in Roman digits, as digits. */
+/* Converts a Roman numeral, 1 to 3999, to digits. */
 static bool roman(const char *text, struct buf *out) {
     static const struct {
         const char *digits;
@@ -326,7 +326,7 @@ static bool roman(const char *text, struct buf *out) {
     return true;
 }
 
-/* The words with the last one as a table has it ("sekiz" -> "sekizden"). */
+/* Replaces the last word by its form in a table ("sekiz" -> "sekizden"). */
 static bool last_word(const struct text_rules *r, const char *words, const char *table, struct buf *out) {
     const char *space = strrchr(words, ' '), *last = space ? space + 1 : words;
     const char *form = json_string_value(rules_look_up(r, table, last));
@@ -336,7 +336,7 @@ static bool last_word(const struct text_rules *r, const char *words, const char 
     return true;
 }
 
-/* Digits in groups of at most so many, a short pause between them. */
+/* Reads digits in groups of at most `most`, with a short pause between groups. */
 static void add_groups(const struct text_rules *r, const char *text, size_t most, struct buf *out) {
     size_t run = 0, before = out->size;
     bool parted = false;
@@ -369,7 +369,7 @@ static bool in_table(const struct text_rules *r, const char *table, const char *
                      struct buf *out) {
     const json_t *found = rules_look_up(r, table, value);
     if (json_is_array(found) && json_is_array(json_array_get(found, 0)))
-        found = json_array_get(found, 0); /* of a currency: not its hundredths */
+        found = json_array_get(found, 0); /* of a currency: its name, not its hundredths */
     if (json_is_array(found))
         found = json_array_get(found, !strcmp(argument, "many"));
     if (!json_is_string(found))
@@ -430,14 +430,14 @@ static bool apply(const struct filling *f, const char *function, const char *arg
         free(lower);
         return true;
     }
-    if (!strcmp(function, "or")) { /* the argument where there is nothing */
+    if (!strcmp(function, "or")) { /* default for an empty value */
         buf_printf(out, "%s", *value ? value : argument);
         return true;
     }
     return in_table(r, function, argument, value, out);
 }
 
-/* One {...} of a template, which ends before `end`. */
+/* Fills one {...} of a template, which ends before `end`. */
 static bool fill_place(const struct filling *f, const char *place, const char *end, struct buf *out) {
     char *all = mem_strndup(place, (size_t)(end - place)), *rest = all;
     char *value = group_text(f, strsep(&rest, "|"));

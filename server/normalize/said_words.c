@@ -15,7 +15,7 @@ static uint32_t look(const char *text, size_t size, size_t at, size_t *length) {
     return c;
 }
 
-/* The word from `at` on: letters, and apostrophes and hyphens between two of them. */
+/* End of the word that begins at `at`: letters and digits, and apostrophes and hyphens between them. */
 static size_t word_end(const char *text, size_t size, size_t at) {
     size_t length, next;
     for (;;) {

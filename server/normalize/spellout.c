@@ -10,7 +10,7 @@
 enum { DIGITS_MAX = 18, WORDS_UNITS = 1024 };
 
 struct spellout {
-    const json_t *forms; /* names of rule sets; those of CLDR begin with "cldr:" */
+    const json_t *forms; /* names of rule sets; CLDR's begin with "cldr:" */
     UNumberFormat *own, *cldr;
     char *digits[10];
 };
@@ -30,7 +30,7 @@ static UNumberFormat *open_rules(const char *locale, const char *rules, UErrorCo
     return format;
 }
 
-/* The rules of a file are a list of lines. */
+/* Joins the rules in a file, a list of lines. */
 static char *joined(const json_t *lines) {
     struct buf b = {0};
     for (size_t i = 0; i < json_array_size(lines); i++)
@@ -89,7 +89,7 @@ void spellout_free(struct spellout *s) {
     free(s);
 }
 
-/* CLDR puts soft hyphens between the parts of long words; a voice needs none. */
+/* Removes the soft hyphens that CLDR puts into long words. */
 static void add_words(struct buf *out, UChar *words, int32_t size) {
     int32_t kept = 0, bytes = 0;
     UErrorCode e = U_ZERO_ERROR;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads a language's rules and makes them ready to match. */
+/* Loads a language's rules and prepares them for matching. */
 #include "server/base/json_place.h"
 #include "server/base/mem.h"
 #include "server/normalize/text_rules_internal.h"
@@ -34,8 +34,8 @@ static void add_escaped(struct buf *out, const char *text, size_t length) {
         buf_printf(out, "%s%c", strchr("\\^$.|?*+()[]{}/-", text[i]) ? "\\" : "", text[i]);
 }
 
-/* The keys of a table as alternatives: by their first characters, so that most texts fail early; longer ones
- * first. */
+/* Writes the keys of a table as a regular expression, longest first. They are grouped by first character,
+ * so that most texts fail early. */
 static void add_keys(struct buf *out, const json_t *table) {
     size_t count = 0;
     const char **keys = mem_alloc((json_object_size(table) + 1) * sizeof *keys), *key;
@@ -68,7 +68,7 @@ static void add_keys(struct buf *out, const json_t *table) {
     free(keys);
 }
 
-/* Replaces %name% by the macro of that name, or by the keys of the table of that name. */
+/* Replaces %name% by the macro of that name, or else by the keys of the table of that name. */
 static int expand(const json_t *root, const char *pattern, int depth, struct buf *out) {
     for (const char *s = pattern; *s; s++) {
         const char *end = *s == '%' ? strchr(s + 1, '%') : NULL;
@@ -95,7 +95,7 @@ static int expand(const json_t *root, const char *pattern, int depth, struct buf
     return 0;
 }
 
-/* The characters that the keys of a table begin with. */
+/* Adds the first characters of a table's keys. */
 static void add_first(USet *set, const json_t *table, bool any_case) {
     const char *key;
     json_t *value;
@@ -201,7 +201,7 @@ int text_rules_check(struct text_rules *rules, struct error *e) {
     return failed;
 }
 
-/* Which rules are to be tried at which character. */
+/* Lists the rules to try at each character. */
 void rules_make_lists(struct text_rules *rules) {
     uint16_t list[RULES_MAX + 1];
     for (UChar32 cp = 0; cp <= RULE_FIRST; cp++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the running text of a language is read: which numbers, signs and short forms there are, and the words
- * for them. Each language is a file of models/normalization/text (see README.md there). */
+/* Rules for reading running text in a language: its numbers, signs and abbreviations, and their words.
+ * Each language is a file in models/normalization/text (see README.md there). */
 #ifndef FACCIA_NORMALIZE_TEXT_RULES_H
 #define FACCIA_NORMALIZE_TEXT_RULES_H
 
@@ -9,12 +9,12 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-/* A part of a text as it is said: bytes of the words, and the bytes of the text that they stand for. */
+/* A part of a text as spoken: a range of the words, and the bytes of the text that they stand for. */
 struct said_part {
     size_t offset, bytes;
     size_t from, to;
-    bool verbatim; /* the words are exactly the text */
-    bool guess;    /* the rule that made the words is often right, not always */
+    bool verbatim; /* the words equal the text */
+    bool guess;    /* the rule that made the words is only usually right */
 };
 
 struct said {
@@ -25,22 +25,23 @@ struct said {
 
 struct text_rules;
 
-/* One file. Its member "regions" may hold what is different in a region; region "" = nothing of that. NULL
- * with *e ("bad-normalization"). */
+/* Loads a file. Its member "regions" may override values for a region; region "" applies no overrides.
+ * Returns NULL with *e ("bad-normalization"). */
 struct text_rules *text_rules_load(const char *path, const char *region, struct error *e);
-/* Expressions are made when they are first tried; this makes all. -1 with *e when one is broken. */
+/* Compiles all regular expressions, which otherwise happens when each is first tried. Returns -1 with *e
+ * if one is invalid. */
 int text_rules_check(struct text_rules *rules, struct error *e);
 void text_rules_free(struct text_rules *rules);
 
-/* Its language, and what its file says of regions (an object by BCP 47 tag, or NULL). */
+/* The language's tag, and the regions of its file (an object by BCP 47 tag, or NULL). */
 const char *text_rules_tag(const struct text_rules *rules);
 json_t *text_rules_regions(const struct text_rules *rules);
 
-/* As markup_rules.abbreviations. */
+/* Format: see markup_rules.abbreviations. */
 const char *const *text_rules_abbreviations(const struct text_rules *rules);
 
-/* Reads a stretch of well-formed text. rules NULL = a language without a file: its letters are composed.
- * Thread-safe. False when nothing is said otherwise than it is written; then *said is empty. */
+/* Puts well-formed text into words. rules NULL: a language without a file; letters are only composed.
+ * Thread-safe. Returns false if the words equal the text; *said is empty then. */
 bool text_rules_say(struct text_rules *rules, const char *stretch, size_t size, struct said *said);
 void said_free(struct said *said);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parts of a language's rules: how they are kept, and how a template becomes words. */
+/* Internals of a language's rules: their storage, and how templates become words. */
 #ifndef FACCIA_NORMALIZE_TEXT_RULES_INTERNAL_H
 #define FACCIA_NORMALIZE_TEXT_RULES_INTERNAL_H
 
@@ -13,26 +13,26 @@
 #include <uv.h>
 
 enum {
-    RULES_MAX = 1000,      /* in a file */
-    RULE_WINDOW = 300,     /* UTF-16 units that a rule looks at */
-    RULE_FIRST = 0x400,    /* units below have a list of rules each */
-    RULE_GROUPS = 24,      /* in an expression, with the whole */
-    RULE_DEPTH = 3,        /* templates that read what they matched again */
-    RULE_TIME_LIMIT = 100, /* steps of ICU's matcher, each of some 10000 operations */
+    RULES_MAX = 1000,      /* per file */
+    RULE_WINDOW = 300,     /* UTF-16 units that a rule may look at */
+    RULE_FIRST = 0x400,    /* each unit below has a list of rules */
+    RULE_GROUPS = 24,      /* per expression, including the whole match */
+    RULE_DEPTH = 3,        /* nesting of templates that reread their match */
+    RULE_TIME_LIMIT = 100, /* steps of ICU's matcher, each some 10,000 operations */
 };
 
 struct text_rule {
-    URegularExpression *match; /* NULL until it is first tried, as making it takes long */
-    UChar *pattern;            /* of it; NULL when it has been made */
+    URegularExpression *match; /* compiled when first tried, as that is slow; NULL before */
+    UChar *pattern;            /* its source; NULL once compiled */
     int32_t pattern_size;
     bool any_case;
-    USet *at;        /* what it begins with */
-    USet *then;      /* what follows the letters that it begins with; NULL = anything */
+    USet *at;        /* possible first characters */
+    USet *then;      /* possible characters after its initial letters; NULL = any */
     const char *say; /* template */
-    bool joined;     /* its words belong to the word beside them */
-    bool inside;     /* it may begin between a letter and a digit */
+    bool joined;     /* its words attach to the adjacent word */
+    bool inside;     /* may begin between a letter and a digit */
     bool guess;
-    uint64_t text; /* number of the text that the expression was given last */
+    uint64_t text; /* number of the text last given to the expression */
 };
 
 struct text_rules {
@@ -43,35 +43,35 @@ struct text_rules {
     struct spellout *spellout;
     struct text_rule *rules;
     size_t rule_count;
-    uint16_t *first[RULE_FIRST], *others; /* indexes of rules, ended by UINT16_MAX */
-    uv_mutex_t lock;                      /* matchers and number formats keep a state */
+    uint16_t *first[RULE_FIRST], *others; /* indices of rules, ended by UINT16_MAX */
+    uv_mutex_t lock;                      /* matchers and number formats have state */
     uint64_t texts;
 };
 
-/* A match whose template is filled. What its groups matched is copied, as the expression may match again
- * while the template reads a part of it. */
+/* A matched rule whose template is being filled. Copies what its groups matched, as the expression may
+ * match again when the template rereads a part. */
 struct filling {
     struct text_rules *rules;
     struct text_rule *rule;
     int depth;
-    /* says a part of the match again, by the rules; under the lock already */
+    /* applies the rules to a part of the match; the lock is held already */
     bool (*again)(struct text_rules *rules, const char *stretch, size_t size, int depth, struct said *said);
     char *groups[RULE_GROUPS];
 };
 
-/* rule_words.c: adds the words of a rule that has matched. False when a function of its template does not
- * apply, which leaves the text as it is. */
+/* rule_words.c: appends the words of a matched rule. False if a function of its template does not apply;
+ * the text stays unchanged then. */
 bool rule_words(struct filling *filling, struct buf *out);
 
-/* text_rules.c: makes the expression from its pattern. False with a sentence in message (cap bytes). */
+/* text_rules.c: compiles the expression. False with a sentence in message (cap bytes). */
 bool rule_compile(struct text_rule *rule, char *message, size_t cap);
-void rules_make_lists(struct text_rules *rules); /* first, others */
+void rules_make_lists(struct text_rules *rules); /* fills first and others */
 
-/* In a table of the file: by the key as it is, in lower case, without a final dot. NULL when it is not there.
- * A value that is the name of another key stands for that one's. */
+/* Looks up a key in a table of the file: as it is, in lower case, then without its final dot. NULL if it
+ * is missing. If the value is the key of an array in the table, that array is returned. */
 const json_t *rules_look_up(const struct text_rules *rules, const char *table, const char *key);
 
-/* A text in lower case, as the language has it. */
+/* Converts to lower case by the language's rules; freed by the caller. */
 char *rules_lower(const struct text_rules *rules, const char *text);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Goes through a stretch of text and says in words what the rules of its language know. */
+/* Applies the rules of a language to a stretch of text. */
 #include "server/base/mem.h"
 #include "server/normalize/text_rules_internal.h"
 #include <stdlib.h>
@@ -16,7 +16,7 @@ struct saying {
     const char *stretch;
     const struct characters *c;
     int depth;
-    uint64_t text; /* number of the text, for the expressions that are given it when they are first tried */
+    uint64_t text; /* number of this text, to tell which expressions have been given it */
     struct said *said;
     bool apart; /* the words before belong to a rule: letters that follow need a space */
 };
@@ -39,7 +39,7 @@ static void add_part(struct said *said, const void *words, size_t bytes, size_t 
     said->parts[said->part_count++] = (struct said_part){offset, bytes, from, to, verbatim, guess};
 }
 
-/* Keeps units [at, end) as they are. */
+/* Copies units [at, end) unchanged. */
 static void keep(struct saying *s, size_t at, size_t end) {
     const struct characters *c = s->c;
     while (at < end) {
@@ -78,7 +78,7 @@ static bool matches(struct saying *s, struct text_rule *rule, size_t at, size_t 
     return U_SUCCESS(e) && *end > at;
 }
 
-/* Puts spaces where the words of a rule would run into what stands beside them. */
+/* Adds the words of a rule, with spaces where they would run into adjacent words. */
 static void add_words(struct saying *s, const struct text_rule *rule, const struct buf *words, size_t at,
                       size_t end) {
     const struct characters *c = s->c;
@@ -99,7 +99,7 @@ static void add_words(struct saying *s, const struct text_rule *rule, const stru
     buf_free(&spaced);
 }
 
-/* The character behind the letters at a place; 0 at the end. */
+/* First character after the letters at `at`; 0 at the end. */
 static UChar32 behind_letters(const struct characters *c, size_t at) {
     UChar32 cp = 0;
     while (at < c->size) {
@@ -110,7 +110,7 @@ static UChar32 behind_letters(const struct characters *c, size_t at) {
     return 0;
 }
 
-/* Tries the rules at a place. Returns where it ends, or 0. */
+/* Tries the rules at `at`. Returns the end of the match, or 0. */
 static size_t try_rules(struct saying *s, size_t at, UChar32 cp, bool inside) {
     struct text_rules *r = s->rules;
     if (!r->others)
@@ -149,7 +149,7 @@ static void say(struct saying *s) {
             size_t last = end;
             U16_PREV(c->text, at, last, before);
             at = end;
-            if (at < c->size && u_isdigit(c->text[at])) /* of a long row of digits a part was said */
+            if (at < c->size && u_isdigit(c->text[at])) /* only a part of a long row of digits was matched */
                 before = ' ';
             continue;
         }
@@ -172,7 +172,7 @@ static bool text_say(struct text_rules *rules, const char *stretch, size_t size,
         keep(&s, 0, c.size);
     }
     bool same = said->part_count == 1 && said->parts[0].verbatim && said->words.size == size;
-    if (rules) /* the expressions must not keep what is freed now */
+    if (rules) /* stops expressions from using the freed text */
         rules->texts++;
     characters_free(&c);
     if (same || !size) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a channel says, in its order, while some of it is still being coded in other threads. What begins in a
- * chunk leaves together with it, and what is there for a room in one turn of the loop leaves together at its
- * end: a daemon that keeps up has one thing at a time, which leaves no later by that; one that does not
- * writes once for several to each who follows. */
+/* A channel's output queue. It preserves order while encoders in other threads finish some of its items.
+ * Events that begin in a chunk leave together with the chunk, and everything ready for a room within one
+ * turn of the loop leaves together at the end of the turn. A daemon that keeps up has one item per turn,
+ * so this adds no latency; a daemon that falls behind writes several items to each follower at once. */
 #include "server/base/loop_idle.h"
 #include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
@@ -25,7 +25,7 @@ static void say_all(void *data) {
     }
 }
 
-void broadcast_add(struct channel *c) {
+static void broadcast_add(struct channel *c) {
     struct broadcast *turn = c->rooms->broadcast;
     if (c->in_turn)
         return;
@@ -64,8 +64,8 @@ void broadcast_close(struct rooms *rooms) {
 }
 
 enum {
-    EVENT_BYTES = 384, /* most events have fewer */
-    CODING_MOST = 3,   /* chunks of a variant that are being coded: those of the lead, at a beginning */
+    EVENT_BYTES = 384, /* most events are shorter */
+    CODING_MOST = 3,   /* chunks of a variant being encoded at a time: the lead of an utterance */
 };
 
 static struct channel_item *add(struct channel *c) {
@@ -122,7 +122,6 @@ static void give(struct channel *c, struct channel_item **items, size_t count) {
     }
 }
 
-/* All that nothing before it holds up. */
 void channel_say(struct channel *c) {
     while (c->first && c->first->ready) {
         struct channel_item *items[CHANNEL_BATCH];
@@ -183,7 +182,8 @@ void channel_forget_all(struct channel *c) {
         item_free(take_first(c));
 }
 
-/* A client that comes later to a room may want lines, too. */
+/* Returns whether events need a line of text; in a room always, since a client that joins later may want
+ * lines. */
 static bool is_typed(const struct channel *c) {
     bool lines = c->room;
     for (const struct follower *f = c->followers; f && !lines; f = f->next)
@@ -199,7 +199,8 @@ static struct queued_message *line_of(const struct stream_event *event) {
     return message;
 }
 
-/* A client that comes later to a room is told as text, too. */
+/* Returns whether the event is sent as text; in a room always, since a client that joins later may need
+ * it. */
 static bool is_text(const struct channel *c, enum stream_event_kind kind) {
     bool text = c->room;
     for (const struct follower *f = c->followers; f && !text; f = f->next)
@@ -222,7 +223,7 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     buf_free(&text);
 }
 
-/* It ends here, and nobody is told. */
+/* Ends the utterance in the late-join state without a message to followers. */
 static void add_end(struct channel *c, uint32_t utterance) {
     struct channel_item *item = add(c);
     item->kind = STREAM_END;
@@ -246,13 +247,14 @@ void channel_replicate(struct channel *c, const struct channel_item *said) {
     item->ready = true;
 }
 
-/* What begins in a chunk: the chunk follows at once. */
+/* Returns whether the event begins in a chunk; the chunk follows at once, so the event waits for it. */
 static bool is_of_chunk(enum stream_event_kind kind) {
     return kind == STREAM_BEGIN || kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK ||
            kind == STREAM_PHONE;
 }
 
-/* Does it have listeners, and is the sound of all of them blocked? */
+/* Returns whether there are local listeners, and no listener, local or remote, can hear: the sound of all
+ * of them is blocked. */
 static bool is_blocked(const struct channel *c) {
     bool blocked = false;
     for (const struct follower *f = c->followers; f; f = f->next) {
@@ -263,7 +265,7 @@ static bool is_blocked(const struct channel *c) {
     return blocked;
 }
 
-/* The end in a room says when nobody can have heard it. */
+/* Marks the end of an utterance in a room when no listener can have heard it. */
 static const struct stream_event *with_blocked(const struct channel *c, const struct stream_event *event,
                                                struct stream_event *end) {
     *end = *event;
@@ -287,7 +289,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
         channel_say(c);
 }
 
-/* What the begin told, and how far its words have come. */
+/* Builds the end from the begin message, and the duration from the last word or mark. */
 void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct late_join *up = &c->late_join;
     struct stream_event event = {.error = e, .idle = -1};
@@ -320,7 +322,7 @@ static void on_media(void *ctx, const struct media *media) {
     channel_say(c);
 }
 
-/* A stream of one's own waits for its listener; a room waits for nobody. Both wait for the coders. */
+/* A client's own stream waits for its listener; a room waits for no follower. Both wait for the encoders. */
 static bool on_ready(void *ctx) {
     const struct channel *c = ctx;
     const struct follower *f = c->followers;

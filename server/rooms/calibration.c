@@ -10,10 +10,10 @@
 
 enum { FIELD_BYTES = 64 };
 
-/* ISO/IEC 14496-2, annex C: how many feature points each group has. */
+/* ISO/IEC 14496-2, annex C: number of feature points in each group. */
 static const unsigned char in_group[] = {0, 0, 14, 14, 6, 4, 4, 1, 10, 15, 10, 6};
 
-/* Of one or two digits, the first of which is no 0. @return what follows it, or NULL */
+/* Parses 1 to 99, without a leading zero. Returns the rest of the text, or NULL. */
 static const char *read_number(const char *text, unsigned *number) {
     const char *at = text;
     for (*number = 0; *at >= '0' && *at <= '9' && at - text < 2; at++)
@@ -98,7 +98,7 @@ static uint8_t digit_of(char letter) {
     return letter == '+' ? 62 : letter == '/' ? 63 : (uint8_t)(letter - '0' + 52);
 }
 
-/* Decodes what is_base64 has accepted. @return its bytes, to be freed */
+/* Decodes base64 that is_base64 has accepted. The caller frees the bytes. */
 static uint8_t *decoded(const char *text, size_t length, size_t *size) {
     uint8_t *bytes = mem_alloc(length / 4 * 3);
     uint32_t bits = 0;
@@ -111,7 +111,7 @@ static uint8_t *decoded(const char *text, size_t length, size_t *size) {
     return bytes;
 }
 
-/* Measures the picture by its header: every listener's page would decode it. */
+/* Checks type and dimensions in the picture's header, because every listener's page would decode it. */
 static int check_picture(const char *data, size_t length, const char *type, struct error *e) {
     struct picture_size is = {0};
     size_t size;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who follows a channel, and in which ways. */
+/* The followers of a channel, and the media encodings that they want. */
 #include "protocol/chunk.h"
 #include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
@@ -94,7 +94,7 @@ static bool is_only_listener(const struct channel *c, const struct follower *f) 
     return true;
 }
 
-/* For the first listener. */
+/* Speaks what was held for the room when its first listener joins. */
 static void speak_held(struct channel *c, const struct follower *f) {
     if (c->room && !c->remote && !f->watches && is_only_listener(c, f))
         pending_speak(c->rooms, c->name, c->stream);
@@ -191,7 +191,7 @@ void channel_idle(struct follower *f, const struct idle_options *options) {
     for (const struct follower *other = c->followers; other; other = other->next)
         others |= other != f && other->idle;
     f->idle = options != NULL;
-    /* in a room, the first one's way of idling is everybody's */
+    /* in a room, the options of the first follower that idles apply to all */
     if (!others) {
         c->idles = options != NULL;
         c->idling = options ? *options : c->idling;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A stream and all who follow it: one's own, or that of a room. What it says is written once for each way in
- * which somebody wants to have it, however many follow. */
+/* A stream and all its followers: a client's own stream, or that of a room. Each message is encoded once
+ * per requested encoding, however many followers there are. */
 #ifndef FACCIA_ROOMS_CHANNEL_H
 #define FACCIA_ROOMS_CHANNEL_H
 
@@ -11,69 +11,69 @@
 struct rooms;
 struct channel;
 
-/* Those of another daemon whom one follower stands for. */
+/* The followers and listeners of another daemon that one local follower stands for. */
 struct remote_followers {
     size_t followers, listeners;
 };
 
-/* A member of a channel. Its maker owns it. */
+/* A member of a channel. Whoever creates it owns it. */
 struct follower {
     struct channel *channel;
     struct follower *next, **self;
-    struct encoding encoding; /* how media are wanted */
-    bool media;               /* are wanted at all */
-    bool lines;               /* instead of JSON */
-    bool idle;                /* also those of idling */
-    bool watches;             /* looks on: is no listener */
-    bool blocked;             /* its browser plays no sound until somebody touches it: it hears nothing */
-    const struct remote_followers *remote; /* NULL: it stands for itself */
-    const char *observer;                  /* what others who look on know it by; NULL: nothing */
-    bool directs;                          /* it may say something here */
-    bool waits;                            /* for media that one can begin with */
-    bool lagging;                          /* has left out media */
-    struct message_queue *queue;           /* NULL for one that takes events alone */
-    /* Messages that leave together, in this order. */
+    struct encoding encoding; /* requested media encoding */
+    bool media;               /* wants media at all */
+    bool lines;               /* wants lines of text instead of JSON */
+    bool idle;                /* also wants idling media */
+    bool watches;             /* observer, does not count as a listener */
+    bool blocked; /* the browser blocks sound until the user interacts with the page, so nothing is heard */
+    const struct remote_followers *remote; /* NULL: stands for itself only */
+    const char *observer;                  /* name shown to other observers; NULL: not shown */
+    bool directs;                          /* may send commands to this channel */
+    bool waits;                            /* waits for media that a decoder can start with */
+    bool lagging;                          /* has skipped media */
+    struct message_queue *queue;           /* NULL: takes events only */
+    /* Delivers messages that leave together, in order. */
     void (*deliver)(struct follower *follower, struct queued_message *const *messages, size_t count);
 };
 
-/* A stream of one's own. name is what its messages are marked with. */
+/* Creates a client's own stream. name identifies the stream in its messages. */
 struct channel *channel_new(struct rooms *rooms, const char *name);
 
 struct stream *channel_stream(const struct channel *channel);
-uint64_t channel_number(const struct channel *channel); /* no other has had it */
+uint64_t channel_number(const struct channel *channel); /* unique, never reused */
 const char *channel_name(const struct channel *channel);
-size_t channel_listeners(const struct channel *channel); /* followers that do not just look on */
+size_t channel_listeners(const struct channel *channel); /* followers, without observers */
 bool channel_is_room(const struct channel *channel);
-bool channel_speaks(const struct channel *channel); /* something is spoken in it, or waits */
-bool channel_is_remote(
-    const struct channel *channel); /* a room in which another daemon speaks (shared/shared_rooms.h) */
+bool channel_speaks(const struct channel *channel);    /* an utterance is being spoken or waits */
+bool channel_is_remote(const struct channel *channel); /* another daemon leads the room */
 size_t channel_followers(const struct channel *channel);
-bool channel_pending(const struct channel *channel); /* something that was said is still being coded */
-struct channel *channel_next(const struct channel *channel); /* of the rooms */
+bool channel_pending(const struct channel *channel);         /* something said is still being encoded */
+struct channel *channel_next(const struct channel *channel); /* the next room in the list */
 
-/* What f->deliver does must not let anybody in or out. */
+/* f->deliver must not add or remove followers. */
 
-/* Lets him in: he gets what is going on now, as far as it has been said in messages, and media from the next
- * ones on with which one can begin. */
+/* Adds a follower: sends the messages that describe the current state, then media, from the next message
+ * that a decoder can start with. */
 void channel_join(struct channel *channel, struct follower *follower);
 
-/* The channel stays, though nobody follows, until it is let go as often as it was kept. */
+/* Keeps the channel alive without followers until channel_let_go was called once for each channel_keep. */
 void channel_keep(struct channel *channel);
 void channel_let_go(struct channel *channel);
 
-/* Frees the channel when nobody is left. */
+/* Removes a follower. Frees the channel when no follower is left and it is not kept. */
 void channel_leave(struct follower *follower);
 
-/* He only looks on from now on, or listens: who comes to listen hears what was kept for the room. */
+/* Turns the follower into an observer or a listener. The first listener of a room triggers the speech that
+ * was held for it. */
 void channel_watch(struct follower *follower, bool watches);
 
-/* He wants the media otherwise from now on. */
+/* Changes the follower's encoding. */
 void channel_want(struct follower *follower, const struct encoding *encoding);
 
-/* He can take media again after he has left some out. */
+/* Resumes media for a follower that has skipped some. */
 void channel_resume(struct follower *follower);
 
-/* Idles while anybody in it wants that. */
+/* Sets or clears (NULL) the follower's idling options. The stream idles while any follower wants it to. */
 void channel_idle(struct follower *follower, const struct idle_options *options);
 
 #endif

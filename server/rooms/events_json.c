@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A stream's events as JSON, written by hand: many a second leave, to every listener. */
+/* A stream's events as JSON, written by hand: many leave each second, to every listener. */
 #include "server/base/utf8.h"
 #include "server/rooms/events.h"
 #include <stdio.h>
@@ -32,8 +32,8 @@ static void put_escaped(struct buf *out, unsigned char c) {
     buf_add(out, escaped, (size_t)length);
 }
 
-/* Input that is quoted in a message may not be UTF-8, or may have been cut inside a character: then it is
- * ASCII that is told. */
+/* Input quoted in a message may not be UTF-8, or may have been cut inside a character: non-ASCII bytes are
+ * then replaced with '?'. */
 static void put_string(struct buf *out, const char *text, size_t size) {
     bool good = utf8_check(text, size) == size;
     size_t from = 0;
@@ -66,7 +66,7 @@ static void put_count(struct buf *out, const char *name, uint64_t value) {
     put_number(out, value);
 }
 
-/* To a millionth, without zeros at the end. */
+/* Prints up to 6 decimals, without trailing zeros. */
 static void put_seconds(struct buf *out, const char *name, const struct stream_event *e, uint32_t samples) {
     uint64_t rate = e->sample_rate, millionths = rate ? (samples * 2000000ull + rate) / (2 * rate) : 0;
     char digits[] = ".000000";

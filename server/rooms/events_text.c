@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Events and answers as lines, for people who type. */
+/* Events and answers as lines of text, for people who type. */
 #include "server/base/utf8.h"
 #include "server/rooms/events.h"
 #include <string.h>
 
-/* Control characters would end the line; input that is quoted in a message may not be UTF-8: then it is ASCII
- * that is told. */
+/* Control characters would end the line, so they become spaces. Input quoted in a message may not be
+ * UTF-8: non-ASCII bytes are then replaced with '?'. */
 static void add_text(struct buf *line, const char *text, size_t size) {
     bool good = utf8_check(text, size) == size;
     buf_add(line, " ", 1);
@@ -69,7 +69,7 @@ void event_line(struct buf *line, const struct stream_event *e) {
     }
 }
 
-/* What is told of each message that is no event: those of these members that it has. */
+/* Members that are printed for each message that is not an event; missing members are skipped. */
 static const struct {
     const char *type, *members[4];
 } lines[] = {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What who comes late to a channel has to be told: of the utterance that is spoken, and the notices that
- * stand. */
+/* A channel's state for late joiners: the utterance in progress, and the current notices. */
 #include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>

@@ -6,12 +6,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Takes a member over, if it is there. */
+/* Copies a member, if present. */
 static void take_member(const json_t *message, const char *name, json_t *into) {
     json_object_set(into, name, json_object_get(message, name));
 }
 
-json_t *notice_begin(const struct channel *c, const char *type) {
+/* Creates a message; the caller adds its members. */
+static json_t *notice_begin(const struct channel *c, const char *type) {
     return json_pack("{ss ss}", "type", type, "stream", c->name);
 }
 
@@ -69,9 +70,8 @@ int express_read(const json_t *message, struct mood_request *mix, struct error *
 }
 
 enum {
-    CALIBRATION_MS =
-        250, /* so often a channel may be calibrated for long: each listener builds its head anew, */
-    CALIBRATION_BURST = 12, /* and so many at once */
+    CALIBRATION_MS = 250,   /* average interval: each listener rebuilds its head for one */
+    CALIBRATION_BURST = 12, /* most calibrations at once */
 };
 
 static int check_choices(const json_t *choices, struct error *e) {
@@ -108,14 +108,14 @@ int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
-/* The id must be that of the choices that stand there: others may have come while somebody chose. */
+/* The id must match the current choices: they may have been replaced while the user chose. */
 static bool is_offered(const json_t *offered, const json_t *message) {
     const char *asked = json_string_value(json_object_get(message, "id"));
     const char *id = json_string_value(json_object_get(offered, "id"));
     return offered && (!asked || !strcmp(asked, id ? id : ""));
 }
 
-/* The choice's place in the list, or -1 with *e. */
+/* Returns the index of the choice, or -1 with *e. */
 static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
     size_t count = json_array_size(json_object_get(offered, "choices"));
     json_int_t at = (json_int_t)json_number_value(json_object_get(message, "choice"));
@@ -143,7 +143,7 @@ int notice_choose(struct channel *c, const json_t *message, const char *by, stru
     return at < 0 ? -1 : 0;
 }
 
-/* Others in the room see whose mood it is, and that it is another. */
+/* Notifies the room of its new mood, and of who set it. */
 static void tell_mood(struct channel *c, const struct mood_request *mix, const char *by) {
     json_t *told = notice_begin(c, "expressed"), *parts = json_array();
     for (size_t i = 0; i < mix->count; i++)
@@ -181,7 +181,7 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
-/* Counts one more. -1: each of them goes to every listener, and there were too many. */
+/* Counts a calibration. Returns -1 with *e when there were too many: each goes to every listener. */
 static int count_calibration(struct channel *c, struct error *e) {
     uint64_t now = uv_now(c->rooms->pipeline->loop);
     uint64_t from = c->calibrated > now ? c->calibrated : now;
@@ -192,7 +192,7 @@ static int count_calibration(struct channel *c, struct error *e) {
     return 0;
 }
 
-/* On a stream of one's own nobody comes later. */
+/* A client's own stream has no late joiners, so only a room keeps the calibration. */
 int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
     const json_t *reset = json_object_get(message, "reset");
     json_t *told = notice_begin(c, "calibrated");
@@ -225,7 +225,7 @@ static void tell(struct channel *c, json_t *told) {
     queued_message_release(all);
 }
 
-/* Words that have been asked already. */
+/* Returns whether the same text is being asked already. */
 static bool is_same(const json_t *asked, const json_t *told) {
     const json_t *before = json_object_get(asked, "text"), *text = json_object_get(told, "text");
     return asked && (before == text || json_equal(before, text));
@@ -248,8 +248,8 @@ int notice_consent(struct channel *c, const json_t *message, const char *by, str
     return failed ? -1 : 0;
 }
 
-/* Followers stand in the order in which they came, the last first. */
-enum { OBSERVERS_TOLD = 32 }; /* most that are told of, the first to come */
+/* The list of followers has the latest first. */
+enum { OBSERVERS_TOLD = 32 }; /* most observers listed, the earliest first */
 
 static json_t *list(const struct channel *c, size_t *count) {
     json_t *desks = json_array();

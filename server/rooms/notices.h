@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What stands in a channel beside what is said, until it is replaced: a question with its choices, what the
- * assistant behind the face is doing, whose face it is, its mood, and whether the listener consents to a
- * study. Who comes later is told of it. */
+/* Notices: the state of a channel other than its speech, each in effect until it is replaced. These are a
+ * question with its choices, what the assistant behind the face is doing, whose face it is (calibration),
+ * its mood, and whether the listener consents to a study. Late joiners are sent the current notices. */
 #ifndef FACCIA_ROOMS_NOTICES_H
 #define FACCIA_ROOMS_NOTICES_H
 
@@ -18,40 +18,43 @@ enum {
     NOTICE_CHOICE_BYTES = 200,
     OBSERVER_NAME_BYTES = 64,
     CALIBRATION_FARTHEST = 1000,          /* mm from the head's origin, along each axis */
-    CALIBRATION_TEXTURE_BYTES = 196608,   /* of a picture in base64 */
-    CALIBRATION_TEXTURE_POINTS = 1 << 22, /* that it may have: 2048 x 2048 */
-    CALIBRATION_TEXTURE_SIDE = 8192       /* each way */
+    CALIBRATION_TEXTURE_BYTES = 196608,   /* picture in base64 */
+    CALIBRATION_TEXTURE_POINTS = 1 << 22, /* pixels of the picture: 2048 x 2048 */
+    CALIBRATION_TEXTURE_SIDE = 8192       /* pixels in width or height */
 };
 
-/* Each does what the message of that type asks for, whose members have been checked (but for lists and
- * objects), and tells all who follow. by: whose name goes with it. -1 with *e. */
+/* Each function handles the message of its type and notifies all followers. The message's members have
+ * already been validated, except lists and objects. by: the name shown with the notice. Returns -1 with
+ * *e. */
 int notice_choices(struct channel *channel, const json_t *message, struct error *e);
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
-/* The mood of the stream; in a room all are told of it. by: who set it, or NULL. */
+/* Sets the mood of the stream; a room notifies all its followers. by: who set it, or NULL. */
 int notice_express(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
-/* A `mix` of the state is the mood that goes with it, as that of `express`. */
+/* Sets the assistant's state. Its `mix` sets a mood with it, as in `express`. */
 int notice_state(struct channel *channel, const json_t *message, struct error *e);
 
-/* Feature points that the head takes; `reset`: its own again. */
+/* Sets feature points of the head; `reset` restores the head's own. */
 int notice_calibrate(struct channel *channel, const json_t *message, struct error *e);
 
-/* Asked again in the same words, the answer that there is holds. "no-choices": nothing is asked. */
+/* Asks for consent, or answers. Asking again with the same text keeps the existing answer. "no-choices":
+ * there is no question to answer. */
 int notice_consent(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
-/* Is the `consent` message an answer (`given`, `declined`), or does it ask (`asked`, `none`)? */
+/* Returns whether the `consent` message is an answer (`given`, `declined`) rather than a question
+ * (`asked`, `none`). */
 bool consent_is_answer(const json_t *message);
 
-/* The mood that an `express` message asks for. -1 with *e. The mix borrows from the message. */
+/* Reads the mood of an `express` message. The mix borrows from the message. Returns -1 with *e. */
 int express_read(const json_t *message, struct mood_request *mix, struct error *e);
 
-/* Observers are told of each other, by name; who listens is not told of them. */
+/* Observers are notified of each other by name; listeners are not notified of observers. */
 
-/* An observer has come, gone, or got another name or other rights. */
+/* Notifies observers of a change: one joined, left, or changed its name or rights. */
 void observers_tell(struct channel *channel);
 
-/* Leaves the channel; observers that are left are told, where they knew of it. */
+/* Removes a follower from its channel. Remaining observers are notified if they had been told of it. */
 void observers_leave(struct follower *follower);
 
 #endif

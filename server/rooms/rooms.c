@@ -79,7 +79,7 @@ struct channel *channel_next(const struct channel *c) {
     return c->next;
 }
 
-enum { PENDING_MOST = 100 }; /* of all rooms together */
+enum { PENDING_MOST = 100 }; /* in all rooms together */
 
 struct pending {
     struct pending *next;
@@ -96,7 +96,7 @@ static void drop(struct pending_speech *speech, struct pending **at) {
     free(held);
 }
 
-/* It will not be spoken: who looks on in the room is told. */
+/* Drops held speech and notifies the observers in the room. */
 static void give_up(struct rooms *rooms, struct pending **at, const struct error *e) {
     const struct pending *held = *at;
     log_info("room %s: %s", held->room, e->message);
@@ -106,7 +106,7 @@ static void give_up(struct rooms *rooms, struct pending **at, const struct error
     drop(&rooms->pending, at);
 }
 
-/* What has waited too long is given up, with an error "unheard" to who looks on. */
+/* Drops held speech that has timed out, with an error "unheard" to observers. */
 static void pending_expire(struct rooms *rooms) {
     struct error e;
     error_set(&e, ERROR_UNHEARD, "nobody came to hear it within %u s", rooms->limits.hold_seconds);
@@ -133,7 +133,7 @@ static void give_up_topic(struct rooms *rooms, const char *room, const char *top
     }
 }
 
-/* Keeps a copy of the request for limits.hold_seconds. -1 with *e: "queue-full". */
+/* Holds a copy of the request for limits.hold_seconds. Returns -1 with *e: "queue-full". */
 static int pending_keep(struct rooms *rooms, const char *room, const struct speech_request *request,
                         struct error *e) {
     struct pending **at;
@@ -150,7 +150,7 @@ static int pending_keep(struct rooms *rooms, const char *room, const struct spee
     snprintf(held->room, sizeof held->room, "%s", room);
     held->until = uv_now(rooms->pipeline->loop) + (uint64_t)rooms->limits.hold_seconds * 1000;
     request_copy(&held->request, request);
-    held->request.abroad = 0; /* who asked knows nothing of it any more */
+    held->request.abroad = 0; /* the daemon that asked keeps no record of it */
     rooms->pending.count++;
     return 0;
 }
@@ -173,7 +173,7 @@ static void pending_free(struct pending_speech *speech) {
         drop(speech, &speech->first);
 }
 
-/* Nobody is there: it is kept, where that is wanted. */
+/* The room has no listener: holds the request if configured. */
 static json_t *say_to_nobody(struct rooms *rooms, const char *room, const struct speech_request *request,
                              struct error *e) {
     const struct channel *c = channel_find(rooms, room);
@@ -188,7 +188,7 @@ static json_t *say_to_nobody(struct rooms *rooms, const char *room, const struct
     return answer;
 }
 
-/* What is refused has a number, too, by which its end is told. */
+/* A refused request also has a number: its end is sent under it. */
 static uint32_t numbered(const struct stream *stream, uint32_t utterance) {
     return utterance ? utterance : stream_number(stream);
 }
@@ -206,7 +206,7 @@ json_t *room_speak(struct rooms *rooms, const char *room, const struct speech_re
     uint32_t taken = stream_speak(channel_stream(c), request, &why);
     *utterance = numbered(channel_stream(c), taken);
     json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
-    if (!taken) /* as the room was told, for who asked and does not listen there */
+    if (!taken) /* the sender may not listen to the room, so it gets the error here too */
         json_object_set_new(answer, "refused", error_json(&why));
     return answer;
 }

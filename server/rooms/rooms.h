@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The rooms that there are, what is kept for those in which nobody is, and how other daemons share them. */
+/* The list of rooms, the speech held for empty rooms, and the sharing of rooms between daemons. */
 #ifndef FACCIA_ROOMS_ROOMS_H
 #define FACCIA_ROOMS_ROOMS_H
 
@@ -14,50 +14,50 @@ struct channel;
 struct rooms;
 
 struct room_limits {
-    unsigned queue; /* utterances that wait on one stream */
-    unsigned rooms; /* that have somebody in them */
-    unsigned
-        address_rooms;   /* that one address, or subject, had made, and that have somebody in them; 0: any */
-    unsigned send_bytes; /* unsent bytes at which a stream of one's own waits for its listener */
-    unsigned hold_seconds; /* what is said to an empty room waits so long for somebody; 0: it does not */
+    unsigned queue;         /* utterances waiting on one stream */
+    unsigned rooms;         /* rooms with followers */
+    unsigned address_rooms; /* rooms with followers that one address or subject created; 0: no limit */
+    unsigned send_bytes;    /* unsent bytes at which a client's own stream waits for its listener */
+    unsigned hold_seconds;  /* s to hold speech to an empty room for a listener; 0: not held */
 };
 
-/* A command for a room that this daemon leads, from another daemon or one of its own clients: runs it, and
- * returns the answer, as HTTP has it; a new reference. The command is an object: `type`; `request` of what is
- * to be spoken (request_to_json); `message` of a client, of the other types; `by`, who asks; `payer` and
- * `asker` (speech_request.h). remote: which daemon asks, 0: this one; number: the command's among those of
- * all. `utterance` of the answer, which HTTP has not, is the number of what will be spoken. */
+/* Runs a command for a room that this daemon leads, sent by another daemon or by one of its own clients.
+ * Returns the answer in HTTP's form, a new reference, and its status. The command is an object: `type`;
+ * `request`, what to speak (request_to_json); `message`, the client's message for the other types; `by`,
+ * the name of the sender; `payer` and `asker` (speech_request.h). remote: the daemon that sent it, 0: this
+ * daemon. number: the command's number in the cluster. `utterance` of the answer, which is not in HTTP's
+ * answer, is the number of the utterance to be spoken. */
 typedef json_t *rooms_run(void *ctx, const char *room, const json_t *command, uint64_t remote,
                           uint64_t number, unsigned *status);
 
-/* The pipeline outlives it. */
+/* pipeline is borrowed and must outlive the rooms. */
 struct rooms *rooms_open(const struct pipeline *pipeline, const struct room_limits *limits, rooms_run *run,
                          void *ctx);
 void rooms_change(struct rooms *rooms, const struct room_limits *limits);
 
-/* Rooms are shared with other daemons from now on, until rooms_unshare: before the bus is closed. */
+/* Shares rooms with other daemons until rooms_unshare, which must come before the bus is closed. */
 void rooms_share(struct rooms *rooms, struct bus *bus);
 void rooms_unshare(struct rooms *rooms);
 
-void rooms_tick(struct rooms *rooms); /* once a second */
+void rooms_tick(struct rooms *rooms); /* call once a second */
 void rooms_close(struct rooms *rooms);
 void rooms_free(struct rooms *rooms);
 
-/* Of all rooms; channel_next has the others. NULL: there is none. */
+/* The first room, or NULL; channel_next returns the others. */
 struct channel *rooms_first(const struct rooms *rooms);
 
-/* The room of that name; NULL: there is none. */
+/* Finds a room by name. Returns NULL if it does not exist. */
 struct channel *channel_find(const struct rooms *rooms, const char *name);
 
-/* The same, made when it is not there, for the payer (principal_payer; 0: nobody's). NULL with *e
- * ("too-many-rooms", "bad-field"). */
+/* Finds or creates a room; a new room counts against the payer (principal_payer; 0: no payer). Returns
+ * NULL with *e ("too-many-rooms", "bad-field"). */
 struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t payer, struct error *e);
 
-/* -1 with *e ("bad-field") when no room can have that name. */
+/* Validates a room name. Returns -1 with *e ("bad-field"). */
 int channel_check_name(const char *name, struct error *e);
 
-/* Speaks the request to who is in the room, under the number *utterance (0: it is kept until somebody is
- * there). The answer, as HTTP has it; NULL with *e: "busy", "queue-full". */
+/* Speaks the request to the room. *utterance is the number of the utterance, or 0 when the request is held
+ * until the room has a listener. Returns the answer in HTTP's form; NULL with *e: "busy", "queue-full". */
 json_t *room_speak(struct rooms *rooms, const char *room, const struct speech_request *request,
                    uint32_t *utterance, struct error *e);
 

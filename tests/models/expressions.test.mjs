@@ -88,7 +88,7 @@ test('an affect is known to every markup once it is in the file, and takes a nam
   file.affect.joy.aliases.push('amused');
   const { status, stderr } = command(file, ['expressions']);
   assert.equal(status, 1);
-  assert.match(stderr, /affect\.\w+: the name 'amused' is there twice/);
+  assert.match(stderr, /affect\.\w+: the name 'amused' occurs twice/);
 });
 
 test('the command says what it cannot do', () => {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Commands for a room that another daemon leads, or may lead: on their way, and afterwards, while what they
- * asked for waits or is spoken there. When the leader is lost, so is what waited: the daemon that was asked
- * tells its end, or asks the next leader where that was wished. All keep the order in which they were asked
- * for here. */
+/* Forwarded commands: for a room that another daemon leads, or may lead. Each is kept until it is
+ * answered, and after that while the speech that it requested waits or is spoken there. That speech is
+ * lost with its leader: the daemon that forwarded the command then sends its end, or asks the next leader
+ * if so requested. Commands stay in the order in which clients sent them here. */
 #include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/rooms/shared/shared_internal.h"
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <utlist.h>
 
-enum { TRIES_AT_ONCE = 3 }; /* the next follow from the claims that are made anyway */
+enum { TRIES_AT_ONCE = 3 }; /* later tries follow the periodic claims */
 
 bool forward_needed(const struct rooms *rooms, const char *room) {
     const struct channel *c = rooms->shared ? channel_find(rooms, room) : NULL;
@@ -19,15 +19,21 @@ bool forward_needed(const struct rooms *rooms, const char *room) {
     return !c || c->shared->role == ROLE_SEEKING || c->shared->role == ROLE_REPLICA;
 }
 
-/* It has left the list when its giver is called. Who gave one that is asked anew waits for no answer: that it
- * failed is told as its end. */
+static void forward_free(struct forward *o);
+
+static uint64_t forward_number(const struct forward *o);
+
+static void forward_tell_failed(const struct forward *o, const struct error *e);
+
+/* Removes the command before calling its callback. A command that was sent again has no caller waiting, so
+ * its failure is sent as the end of its utterance. */
 static void end(struct forward *o, unsigned status, const json_t *answer) {
     struct channel *c = o->channel;
     struct error e;
     shared_error(&e);
     if (o->again && !o->done && status >= 400)
         forward_tell_failed(o, &e);
-    if (c->shared && status >= 400) /* whatever a leader makes of it yet */
+    if (c->shared && status >= 400) /* even if a leader runs it later */
         shared_note_ended(c->shared, forward_number(o));
     forward_done done = o->done;
     void *ctx = o->ctx;
@@ -38,7 +44,7 @@ static void end(struct forward *o, unsigned status, const json_t *answer) {
     channel_let_go(c);
 }
 
-/* What is to be spoken stays among the orders until its end. */
+/* Records that the leader accepted the command, and keeps it until the end of its utterance. */
 static void take(struct forward *o, uint32_t utterance, unsigned status, const json_t *answer) {
     forward_done done = o->done;
     void *ctx = o->ctx;
@@ -51,7 +57,12 @@ static void take(struct forward *o, uint32_t utterance, unsigned status, const j
     channel_let_go(c);
 }
 
-/* Though its answer was lost, or says that it was asked before, it may be heard here already. */
+static bool forward_is_spoken(const struct forward *o);
+
+static bool forward_has_ended(const struct forward *o);
+
+/* Fails the command, unless its speech is heard or has ended here: the answer may have been lost, or say
+ * that the command was run before. */
 static void refuse(struct forward *o, unsigned status, const json_t *answer) {
     enum { ACCEPTED = 202 };
     struct channel *c = o->channel;
@@ -84,12 +95,12 @@ static void act(struct forward *o) {
     unsigned status;
     json_t *answer =
         o->all->rooms->run(o->all->rooms->ctx, o->channel->name, o->asked, 0, forward_number(o), &status);
-    json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
+    json_object_del(answer, "utterance"); /* the local stream sends its end */
     end(o, status, answer);
     json_decref(answer);
 }
 
-/* The one before it that the leader has not answered yet, 0: none. */
+/* The last earlier command for the room that the leader has not answered yet, 0: none. */
 static uint64_t before(const struct forward *o) {
     uint64_t number = 0;
     for (const struct forward *other = o->all->forwards; other != o; other = other->next)
@@ -98,7 +109,7 @@ static uint64_t before(const struct forward *o) {
     return number;
 }
 
-/* The leader does not do it before that which it comes after. */
+/* Sends the command to the leader, which does not run it before the command that it comes after. */
 static void send_order(struct forward *o) {
     const struct shared_room *h = o->channel->shared;
     json_t *head = packet_begin("order", o->channel->name);
@@ -111,7 +122,7 @@ static void send_order(struct forward *o) {
     o->sent = true;
 }
 
-/* As the role of its room is now. */
+/* Proceeds according to the present role of the command's room. */
 static void go_on(struct forward *o) {
     switch (o->channel->shared->role) {
     case ROLE_REPLICA:
@@ -120,7 +131,7 @@ static void go_on(struct forward *o) {
         break;
     case ROLE_LEADER:
     case ROLE_ALONE:
-        if (o->sent) /* to a leader that is gone: nobody knows whether it was done */
+        if (o->sent) /* to a leader that is lost: it may or may not have run */
             fail(o);
         else
             act(o);
@@ -155,7 +166,7 @@ struct forward *forward_command(struct rooms *rooms, const char *room, json_t *a
     DL_APPEND(all->forwards, o);
     uint64_t number = o->number;
     channel_keep(c);
-    forwards_role(c->shared); /* those before it that wait, too, and first */
+    forwards_role(c->shared); /* earlier commands of the room that still wait go first */
     channel_let_go(c);
     return all->forwards && all->forwards->prev->number == number ? all->forwards->prev : NULL;
 }
@@ -165,7 +176,8 @@ void forward_forget(struct forward *o) {
         o->done = NULL;
 }
 
-/* Those that fit, each once, whatever the ends of others do to the list. */
+/* The next waiting command after `number`, in room c or (NULL) in any. Safe while callbacks change the
+ * list. */
 static struct forward *next_after(const struct shared_rooms *all, uint64_t number, const struct channel *c) {
     struct forward *o = all->forwards;
     while (o && (o->utterance || o->number <= number || (c && o->channel != c)))
@@ -204,7 +216,7 @@ void forwards_heard(struct shared_rooms *all, const struct packet *p) {
     json_object_set(head, "number", json_object_get(p->head, "number"));
     json_object_set(head, "token", json_object_get(p->head, "token"));
     json_object_set(head, "visit", json_object_get(p->head, "visit"));
-    /* asked under another token, it has been given up by who asked */
+    /* a command sent under another token was given up by its sender */
     bool here = h && h->role == ROLE_LEADER && json_is_object(asked) && packet_number(p, "token") == h->token;
     uint64_t order = shared_command(p->from, packet_number(p, "number")), after = packet_number(p, "after");
     here &= !after || shared_has_done(h, shared_command(p->from, after));
@@ -237,23 +249,24 @@ void forwards_answered(struct shared_rooms *all, const struct packet *p) {
     bool known = h && o && o->channel == h->channel && packet_number(p, "visit") == h->visit;
     bool current = h && h->role == ROLE_REPLICA && packet_number(p, "token") == h->token;
     if (current && utterance && !known) {
-        shared_is_past(h, utterance); /* that order has been told to be lost, or given anew */
+        shared_is_past(h, utterance); /* the command was already reported as lost, or sent again */
     } else if (!current || !known || o->utterance || !o->sent) {
-        return; /* a late one, of a leader that was lost */
+        return; /* late answer of a leader that was lost */
     } else if (o && status && utterance && !forward_has_ended(o)) {
         take(o, utterance, (unsigned)status, answer);
     } else if (o && status >= 400) {
         refuse(o, (unsigned)status, answer);
     } else if (o && status) {
         end(o, (unsigned)status, answer);
-    } else if (o) { /* it is not the leader, and did nothing: who is? */
+    } else if (o) { /* not the leader, and it did nothing: find the leader */
         o->sent = false;
         if (o->tries++ < TRIES_AT_ONCE)
             shared_claim(o->channel->shared);
     }
 }
 
-void forward_free(struct forward *o) {
+/* Removes the command from the list and frees it. */
+static void forward_free(struct forward *o) {
     DL_DELETE(o->all->forwards, o);
     json_decref(o->asked);
     if (!o->utterance)
@@ -265,23 +278,28 @@ static const json_t *request_of(const struct forward *o) {
     return json_object_get(o->asked, "request");
 }
 
-uint64_t forward_number(const struct forward *o) {
+/* Its cluster-wide number (shared_command). */
+static uint64_t forward_number(const struct forward *o) {
     return shared_command(bus_name(o->all->bus), o->number);
 }
 
-bool forward_is_spoken(const struct forward *o) {
+static bool forward_is_spoken(const struct forward *o) {
     return o->channel->shared && channel_order(o->channel) == forward_number(o);
 }
 
-bool forward_has_ended(const struct forward *o) {
+/* Returns whether its utterance has ended for local followers, or its end is about to be sent, even if the
+ * leader has not answered. */
+static bool forward_has_ended(const struct forward *o) {
     return o->channel->shared && shared_has_heard(o->channel->shared, forward_number(o));
 }
 
-bool forward_is_again(const struct forward *o) {
+/* Returns whether its speech is to be spoken again when it is lost. */
+static bool forward_is_again(const struct forward *o) {
     return json_is_true(json_object_get(request_of(o), "again"));
 }
 
-void forward_tell_failed(const struct forward *o, const struct error *e) {
+/* Sends an error and the end of its utterance to local followers. */
+static void forward_tell_failed(const struct forward *o, const struct error *e) {
     struct stream_event event = {.kind = STREAM_ERROR,
                                  .utterance = o->utterance,
                                  .id = json_string_value(json_object_get(request_of(o), "id")),
@@ -312,7 +330,7 @@ bool forwards_again(const struct shared_room *h, uint32_t utterance) {
     return o && forward_is_again(o);
 }
 
-/* It waits for the next leader, from now on. */
+/* Makes the command wait for the next leader. */
 static void ask_again(struct forward *o) {
     if (o->utterance)
         channel_keep(o->channel);
@@ -333,7 +351,7 @@ void forwards_lost(struct shared_room *h, uint32_t told, bool again, const struc
         if (again && forward_is_again(o) && !forward_has_ended(o)) {
             ask_again(o);
         } else if (!o->utterance) {
-            o->until = 0; /* nobody knows whether it was done */
+            o->until = 0; /* it may or may not have run */
         } else {
             if (o->utterance != told)
                 forward_tell_failed(o, e);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who speaks in a shared room: its lease, and what role this daemon has in it, from one answer to the next.
- */
+/* The leader of a shared room: its lease, and this daemon's role, which each answer from the bus may
+ * change. */
 #include "server/base/log.h"
 #include "server/rooms/shared/shared_internal.h"
 #include <inttypes.h>
@@ -37,7 +37,7 @@ void shared_tell(const struct shared_rooms *all, const char *to, json_t *head) {
     buf_free(&data);
 }
 
-/* FNV-1a of 32 bits, without the highest: JSON has a sign. */
+/* 32-bit FNV-1a without the top bit: JSON integers are signed. */
 uint64_t shared_daemon(const char *name) {
     uint32_t hash = 2166136261u;
     for (const char *c = name; *c; c++)
@@ -56,11 +56,13 @@ void shared_send(const struct shared_room *h, const struct bus_receivers *to, co
     bus_send(h->all->bus, &(struct bus_right){name, h->token}, to, data->data, data->size);
 }
 
+static void shared_give_up_as(const struct shared_room *h, uint64_t token);
+
 void shared_give_up(const struct shared_room *h) {
     shared_give_up_as(h, h->token);
 }
 
-void shared_give_up_as(const struct shared_room *h, uint64_t token) {
+static void shared_give_up_as(const struct shared_room *h, uint64_t token) {
     char name[LEASE_NAME_BYTES];
     const char *names[REPLICAS_MOST];
     struct bus_receivers to = {names, 0};
@@ -86,7 +88,7 @@ void shared_error(struct error *e) {
     error_plain(e, ERROR_ROOM_AWAY);
 }
 
-/* Of the name of a daemon, which is made by chance: a million places. */
+/* Hexadecimal digits of a daemon's name, which is random: about a million distinct offsets. */
 enum { APART_DIGITS = 5 };
 
 static void count(const struct shared_room *h, int by) {
@@ -104,8 +106,8 @@ void shared_set_role(struct shared_room *h, enum shared_role role) {
     count(h, 1);
 }
 
-/* What another daemon speaks here is not heard any more. again: it goes on in another way; forwards_again:
- * so does what was ordered, where that is wished. */
+/* Ends what another daemon speaks here. again: it will be spoken again; forwards_again: forwarded commands
+ * are sent again where so requested. */
 static void lose(struct shared_room *h, uint32_t told, bool again, bool forwards_again) {
     struct error e;
     shared_error(&e);
@@ -114,8 +116,8 @@ static void lose(struct shared_room *h, uint32_t told, bool again, bool forwards
     shared_is_past(h, told);
 }
 
-/* What another daemon spoke here has come to its end. next: there is another leader, which is asked anew for
- * what wishes that, by all who asked. */
+/* Ends what another daemon spoke here. next: there is a new leader, and each daemon sends its own commands
+ * again to it where so requested. */
 static void cut(struct shared_room *h, bool next) {
     if (h->role != ROLE_REPLICA)
         return;
@@ -132,7 +134,7 @@ void shared_missed(struct shared_room *h) {
     shared_report(h);
 }
 
-/* What this one speaks comes to its end. */
+/* Ends the utterance of this daemon. */
 static void fail(struct shared_room *h) {
     struct error e;
     shared_error(&e);
@@ -140,9 +142,9 @@ static void fail(struct shared_room *h) {
         stream_fail(h->channel->stream, &e);
 }
 
-/* Daemons that are alone number by themselves, and who follows one of them later has heard the others'
- * numbers: each goes on in a place of its own. Beyond half of all there are it does not: so far only a room
- * comes whose Redis somebody cuts on purpose. */
+/* Daemons that are alone number utterances independently, and a follower may later see the numbers of
+ * several: each daemon continues at its own offset. Beyond half of the range the offset is not added; only
+ * a room whose Redis is cut off deliberately gets that far. */
 static void number_apart(const struct shared_room *h) {
     char digits[APART_DIGITS + 1];
     uint32_t number = stream_number(h->channel->stream);
@@ -169,7 +171,7 @@ void shared_be_alone(struct shared_room *h) {
 static void be_here(struct shared_room *h, uint64_t token, uint64_t asked) {
     enum shared_role was = h->role;
     cut(h, true);
-    /* the replicas know the old token: for them it has ended */
+    /* the replicas know only the old token: for them its utterance has ended */
     if (was == ROLE_LEADER && token != h->token && h->replicas)
         fail(h);
     shared_set_role(h, ROLE_LEADER);
@@ -210,7 +212,7 @@ void shared_claimed(struct shared_room *h, const char *holder, uint64_t token, u
         if (h->role != ROLE_ALONE)
             shared_be_alone(h);
     } else if (mine && h->role == ROLE_ALONE && token <= h->split) {
-        /* what was asked under it has been given up by who asked */
+        /* commands sent under that token were given up by their senders */
         shared_give_up_as(h, token);
         shared_claim(h);
     } else if (mine) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What one daemon sends to another: a line of JSON, and the bytes after it. */
+/* Packets between daemons: a line of JSON (the head), then bytes (the body). */
 #ifndef FACCIA_ROOMS_SHARED_PACKET_H
 #define FACCIA_ROOMS_SHARED_PACKET_H
 
@@ -7,26 +7,26 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-/* Another version's packets are passed over. */
+/* Packets of another version are ignored. */
 enum { PACKET_VERSION = 4 };
 
 struct packet {
     json_t *head;
-    const char *kind, *room, *from; /* of the head; "" where it does not say */
-    const uint8_t *body;            /* in what was read */
+    const char *kind, *room, *from; /* borrowed from the head; "" if missing */
+    const uint8_t *body;            /* points into the data that was read */
     size_t size;
 };
 
-/* The head of one about that room, to which members are added. */
+/* Creates the head of a packet about the room; the caller adds members. */
 json_t *packet_begin(const char *kind, const char *room);
 
-/* Appends; drops the head. */
+/* Appends the packet to out; releases the head. */
 void packet_write(struct buf *out, json_t *head, const void *body, size_t size);
 
-/* False when it is none, or of another version. The head has to be dropped. */
+/* Parses a packet. Returns false when it is malformed or of another version. The caller releases the head. */
 bool packet_read(const void *data, size_t size, struct packet *packet);
 
-/* A whole number of the head, from 0; 0 where there is none. */
+/* Returns a non-negative integer of the head; 0 if missing. */
 uint64_t packet_number(const struct packet *packet, const char *name);
 
 #endif

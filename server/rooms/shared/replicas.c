@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The other daemons that follow a room whose leader is here. In the room they are followers that stand for
- * theirs; what is said is sent to each of them once. */
+/* The replicas of a room that this daemon leads. Each is represented in the room by followers that stand
+ * for its own; each message is sent to it once. */
 #include "protocol/compact.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bus takes what is said, not they. */
+/* The output of the room goes to replicas over the bus, not through these followers. */
 static void deliver_nothing(struct follower *f, struct queued_message *const *messages, size_t count) {
     (void)f, (void)messages, (void)count;
 }
@@ -31,7 +31,7 @@ static void drop(struct shared_room *h, struct replica **at) {
     free(b);
 }
 
-/* Anybody who can write to the bus may name one. */
+/* Limits the replicas of a room, since any client of the bus can name one. */
 static bool is_full(const struct shared_room *h) {
     size_t count = 0;
     for (const struct replica *b = h->replicas; b; b = b->next)
@@ -64,7 +64,7 @@ static void take_idling(struct replica *b, const json_t *idle) {
         channel_idle(&b->all, idle && good ? &options : NULL);
 }
 
-/* -1: it is none. */
+/* Returns -1 when it is not a valid encoding. */
 static int read_encoding(const json_t *wish, struct encoding *encoding) {
     *encoding = (struct encoding){.audio = (uint8_t)json_integer_value(json_array_get(wish, 0)),
                                   .fap = (uint8_t)json_integer_value(json_array_get(wish, 1)),
@@ -112,7 +112,7 @@ static void take_wishes(struct shared_room *h, struct replica *b, const json_t *
             channel_leave(&b->media[i]);
 }
 
-/* A text message with its line, as the replica hands it on. */
+/* A text message followed by its line, for the replica to pass on. */
 static json_t *part_of_text(const struct queued_message *message, struct buf *body) {
     size_t line = message->line ? message->line->size : 0;
     buf_add(body, queued_message_body(message), message->size);
@@ -129,7 +129,8 @@ static json_t *part_of_media(const struct channel_item *item, struct buf *body) 
                      item->begin, "idle", item->idle, "size", (json_int_t)item->message->size);
 }
 
-/* Whose it is, so that it is known again; not of what comes between begin and end. */
+/* Adds the command's number, by which a replica recognises its utterance. Events between begin and end carry
+ * none. */
 static json_t *part_with_order(json_t *part, uint64_t order) {
     if (order)
         json_object_set_new(part, "order", json_integer((json_int_t)order));
@@ -170,7 +171,7 @@ static void recap_text(void *ctx, struct queued_message *message) {
     send_parts(r->room, &r->to, parts, &body);
 }
 
-/* past: an utterance that has been told as ended there, or 0. */
+/* past: utterance whose end was already sent there, or 0. */
 static void recap(const struct shared_room *h, const struct replica *b, uint32_t past) {
     const char *name = b->name;
     struct recap r = {h, {&name, 1}};
@@ -188,7 +189,7 @@ static void recap(const struct shared_room *h, const struct replica *b, uint32_t
     notice_board_tell(&h->channel->notices, recap_text, &r);
 }
 
-/* What is said from here on comes after what it is told first. */
+/* Handles a replica's report. The recap, if one is due, precedes everything said from here on. */
 void replicas_report(struct shared_room *h, const struct packet *p) {
     struct replica *b = find(h, p->from);
     uint32_t visit = (uint32_t)packet_number(p, "visit");
@@ -202,7 +203,7 @@ void replicas_report(struct shared_room *h, const struct packet *p) {
     b->remote.followers = packet_number(p, "followers");
     b->remote.listeners = packet_number(p, "listeners");
     stream_number_above(h->channel->stream, (uint32_t)packet_number(p, "number"));
-    if (visit != b->visit) /* it says so until it has been told, which may take a while */
+    if (visit != b->visit) /* it repeats its visit until the recap arrives */
         recap(h, b, stream_forget_earlier(h->channel->stream, shared_origin(p)));
     b->visit = visit;
     take_wishes(h, b, json_object_get(p->head, "wants"));
@@ -218,7 +219,7 @@ static bool wants(struct replica *b, const struct channel_item *item) {
     return !item->media || (media_of(b, &item->encoding) && (!item->idle || b->all.idle));
 }
 
-/* Which of them it wants, a bit each. */
+/* Returns a bit mask of the items that the replica wants. */
 static uint32_t wanted(struct replica *b, const struct channel_item *const *items, size_t count) {
     uint32_t mask = 0;
     for (size_t i = 0; i < count; i++)
@@ -236,7 +237,7 @@ static void send_some(const struct shared_room *h, const struct bus_receivers *t
     send_parts(h, to, parts, &body);
 }
 
-/* Those that want the same of it get the same bytes. */
+/* Replicas that want the same items get the same bytes in one send. */
 void replicas_said(const struct shared_room *h, const struct channel_item *const *items, size_t count) {
     _Static_assert(CHANNEL_BATCH <= 32, "a bit each");
     struct replica *replicas[REPLICAS_MOST];

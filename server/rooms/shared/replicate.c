@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the leader of a room has said goes to those who follow in a replica, which keeps of it what late
- * joiners have to be told. */
+/* Passes the output of a room's leader on to the followers of a replica, and keeps what late joiners must
+ * be told. */
 #include "server/rooms/shared/shared_internal.h"
 #include <string.h>
 
@@ -24,7 +24,7 @@ void shared_is_past(struct shared_room *h, uint32_t utterance) {
         add(&h->past, shared_daemon(h->holder) | utterance);
 }
 
-bool shared_was_past(const struct shared_room *h, uint32_t utterance) {
+static bool shared_was_past(const struct shared_room *h, uint32_t utterance) {
     return utterance && has(&h->past, shared_daemon(h->holder) | utterance);
 }
 
@@ -50,7 +50,7 @@ bool shared_has_heard(const struct shared_room *h, uint64_t order) {
     return order && (has(&h->ended, order) || channel_is_ending(h->channel, order));
 }
 
-/* -1: it is no event of a stream. */
+/* Returns -1 when it is not an event of a stream. */
 static int kind_of(const char *event) {
     for (int kind = STREAM_BEGIN; kind <= STREAM_END; kind++)
         if (!strcmp(event_name((enum stream_event_kind)kind), event))
@@ -58,7 +58,7 @@ static int kind_of(const char *event) {
     return -1;
 }
 
-/* What is no event of a stream, by a name that lasts. */
+/* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
     static const char *const names[] = {"choices", "chosen", "state", "calibrated", "expressed", "consent"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
@@ -67,7 +67,7 @@ static const char *notice_name(const char *event) {
     return "notice";
 }
 
-/* The mood holds here, too, when this daemon is the room's next leader. */
+/* Applies the mood to the local stream too, in case this daemon becomes the room's next leader. */
 static void take_mood(struct channel *c, const json_t *told, struct queued_message *message) {
     struct mood_request mix;
     struct error e;
@@ -108,8 +108,9 @@ static uint32_t utterance_of(const struct queued_message *message) {
     return utterance;
 }
 
-/* Has it been told as ended here, when this daemon had lost the leader for a while? Of what is so, nothing is
- * handed on, media neither. An end that nothing was heard before is known by its order alone. */
+/* Returns whether the utterance has already ended here, when this daemon had lost the leader for a while.
+ * Its events and media are not passed on. An end without a preceding begin is recognised only by its
+ * command. */
 static bool is_past(struct shared_room *h, int kind, uint32_t utterance, uint64_t order) {
     if (channel_utterance(h->channel) != utterance && shared_has_heard(h, order))
         shared_is_past(h, utterance);
@@ -123,7 +124,7 @@ static bool is_past(struct shared_room *h, int kind, uint32_t utterance, uint64_
     return past;
 }
 
-/* Who listens here had followed the room before: what was said of it meanwhile is missing. */
+/* Warns listeners who were following before: part of the utterance is missing. */
 static void tell_missed(struct shared_room *h) {
     struct error e;
     error_plain(&e, ERROR_SKIPPED);
@@ -203,7 +204,7 @@ static void replicate_parts(struct shared_room *h, const struct packet *p) {
     channel_say_soon(h->channel);
 }
 
-/* All that stood here was another leader's. */
+/* Discards the late-join state and notices of the previous leader. */
 static void forget(struct channel *c) {
     late_join_free(&c->late_join);
     c->late_join = (struct late_join){0};

@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rooms that several daemons share. One daemon speaks in a room: it is the room's leader, and holds a lease
- * on it (cluster/bus.h). Any other with followers of that room is a replica of it.
+/* Rooms shared by several daemons. One daemon speaks in a room: it is the leader, and holds a lease on the
+ * room (cluster/bus.h). Every other daemon with followers of the room is a replica.
  *
- * Whoever has the room claims its lease again and again: the leader to keep it, replicas to take it over. A
- * replica tells its leader that it is there, and in which ways it wants media (`here`); it is told first what
- * goes on (`recap`), then each message, once, with the bytes that the leader's own followers get (`said`),
- * and replicates together what left together; it keeps what late joiners have to be told, as the leader does.
- * What a client orders in a replica is sent to the leader (`order`), which answers (`answer`). A leader
- * without the room says so (`gone`).
+ * Every daemon that has the room claims its lease repeatedly: the leader to keep it, replicas to take it
+ * over. A replica reports to its leader that it is there, and which media encodings it wants (`here`). The
+ * leader first sends it the current state (`recap`), then each message once, with the bytes that the leader's
+ * own followers get (`said`). The replica passes on together what left the leader together, and keeps what
+ * late joiners must be told, as the leader does. A client's command in a replica is forwarded to the leader
+ * (`order`), which answers (`answer`). A daemon that was taken for the leader but does not lead the room
+ * replies `gone`.
  *
- * A message carries the token of the lease: it leaves only while the lease is held (the bus looks), and a
- * replica takes none but of the token that it knows as the last. A leader whose lease has run out, as it was
- * asleep, does not go on for its own followers either until it has claimed it anew.
+ * A message of the leader carries the token of the lease. It leaves only while the lease is held, which the
+ * bus checks, and a replica accepts only the latest token that it knows. A leader whose lease has expired,
+ * for example because it was suspended, also stops serving its own followers until it has claimed the lease
+ * again.
  *
- * When the leader goes, what was spoken has ended as failed; who claims first is the next leader. Without the
- * bus each daemon speaks for its own followers; what is spoken in a leader goes on. When the bus is back, who
- * claims first is the leader; any other that is speaking may come to its end, within SPLIT_MS, and then
- * follows. */
+ * When the leader is lost, its utterances end as failed, and the first daemon to claim the lease becomes the
+ * next leader. Without the bus each daemon speaks for its own followers, and a leader's utterances continue.
+ * When the bus is back, the first to claim the lease leads; any other daemon that is speaking may finish its
+ * utterance within SPLIT_MS, and then follows. */
 #ifndef FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 #define FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 
@@ -27,62 +29,62 @@
 #include "server/rooms/shared/packet.h"
 
 enum shared_role {
-    ROLE_SEEKING, /* nobody has answered yet who speaks */
-    ROLE_LEADER,  /* this daemon */
-    ROLE_REPLICA, /* another one */
-    ROLE_ALONE,   /* each for its own followers */
+    ROLE_SEEKING, /* no leader is known yet */
+    ROLE_LEADER,  /* this daemon leads */
+    ROLE_REPLICA, /* another daemon leads */
+    ROLE_ALONE,   /* no bus: each daemon serves its own followers */
     ROLES,
 };
 
 enum {
-    SPLIT_MS = 10000,       /* how long one that speaks alone may come to its end when the bus is back */
-    REPLICA_MS = 3000,      /* one that says nothing for so long is gone */
-    HERE_MS = 1000,         /* it says so at least so often */
-    REPLICAS_MOST = 256,    /* of one room; further ones are told nothing */
-    RECENT_MOST = 128,      /* more than wait in a room, as a rule */
-    REPLICA_ENCODINGS = 16, /* ways in which one may want media */
-    LEASE_MARGIN_MS = 200,  /* so long before its end the leader waits for the new one */
-    FORWARD_MS = 4000,      /* an order is answered within that time, or not: longer than a lease */
+    SPLIT_MS = 10000,    /* when the bus is back: time for a daemon that is alone to finish its utterance */
+    REPLICA_MS = 3000,   /* a silent replica is dropped after this time */
+    HERE_MS = 1000,      /* longest interval between a replica's reports */
+    REPLICAS_MOST = 256, /* of one room; further ones are ignored */
+    RECENT_MOST = 128,   /* usually more than can wait in a room */
+    REPLICA_ENCODINGS = 16, /* most encodings that one replica may request */
+    LEASE_MARGIN_MS = 200,  /* the leader stops this long before its lease ends, unless it was renewed */
+    FORWARD_MS = 4000,      /* timeout of a forwarded command: longer than a lease */
 };
 
-/* Of a room whose leader is here. */
+/* A replica of a room that this daemon leads. */
 struct replica {
     struct replica *next;
     char name[BUS_NAME_BYTES];
-    uint64_t until; /* loop time */
-    uint32_t visit; /* of the replica: which it has been told for what goes on */
+    uint64_t until; /* loop time at which it is dropped */
+    uint32_t visit; /* session of the replica that was last sent a recap */
     struct remote_followers remote;
-    struct follower all;                      /* stands for all who follow there */
-    struct follower media[REPLICA_ENCODINGS]; /* in the room where media are wanted in that way */
+    struct follower all;                      /* stands for all followers there */
+    struct follower media[REPLICA_ENCODINGS]; /* one per requested encoding */
 };
 
 struct recent {
     uint64_t number[RECENT_MOST];
-    unsigned count; /* ever: the oldest make room */
+    unsigned count; /* entries added so far; new ones overwrite the oldest */
 };
 
 struct shared_room {
     struct shared_rooms *all;
     struct channel *channel;
     enum shared_role role;
-    char holder[BUS_NAME_BYTES]; /* who speaks; of ELSEWHERE */
-    uint64_t token;              /* under which that is */
-    uint64_t above;              /* the highest that was heard of */
-    uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
-    uint64_t kept_until;         /* loop time; 0: it is not kept */
+    char holder[BUS_NAME_BYTES]; /* name of the leader while ROLE_REPLICA */
+    uint64_t token;              /* of the leader's lease */
+    uint64_t above;              /* highest token seen */
+    uint64_t heal_by;            /* loop time; while ROLE_ALONE with the bus back: end of SPLIT_MS */
+    uint64_t kept_until;         /* loop time; 0: not kept */
     struct replica *replicas;
-    uint64_t split;      /* the highest token before this daemon was alone: nobody goes on under it */
-    struct recent past;  /* what has been told as ended here: its number, and whose (shared_daemon) */
-    struct recent ended; /* the same, of whatever leader: which order had asked for it (shared_command) */
-    struct recent done;  /* orders that were done here, as the leader */
-    uint32_t suppressed; /* such a one, that is spoken */
-    bool knew;           /* the room was followed here before that leader was found */
-    bool recapped;       /* a replica has been told what goes on */
-    uint32_t visit;      /* which time it follows a leader */
-    uint32_t joined_mid; /* the utterance in whose middle it came to follow, until its begin is told */
-    bool begin;          /* somebody waits for media that one can begin with */
-    bool stale;          /* the leader knows less than is */
-    uint64_t here;       /* loop time when a replica has said last that it is there */
+    uint64_t split;     /* highest token from before this daemon was alone: it must not lead under it again */
+    struct recent past; /* utterances already ended here: leader (shared_daemon) and number */
+    struct recent ended; /* commands whose end was sent here, under any leader (shared_command) */
+    struct recent done;  /* commands run here as the leader */
+    uint32_t suppressed; /* utterance in progress that has already ended here: not passed on; 0: none */
+    bool knew;           /* the room was already followed here before this leader was found */
+    bool recapped;       /* as a replica: the leader's recap has arrived */
+    uint32_t visit;      /* number of the session with the present leader */
+    uint32_t joined_mid; /* utterance in progress when this daemon joined, until its begin arrives; 0: none */
+    bool begin;          /* a follower waits for media that a decoder can start with */
+    bool stale;          /* something changed since the last report to the leader */
+    uint64_t here;       /* loop time of the last report to the leader */
 };
 
 struct shared_rooms {
@@ -91,7 +93,7 @@ struct shared_rooms {
     uv_timer_t *tick, *soon;
     struct forward *forwards;
     uint64_t forward_number;
-    uint32_t visits; /* counted over all rooms: one that is left and entered anew is another visit, too */
+    uint32_t visits; /* sessions so far, in all rooms; joining a room again starts one */
 };
 
 /* leader.c */
@@ -99,76 +101,77 @@ struct shared_room *shared_find(const struct shared_rooms *all, const char *room
 uint64_t shared_now(const struct shared_rooms *all);
 void shared_claim(const struct shared_room *room);
 
-/* Sends it to one, under no lease; drops the head. */
+/* Sends the head to one daemon, under no lease; releases the head. */
 void shared_tell(const struct shared_rooms *all, const char *to, json_t *head);
 
-/* Which daemon sent that, and which time it follows (speech_request.h). */
+/* The daemon that sent the packet and its session number (speech_request.h). */
 uint64_t shared_origin(const struct packet *packet);
 
-/* A daemon as a number of 31 bits, above 32 others; not 0. */
+/* A daemon's name as a 31-bit number, in the upper half of the result; never 0. */
 uint64_t shared_daemon(const char *name);
 
-/* As the leader. */
+/* Sends data under the room's lease, as the leader. */
 void shared_send(const struct shared_room *room, const struct bus_receivers *to, const struct buf *data);
 
-/* It is this daemon's no more, and the replicas hear of it. */
+/* Releases the lease and tells the replicas. */
 void shared_give_up(const struct shared_room *room);
-void shared_give_up_as(const struct shared_room *room, uint64_t token);
 
-/* The room stays with its leader for so long, though nobody follows: something waits there to be heard. */
+/* Keeps the room with its leader for ms, even without followers: held speech waits there for a listener. */
 void shared_keep(struct shared_room *room, uint64_t ms);
 
-/* Why what was spoken, or ordered, is not. */
+/* Sets the error for speech or a command that is lost with its leader. */
 void shared_error(struct error *e);
 
 /* forward.c */
 void forwards_close(struct shared_rooms *all);
-void forwards_expire(struct shared_rooms *all); /* what has waited too long is answered */
-void forwards_role(struct shared_room *room);   /* those of that room, whose leader is another */
-void forwards_heard(struct shared_rooms *all, const struct packet *packet);    /* one from a replica */
-void forwards_answered(struct shared_rooms *all, const struct packet *packet); /* to one of this daemon's */
+void forwards_expire(struct shared_rooms *all); /* answers commands that have timed out */
+void forwards_role(struct shared_room *room);   /* goes on with the room's commands, after its role was set */
+void forwards_heard(struct shared_rooms *all, const struct packet *packet); /* a command from a replica */
+void forwards_answered(struct shared_rooms *all,
+                       const struct packet *packet); /* an answer to one of this daemon's commands */
 
-/* That utterance, which had been ordered here, has ended. */
+/* Frees the forwarded command of an utterance that has ended. */
 void forwards_ended(struct shared_room *room, uint32_t utterance);
 
-/* Has that utterance been ordered here, and is it to be spoken again? */
+/* Returns whether the utterance was requested by a command forwarded from here, and is to be spoken again
+ * when lost. */
 bool forwards_again(const struct shared_room *room, uint32_t utterance);
 
-/* The leader is lost with all that was asked of it: what is to be spoken again waits for the next one (again:
- * at all), the others end. The utterance `told` (or 0) has had its end. */
+/* The leader is lost with all commands sent to it. Commands to be spoken again wait for the next leader
+ * (if again), the others end. told: the utterance whose end was already sent, or 0. */
 void forwards_lost(struct shared_room *room, uint32_t told, bool again, const struct error *e);
 
-/* An utterance of the leader has been told as ended here, or is asked of another: what comes of it yet is not
- * handed on. */
+/* Marks an utterance of the leader as ended here, or as requested from another leader: its further output
+ * is not passed on. */
 void shared_is_past(struct shared_room *room, uint32_t utterance);
-bool shared_was_past(const struct shared_room *room, uint32_t utterance);
 
-/* replicate.c: an order among those of all daemons, by who gave it and its number there; not 0. It keeps it
- * when it is given anew to another leader. */
+/* replicate.c: the cluster-wide number of a command, made from the sender's name and its number there;
+ * never 0. The command keeps it when it is sent again to another leader. */
 uint64_t shared_command(const char *asker, uint64_t number);
 
-/* It was done here; and was it? */
+/* Records that the command was run here; tests whether it was. */
 void shared_note_done(struct shared_room *room, uint64_t order);
 bool shared_has_done(const struct shared_room *room, uint64_t order);
 
-/* Those who follow here have been told the end of what it asked for: they are not to hear it once more. */
+/* Tests whether local followers were sent the end of the command's utterance, so that they must not hear
+ * it again. The others record that end. */
 bool shared_has_heard(const struct shared_room *room, uint64_t order);
 void shared_note_heard(struct shared_room *room, const struct channel_item *item);
 void shared_note_ended(struct shared_room *room, uint64_t order);
 
-/* The room is here no more: nobody follows who could be told. */
+/* The room is being removed, and has no followers to notify. */
 void forwards_forget_room(struct shared_room *room);
 
 void shared_set_role(struct shared_room *room, enum shared_role role);
 void shared_be_alone(struct shared_room *room);
 
-/* Something that the leader said has not been heard here: follows it anew. */
+/* Part of the leader's output was lost on the way: starts a new session with it. */
 void shared_missed(struct shared_room *room);
 
-/* The answer to a claim. */
+/* Handles the answer to a claim. */
 void shared_claimed(struct shared_room *room, const char *holder, uint64_t token, uint64_t asked);
 
-/* shared_report.c: tells the leader that the replica is there, and what it wants. */
+/* leader.c: reports to the leader that this replica is there, and what it wants. */
 void shared_report(struct shared_room *room);
 
 /* replicas.c */
@@ -177,7 +180,7 @@ void replicas_said(const struct shared_room *room, const struct channel_item *co
 void replicas_look(struct shared_room *room);
 void replicas_drop(struct shared_room *room);
 
-/* replicate.c: what the leader has said goes to those who follow here. */
+/* replicate.c: passes the leader's output on to local followers. */
 void replicate(struct shared_room *room, const struct packet *packet);
 
 /* forward.c */
@@ -185,32 +188,16 @@ void replicate(struct shared_room *room, const struct packet *packet);
 struct forward {
     struct forward *prev, *next;
     struct shared_rooms *all;
-    struct channel *channel; /* kept until it is taken */
+    struct channel *channel; /* kept until the leader accepts the command */
     uint64_t number;
-    uint64_t until; /* loop time */
+    uint64_t until; /* loop time of the timeout */
     json_t *asked;
     bool sent;
-    bool again;         /* what it asks for was lost once */
-    uint32_t utterance; /* that the leader has taken; 0: not yet */
+    bool again;         /* its utterance was lost once; wait for the next leader */
+    uint32_t utterance; /* number that the leader gave it; 0: not accepted yet */
     unsigned tries;
-    forward_done done; /* NULL: nobody waits */
+    forward_done done; /* NULL: the caller no longer waits */
     void *ctx;
 };
-
-/* It is gone. */
-void forward_free(struct forward *order);
-
-/* By which all daemons know it (shared_command). */
-uint64_t forward_number(const struct forward *order);
-
-/* Is what it asked for heard here, or has its end been? Also when nobody has answered. */
-bool forward_is_spoken(const struct forward *order);
-bool forward_has_ended(const struct forward *order);
-
-/* Whether what it asks for is spoken again when it is lost. */
-bool forward_is_again(const struct forward *order);
-
-/* Tells who follows here that it has failed. */
-void forward_tell_failed(const struct forward *order, const struct error *e);
 
 #endif

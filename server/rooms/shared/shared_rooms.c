@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOON_MS = 10 }; /* within which what a replica has to tell is told at once */
+enum { SOON_MS = 10 }; /* ms to collect changes before a replica reports them */
 
 static const size_t PREFIX = sizeof "room:" - 1;
 
-/* Does something to a room, which may go with it. */
+/* Calls act on a shared room; act may remove the room. */
 static void with(struct shared_rooms *all, struct channel *c, void (*act)(struct shared_room *room)) {
     (void)all;
     if (!c->shared)
@@ -192,7 +192,7 @@ static void free_timer(uv_handle_t *timer) {
     free(timer);
 }
 
-/* The room is this daemon's alone from now on. */
+/* Stops sharing the room: this daemon has it alone. */
 static void detach(struct shared_room *h) {
     struct channel *c = h->channel;
     bool was_elsewhere = h->role == ROLE_REPLICA, kept = h->kept_until;
