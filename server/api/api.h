@@ -25,8 +25,7 @@ struct api_options {
     char *const *origins;     /* page origins allowed, NULL-terminated; NULL: only those of this machine */
     char *const *host_names;  /* accepted Host names, see access/host.h; NULL: only the machine's own */
     char *const *embed;       /* origins whose pages may frame ours; NULL: none */
-    const struct secrets
-        *secrets; /* token secrets; NULL: no tokens are required and every client has all rights */
+    const struct secrets *secrets; /* token secrets; NULL: no tokens needed, all rights for every client */
     const struct revocations *revocations; /* copied at once into the known revocations; NULL: none */
     const char *web, *models;              /* folders */
     const char *media;                     /* folder of recordings; NULL: none */

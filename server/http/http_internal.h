@@ -46,13 +46,11 @@ void listeners_freed(struct http_server *server, bool reserve);
 /* Callbacks of a protocol. All except read, sent and free may be NULL. */
 struct connection_protocol {
     void (*read)(struct connection *connection, const char *bytes, size_t size); /* bytes have arrived */
-    void (*eof)(
-        struct connection *connection); /* the peer sends nothing more; NULL: the connection is closed */
+    void (*eof)(struct connection *connection);   /* the peer sends nothing more; NULL: closes it */
     void (*sent)(struct connection *connection);  /* everything has been sent: there is room for more */
     void (*go_on)(struct connection *connection); /* see connection_later */
     void (*look)(struct connection *connection);  /* called once a second */
-    void (*free)(
-        struct connection *connection); /* frees the protocol's state, with the connection or earlier */
+    void (*free)(struct connection *connection);  /* frees the state, with the connection or earlier */
 };
 
 struct connection {
@@ -73,9 +71,10 @@ struct connection {
     bool paused, due;  /* paused: reading is off */
     bool finished;     /* nothing more is sent, and input is discarded */
     bool closing;
-    bool surplus;         /* above the connection limit: it is told so and gets nothing else */
-    bool crowded;         /* its address has too many connections */
-    bool local;           /* the peer is on this machine */
+    bool surplus; /* above the connection limit: it is told so and gets nothing else, except /healthz and
+                     /metrics */
+    bool crowded; /* its address has too many connections */
+    bool local;   /* the peer is on this machine */
     bool borrows_reserve; /* uses a descriptor of the reserve */
 };
 
@@ -135,7 +134,7 @@ struct exchange {
     const struct exchange_session *session;
     struct exchange_work work;
     void *attached;          /* data of the owner, by malloc */
-    struct buf request_body; /* received so far */
+    struct buf request_body; /* bytes received so far */
     size_t body_most;        /* bytes; 0: no body is expected */
     enum error_code body_too_long;
     struct buf headers;  /* additional headers of the response */

@@ -27,7 +27,7 @@ struct static_files {
  * adds nothing. */
 void static_files_add_folder(struct static_files *files, const char *folder);
 
-/* Add one file from disk, or bytes, of which they take ownership. NULL: the file cannot be read. */
+/* Adds one file from disk, or bytes, whose ownership passes to `files`. NULL: the file cannot be read. */
 const struct static_file *static_files_add(struct static_files *files, const char *path, const char *type,
                                            const char *file);
 const struct static_file *static_files_add_bytes(struct static_files *files, const char *path,

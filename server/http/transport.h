@@ -36,8 +36,8 @@ struct transport_tls {
 struct transport *transport_open(uv_loop_t *loop, const struct peer_calls *calls,
                                  const struct transport_tls *tls, struct error *e);
 
-/* Checks that the files hold a certificate and its key, and that the key is not readable by everyone. -1
- * with *e ("bad-field"). */
+/* Checks that the files hold a certificate and its key, and that other users cannot read the key. -1 with
+ * *e ("bad-field"). */
 int transport_check_tls(const struct transport_tls *tls, struct error *e);
 
 /* Reloads the files given to transport_open; open connections keep their certificate. -1 with *e, changing

@@ -26,8 +26,8 @@ extern const char websocket_unreachable[];
 struct websocket_client *websocket_client_new(uv_loop_t *loop, const char *url, const char *token, bool again,
                                               const struct websocket_calls *calls, void *ctx);
 
-/* Sends a message, waiting for the connection if it is not open yet. Messages still waiting are dropped
- * with the connection. */
+/* Sends a message once the connection is open. Messages are lost with the connection, and while no attempt
+ * to connect is under way. */
 void websocket_client_text(struct websocket_client *client, const char *text, size_t size);
 void websocket_client_binary(struct websocket_client *client, const void *bytes, size_t size);
 
