@@ -331,10 +331,6 @@ bool websocket_all_sent(const struct websocket *ws) {
     return !ws->leaving && !connection_unsent(ws->connection) && message_queue_empty(&ws->queue);
 }
 
-static struct connection *websocket_connection(const struct websocket *ws) {
-    return ws->connection;
-}
-
 /* Opening and freeing */
 
 static int refuse(struct exchange *x, enum error_code code, const char *why) {
