@@ -46,8 +46,10 @@ test("a room's token opens what acts on that room, and nothing else", async () =
     assert.equal(await ask(`/metrics${query}`), '403 forbidden', query);
   }
   assert.equal(await ask('/v1/say?room=hall', 'POST'), 202);
-  for (const act of ['pause', 'resume', 'stop']) assert.equal(await ask(`/v1/${act}?room=hall`, 'POST'), 200);
-  for (const act of ['say', 'pause', 'resume', 'stop', 'play']) assert.equal(await ask(`/v1/${act}?room=secret-meeting`, 'POST'), '403 forbidden');
+  assert.equal(await ask('/v1/stop?room=hall', 'POST'), 200);
+  assert.equal(await ask('/v1/rooms/hall/commands', 'POST'), '400 bad-json');
+  assert.equal(await ask('/v1/rooms/secret-meeting/commands', 'POST'), '403 forbidden');
+  for (const act of ['say', 'stop', 'play']) assert.equal(await ask(`/v1/${act}?room=secret-meeting`, 'POST'), '403 forbidden');
   assert.equal(await ask('/v1/events?room=secret-meeting'), '403 forbidden');
   // of the rooms it tells the token's own
   for (const query of ['', '?room=secret-meeting', '?room=hall']) {
