@@ -19,6 +19,7 @@ struct markup_rules {
     size_t sentence_bytes;            /* longer sentences are cut at , ; or : (0: PLAIN_SENTENCE_BYTES) */
     bool more;                        /* the text is unfinished: more may follow (plain.h) */
     bool markdown;                    /* recognise Markdown headings, list items and marked words */
+    bool wrapped;                     /* a line break is white space like any other, as in XML */
     bool markdown_out;                /* remove Markdown marks and emoji first; for complete plain texts */
     const struct affects *affects;    /* known affects; NULL: names stay unchanged */
     const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */

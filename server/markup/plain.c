@@ -220,7 +220,7 @@ static size_t line_end(const struct cursor *c, size_t line, size_t next, size_t 
                        const struct markup_rules *rules) {
     if (newlines > 1)
         return next;
-    if (newlines && is_line_alone(c, line, next))
+    if (newlines && !(rules && rules->wrapped) && is_line_alone(c, line, next))
         return next;
     if (!newlines || !is_markdown(rules))
         return 0;
