@@ -54,6 +54,7 @@ struct redis_work {
     double live, ahead; /* last values added to the metrics */
     unsigned handles;
     bool listening; /* a read of answers is in flight */
+    bool warned;    /* of a malformed answer, since the last look */
     bool closed;
 };
 
@@ -262,28 +263,29 @@ static struct redis_task *task_by_name(struct redis_work *w, const char *name) {
     return NULL;
 }
 
-static bool redis_task_piece(struct redis_work *w, const void *data, size_t size) {
+static void redis_task_piece(struct redis_work *w, const void *data, size_t size) {
     struct work_piece piece;
     if (!work_unpack_piece(data, size, &piece)) {
-        log_warn("cluster: an answer that is none was left out");
-        return false;
+        if (!w->warned)
+            log_warn("cluster: an answer that is none was left out");
+        w->warned = true;
+        return;
     }
     struct redis_task *t = task_by_name(w, piece.task);
     if (!t || t->failed)
-        return true; /* it was cancelled */
+        return; /* it was cancelled */
     if (piece.index == 0) {
         memcpy(t->attempt, piece.attempt, sizeof t->attempt);
         t->body.size = t->pieces = 0;
     }
     if (strcmp(t->attempt, piece.attempt) != 0 || piece.index != t->pieces ||
         t->body.size + piece.size > WORK_BODY_MOST)
-        return true; /* from a worker that had lost the sentence; on_looked notices missing pieces */
+        return; /* from a worker that had lost the sentence; on_looked notices missing pieces */
     t->pieces++;
     t->missed = 0;
     buf_add(&t->body, piece.body, piece.size);
     if (piece.last)
         end_task(t, piece.end, &t->body);
-    return true;
 }
 
 /* Fails sentences whose entries were missing in two looks: their answers should have arrived by now. */
@@ -309,13 +311,14 @@ static void on_heard(void *ctx, const redisReply *reply) {
     w->listening = false;
     if (!reply || w->closed)
         return;
-    bool well = reply->type == REDIS_REPLY_NIL;
-    if (reply->type == REDIS_REPLY_ARRAY && reply->elements == 2 &&
-        reply->element[1]->type == REDIS_REPLY_STRING)
-        well = redis_task_piece(w, reply->element[1]->str, (size_t)reply->element[1]->len);
+    bool popped = reply->type == REDIS_REPLY_ARRAY && reply->elements == 2 &&
+                  reply->element[1]->type == REDIS_REPLY_STRING;
+    if (popped)
+        redis_task_piece(w, reply->element[1]->str, (size_t)reply->element[1]->len);
     else
         redis_work_well(reply);
-    if (well) /* after a malformed reply wait for the next look, or the loop would spin */
+    /* after an error wait for the next look, or the loop would spin */
+    if (popped || reply->type == REDIS_REPLY_NIL)
         listen_on(w);
 }
 
@@ -359,6 +362,7 @@ static void on_look(uv_timer_t *timer) {
     struct redis_work *w = timer->data;
     struct redis_task *t;
     struct buf names = {0};
+    w->warned = false;
     listen_on(w);
     DL_FOREACH(w->tasks, t)
     if (*t->name && !t->failed)
