@@ -253,12 +253,11 @@ json_t *commands_run_packed(void *ctx, const char *room, const json_t *packed, u
     const char *by = json_string_value(json_object_get(packed, "by"));
     const char *type = json_string_value(json_object_get(packed, "type"));
     const struct command *command = type ? command_find(type) : NULL;
-    struct channel *channel = channel_find(api->rooms, room);
     struct speech_request request;
     struct error e;
     struct command_call call = {.api = api,
                                 .room = room,
-                                .channel = channel && channel_followers(channel) ? channel : NULL,
+                                .channel = channel_occupied(api->rooms, room),
                                 .message = json_object_get(packed, "message"),
                                 .by = by ? by : "",
                                 .keeps = json_is_true(json_object_get(packed, "keeps"))};

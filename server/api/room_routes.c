@@ -75,10 +75,9 @@ static int give(struct command_post *p, const struct command *command, struct co
 static struct command_call call_of(const struct command_post *p, const json_t *message,
                                    struct speech_request *request) {
     struct api *api = exchange_api(p->text.x);
-    struct channel *channel = channel_find(api->rooms, p->room);
     return (struct command_call){.api = api,
                                  .room = p->room,
-                                 .channel = channel && channel_followers(channel) ? channel : NULL,
+                                 .channel = channel_occupied(api->rooms, p->room),
                                  .message = message,
                                  .request = request,
                                  .by = exchange_principal(p->text.x)->token.subject};

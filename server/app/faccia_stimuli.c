@@ -3,6 +3,7 @@
 #include "server/app/cli.h"
 #include "server/app/stimuli_set.h"
 #include "server/base/buf.h"
+#include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/eval/noise.h"
 #include <errno.h>
@@ -290,11 +291,6 @@ static int kit_item(struct kit *kit, size_t number) {
     return failed;
 }
 
-static int append(const char *text, size_t size, void *buf) {
-    buf_add(buf, text, size);
-    return 0;
-}
-
 static json_t *mode(const char *name, const char *kind) {
     return json_pack("{ss ss}", "name", name, "kind", kind);
 }
@@ -320,14 +316,14 @@ static int kit_page(struct kit *kit) {
     struct buf template = {0}, bundle = {0}, data = {0}, page = {0};
     char path[PATH_BYTES];
     json_t *manifest = manifest_of(kit);
-    json_dump_callback(manifest, append, &data, JSON_INDENT(1) | JSON_REAL_PRECISION(7));
+    json_print(&data, manifest, JSON_INDENT(1) | JSON_REAL_PRECISION(7));
     int failed = write_file(kit, "manifest.json", &data);
     data.size = 0;
     json_object_set_new(manifest, "server", json_string(kit->server));
     json_object_set(manifest, "films", kit->films);
     if (kit->shown.set)
         json_object_set(manifest, "pictures", kit->shown.set);
-    json_dump_callback(manifest, append, &data, JSON_COMPACT | JSON_REAL_PRECISION(7));
+    json_print(&data, manifest, JSON_COMPACT | JSON_REAL_PRECISION(7));
     json_decref(manifest);
     /* Without the client's bundle (built without Node.js) the page loads it from the daemon. */
     snprintf(path, sizeof path, "%s/talking-head.js", kit->settings->api.web);

@@ -8,8 +8,12 @@ static int append(const char *text, size_t size, void *buf) {
     return 0;
 }
 
+void json_print(struct buf *out, const json_t *value, size_t flags) {
+    json_dump_callback(value, append, out, flags);
+}
+
 void json_write(struct buf *out, json_t *object) {
-    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
+    json_print(out, object, JSON_COMPACT | JSON_REAL_PRECISION(12));
     json_decref(object);
 }
 

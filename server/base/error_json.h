@@ -16,7 +16,10 @@ void error_json_set(json_t *object, const struct error *e);
 /* Like error_json, with the type of a warning. */
 json_t *warning_json(const struct error *e);
 
-/* Appends the object as text and releases it. */
+/* Appends the value as text. flags: those of json_dumps. */
+void json_print(struct buf *out, const json_t *value, size_t flags);
+
+/* Appends the object as compact text with numbers of 12 digits, and releases it. */
 void json_write(struct buf *out, json_t *object);
 
 /* Converts a JSON parse error to "bad-json" at a byte. Returns -1. */

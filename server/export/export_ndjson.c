@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* NDJSON: one line per event and frame in order of time, as they are made. The events are those of the
  * stream; a frame has its non-zero FAPs, or another format's values. */
+#include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
@@ -11,15 +12,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static int append(const char *text, size_t size, void *buf) {
-    buf_add(buf, text, size);
-    return 0;
-}
-
 static void put(struct export *x, json_t *line) {
-    json_dump_callback(line, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(12));
+    json_write(&x->out, line);
     buf_add(&x->out, "\n", 1);
-    json_decref(line);
 }
 
 static double seconds(uint64_t samples, uint32_t rate) {

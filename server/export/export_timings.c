@@ -2,6 +2,7 @@
 /* Timings of a speech. JSON:
  * {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}, times in seconds.
  * Phones, which are most of it, are written at once; the other lists at the end. */
+#include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/export/export.h"
 #include <jansson.h>
@@ -17,24 +18,17 @@ static double seconds(uint64_t sample, uint32_t rate) {
     return round((double)sample / rate * 1e6) / 1e6;
 }
 
-static int append(const char *text, size_t size, void *buf) {
-    buf_add(buf, text, size);
-    return 0;
-}
-
 /* Appends the object to a list and drops its reference. */
 static void add_member(struct buf *list, bool first, json_t *object) {
     buf_add(list, ",\n  " + first, 4 - first);
-    json_dump_callback(object, append, list, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
-    json_decref(object);
+    json_write(list, object);
 }
 
 /* Writes the object without its closing brace. */
 static void open_object(struct export *x) {
     json_t *head = json_pack("{ss ss ss sf}", "lang", x->source.lang, "voice", x->source.voice, "engine",
                              x->source.engine, "fps", x->fps);
-    json_dump_callback(head, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
-    json_decref(head);
+    json_write(&x->out, head);
     x->out.size--;
     buf_printf(&x->out, ",\n \"phones\":[");
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
@@ -630,11 +631,6 @@ static json_t *describe_work(struct library *l, struct index_reader *r, const ch
     return answer;
 }
 
-static int append_json(const char *text, size_t size, void *buf) {
-    buf_add(buf, text, size);
-    return 0;
-}
-
 int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
     struct index_reader *r = library_reader(l, e);
     struct answer_limit limit =
@@ -679,7 +675,7 @@ int library_answer(struct library *l, const struct library_question *q, struct b
                                                      "the answer takes longer than %d s", ANSWER_MS / 1000);
     }
     if (answer)
-        json_dump_callback(answer, append_json, out, JSON_COMPACT | JSON_REAL_PRECISION(6));
+        json_print(out, answer, JSON_COMPACT | JSON_REAL_PRECISION(6));
     json_decref(answer);
     return answer ? 0 : -1;
 }

@@ -41,8 +41,8 @@ enum { PASSAGE_OPEN = 256 }; /* maximum number of open spans */
 
 struct passage {
     struct score *score;
-    const char *text; /* input */
-    const struct markup_rules *rules;
+    const char *text;          /* input */
+    struct markup_rules rules; /* for its sentences */
     struct buf flat;
     struct piece *pieces;
     size_t piece_count, piece_cap;

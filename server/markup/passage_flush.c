@@ -15,10 +15,8 @@ enum { SENTENCE_ITEMS = 1000 };
 static size_t sentence_end(struct flush *f, size_t at) {
     const char *s = (const char *)f->p->flat.data;
     size_t size = f->p->flat.size, end = at;
-    struct markup_rules rules = f->p->rules ? *f->p->rules : (struct markup_rules){0};
-    rules.wrapped = true;
     do {
-        size_t next = end + (end < size ? plain_sentence(s + end, size - end, &rules) : 0);
+        size_t next = end + (end < size ? plain_sentence(s + end, size - end, &f->p->rules) : 0);
         if (f->p->whole && end > at && next - at > PLAIN_SENTENCE_BYTES)
             break;
         end = next;

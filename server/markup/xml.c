@@ -293,7 +293,9 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
     struct markup_reader *r = &w->reader;
     *r = (struct markup_reader){
         .score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
-    r->passage = (struct passage){.score = score, .text = text, .rules = rules};
+    r->passage =
+        (struct passage){.score = score, .text = text, .rules = rules ? *rules : (struct markup_rules){0}};
+    r->passage.rules.wrapped = true;
     r->frames[0] = (struct frame){.style = score_plain_style,
                                   .kept = &score_plain_style,
                                   .vocabulary = vocabulary,

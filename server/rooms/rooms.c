@@ -15,6 +15,11 @@ struct channel *channel_find(const struct rooms *rooms, const char *name) {
     return c;
 }
 
+struct channel *channel_occupied(const struct rooms *rooms, const char *name) {
+    struct channel *c = channel_find(rooms, name);
+    return c && channel_followers(c) ? c : NULL;
+}
+
 static bool is_name(const char *name) {
     size_t length = strlen(name);
     for (const char *c = name; *c; c++)

@@ -48,6 +48,8 @@ struct channel *rooms_first(const struct rooms *rooms);
 
 /* Finds a room by name. Returns NULL if it does not exist. */
 struct channel *channel_find(const struct rooms *rooms, const char *name);
+/* The same; NULL also for a room without followers. */
+struct channel *channel_occupied(const struct rooms *rooms, const char *name);
 
 /* Finds or creates a room; a new room counts against the payer (principal_payer; 0: no payer). Returns
  * NULL with *e ("too-many-rooms", "bad-field"). */

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/rooms/shared/packet.h"
+#include "server/base/error_json.h"
 #include <string.h>
-
-static int append(const char *text, size_t size, void *buf) {
-    buf_add(buf, text, size);
-    return 0;
-}
 
 json_t *packet_begin(const char *kind, const char *room) {
     return json_pack("{si ss ss}", "v", PACKET_VERSION, "kind", kind, "room", room);
 }
 
 void packet_write(struct buf *out, json_t *head, const void *body, size_t size) {
-    json_dump_callback(head, append, out, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    json_print(out, head, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(head);
     buf_add(out, "\n", 1);
     if (size)
