@@ -41,7 +41,7 @@ void fapfile_skip_space(struct fapfile_reader *r); /* in the line */
 /* The next word of the line; its size is 0 at the end. */
 struct fapfile_word fapfile_next_word(struct fapfile_reader *r);
 
-/* False when the word is none. */
+/* Returns false if the word is not a number. */
 bool fapfile_parse_number(struct fapfile_word w, double *value);
 bool fapfile_is_infinite(struct fapfile_word w);
 

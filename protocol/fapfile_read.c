@@ -32,7 +32,7 @@ static bool is_flag(struct fapfile_word w) {
     return w.size == 1 && (*w.at == '0' || *w.at == '1');
 }
 
-/* Greta writes a 69th flag, which is always 0: there is no such FAP. */
+/* Greta writes a 69th flag, always 0, although there are only 68 FAPs. */
 static int read_further_flags(struct fapfile_reader *r, struct fapfile *file) {
     struct fapfile_word extra = fapfile_next_word(r);
     if (!extra.size)
@@ -91,7 +91,7 @@ static int read_values(struct fapfile_reader *r, struct fap_frame *frame) {
     return more.size ? fapfile_wrong(r, more.at, "more values than the mask has flags") : 0;
 }
 
-/* The last word before `end`; its size is 0 when there is none. */
+/* Returns the last word before `end`; size 0 if there is none. */
 static struct fapfile_word last_word(const char *begin, const char *end) {
     while (end > begin && fapfile_is_space(end[-1]))
         end--;
@@ -128,7 +128,7 @@ static int read_header(struct fapfile_reader *r, struct fapfile *file, double *s
     return 0;
 }
 
-/* A first line without a version: COUNT alone, or FPS COUNT. False when it is none of the two. */
+/* Parses a header without a version: COUNT or FPS COUNT. Returns false for any other line. */
 static bool read_bare_header(struct fapfile_reader *r, struct fapfile *file, double *stated) {
     struct fapfile_reader ahead = *r;
     double fps = file->fps;

@@ -51,7 +51,7 @@ struct fapfile_word fapfile_next_word(struct fapfile_reader *r) {
     return w;
 }
 
-/* [+-]DIGITS[.DIGITS], by hand because strtod goes by the locale and wants a NUL. False when w is none. */
+/* Parses [+-]DIGITS[.DIGITS]. strtod will not do: it depends on the locale and needs a NUL. */
 bool fapfile_parse_number(struct fapfile_word w, double *value) {
     size_t i = 0, digits = 0;
     double mantissa = 0, scale = 1;

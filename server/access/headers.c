@@ -15,8 +15,8 @@ static const char page_policy[] =
 /* A response that is not a page loads nothing, even if a browser takes it for one. */
 static const char other_policy[] = "default-src 'none'; frame-ancestors 'none'";
 
-/* A script may be a service worker, which caches files from this server. The policy of its own response
- * applies to it (Service Workers, 4.2). */
+/* For scripts: a service worker obeys the policy of its own response (Service Workers, 4.2), and ours caches
+ * files from this server. */
 static const char script_policy[] = "default-src 'none'; connect-src 'self'; frame-ancestors 'none'";
 
 static void add(struct headers *h, const char *name, const char *value) {

@@ -66,7 +66,7 @@ static void drop(struct revocations *all, struct revocation *r) {
     free(r);
 }
 
-/* Drops the revocations that have ended, or else the one that ends first. */
+/* Drops all expired revocations; if there are none, the one that expires first. */
 static void make_room(struct revocations *all, long now) {
     struct revocation *r, *next, *first = NULL;
     HASH_ITER(hh, all->by_key, r, next) {

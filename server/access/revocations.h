@@ -8,7 +8,7 @@
 
 struct revocation;
 
-/* When REVOCATIONS_MOST are kept, the one that ends first is dropped for a new one. */
+/* Once REVOCATIONS_MOST are stored, a new one replaces the one that expires first. */
 enum { REVOCATIONS_MOST = 4000, REVOCATION_BYTES = 80 };
 
 struct revocations {

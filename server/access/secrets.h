@@ -16,14 +16,13 @@ struct secrets {
     size_t count;
 };
 
-/* Returns -1 with *e: "bad-secrets" (also for a path that is not a file, or a file that others than its
- * owner may write or replace), or the line of a secret that is too short. Logs a warning for a file that
- * everybody may read. */
+/* Returns -1 with *e "bad-secrets": with the line if a secret is too short; also for a folder, or a file
+ * that anybody but its owner can write or replace. Logs a warning if the file is world-readable. */
 int secrets_load(struct secrets *secrets, const char *path, struct error *e);
 void secrets_free(struct secrets *secrets);
 
-/* Opens a file that controls access, for reading. Returns NULL with *e when others than its owner may
- * write it. secret: warn also when everybody may read it. */
+/* Opens a file that controls access, for reading. Returns NULL with *e if anybody but its owner can write it.
+ * secret: also warn if it is world-readable. */
 FILE *secrets_file_open(const char *path, bool secret, struct error *e);
 
 /* Identifies a secret without storing it. */

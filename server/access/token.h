@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Access tokens: who may do what in which room, until when. A token is a JSON Web Token (RFC 7519) signed
- * with HMAC-SHA256 (RFC 7518, 3.2). Its claims are "sub", "room" (none = any), "rights" (words separated
- * by spaces) and "exp"; "nbf" and "iat" are honoured if present, and "jti" identifies the token. */
+/* Access tokens. A token grants a subject rights in one room, or in all, until it expires. It is a JSON Web
+ * Token (RFC 7519) signed with HMAC-SHA256 (RFC 7518, 3.2). Claims: "sub"; "room" (absent: any room);
+ * "rights" (words separated by spaces); "exp"; optionally "nbf" and "iat"; "jti", which identifies the token.
+ */
 #ifndef FACCIA_ACCESS_TOKEN_H
 #define FACCIA_ACCESS_TOKEN_H
 

@@ -25,7 +25,7 @@
 /* Paths that cost this much more than the best one up to the same frame are pruned: 2 s of other words. */
 #define BEAM 500.0f
 
-/* How a path enters a cell: from that many frames of the reference back, or from the gap before it. */
+/* Where a path came from: that many reference frames back (at most LEAPS), or one of these. */
 enum { FROM_GAP = 255, FROM_REFERENCE = 254, FROM_PAUSE = 253, LEAPS = 3 };
 
 struct table {
