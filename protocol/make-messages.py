@@ -219,7 +219,9 @@ def options_of(members, left_out):
 
 
 def attributes_of(declared):
-    return {name: member for name, member in declared.speak.items() if member.get('attribute')}
+    """By the attribute's name: the member's, unless every element of a page has that already, as `normalize`, a method of nodes."""
+    return {attribute if (attribute := member['attribute']) is not True else name: {**member, 'name': name}
+            for name, member in declared.speak.items() if 'attribute' in member}
 
 
 def element_types(declared, text):
@@ -235,8 +237,9 @@ def element_types(declared, text):
 
 
 def element_attributes(declared, _):
-    rows = [f"  {name}: {'Number' if member['type'] in ('number', 'integer') else 'String'}," for name, member in attributes_of(declared).items()]
-    return '\n'.join(['// SPDX-License-Identifier: MIT', f'// {MADE}', '', '/** Attributes that are defaults of `speak`, with what their text is. */',
+    rows = [f"  {name}: {{ member: '{member['name']}', type: {'Number' if member['type'] in ('number', 'integer') else 'String'} }},"
+            for name, member in attributes_of(declared).items()]
+    return '\n'.join(['// SPDX-License-Identifier: MIT', f'// {MADE}', '', '/** Attributes that are defaults of `speak`: the member each stands for, and what its text is. */',
                       'export const SPEAK_ATTRIBUTES = {', *rows, '};', ''])
 
 

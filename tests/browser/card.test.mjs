@@ -64,7 +64,7 @@ test('the face of the room is there, speaks, and shows the state of the entity a
   assert.equal(await sign(), 'listening');
   await page.evaluate(() => window.tell('idle'));
   assert.equal(await sign(), '');
-  await post('state', JSON.stringify({ state: 'thinking', text: 'Che tempo fa?' }));
+  assert.equal((await post('rooms/kitchen/commands', JSON.stringify({ type: 'state', state: 'thinking', text: 'Che tempo fa?' }))).status, 202);
   await eventually(async () => (await sign()) === 'Che tempo fa?', 'the state of the room');
 });
 

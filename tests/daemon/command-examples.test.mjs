@@ -87,7 +87,7 @@ test('MaryTTS: its sound, the times of its phones, words', async () => {
   const port = await serve('marytts', { names: times.names });
   const env = configured(example.replaceAll('localhost:59125', `localhost:${port}`));
   const text = 'Perché "mamma & papà" = ciò che gli gnomi, 100% felici, dicono?';
-  const spoken = speaks(env, 'it', 'mary', text);
+  const spoken = speaks(env, 'it', 'mary', text, '--normalize', 'off'); // whose & and % the server gets as they are
   const asked = { INPUT_TYPE: 'TEXT', LOCALE: 'it', VOICE: 'istc-lucia-hsmm', INPUT_TEXT: text };
   const answer = async (more) => fetch(`http://127.0.0.1:${port}/process`, { method: 'POST', body: new URLSearchParams({ ...asked, ...more }) });
   const durations = await (await answer({ OUTPUT_TYPE: 'REALISED_DURATIONS' })).text();

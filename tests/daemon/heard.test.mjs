@@ -113,7 +113,7 @@ test('sounds are heard in their place, the mouth at rest', () => {
   assert.equal(said.phones.find((p) => p.start <= middle && p.end > middle).ipa, '');
 });
 
-for (const [source, why] of [['../secret.wav', 'no path'], ['/etc/passwd', 'no path'], ['http://127.0.0.1/x.wav', 'no path'], ['none.wav', 'no sound'], ['broken.wav', 'cannot be read']])
+for (const [source, why] of [['../secret.wav', 'not a path'], ['/etc/passwd', 'not a path'], ['http://127.0.0.1/x.wav', 'not a path'], ['none.wav', 'no sound'], ['broken.wav', 'cannot be read']])
   test(`a sound that cannot be had (${source}) is warned of, and its text is spoken`, () => {
     const said = say(`Senti <audio src="${source}">una campana</audio> adesso.`);
     assert.deepEqual(words(said), ['Senti', 'una', 'campana', 'adesso']);

@@ -122,19 +122,23 @@ export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room 
     head.addEventListener('end', () => window.lived.ends++);
     head.addEventListener('chosen', () => window.lived.answers++);
   });
-  const post = (what, body) => daemon.get(`/v1/${what}room=${room}`, { method: 'POST', body: typeof body === 'string' ? body : JSON.stringify(body) });
+  const post = async (what, body) => {
+    const answer = await daemon.get(`/v1/${what}`, { method: 'POST', body: typeof body === 'string' ? body : JSON.stringify(body) });
+    if (!answer.ok) throw new Error(`${what}: ${await answer.text()}`);
+  };
+  const command = (body) => post(`rooms/${room}/commands`, body);
   const until = (condition, value) => page.waitForFunction(condition, value, { timeout: 60000 });
   const forward = (milliseconds) => page.evaluate((time) => window.hours.forward(time), milliseconds);
   const linked = () => until(() => ['idle', 'listening', 'thinking'].includes(document.body.dataset.state));
   const say = async (i) => {
     const before = await page.evaluate(() => window.lived.ends);
-    await post('state?', { state: 'thinking', text: `Domanda ${i}`, mix: [{ name: ['joy', 'hope', 'surprise'][i % 3], intensity: 0.5 }] });
-    await post('say?lang=it&rate=300&', `Sono le ${i % 24}.`);
+    await command({ type: 'state', state: 'thinking', text: `Domanda ${i}`, mix: [{ name: ['joy', 'hope', 'surprise'][i % 3], intensity: 0.5 }] });
+    await post(`say?room=${room}&lang=it&rate=300`, `Sono le ${i % 24}.`);
     await until((count) => window.lived.ends > count, before);
-    await post('state?', { state: 'idle' });
+    await command({ type: 'state', state: 'idle' });
     told.said++;
     if (i % 2) return;
-    await post('choices?', { id: `q${i}`, question: `Va bene, domanda ${i}?`, choices: ['Sì', 'No', 'Non so'] });
+    await post(`choices?room=${room}`, { id: `q${i}`, question: `Va bene, domanda ${i}?`, choices: ['Sì', 'No', 'Non so'] });
     await until(() => document.querySelector('.answers button') !== null); // no handle on it, which would hold it
     await page.evaluate(() => document.querySelector('.answers button').click());
     await until(() => document.querySelector('#question').hidden);

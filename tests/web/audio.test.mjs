@@ -48,6 +48,13 @@ function rig(rate = 1000) {
   };
 }
 
+test('a position asked for before all reports that are kept is that of the first of them', () => {
+  const map = new PositionMap();
+  for (let i = 0; i < 20; i++) map.add({ frame: 100 * i, position: 100 * i, running: true });
+  assert.deepEqual(map.at(2000), { position: 2000, running: true });
+  assert.deepEqual(map.at(500), { position: 1800, running: true }, 'a clock that was set back by a suspended sound');
+});
+
 test('the buffer waits for its preroll, then position and clock go together', () => {
   const { buffer, played, reports, run, map } = rig();
   buffer.push(ramp(1, 60));

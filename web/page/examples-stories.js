@@ -52,6 +52,12 @@ const speechStories = [
     },
   },
   {
+    id: 'numbers', group: speaking, title: 'Numbers and signs',
+    about: 'Numbers, signs and short forms are put into words before the voice sees them, by the rules of the language; with normalization="off" the voice reads them as it can.',
+    shows: [], controls: ['normalization'], attributes: { lang: 'en' },
+    actions: { speak: ['Speak', (head) => head.speak('On 3 May 1994 Dr Smith paid $1,250.50, i.e. 12% more.')] },
+  },
+  {
     id: 'open', group: speaking, title: 'A text while it is written',
     about: 'What a language model writes is spoken sentence by sentence, while it goes on writing. A stream of a response can be given, too.',
     shows: ['open()'], attributes: { lang: 'en' },

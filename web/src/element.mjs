@@ -165,8 +165,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #speakOptions(options) {
     const defaults = {};
-    for (const [name, type] of Object.entries(SPEAK_ATTRIBUTES))
-      if (this.hasAttribute(name)) defaults[name] = type(this.getAttribute(name));
+    for (const [name, { member, type }] of Object.entries(SPEAK_ATTRIBUTES))
+      if (this.hasAttribute(name)) defaults[member] = type(this.getAttribute(name));
     if (this.#presentation.still) defaults.still = true;
     if (!defaults.voice && !options.voice) Object.assign(defaults, this.#session.voiceKind);
     return { ...defaults, ...options };

@@ -45,7 +45,7 @@ const onOff = (name, without) => ({
 
 const PROPERTIES = {
   ...Object.fromEntries(['src', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'label', 'poster', 'view'].map((name) => [name, string(name)])),
-  ...Object.fromEntries(Object.entries(SPEAK_ATTRIBUTES).filter(([name]) => name !== 'lang').map(([name, type]) =>
+  ...Object.fromEntries(Object.entries(SPEAK_ATTRIBUTES).filter(([name]) => name !== 'lang').map(([name, { type }]) =>
     [name, type === Number ? number(name, (value) => value >= 0) : string(name)])),
   rate: number('rate', (value) => value > 0),
   captions: onOff('captions', true),

@@ -220,7 +220,7 @@ export interface TalkingHeadAttributes {
   life?: number | string | null;
   blend?: 'auto' | 'regions' | 'weighted' | null;
   contacts?: 'engine' | 'on' | 'off' | null;
-  normalize?: 'on' | 'off' | null;
+  normalization?: 'on' | 'off' | null;
   // </speak attributes>
   label?: string | null;
   'caption-size'?: 'large' | 'larger' | 'largest' | null;
@@ -267,7 +267,7 @@ export class TalkingHead extends HTMLElement {
   life: number | null;
   blend: 'auto' | 'regions' | 'weighted' | null;
   contacts: 'engine' | 'on' | 'off' | null;
-  normalize: 'on' | 'off' | null;
+  normalization: 'on' | 'off' | null;
   // </speak properties>
   label: string | null;
   captionSize: 'large' | 'larger' | 'largest' | null;

@@ -11,16 +11,16 @@ export class PositionMap {
     this.reports.push(report);
   }
 
-  /** @returns {{position: number, running: boolean}} */
+  /** @returns {{position: number, running: boolean}} where a frame lies before all reports that are kept, as at the first of them */
   at(frame) {
     let i = this.reports.length - 1;
-    while (this.reports[i].frame > frame) i--;
+    while (i > 0 && this.reports[i].frame > frame) i--;
     if (i > 16) {
       this.reports.splice(0, i - 1); // nobody asks for what lies long behind
       i = 1;
     }
     const { frame: start, position, running } = this.reports[i];
-    return { position: running ? position + (frame - start) : position, running };
+    return { position: running ? position + Math.max(0, frame - start) : position, running };
   }
 }
 
