@@ -56,7 +56,7 @@ before(async () => {
   put('tesi.md', '---\ntitle: Insiemi { aperti e \\chiusi\nauthor: A } B\nlang: it\n---\ntesto\n');
   put('scena.xml', tei('<sp><p>Vieni <stage>(piano)</stage> <emph>qui</emph>.</p></sp>'));
   put('poem.xml', tei('<lg><l>sol<emph>o</emph></l><l><emph>e <foreign xml:lang="en">so</foreign></emph> va</l></lg>'));
-  put('zz.md', `# Titolo\n\nbuono\n\n${hostile.repeat(60000)}\n`);
+  put('zz.md', `# Titolo\n\nbuono\n\n${hostile.repeat(500000)}\n`);
   put('zzz.txt', 'dopo il peggio\n');
   daemon = await Daemon.start(['--library', works, '--library-index', index, '--editing', '--scenes', scenes], {}, { voices: false });
   await ready();
