@@ -11,6 +11,7 @@ import { textures } from '../../models/tools/portrait/images.mjs';
 import { makeHead } from '../../web/src/portrait/portrait.mjs';
 import { heads } from '../lib/built-heads.mjs';
 import { photograph } from '../lib/drawn-photographs.mjs';
+import { cases } from '../lib/long.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const table = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), 'utf8'));
@@ -60,7 +61,10 @@ async function bearded(name, eye) {
 }
 
 const bare = { change: (head) => ({ ...head, parts: head.parts.filter(({ name }) => !name.startsWith('beard')) }) };
-for (const [name, what, has] of [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['mei', "with Bruno's beard", true], ['samuel', "with Bruno's beard in grey", true]])
+for (const [name, what, has] of cases(
+  [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['samuel', "with Bruno's beard in grey", true]],
+  [['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['mei', "with Bruno's beard", true]],
+))
   test(`${name}, ${what}, on a base without one`, async (t) => {
     const eye = await openEye();
     const folder = what.includes("Bruno's") ? await bearded(name, eye) : heads;

@@ -12,6 +12,7 @@ import * as check from '../../models/tools/lib/check.mjs';
 import { mouthFigures } from '../../models/tools/lib/anatomy.mjs';
 import { crossings } from '../../models/tools/lib/crossing.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { long } from '../lib/long.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
@@ -94,7 +95,7 @@ test('stays out of its own way: no tooth comes through the skin when she speaks'
   assert.equal(count, 0, `${count} edges, ${deepest.toFixed(1)} mm deep`);
 });
 
-test('is built the same every time', () => {
+test('is built the same every time', { skip: !long && 'takes minutes: FACCIA_LONG=1' }, () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'head-'));
   try {
     const again = path.join(folder, 'again.json');
