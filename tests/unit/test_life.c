@@ -104,8 +104,8 @@ static void idles_as_people_do(void **state) {
         assert_true(life_list_mean(&s.saccades) > 2 && life_list_mean(&s.saccades) < 8);
         assert_true(life_list_skewness(&s.saccades) > 0.7);
         double share = (double)s.at_listener / (double)s.frames;
-        assert_true(share > 0.75 && share < 0.95);
-        assert_true(life_list_mean(&s.away) > 0.4 && life_list_mean(&s.away) < 1.2);
+        assert_true(share > 0.68 && share < 0.82); /* Argyle and Cook: 75 % */
+        assert_true(life_list_mean(&s.away) > 0.8 && life_list_mean(&s.away) < 1.6);
         for (int i = 0; i < 3; i++) {
             assert_true(s.high[i] < 13 && s.low[i] > -13);
             assert_true(head_mobility(&s, i) > 0.4 && head_mobility(&s, i) < 3);
@@ -118,7 +118,7 @@ static void idles_as_people_do(void **state) {
 }
 
 /* Five minutes of speech. Doughty (2001): 10.5 to 32.5 blinks a minute in conversation, Bentivoglio et al.:
- * 26; Lee et al.: 3.1 s at the listener, 0.9 s away. */
+ * 26; Kendon, Argyle and Cook: at the listener for 40 to 60 % of the time. */
 static void speaks_as_people_do(void **state) {
     (void)state;
     struct life_statistics s, idle;
@@ -155,13 +155,37 @@ static void speaks_as_people_do(void **state) {
     /* by chance 0.48 s would see 17 to 25 of a hundred */
     assert_true(at_ends * 100 > ends * 38);
     double share = (double)s.at_listener / (double)s.frames;
-    assert_true(share > 0.65 && share < 0.92);
-    assert_true(s.away.count >= 30 && life_list_mean(&s.away) > 0.5 && life_list_mean(&s.away) < 1.3);
+    assert_true(share > 0.4 && share < 0.65);
+    assert_true(s.away.count >= 60 && life_list_mean(&s.away) > 0.7 && life_list_mean(&s.away) < 1.6);
     assert_true(head_mobility(&s, 0) > 1.2 * head_mobility(&idle, 0)); /* nods */
     for (int i = 0; i < 3; i++)
         assert_true(s.speed[i] < 60 && s.acceleration[i] < 900);
     life_statistics_free(&s);
     life_statistics_free(&idle);
+}
+
+/* A sentence of 1.3 s: the eyes leave the listener in some of them, whatever the head does. */
+static void glances_in_brief_sentences(void **state) {
+    (void)state;
+    enum { SEEDS = 60 };
+    int glances = 0;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        struct life_statistics s, idle;
+        struct sentence_audio *u = utter("_.060 m.110 'a.240 n.150 'a.300 m.200 o.240", 1);
+        struct face_layer layer = alive(seed, 1, 40, u), without = alive(seed, 1, 40, NULL);
+        life_statistics_init(&s, FPS);
+        life_statistics_init(&idle, FPS);
+        watch(&s, &layer, 0, 1.3);
+        watch(&idle, &without, 0, 1.3);
+        if (idle.at_listener == idle.frames && s.at_listener < s.frames)
+            glances++;
+        life_statistics_free(&s);
+        life_statistics_free(&idle);
+        end(&layer);
+        end(&without);
+        quiet(u);
+    }
+    assert_true(glances > SEEDS / 6 && glances < SEEDS * 3 / 4);
 }
 
 static void repeats_itself_in_any_order(void **state) {
@@ -192,11 +216,16 @@ static void repeats_itself_in_any_order(void **state) {
 /* Idle, two utterances without a pause, idle. */
 static void joins_without_a_step(void **state) {
     (void)state;
-    static const char *const texts[] = {speech, "m.060 'a.400 p.080 a.050", "p.080 'a.120 _.300", "_.500",
-                                        "_.400 'a.100 m.100 b.100 'o.900 n.200 'i.200 n.300 o.300 'a.500"};
+    static const char *const texts[] = {speech,
+                                        "m.060 'a.400 p.080 a.050",
+                                        "p.080 'a.120 _.300",
+                                        "_.500",
+                                        "_.400 'a.100 m.100 b.100 'o.900 n.200 'i.200 n.300 o.300 'a.500",
+                                        "_.060 m.110 'a.240 n.150 'a.300 m.200 o.240"};
     for (uint64_t seed = 0; seed < 40; seed++)
         for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-            struct sentence_audio *u = utter(texts[i], 1), *v = utter(texts[(i + 2) % 5], 1.2);
+            struct sentence_audio *u = utter(texts[i], 1),
+                                  *v = utter(texts[(i + 2) % (sizeof texts / sizeof *texts)], 1.2);
             give_voice(u, 180, 4);
             double begin = 3.3 + 7.7 * (double)seed, length = (double)u->samples / u->sample_rate;
             double after = begin + length + (double)v->samples / v->sample_rate;
@@ -513,6 +542,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(idles_as_people_do),
         cmocka_unit_test(speaks_as_people_do),
+        cmocka_unit_test(glances_in_brief_sentences),
         cmocka_unit_test(repeats_itself_in_any_order),
         cmocka_unit_test(joins_without_a_step),
         cmocka_unit_test(leaves_the_lips_to_speech),

@@ -211,18 +211,24 @@ void blinks_at(struct blinks *blinks, double clock,
     }
 }
 
-/* Gaze. Directions, sizes and durations of glances in talking and listening: S. P. Lee, J. B. Badler and
- * N. I. Badler, "Eyes Alive", ACM Trans. Graphics 21 (2002); when people look away: A. Kendon, Acta
- * Psychologica 26 (1967); M. Argyle and M. Cook, "Gaze and Mutual Gaze" (1976). */
+/* Gaze. Directions and sizes of glances: S. P. Lee, J. B. Badler and N. I. Badler, "Eyes Alive", ACM Trans.
+ * Graphics 21 (2002). When people look away, and that speakers look at the listener for about half of the
+ * time: A. Kendon, Acta Psychologica 26 (1967); 75 % of the time in listening, 41 % in speaking, glances of
+ * about 3 s: M. Argyle and M. Cook, "Gaze and Mutual Gaze" (1976). */
 
-/* Glances: seconds at the listener and away, median and deviation of the logarithm. */
-#define LISTENER_MEDIAN 3.7
+/* Glances while nobody speaks: seconds at the listener and away, median and deviation of the logarithm. */
+#define LISTENER_MEDIAN 2.7
 #define LISTENER_DEVIATION 0.6
 #define LISTENER_SHORTEST 1.2
-#define AWAY_MEDIAN 0.8
+#define AWAY_MEDIAN 1.25
 #define AWAY_DEVIATION 0.5
 #define AWAY_SHORTEST 0.35
-#define AWAY_LONGEST 2.5
+#define AWAY_LONGEST 3.0
+/* While speaking. */
+#define SPEAKER_MEDIAN 1.1
+#define SPEAKER_DEVIATION 0.5
+#define SPEAKER_SHORTEST 0.6
+#define SPEAKER_AWAY_MEDIAN 1.35
 /* Exponentially distributed size (A = -6.9 log(P / 15.7)), with the minimum that counts as looking away. */
 #define AWAY_DEGREES 6.9
 #define AWAY_SMALLEST 5.0
@@ -248,16 +254,23 @@ void blinks_at(struct blinks *blinks, double clock,
 #define TURN_PER_DEGREE 0.03
 #define ROLL_PER_YAW (-0.15)
 
-/* While speaking: probability of a glance away at the start of a sentence, per second of its length, and
- * before a phrase by the length of pause and phrase. */
-#define PLAN_SHORTEST 1.6
-#define START_PER_SECOND 0.2
-#define START_MOST 0.8
+/* While speaking: probability of a glance away at the start of a sentence, and before a phrase by the length
+ * of pause and phrase; time before a phrase's end, and the sentence's, from which on the listener is looked
+ * at. */
+#define START 0.85
 #define HESITATION 0.5
-#define HESITATES 0.7
+#define HESITATES 0.85
 #define LONG_PHRASE 1.4
-#define BEFORE_LONG 0.6
-#define BEFORE_SHORT 0.25
+#define BEFORE_LONG 0.75
+#define BEFORE_SHORT 0.5
+#define PHRASE_END 0.15
+#define SENTENCE_END 0.35
+
+/* Sentences up to BRIEF s are too short for a turn of the head: one glance of the eyes alone, or none. */
+#define PLAN_SHORTEST 0.8
+#define BRIEF 1.6
+#define BRIEF_CHANCE 0.6
+#define BRIEF_SACCADE 0.08 /* s for the way back */
 
 static void aim(struct shift *s, const struct shift *from, double yaw, double pitch) {
     double size = hypot(yaw, pitch), turn = size > HEAD_FROM ? HEAD_SHARE * (size - HEAD_FROM) / size : 0;
@@ -286,13 +299,14 @@ static void look_at_listener(struct shifts *glances, struct dice *d, double at) 
     look(glances, at, yaw, place[1] + FIXATION_SCATTER * dice_normal(d));
 }
 
-static void look_away(struct shifts *glances, struct dice *d, double at) {
+/* largest: degrees */
+static void look_away(struct shifts *glances, struct dice *d, double at, double largest) {
     /* percent of the glances in eight directions from the right, anticlockwise, and their unit vectors */
     static const struct {
         double percent, yaw, pitch;
     } directions[] = {{15.54, -1, 0}, {6.46, -0.7, -0.7}, {17.69, 0, -1}, {7.44, 0.7, -0.7},
                       {16.80, 1, 0},  {7.89, 0.7, 0.7},   {20.38, 0, 1},  {7.79, -0.7, 0.7}};
-    double size = fmin(AWAY_SMALLEST - AWAY_DEGREES * log(1 - dice_roll(d)), AWAY_LARGEST);
+    double size = fmin(AWAY_SMALLEST - AWAY_DEGREES * log(1 - dice_roll(d)), largest);
     double roll = 100 * dice_roll(d);
     int i = 0;
     while (i < 7 && (roll -= directions[i].percent) > 0)
@@ -300,8 +314,9 @@ static void look_away(struct shifts *glances, struct dice *d, double at) {
     /* glances are rarely exactly vertical or horizontal */
     double aside = 0.25 * dice_normal(d);
     double yaw = size * (directions[i].yaw + aside * directions[i].pitch);
-    double pitch = size * (directions[i].pitch - aside * directions[i].yaw);
-    look(glances, at, yaw, life_clip(pitch, -AWAY_UP, AWAY_DOWN));
+    double pitch = life_clip(size * (directions[i].pitch - aside * directions[i].yaw), -AWAY_UP, AWAY_DOWN);
+    double within = fmin(1, largest / hypot(yaw, pitch));
+    look(glances, at, within * yaw, within * pitch);
 }
 
 static double fixation(struct dice *d) {
@@ -309,8 +324,8 @@ static double fixation(struct dice *d) {
                      FIXATION_LONGEST);
 }
 
-static double away(struct dice *d) {
-    return life_clip(dice_log_normal(d, AWAY_MEDIAN, AWAY_DEVIATION), AWAY_SHORTEST, AWAY_LONGEST);
+static double away(struct dice *d, double median) {
+    return life_clip(dice_log_normal(d, median, AWAY_DEVIATION), AWAY_SHORTEST, AWAY_LONGEST);
 }
 
 /* Adds fixations of the listener in from..to. */
@@ -328,10 +343,10 @@ void glances_of_block(struct shifts *glances, uint64_t seed, int64_t block) {
         double stay = fmax(dice_log_normal(&d, LISTENER_MEDIAN, LISTENER_DEVIATION), LISTENER_SHORTEST);
         listen(glances, &d, at, fmin(at + stay, end - FIXATION_SHORTEST));
         at += stay;
-        double gone = away(&d);
+        double gone = away(&d, AWAY_MEDIAN);
         if (at + gone > end - FIXATION_SHORTEST)
             break;
-        look_away(glances, &d, at);
+        look_away(glances, &d, at, AWAY_LARGEST);
         at += gone;
     }
     if (at < end - FIXATION_SHORTEST) /* too late for a glance, too early for the end */
@@ -345,44 +360,78 @@ static double shyness(const struct prosody *p, size_t i, struct dice *d, double 
     double length = phrase->to - phrase->from, pause = i ? phrase->from - phrase[-1].to : 0, chance;
     *before = 0.7 * (i ? pause : fmin(phrase->from, 0.3));
     if (!i)
-        chance = fmin(START_PER_SECOND * (p->end - PLAN_SHORTEST), START_MOST);
+        chance = START;
     else if (pause > HESITATION)
         chance = HESITATES;
     else
         chance = length > LONG_PHRASE ? BEFORE_LONG : BEFORE_SHORT;
-    double roll = dice_roll(d), gone = *before + away(d);
-    return roll < chance ? fmin(gone, *before + 0.75 * length) : 0;
+    double roll = dice_roll(d), gone = *before + away(d, SPEAKER_AWAY_MEDIAN);
+    return roll < chance ? length > LONG_PHRASE ? fmin(gone, *before + 0.75 * length) : gone : 0;
 }
 
 /* Plans glances from `from` on, all finished by `to`, on the clock. */
 static void plan(struct shifts *out, struct dice *d, const struct prosody *p, double begin, double from,
                  double to) {
-    double at = from;
+    double at = from, last = p->phrase_count ? begin + p->phrases[p->phrase_count - 1].to - SENTENCE_END : to;
     for (size_t i = 0; i < p->phrase_count; i++) {
-        double before, gone = shyness(p, i, d, &before), leave = begin + p->phrases[i].from - before;
+        const struct phrase *phrase = &p->phrases[i];
+        bool longer = phrase->to - phrase->from > LONG_PHRASE;
+        double before, gone = shyness(p, i, d, &before), leave = begin + phrase->from - before;
+        double end = fmin(longer ? fmin(begin + phrase->to - PHRASE_END, last) : last, to);
         leave = i ? leave : fmax(leave, at);
-        if (gone < AWAY_SHORTEST || leave < at || leave + gone > to)
-            continue;
-        listen(out, d, at, leave - FIXATION_SHORTEST);
-        look_away(out, d, leave);
-        at = leave + gone;
+        do {
+            if (gone >= AWAY_SHORTEST && leave >= at && leave + AWAY_SHORTEST <= end) {
+                listen(out, d, at, leave - FIXATION_SHORTEST);
+                look_away(out, d, leave, AWAY_LARGEST);
+                at = fmin(leave + gone, end);
+            }
+            /* again and again within a long phrase, back for its end */
+            leave = fmax(at, leave) +
+                    fmax(dice_log_normal(d, SPEAKER_MEDIAN, SPEAKER_DEVIATION), SPEAKER_SHORTEST);
+            gone = away(d, SPEAKER_AWAY_MEDIAN);
+        } while (longer && leave + AWAY_SHORTEST <= end);
     }
     listen(out, d, at, to);
+}
+
+/* Plans the one glance of a brief sentence, finished by `to`. */
+static void plan_brief(struct shifts *out, struct dice *d, double from, double to) {
+    double gone = fmin(away(d, SPEAKER_AWAY_MEDIAN), to - from), roll = dice_roll(d);
+    if (gone >= AWAY_SHORTEST && roll < BRIEF_CHANCE) {
+        look_away(out, d, from, 0.99 * HEAD_FROM);
+        from += gone;
+    }
+    listen(out, d, from, to);
+}
+
+/* Whether the head is turned or turns in the shifts first..end. */
+static bool turns_head(const struct shifts *glances, size_t first, size_t end) {
+    for (size_t i = first; i < end; i++)
+        if (glances->items[i].slow > 0 || glances->items[i].to[HEAD_PITCH] != 0 ||
+            glances->items[i].to[HEAD_YAW] != 0)
+            return true;
+    return false;
 }
 
 void glances_of_speech(struct shifts *glances, uint64_t seed, const struct prosody *prosody, double from,
                        double to) {
     /* all movements end with the sentence */
-    double take = from + 0.05, back = to - SHIFT_TURN - 0.05;
+    bool brief = to - from < BRIEF;
+    double take = from + 0.05, back = to - 0.05 - (brief ? BRIEF_SACCADE : SHIFT_TURN);
     if (to - from < PLAN_SHORTEST)
         return;
     size_t first = shifts_find(glances, take) + 1, after = shifts_find(glances, back) + 1;
+    if (brief && turns_head(glances, first - 1, after))
+        return;
     struct dice d = dice_of(seed, DICE_PLAN, prosody->name);
     struct shifts merged = {0};
     for (size_t i = 0; i < first; i++)
         shifts_add(&merged, &glances->items[i]);
-    plan(&merged, &d, prosody, from, fmax(take, glances->items[first - 1].at + 2 * FIXATION_SHORTEST),
-         back - FIXATION_SHORTEST);
+    take = fmax(take, glances->items[first - 1].at + 2 * FIXATION_SHORTEST);
+    if (brief)
+        plan_brief(&merged, &d, take, back - FIXATION_SHORTEST);
+    else
+        plan(&merged, &d, prosody, from, take, back - FIXATION_SHORTEST);
     const float *there = glances->items[after - 1].to;
     look(&merged, back, (double)there[GAZE_YAW], (double)there[GAZE_PITCH]);
     for (size_t i = after; i < glances->count; i++)

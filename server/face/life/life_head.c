@@ -97,6 +97,7 @@ void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block) {
 #define NOD_RISE 0.2
 #define NOD_FALL 0.34
 #define NOD_EARLY 0.05
+#define NOD_SCATTER 0.1 /* s: people's nods are near the accent, not on it; at most twice that */
 
 /* Brows: probability by prominence, FAP units. */
 #define BROW_FROM 0.5
@@ -156,9 +157,10 @@ static void nod(struct gesture_curves *out, const struct accent *a, struct dice 
     double size = (NOD_LEAST + (NOD_MOST - NOD_LEAST) * a->weight) * (1 + NOD_PER_SEMITONE * a->pitch);
     double rise = NOD_RISE * dice_between(d, 0.9, 1.3), fall = NOD_FALL * dice_between(d, 0.9, 1.4);
     double yaw = dice_normal(d), roll = dice_normal(d), raised = dice_roll(d), amount = dice_roll(d);
+    double at = a->at + life_clip(NOD_SCATTER * dice_normal(d), -2 * NOD_SCATTER, 2 * NOD_SCATTER);
     if (!a->major)
         size = BEAT * size * dice_between(d, 0.3, 1);
-    struct gesture_curve *g = add(out, end, a->at - rise - NOD_EARLY * dice_roll(d), rise, 0, fall);
+    struct gesture_curve *g = add(out, end, at - rise - NOD_EARLY * dice_roll(d), rise, 0, fall);
     if (g) {
         g->amount[GESTURE_PITCH] = (float)size;
         g->amount[GESTURE_YAW] = (float)(0.25 * size * yaw);
@@ -166,7 +168,7 @@ static void nod(struct gesture_curves *out, const struct accent *a, struct dice 
     }
     if (!a->major || a->weight < BROW_FROM || raised > BROW_CHANCE * a->weight)
         return;
-    g = add(out, end, a->at - rise - 2 * NOD_EARLY, rise, 0.08, fall);
+    g = add(out, end, at - rise - 2 * NOD_EARLY, rise, 0.08, fall);
     if (g)
         raise_brows(g, d, BROW_LEAST + (BROW_MOST - BROW_LEAST) * amount);
 }
