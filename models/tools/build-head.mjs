@@ -8,10 +8,10 @@ import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
 import { fileURLToPath } from 'node:url';
-import { openAssets } from './lib/assets.mjs';
-import { buildHead } from './lib/head.mjs';
+import { openAssets } from './head/assets.mjs';
+import { buildHead } from './head/head.mjs';
 import { drawPoster } from './lib/poster.mjs';
-import { readRecipe } from './lib/recipe.mjs';
+import { readRecipe } from './head/recipe.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [recipeFile, outFile, ...rest] = process.argv.slice(2);

@@ -5,14 +5,14 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { packIslands } from '../../models/tools/lib/atlas.mjs';
-import { DepthMap } from '../../models/tools/lib/depth.mjs';
-import { distanceTo } from '../../models/tools/lib/near-hair.mjs';
-import { neckPaint } from '../../models/tools/lib/paint-neck.mjs';
+import { packIslands } from '../../models/tools/head/atlas.mjs';
+import { DepthMap } from '../../models/tools/head/paint/depth.mjs';
+import { distanceTo } from '../../models/tools/head/paint/near-hair.mjs';
+import { neckPaint } from '../../models/tools/head/paint/paint-neck.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { drawHead, seenAt } from '../../models/tools/lib/portrait.mjs';
-import { rounded } from '../../models/tools/lib/refine.mjs';
-import { wideEnough } from '../../models/tools/lib/strips.mjs';
+import { rounded } from '../../models/tools/head/refine.mjs';
+import { wideEnough } from '../../models/tools/head/strips.mjs';
 import '../lib/built-heads.mjs';
 
 /** A square of 40 mm in the plane z = 10. */

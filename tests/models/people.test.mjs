@@ -9,7 +9,7 @@ import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { mouthFigures } from '../../models/tools/lib/anatomy.mjs';
-import { merge, readRecipe } from '../../models/tools/lib/recipe.mjs';
+import { merge, readRecipe } from '../../models/tools/head/recipe.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));

@@ -3,10 +3,10 @@
  * The parts of the head: skin cut from the base mesh, proxies fitted to it, and for each its share in the
  * actions.
  */
-import { readProxy } from './assets.mjs';
+import { readProxy } from '../head/assets.mjs';
 import { EYE_MARGIN } from './hm08.mjs';
 import { triangulate } from './mesh.mjs';
-import { wideEnough } from './strips.mjs';
+import { wideEnough } from '../head/strips.mjs';
 import { ellipsoid, nearestOnLine } from './zones.mjs';
 
 /**

@@ -4,19 +4,19 @@
  * in it, zones of colour round feature points, lips, lid margins, brows' underpainting, mottling, pores and
  * freckles, and ambient occlusion.
  */
-import { closedLids } from './act-eyes.mjs';
+import { closedLids } from '../actions/act-eyes.mjs';
 import { opacities } from './asset-image.mjs';
 import { dilate, eachTexel, occlusion } from './bake.mjs';
-import { hex, mix } from './color.mjs';
-import { readImage } from './image.mjs';
+import { hex, mix } from '../../lib/color.mjs';
+import { readImage } from '../../lib/image.mjs';
 import { paintedShadow } from './lamp-shadow.mjs';
-import { normals } from './mesh.mjs';
+import { normals } from '../../lib/mesh.mjs';
 import { distanceTo } from './near-hair.mjs';
 import { fractal, noise } from './noise.mjs';
 import { behindMargin, eyeLines, lidPaint } from './paint-lids.mjs';
 import { lipPaint, lipParameter } from './paint-lips.mjs';
 import { neckPaint } from './paint-neck.mjs';
-import { ellipsoid, smoothstep } from './zones.mjs';
+import { ellipsoid, smoothstep } from '../../lib/zones.mjs';
 
 const MOST_LIGHT = 1.1; // times what the client sees: where its own shadow is too wide
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Colour of the lids: the wet rim, the line of the lashes, the lid's own tone. */
-import { hex, mix } from './color.mjs';
-import { EYE_MARGIN } from './hm08.mjs';
-import { lidMargin } from './neutral.mjs';
-import { nearestOnLine, smoothstep } from './zones.mjs';
+import { hex, mix } from '../../lib/color.mjs';
+import { EYE_MARGIN } from '../../lib/hm08.mjs';
+import { lidMargin } from '../neutral.mjs';
+import { nearestOnLine, smoothstep } from '../../lib/zones.mjs';
 
 export function eyeLines(ctx) {
   const { p, topology, eyes } = ctx;

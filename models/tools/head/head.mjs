@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** From a recipe to a head in the format of protocol/head-model.md. */
-import { Actions } from './actions.mjs';
-import { eyeActions, lidWeights } from './act-eyes.mjs';
-import { faceActions } from './act-face.mjs';
-import { headTurns } from './act-head.mjs';
-import { jawActions } from './act-jaw.mjs';
-import { mouthActions } from './act-mouth.mjs';
-import { mouthFigures, placeTeeth, placeTongue } from './anatomy.mjs';
+import { Actions } from '../lib/actions.mjs';
+import { eyeActions, lidWeights } from './actions/act-eyes.mjs';
+import { faceActions } from './actions/act-face.mjs';
+import { headTurns } from './actions/act-head.mjs';
+import { jawActions } from './actions/act-jaw.mjs';
+import { mouthActions } from './actions/act-mouth.mjs';
+import { mouthFigures, placeTeeth, placeTongue } from '../lib/anatomy.mjs';
 import { cutCavity } from './cavity.mjs';
 import { makeTeeth } from './teeth.mjs';
-import { tongueActions } from './act-tongue.mjs';
+import { tongueActions } from './actions/act-tongue.mjs';
 import { readBase } from './assets.mjs';
 import { layOut, packIslands } from './atlas.mjs';
-import { eyePart } from './eye.mjs';
-import { readTopology } from './hm08.mjs';
-import { measureUnits, pointOf, readLandmarks } from './landmarks.mjs';
-import { groupVertices } from './mesh.mjs';
+import { eyePart } from '../lib/eye.mjs';
+import { readTopology } from '../lib/hm08.mjs';
+import { measureUnits, pointOf, readLandmarks } from '../lib/landmarks.mjs';
+import { groupVertices } from '../lib/mesh.mjs';
 import { mouthGrid } from './mouth-grid.mjs';
 import { closeLips, setLids } from './neutral.mjs';
-import { packHead } from './pack.mjs';
-import { applyActions, applyHeadTurns, proxyPart, skinPart } from './parts.mjs';
+import { packHead } from '../lib/pack.mjs';
+import { applyActions, applyHeadTurns, proxyPart, skinPart } from '../lib/parts.mjs';
 import { refine, rounded, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
-import { makeTextures } from './textures.mjs';
+import { makeTextures } from './paint/textures.mjs';
 
 /** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
 const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];

@@ -5,7 +5,7 @@
  * the proxies hang on them.
  */
 import { readTarget } from './assets.mjs';
-import { groupVertices } from './mesh.mjs';
+import { groupVertices } from '../lib/mesh.mjs';
 
 const MM_PER_UNIT = 100;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Brows, cheeks, nose and ears: FAPs 31 to 42 and 61 to 68, zones round their feature points. */
-import { along } from './actions.mjs';
-import { cardinalBasis, ellipsoid, piecewise, plateau, smoothstep } from './zones.mjs';
+import { along } from '../../lib/actions.mjs';
+import { cardinalBasis, ellipsoid, piecewise, plateau, smoothstep } from '../../lib/zones.mjs';
 
 const BROWS = [
   ['4.1', 31, 32],

@@ -3,13 +3,13 @@
  * The shadows that nose, lips, chin, brows, hair, collar and glasses throw on the skin at rest. Clients know how much light reaches
  * each vertex, which is too coarse for them; here they are found for every texel, and painted as far as the client will not see them.
  */
-import { bakeOcclusion, throughHair } from '../../../web/src/head/occlusion.mjs';
-import { KEY } from '../../../web/src/head/lights.mjs';
-import { CLEAR, isAiry } from '../../../web/src/head/surfaces.mjs';
+import { bakeOcclusion, throughHair } from '../../../../web/src/head/occlusion.mjs';
+import { KEY } from '../../../../web/src/head/lights.mjs';
+import { CLEAR, isAiry } from '../../../../web/src/head/surfaces.mjs';
 import { dilate, eachTexel } from './bake.mjs';
 import { DepthMap } from './depth.mjs';
-import { normals } from './mesh.mjs';
-import { diffuse } from './shading.mjs';
+import { normals } from '../../lib/mesh.mjs';
+import { diffuse } from '../../lib/shading.mjs';
 
 const PLACE = { resolution: 1024, reach: 175, centre: [0, -35, 30] }; // head and neck
 const RAYS = 14;

@@ -4,8 +4,8 @@
  * target (the angle that its displacement means at each vertex, the chin's being 1), less what the lips' own
  * FAPs do: FAP 3 alone leaves the lips.
  */
-import { along } from './actions.mjs';
-import { ellipsoid } from './zones.mjs';
+import { along } from '../../lib/actions.mjs';
+import { ellipsoid } from '../../lib/zones.mjs';
 
 /** So that the tongue's tip goes along by 0.8 of the chin's way: TIP_PER_JAW of server/face/engines/fapmap.c. */
 const TONGUE_SHARE = 0.82;

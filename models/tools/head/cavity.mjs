@@ -3,8 +3,8 @@
  * Cuts the inside of the mouth off the skin, as a part `mouth` of its own: it is lit by what the lips let in,
  * and not by the lamps.
  */
-import { lipParameter } from './paint-lips.mjs';
-import { smoothstep } from './zones.mjs';
+import { lipParameter } from './paint/paint-lips.mjs';
+import { smoothstep } from '../lib/zones.mjs';
 
 /** mm behind the line where the lips touch: in the middle, and towards the corners, where one sees into the cheeks. */
 const BEHIND_LIPS = { middle: 9, corner: 2 };

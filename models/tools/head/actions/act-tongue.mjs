@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The tongue: FAPs 43 to 47, by how far a point lies behind the tip. */
-import { along } from './actions.mjs';
-import { ellipsoid, plateau } from './zones.mjs';
+import { along } from '../../lib/actions.mjs';
+import { ellipsoid, plateau } from '../../lib/zones.mjs';
 
 export function tongueActions(actions, ctx, tuning) {
   const mine = ctx.inGroup('helper-tongue');

@@ -3,7 +3,7 @@
  * Turns of the head: FAPs 48, 49 and 50. The weight is 1 above a plane through the throat and the nape, 0
  * some way below.
  */
-import { raisedCosine } from './zones.mjs';
+import { raisedCosine } from '../../lib/zones.mjs';
 
 const TURNS = [
   ['head_pitch', 48, [1, 0, 0]],

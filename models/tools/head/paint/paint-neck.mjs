@@ -3,8 +3,8 @@
  * Tendons, collar bones, the hollow between them and the larynx: too fine for the mesh there, so they are painted as the light
  * finds them on a neck that is held upright.
  */
-import { diffuse } from './shading.mjs';
-import { smoothstep } from './zones.mjs';
+import { diffuse } from '../../lib/shading.mjs';
+import { smoothstep } from '../../lib/zones.mjs';
 
 const REACH = [0.75, 0.6, 0.8, 0.4]; // of sky and lamps, about what an open collar lets in
 const HOLLOW = 0.05; // darker for each mm that a place lies deep

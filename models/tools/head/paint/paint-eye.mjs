@@ -3,10 +3,10 @@
  * The eye's texture, painted: pupil, iris with fibres and a dark limbus, sclera with a warm rim and faint
  * vessels.
  */
-import { hex, mix, ramp } from './color.mjs';
-import { eyeAngle } from './eye.mjs';
+import { hex, mix, ramp } from '../../lib/color.mjs';
+import { eyeAngle } from '../../lib/eye.mjs';
 import { fractal, noise } from './noise.mjs';
-import { smoothstep } from './zones.mjs';
+import { smoothstep } from '../../lib/zones.mjs';
 
 const BARED = 0.62; // of the sky, that what the lower lid covers at rest sees when the eye looks up
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The neutral face of MPEG-4: lips touching along the whole line, lids tangent to the iris. */
-import { MOUTH_CONTACT, EYE_MARGIN } from './hm08.mjs';
-import { piecewise } from './zones.mjs';
+import { MOUTH_CONTACT, EYE_MARGIN } from '../lib/hm08.mjs';
+import { piecewise } from '../lib/zones.mjs';
 
 /**
  * Brings the two inner lip lines together where the base mesh leaves a gap; both give way by half, and the

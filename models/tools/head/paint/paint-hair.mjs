@@ -4,8 +4,8 @@
  * and which regions are light; new strands are drawn by smearing noise along that direction, in the recipe's
  * colours.
  */
-import { hex, luma, ramp } from './color.mjs';
-import { blur } from './image.mjs';
+import { hex, luma, ramp } from '../../lib/color.mjs';
+import { blur } from '../../lib/image.mjs';
 import { noise } from './noise.mjs';
 
 /** Recolours the image in place. */

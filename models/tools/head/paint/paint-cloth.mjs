@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Plain cloth, painted on the surface in millimetres: threads, soft folds, and the shade of what lies over it. */
 import { dilate, eachTexel, occlusion } from './bake.mjs';
-import { hex, mix } from './color.mjs';
-import { normals } from './mesh.mjs';
+import { hex, mix } from '../../lib/color.mjs';
+import { normals } from '../../lib/mesh.mjs';
 import { fractal, noise } from './noise.mjs';
 
 const SHADE = { directions: 60, resolution: 256, bias: 3 };

@@ -2,8 +2,8 @@
 /** The textures of a head, as WebP: painted, or the package's with new colours. */
 import { readAsset } from './asset-image.mjs';
 import { occlusion } from './bake.mjs';
-import { bleed, recolour, writeImage } from './image.mjs';
-import { normals } from './mesh.mjs';
+import { bleed, recolour, writeImage } from '../../lib/image.mjs';
+import { normals } from '../../lib/mesh.mjs';
 import { paintCloth } from './paint-cloth.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The texture of teeth, gums and palate: three tiles, see `teeth.mjs`. */
-import { hex, mix, ramp } from './color.mjs';
+import { hex, mix, ramp } from '../../lib/color.mjs';
 import { fractal, noise } from './noise.mjs';
-import { TILES } from './teeth.mjs';
-import { smoothstep } from './zones.mjs';
+import { TILES } from '../teeth.mjs';
+import { smoothstep } from '../../lib/zones.mjs';
 
 /** From the edge, which lets light through, over the body to the neck: young teeth and old ones. */
 const ENAMEL = {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Lips and corners: FAPs 4 to 13, 16, 17 and 51 to 60. */
-import { along } from './actions.mjs';
-import { cardinalBasis, clamp, plateau, raisedCosine, smoothstep } from './zones.mjs';
+import { along } from '../../lib/actions.mjs';
+import { cardinalBasis, clamp, plateau, raisedCosine, smoothstep } from '../../lib/zones.mjs';
 
 /** Feature points along a lip: right corner, half-way, middle, half-way, left corner. */
 const NODES = [-1, -0.5, 0, 0.5, 1];

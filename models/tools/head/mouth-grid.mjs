@@ -5,8 +5,8 @@
  * the outer contour, `inner` and `outer`, which are raised cosines with sum 1 on the lip; `outer` fades over
  * the skin, `inner` into the mouth.
  */
-import { MOUTH_CONTACT, MOUTH_OUTER } from './hm08.mjs';
-import { nearestOnLine, piecewise, plateau, raisedCosine } from './zones.mjs';
+import { MOUTH_CONTACT, MOUTH_OUTER } from '../lib/hm08.mjs';
+import { nearestOnLine, piecewise, plateau, raisedCosine } from '../lib/zones.mjs';
 
 const CORNER = 11;
 

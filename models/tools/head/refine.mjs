@@ -4,7 +4,7 @@
  * normals give (the edge of a PN triangle, Vlachos et al. 2001); the old vertices stay where they are, so
  * feature points stay exact, and the actions of a new vertex are the mean of its two neighbours'.
  */
-import { normals } from './mesh.mjs';
+import { normals } from '../lib/mesh.mjs';
 
 /**
  * @param {(a: number, b: number) => boolean} split whether the edge between two vertices is to be split;

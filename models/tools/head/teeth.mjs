@@ -4,7 +4,7 @@
  * height, the gum a band with a scallop round each neck, the palate a vault between the gums. One part for
  * each jaw. Sizes in mm are those of an average adult (Wheeler's dental anatomy, rounded).
  */
-import { archPath } from './anatomy.mjs';
+import { archPath } from '../lib/anatomy.mjs';
 
 /** Width, height of the crown, thickness at the neck, how far the edge stays behind the line of the edges. */
 const UPPER = [

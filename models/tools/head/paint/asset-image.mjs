@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The package's pictures as a recipe's textures want them: which file, and how opaque. */
 import path from 'node:path';
-import { bleed, readImage } from './image.mjs';
+import { bleed, readImage } from '../../lib/image.mjs';
 
 const COARSE = 256; // texels that say well enough where hair is
 const HALF = 0.5;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Colour of the lips and of the inside of the mouth. */
-import { hex, mix, ramp } from './color.mjs';
-import { MOUTH_CONTACT, MOUTH_OUTER } from './hm08.mjs';
+import { hex, mix, ramp } from '../../lib/color.mjs';
+import { MOUTH_CONTACT, MOUTH_OUTER } from '../../lib/hm08.mjs';
 import { noise } from './noise.mjs';
-import { smoothstep } from './zones.mjs';
+import { smoothstep } from '../../lib/zones.mjs';
 
 /**
  * For every base vertex `t`: 0 on the line where the lips touch, 1 on the outer contour, more on the skin (2

@@ -4,9 +4,9 @@
  * every point keeps its distance from the eyeball; each point of the margin turns by as much as brings it on
  * the other lid's margin.
  */
-import { EYE_MARGIN } from './hm08.mjs';
-import { lidMargin } from './neutral.mjs';
-import { nearestOnLine, piecewise, plateau, smoothstep } from './zones.mjs';
+import { EYE_MARGIN } from '../../lib/hm08.mjs';
+import { lidMargin } from '../neutral.mjs';
+import { nearestOnLine, piecewise, plateau, smoothstep } from '../../lib/zones.mjs';
 
 const SIDES = {
   l: { upper: 19, lower: 21, yaw: 23, pitch: 25, thrust: 27, point: ['3.1', '3.3'] },
