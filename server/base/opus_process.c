@@ -184,7 +184,7 @@ static void on_read(uv_stream_t *stream, ssize_t size, const uv_buf_t *room) {
     while (take_answer(p, &at))
         continue;
     buf_consume(&p->heard, at);
-    if (!p->ended)
+    if (!p->ended && at)
         watch(p);
 }
 
