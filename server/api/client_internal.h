@@ -33,6 +33,7 @@ struct client {
     struct long_message *reading; /* message being parsed in another thread, while later ones wait */
     const struct model *model;    /* head being sent part by part; NULL: none */
     size_t model_part;
+    uint64_t commanded; /* time, ns, up to which the budget of commands that tell others is spent */
 };
 
 /* client.c: lifecycle, room and media settings */

@@ -12,6 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is told to all in a room costs as much as they are many. A hand on the mood's disc sends 120 in a
+ * second at most. */
+enum {
+    COMMANDS_A_SECOND = 120, /* average of one client */
+    COMMANDS_BURST = 400,    /* most at once */
+};
+
 /* The longest id, in bytes. */
 enum { ID_BYTES = 64 };
 
@@ -64,12 +71,24 @@ static int check_open(struct client *c, const struct speech_request *request, st
     return open_text_check(c, request, e);
 }
 
+/* Counts a command that others are told of. Returns -1 with *e when there were too many. */
+static int count_command(struct client *c, struct error *e) {
+    const uint64_t now = uv_hrtime(), each = 1000000000 / COMMANDS_A_SECOND;
+    uint64_t from = c->commanded > now ? c->commanded : now;
+    if (from + each - now > each * COMMANDS_BURST)
+        return error_set(e, ERROR_TOO_MANY_REQUESTS,
+                         "a client may give a room %d commands a second, and %d at once", COMMANDS_A_SECOND,
+                         COMMANDS_BURST);
+    c->commanded = from + each;
+    return 0;
+}
+
 static int do_command(struct client *c, const struct command *command, struct command_call *call,
                       struct error *e) {
     struct speech_request *request = call->request;
     bool open = request && request->open;
     if (command_permit(command, call, &c->principal, e) ||
-        (request && principal_ask(c->api, &c->principal, e)) ||
+        (request ? principal_ask(c->api, &c->principal, e) : call->room && count_command(c, e)) ||
         (request && command_admit(call, &c->principal, e)) || (open && check_open(c, request, e)))
         return -1;
     if (call->room && !open && forward_needed(c->api->rooms, call->room))
@@ -117,7 +136,8 @@ static void give_speech(struct client *c, const struct command *command, const j
 
 static void act_on_client(struct client *c, const struct command *command, const json_t *message) {
     struct error e;
-    if (!client_message_check(command->name, message, &e))
+    bool tells = command->act == client_join || (command->act == client_authorize && client_room(c));
+    if (!client_message_check(command->name, message, &e) && !(tells && count_command(c, &e)))
         command->act(c, message);
     else if (command->act == client_voice_begin)
         client_refuse(c, c->asked, &e);

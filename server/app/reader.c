@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia-reader: parses one untrusted input for the daemon, which starts it for each input
+/* faccia-reader: parses one untrusted input for the daemon, which starts it for each input or live voice
  * (base/reader_process.h). It may read standard input and the system's libraries, write to standard
  * output, and use limited processor time and memory. */
+#include "server/base/opus_process.h"
 #include "server/base/program.h"
 #include "server/base/sound_reader.h"
 #include "server/library/work.h"
@@ -14,7 +15,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-enum { SECONDS = 1, MEGABYTES, SANDBOX, KIND, INPUT, LANG };
+enum { SECONDS = 1, MEGABYTES, SANDBOX, KIND, INPUT, LANG, RATE = INPUT, CHANNELS = LANG };
+
+static unsigned number(const char *text) {
+    return (unsigned)strtoul(text, NULL, 10);
+}
 
 static void limit(const char *seconds, const char *megabytes) {
     const rlim_t most = (rlim_t)strtoul(seconds, NULL, 10);
@@ -40,11 +45,11 @@ int main(int argc, char **argv) {
     bool work = argc == LANG + 1 && !strcmp(argv[KIND], "work");
     bool check = argc == INPUT + 1 && !strcmp(argv[KIND], "check");
     bool sound = argc == INPUT + 1 && !strcmp(argv[KIND], "sound");
-    if (!work && !check && !sound) {
+    bool opus = argc == LANG + 1 && !strcmp(argv[KIND], "opus");
+    if (!work && !check && !sound && !opus) {
         fputs("usage: faccia-reader SECONDS MEGABYTES on|off work NAME LANG | check NAME | sound "
-              "CHANNELS\nParses a file, its "
-              "standard input, for "
-              "facciad, which starts this program by itself.\n",
+              "CHANNELS | opus RATE CHANNELS\nParses a file or packets, its standard input, for facciad, "
+              "which starts this program by itself.\n",
               stderr);
         return argc == 2 && !strcmp(argv[1], "--help") ? 0 : 2;
     }
@@ -54,6 +59,7 @@ int main(int argc, char **argv) {
     int failed =
         work    ? work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO)
         : check ? work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO)
-                : sound_reader_serve((unsigned)strtoul(argv[INPUT], NULL, 10), STDIN_FILENO, STDOUT_FILENO);
+        : opus  ? opus_process_serve(number(argv[RATE]), number(argv[CHANNELS]), STDIN_FILENO, STDOUT_FILENO)
+                : sound_reader_serve(number(argv[INPUT]), STDIN_FILENO, STDOUT_FILENO);
     return failed ? 1 : 0;
 }

@@ -102,7 +102,7 @@ bool reader_process_read(struct reader_process *p, void *data, size_t size) {
     return true;
 }
 
-/* True if the process closed its output. It will exit by itself, so this does not wait for it. */
+/* True if the process closed its output, mostly as it exits. */
 static bool has_closed(struct reader_process *p) {
     char more;
     struct pollfd ready = {p->fd, POLLIN, 0};
@@ -114,9 +114,8 @@ int reader_process_end(struct reader_process *p, char *why, size_t cap) {
     int status = 0;
     if (!p->pid)
         return -1;
-    bool wanted = is_wanted(p), late = now() > p->until;
-    if (!wanted || late || !has_closed(p))
-        kill(p->pid, SIGKILL);
+    bool wanted = is_wanted(p), late = now() > p->until, closed = has_closed(p);
+    kill(p->pid, SIGKILL); /* changes nothing of an exit that has begun */
     close(p->fd);
     while (waitpid(p->pid, &status, 0) < 0 && errno == EINTR)
         continue;
@@ -126,6 +125,8 @@ int reader_process_end(struct reader_process *p, char *why, size_t cap) {
         snprintf(why, cap, "nobody waits for it any more");
     else if (late)
         snprintf(why, cap, "took more than %u s", patience);
+    else if (signal == SIGKILL && closed)
+        snprintf(why, cap, "was killed, or closed its output and went on");
     else if (signal == SIGXCPU || signal == SIGKILL)
         snprintf(why, cap, "took more than %u s of processor time", p->limits.seconds);
     else if (signal)

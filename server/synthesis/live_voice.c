@@ -2,6 +2,7 @@
 #include "server/synthesis/live_voice.h"
 #include "server/base/mem.h"
 #include "server/base/mixdown.h"
+#include "server/base/opus_process.h"
 #include "server/hear/lip_recogniser.h"
 #include "server/synthesis/jitter_buffer.h"
 #include <math.h>
@@ -18,6 +19,7 @@ struct live_voice {
     const struct speech_pack *pack;
     unsigned rate, lookahead;
     struct live_audio *sound;
+    struct opus_process *opus; /* decodes the packets; NULL = PCM, or `sound` decodes them */
     struct jitter_buffer jitter;
     struct lip_recogniser *recogniser;
     uv_timer_t *timer;              /* NULL once it is closed */
@@ -59,6 +61,11 @@ static void live_recognise(struct live_voice *h, const int16_t *samples, size_t 
     lip_recogniser_write(h->recogniser, block, count);
 }
 
+/* Packets are being decoded. */
+static bool decodes(const struct live_voice *h) {
+    return h->opus && opus_process_waits(h->opus);
+}
+
 /* Recognises only what is needed soon: the rest stays in the jitter buffer, where it can be dropped. */
 static void recognise_ahead(struct live_voice *h) {
     int16_t block[LIVE_RATE_MAX / BLOCKS_A_SECOND];
@@ -66,7 +73,7 @@ static void recognise_ahead(struct live_voice *h) {
     size_t most = size * AHEAD_BLOCKS + (size_t)(h->rate / h->request.fps);
     while (!h->recognised_all && h->pcm_count < most && (count = jitter_buffer_take(&h->jitter, block, size)))
         live_recognise(h, block, count);
-    if (h->closed && !h->recognised_all && h->pcm_count < most) {
+    if (h->closed && !decodes(h) && !h->recognised_all && h->pcm_count < most) {
         lip_recogniser_end(h->recogniser);
         h->recognised_all = true;
     }
@@ -147,8 +154,7 @@ void live_voice_wait(struct live_voice *h, unsigned ms) {
     live_deliver(h);
 }
 
-/* A packet lasts at most 120 ms (RFC 6716, 2.1.4); a lost one counts as 20 ms. */
-enum { PACKETS_A_SECOND = 50, LONGEST_PACKET = 6, OPUS_CHANNELS_MOST = 2, FRAME_BYTES_MOST = 16 };
+enum { OPUS_CHANNELS_MOST = 2, FRAME_BYTES_MOST = 16 };
 
 const char *const live_codecs[] = {[LIVE_PCM] = "pcm_s16le", [LIVE_OPUS] = "opus", NULL};
 
@@ -252,18 +258,18 @@ static void read_pcm(struct live_audio *s, const uint8_t *bytes, size_t size, co
     mix(s, block, frames, to);
 }
 
+static int bad_packet(struct error *e, uint64_t at, int status) {
+    return error_at_byte(e, ERROR_BAD_SOUND, (size_t)at, "invalid Opus packet: %s", opus_strerror(status));
+}
+
 static int read_opus(struct live_audio *s, const uint8_t *bytes, size_t size, const struct taker *to,
                      struct error *e) {
-    const int lost = (int)s->rate / PACKETS_A_SECOND, most = lost * LONGEST_PACKET;
-    opus_int16 *samples = mem_alloc((size_t)most * s->channels * sizeof *samples);
-    int failed = 0;
-    int frames = size && size <= INT32_MAX ? opus_decode(s->opus, bytes, (opus_int32)size, samples, most, 0)
-                                           : OPUS_INVALID_PACKET;
-    if (frames < 0) {
-        failed =
-            error_at_byte(e, ERROR_BAD_SOUND, s->bytes, "invalid Opus packet: %s", opus_strerror(frames));
-        frames = opus_decode(s->opus, NULL, 0, samples, lost, 0);
-    }
+    const size_t most = (size_t)s->rate / OPUS_PACKETS_A_SECOND * OPUS_PACKET_LONGEST;
+    opus_int16 *samples = mem_alloc(most * s->channels * sizeof *samples);
+    int concealed, frames = opus_packet_decode(s->opus, s->rate, bytes, size, samples, &concealed);
+    int failed = frames < 0 ? bad_packet(e, s->bytes, frames) : 0;
+    if (frames < 0)
+        frames = concealed;
     if (frames > 0)
         mix(s, samples, (size_t)frames, to);
     free(samples);
@@ -311,6 +317,54 @@ static unsigned voices_of(const struct live_pool *pool, uint32_t payer) {
     return count;
 }
 
+static void on_samples(void *ctx, const int16_t *samples, size_t count);
+
+static void go_on(struct live_voice *h) {
+    if (!h->closed && !live_voice_awaits(h))
+        live_voice_close(h);
+    else if (h->closed && h->started)
+        live_deliver(h);
+}
+
+static void on_packet(void *ctx, const int16_t *samples, size_t frames, int status, uint64_t at) {
+    struct live_voice *h = ctx;
+    const struct taker to = {on_samples, h};
+    struct error e;
+    mix(h->sound, samples, frames, &to);
+    if (status && !h->told_bad) {
+        h->told_bad = true;
+        bad_packet(&e, at, status);
+        problem(h, &e, true);
+    }
+    go_on(h);
+}
+
+static void on_decoder_failed(void *ctx, const char *why) {
+    struct live_voice *h = ctx;
+    struct error e;
+    error_set(&e, ERROR_BAD_SOUND, "its Opus decoder %s", why);
+    problem(h, &e, true);
+    if (h->closed)
+        go_on(h);
+    else
+        live_voice_close(h);
+}
+
+/* Packets are decoded by a process of their own if there is a program for it: they come from strangers. */
+static int open_sound(struct live_voice *h, const struct live_request *request, struct error *e) {
+    static const struct opus_process_calls calls = {on_packet, on_decoder_failed};
+    const struct reader *reader = h->pipeline->reader;
+    struct live_request samples = *request;
+    if (request->codec == LIVE_OPUS && reader && reader->program && *reader->program) {
+        h->opus = opus_process_new(h->pipeline->loop, reader, request->rate, request->channels, &calls, h, e);
+        if (!h->opus)
+            return -1;
+        samples.codec = LIVE_PCM;
+    }
+    h->sound = live_audio_new(&samples, e);
+    return h->sound ? 0 : -1;
+}
+
 /* The spelling engine cannot work without text, so its fallback is used. */
 static int open_all(struct live_voice *h, const struct live_request *request, struct error *e) {
     const struct live_pool *pool = h->pipeline->live;
@@ -334,7 +388,7 @@ static int open_all(struct live_voice *h, const struct live_request *request, st
                                                    .frame = live_frame,
                                                    .ctx = h};
     h->recogniser = lip_recogniser_new(&options, e);
-    if (!h->recogniser || !(h->sound = live_audio_new(request, e)))
+    if (!h->recogniser || open_sound(h, request, e))
         return -1;
     jitter_buffer_open(&h->jitter, h->rate, (size_t)h->rate * pool->seconds);
     return 0;
@@ -353,6 +407,7 @@ static void stop_timer(struct live_voice *h) {
 static void free_all(struct live_voice *h) {
     lip_recogniser_free(h->recogniser);
     live_audio_free(h->sound);
+    opus_process_free(h->opus);
     jitter_buffer_free(&h->jitter);
     request_free(&h->request);
     free(h->pcm);
@@ -424,6 +479,16 @@ void live_voice_catch_up(struct live_voice *h) {
     jitter_buffer_begin(&h->jitter);
 }
 
+static void tell_skip(struct live_voice *h) {
+    struct error e;
+    if (h->told_skip)
+        return;
+    h->told_skip = true;
+    error_set(&e, ERROR_SKIPPED, "sound arrives faster than real time: more than %u s was waiting",
+              h->pipeline->live->seconds);
+    problem(h, &e, true);
+}
+
 /* Reported once. Samples that wait for their turn are dropped without a report. */
 static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct live_voice *h = ctx;
@@ -433,15 +498,10 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
         h->fresh = 0;
     }
     size_t out = jitter_buffer_add(&h->jitter, samples, count, (double)uv_hrtime() / 1e9);
-    struct error e;
     if (h->started)
         live_deliver(h);
-    if (!out || !h->started || h->told_skip)
-        return;
-    h->told_skip = true;
-    error_set(&e, ERROR_SKIPPED, "sound arrives faster than real time: more than %u s was waiting",
-              h->pipeline->live->seconds);
-    problem(h, &e, true);
+    if (out && h->started)
+        tell_skip(h);
 }
 
 void live_voice_write(struct live_voice *h, const uint8_t *bytes, size_t size) {
@@ -451,6 +511,11 @@ void live_voice_write(struct live_voice *h, const uint8_t *bytes, size_t size) {
     if (h->stalled)
         jitter_buffer_begin(&h->jitter);
     h->stalled = false;
+    if (h->opus) {
+        if (!opus_process_write(h->opus, bytes, size))
+            tell_skip(h);
+        return;
+    }
     if (live_audio_read(h->sound, bytes, size, on_samples, h, &e) && !h->told_bad) {
         h->told_bad = true;
         problem(h, &e, true);
@@ -477,7 +542,7 @@ bool live_voice_is_open(const struct live_voice *h) {
 
 /* The clock cannot count further. */
 bool live_voice_awaits(const struct live_voice *h) {
-    return !h->closed && h->given < UINT32_MAX / 2;
+    return (!h->closed || decodes(h)) && h->given < UINT32_MAX / 2;
 }
 
 void live_voice_release(struct live_voice *h) {

@@ -365,6 +365,32 @@ test('a flood of calibrations reaches nobody: most are refused, and one that com
   for (const stream of [sender, listener]) await stream.close();
 });
 
+test('a flood of anything that a room is told of is bounded, and costs nobody else a word', async () => {
+  const sender = await enter('told'), other = await enter('told'), watcher = await daemon.stream('?audio=none&fap=none');
+  watcher.send({ type: 'join', room: 'told', watch: true, as: 'watcher' });
+  await watcher.wait({ type: 'joined' });
+  const floods = {
+    stated: [{ type: 'state', state: 'thinking' }, 'state'],
+    expressed: [{ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] }, 'expressed'],
+    asked: [{ type: 'choices', choices: ['a', 'b'] }, 'choices'],
+    rejoined: [{ type: 'join', room: 'told', watch: true, as: 'x' }, 'desks'],
+  };
+  for (const [name, [message, type]] of Object.entries(floods)) {
+    const from = sender.messages.length, before = watcher.messages.length;
+    for (let i = 0; i < 3000; i++) sender.send(message);
+    sender.send({ type: 'ping', id: name });
+    await sender.wait({ type: 'pong', id: name });
+    const refused = sender.messages.slice(from).filter(({ code }) => code === 'too-many-requests').length;
+    assert.ok(refused > 0, `${name}: all 3000 were taken`);
+    other.send({ type: 'state', state: 'listening', text: name });
+    await watcher.wait({ type: 'state', text: name });
+    const told = watcher.messages.slice(before).filter((each) => each.type === type).length;
+    assert.ok(told >= 400 && told <= 3001 - refused, `${name}: ${told} of 3000 reached the others, ${refused} were refused`);
+    await new Promise((resolve) => setTimeout(resolve, 3500)); // until its budget is whole again
+  }
+  for (const stream of [sender, other, watcher]) await stream.close();
+});
+
 test('who may only listen gives nobody another face', async () => {
   const right = (rights) => ({ from: guarded, options: bearer(sign({ secret, claims: { sub: 'x', room: 'i', rights } })) });
   const listener = await enter('i', right('listen'));

@@ -3,6 +3,7 @@
 // daemon lives. The lists are those of the schemas and of the commands' table, so that a new one is tried without a word here.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import net from 'node:net';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
@@ -32,7 +33,7 @@ function plugins(name, files) {
 const slow = plugins('slow', { early: 'tests/plugins/sleepy.so' });
 const none = plugins('none', { refuses: 'tests/plugins/refuses.so' });
 const espeak = plugins('espeak', { espeak: 'server/plugins/espeak.so' });
-const start = (place, env = {}) => Daemon.start(['--plugins', place, '--voice-config', config, '--lang', 'it', '--voice-start', '30'], env, { voices: false });
+const start = (place, env = {}, more = []) => Daemon.start([...more, '--plugins', place, '--voice-config', config, '--lang', 'it', '--voice-start', '30'], env, { voices: false });
 
 const WAIT = 20000; // ms: only what hangs takes longer
 
@@ -141,6 +142,30 @@ test('while the voices are starting, and when they are ready', async () => {
   assert.equal(await ended(), 'done');
   assert.equal(await (await all(daemon, 'fr'))(), 'done');
   await stops(daemon);
+});
+
+/** A Redis that takes connections and never answers. */
+async function silent() {
+  const server = net.createServer(() => {}).listen(0, '127.0.0.1');
+  await new Promise((resolve) => server.on('listening', resolve));
+  return server;
+}
+
+test('while the library is being read, Redis says nothing, and no voice is there yet; and later', async () => {
+  const works = path.join(folder, 'works'), redis = await silent();
+  for (const name of ['works', 'media', 'scenes']) fs.mkdirSync(path.join(folder, name));
+  for (let i = 0; i < 300; i++) fs.writeFileSync(path.join(works, `${i}.txt`), `Opera ${i}\n\n${'Amore e parola. '.repeat(200)}`);
+  const more = ['--library', works, '--library-index', path.join(folder, 'index.db'), '--media', path.join(folder, 'media'), '--scenes', path.join(folder, 'scenes'), '--editing', '--cluster', `redis://127.0.0.1:${redis.address().port}`];
+  fs.rmSync(gate, { force: true });
+  const daemon = await start(slow, {}, more);
+  const ended = await all(daemon, 'fr');
+  assert.equal((await (await daemon.get('/healthz')).json()).status, 'starting');
+  fs.writeFileSync(gate, '');
+  assert.equal(await ended(), 'done');
+  await eventually(async () => (await daemon.get('/v1/library')).status === 200, 'the library', WAIT);
+  assert.equal(await (await all(daemon, 'fr'))(), 'done');
+  await stops(daemon);
+  redis.close();
 });
 
 test('without any voice', async () => {

@@ -403,3 +403,43 @@ test('packets that are cut, or none: told once, with the byte, and it goes on', 
   assert.ok(end.duration > packets.length / 50 - 0.3, `${end.duration}`);
   await stream.close();
 });
+
+/** The processes that decode Opus for the daemon. */
+const decoders = () => fs.readFileSync(`/proc/${daemon.process.pid}/task/${daemon.process.pid}/children`, 'utf8').trim().split(' ').filter(Boolean)
+  .filter((pid) => /faccia-reader.*\0opus\0/.test(fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8')));
+
+test('a stranger\'s packets are decoded by a process of their own; its death costs the rest of the sound, and nothing else', async () => {
+  const packets = await opusPackets(), [stream, beside] = await Promise.all([daemon.stream(), daemon.stream()]);
+  await eventually(() => !decoders().length, 'no process of earlier voices');
+  begin(beside, 'w', { codec: 'opus', rate: 24000, channels: 2 });
+  await pourPackets(beside, packets.slice(0, 10));
+  await eventually(() => decoders().length === 1, 'a process that decodes Opus');
+  const [first] = decoders();
+  begin(stream, 'v', { codec: 'opus', rate: undefined });
+  await pourPackets(stream, packets.slice(0, 40));
+  await stream.wait({ type: 'begin', id: 'v' });
+  const decoder = decoders().find((pid) => pid !== first);
+  assert.ok(decoder, 'no process of its own');
+  process.kill(Number(decoder), 'SIGTERM');
+  const warning = await stream.wait({ type: 'warning', id: 'v', code: 'bad-sound' });
+  assert.match(warning.message, /decoder ended its process, by signal 15/);
+  assert.equal((await ended(stream, 'v')).reason, 'done');
+  await pourPackets(beside, packets.slice(10));
+  beside.send({ type: 'close', id: 'w' });
+  const end = await ended(beside, 'w');
+  assert.equal(end.reason, 'done');
+  assert.equal(told(beside, 'warning').includes('bad-sound'), false);
+  await eventually(() => !decoders().length, 'the end of the processes');
+  await Promise.all([stream.close(), beside.close()]);
+});
+
+test('packets that all come at once, and the end of the voice with them, are all heard', async () => {
+  const packets = (await opusPackets()).slice(0, 100), stream = await daemon.stream();
+  begin(stream, 'v', { codec: 'opus', rate: undefined });
+  for (const packet of packets) stream.socket.send(packet);
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'done');
+  assert.ok(Math.abs(end.duration - packets.length / 50) < 0.15, `${end.duration}`);
+  await stream.close();
+});

@@ -93,6 +93,29 @@ test('it is an avatar of VRM 1.0', () => {
   assert.deepEqual([...shown('aa')], ['viseme_aa']);
 });
 
+/** The first bytes of a PNG that says it is so large. */
+function headOfPng(width, height) {
+  const bytes = Buffer.alloc(64);
+  bytes.write('89504e470d0a1a0a0000000d49484452', 'hex');
+  bytes.writeUInt32BE(width, 16);
+  bytes.writeUInt32BE(height, 20);
+  return bytes.toString('base64');
+}
+
+test('a head whose texture is small as a file and gigabytes as a picture is refused before it is decoded', () => {
+  const head = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json'), 'utf8'));
+  const texture = Object.values(head.textures)[0];
+  Object.assign(texture, { type: 'image/png', data: headOfPng(16000, 16000) });
+  const bomb = path.join(folder, 'bomb.json');
+  fs.writeFileSync(bomb, JSON.stringify(head));
+  for (const [tool, out] of [['avatar/export-head.mjs', 'bomb.glb'], ['draw-head.mjs', 'bomb.webp']]) {
+    const { status, stderr } = spawnSync('node', [fileURLToPath(new URL(`../../models/tools/${tool}`, import.meta.url)), bomb, path.join(folder, out)], { encoding: 'utf8' });
+    assert.notEqual(status, 0, tool);
+    assert.match(stderr, /textures: one has 16000 x 16000 points: it may have \d+/, tool);
+    assert.equal(fs.existsSync(path.join(folder, out)), false, tool);
+  }
+});
+
 test('faccia head export writes it, and says what there is not', () => {
   const faccia = (...args) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...args]);
   const [glb, vrm] = ['mara.glb', 'mara.vrm'].map((name) => path.join(folder, name));

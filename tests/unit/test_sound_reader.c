@@ -127,6 +127,7 @@ static void whatever_the_process_does(void **state) {
         {"exit 0", "cannot be understood", false, 0},
         {"exit 3", "with status 3", false, 0},
         {"kill -SEGV $$", "by signal 11", false, 0},
+        {"exec >&-; exec sleep 600", "went on", false, 0}, /* nobody waits for its end */
         {"kill -XCPU $$", "processor time", false, 0},
         {"head -c 204 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},
         {"head -c 4 /dev/zero; head -c 200 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},

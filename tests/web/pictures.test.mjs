@@ -8,7 +8,9 @@ import { maskOf } from '../../web/src/pictures/mask.mjs';
 import { Region } from '../../web/src/pictures/morph.mjs';
 import { multiquadric } from '../../web/src/pictures/multiquadric.mjs';
 import { nearest } from '../../web/src/pictures/nearest.mjs';
+import { pictureSize } from '../../web/src/picture-size.mjs';
 import { readPictures } from '../../web/src/pictures/set.mjs';
+import { readPicture } from '../../web/src/portrait/page.mjs';
 import { openingOf, spaceOf } from '../../web/src/pictures/space.mjs';
 
 const ANCHORS = [[20, 40], [60, 40], [40, 30], [40, 52], [40, 75]];
@@ -126,5 +128,29 @@ test('a set that is damaged is refused with what is wrong', () => {
     const damaged = structuredClone(set());
     damage(damaged);
     assert.throws(() => readPictures(damaged), what);
+  }
+});
+
+/** The first bytes of a picture that says it is so large, of each kind that browsers decode and whose first bytes say it. */
+function heads(width, height) {
+  const of = (begin, more) => {
+    const bytes = Buffer.alloc(64);
+    Buffer.from(begin, 'latin1').copy(bytes);
+    more(bytes);
+    return bytes;
+  };
+  return {
+    png: of('\x89PNG\r\n\x1a\n\0\0\0\rIHDR', (b) => b.writeUInt32BE(width, 16) && b.writeUInt32BE(height, 20)),
+    gif: of('GIF89a', (b) => b.writeUInt16LE(width, 6) && b.writeUInt16LE(height, 8)),
+    bmp: of('BM', (b) => b.writeUInt32LE(40, 14) && b.writeInt32LE(width, 18) && b.writeInt32LE(height, 22)),
+    'bmp from the top': of('BM', (b) => b.writeUInt32LE(40, 14) && b.writeInt32LE(width, 18) && b.writeInt32LE(-height, 22)),
+    'bmp of the old kind': of('BM', (b) => b.writeUInt32LE(12, 14) && b.writeUInt16LE(width, 18) && b.writeUInt16LE(height, 20)),
+  };
+}
+
+test('a photograph is measured by its header, whatever its kind, before the browser decodes it', async () => {
+  for (const [name, bytes] of Object.entries(heads(16000, 15000))) {
+    assert.deepEqual(pictureSize(bytes), [16000, 15000], name);
+    await assert.rejects(readPicture(new Blob([bytes])), { code: 'too_large' }, name); // this is no browser: decoding would fail otherwise
   }
 });

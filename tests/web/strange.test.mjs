@@ -126,6 +126,12 @@ const HOSTILE = {
   'a view beyond its buffer': [(json) => (json.bufferViews[9].byteLength = 2 ** 31), 'damaged', /bufferViews\[9\]/],
   'a buffer of 2 GB': [(json) => (json.buffers[0].byteLength = 2 ** 31), 'damaged', /buffers\[0\]/],
   'an accessor of 2 GB': [(json) => json.accessors.push({ componentType: 5126, type: 'VEC4', count: 2 ** 27 }), 'too-large', /accessors\[\d+\]/],
+  'many views of a few bytes that unpack to 48 MB each': [(json) => {
+    const fallback = json.buffers.push({ byteLength: 48e6, extensions: { EXT_meshopt_compression: { fallback: true } } }) - 1;
+    json.extensionsUsed = [...(json.extensionsUsed ?? []), 'EXT_meshopt_compression'];
+    for (let i = 0; i < 64; i++)
+      json.bufferViews.push({ buffer: fallback, byteLength: 48e6, extensions: { EXT_meshopt_compression: { buffer: 0, byteLength: 48, byteStride: 12, count: 4e6, mode: 'ATTRIBUTES' } } });
+  }, 'too-large', /bufferViews\[\d+\]: more than \d+ bytes up to here/],
   'a sparse one beyond its bytes': [(json) => (json.accessors.find(({ sparse }) => sparse).sparse.count = 7000), 'damaged', /sparse/],
   'a type that there is not': [(json) => (json.accessors[2].type = 'VEC9'), 'damaged', /accessors\[2\]/],
   'a mesh drawn ten thousand times': [(json) => { for (let i = 0; i < 10000; i++) json.scenes[0].nodes.push(json.nodes.push({ mesh: 0 }) - 1); }, 'too-large', /vertices/],

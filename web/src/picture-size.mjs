@@ -15,19 +15,20 @@ export function pictureTrouble(bytes, most = MOST_PIXELS, kinds = ['png', 'jpeg'
   return width > 0 && height > 0 && width * height <= most ? null : `has ${width} x ${height} points: it may have ${most}`;
 }
 
-/** @param {Uint8Array} bytes @returns {'png'|'jpeg'|'webp'|'gif'|'avif'|'ktx2'|null} avif: HEIC, too */
+/** @param {Uint8Array} bytes @returns {'png'|'jpeg'|'webp'|'gif'|'avif'|'bmp'|'ktx2'|null} avif: HEIC, too */
 export function pictureKind(bytes) {
   const text = (at, length) => String.fromCharCode(...bytes.subarray(at, at + length));
   if (text(1, 3) === 'PNG') return 'png';
   if (text(1, 6) === 'KTX 20') return 'ktx2';
   if (text(0, 4) === 'RIFF' && text(8, 4) === 'WEBP') return 'webp';
   if (text(0, 4) === 'GIF8') return 'gif';
+  if (text(0, 2) === 'BM') return 'bmp';
   if (text(4, 4) === 'ftyp') return 'avif';
   return bytes[0] === 0xff && bytes[1] === 0xd8 ? 'jpeg' : null;
 }
 
 /**
- * @param {Uint8Array} bytes of a PNG, JPEG, WebP, GIF, AVIF or KTX2
+ * @param {Uint8Array} bytes of a PNG, JPEG, WebP, GIF, AVIF, BMP or KTX2
  * @returns {[number, number]|null} null: it is none of these, or says nothing
  */
 export function pictureSize(bytes) {
@@ -40,6 +41,8 @@ export function pictureSize(bytes) {
       return [view.getUint32(20, true), view.getUint32(24, true)];
     case 'webp':
       return ofWebp(view, String.fromCharCode(...bytes.subarray(12, 16)));
+    case 'bmp':
+      return ofBmp(view);
     case 'gif':
       return ofGif(view);
     case 'avif':
@@ -56,6 +59,12 @@ function ofWebp(view, kind) {
   if (kind === 'VP8X') return [1 + three(24), 1 + three(27)];
   if (kind === 'VP8L') return [1 + (view.getUint32(21, true) & 0x3fff), 1 + ((view.getUint32(21, true) >> 14) & 0x3fff)];
   return kind === 'VP8 ' ? [view.getUint16(26, true) & 0x3fff, view.getUint16(28, true) & 0x3fff] : null;
+}
+
+/** The oldest header has 12 bytes; in others a height below 0 means lines from the top. */
+function ofBmp(view) {
+  if (view.getUint32(14, true) === 12) return [view.getUint16(18, true), view.getUint16(20, true)];
+  return [18, 22].map((at) => Math.abs(view.getInt32(at, true)));
 }
 
 /** The screen, or the first picture where that is larger. */

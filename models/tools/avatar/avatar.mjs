@@ -3,8 +3,8 @@
  * A head as an avatar for others: a GLB with ARKit's 52 shapes and the 15 visemes as morph targets, bones, and the expressions of
  * VRM 1.0. A target is the head at the FAPs of its definition, less the head at rest.
  */
-import sharp from 'sharp';
 import { pose } from '../lib/deform.mjs';
+import { openTexture } from '../lib/image.mjs';
 import { Glb } from './glb.mjs';
 import { ARKIT, VISEMES } from './shapes.mjs';
 import { EYE_HEIGHT, JOINTS, bonesOf, skinOf } from './skeleton.mjs';
@@ -77,7 +77,7 @@ async function addTexture(glb, { data }, { texture: name, alpha }) {
   const { json } = glb;
   const known = json.images.findIndex((image) => image.name === name);
   if (known >= 0) return known;
-  const image = sharp(Buffer.from(data, 'base64'));
+  const image = openTexture(data);
   const opaque = alpha === 'opaque';
   const bytes = await (opaque ? image.flatten().jpeg({ quality: 90 }) : image.png({ compressionLevel: 9 })).toBuffer();
   json.images.push({ name, mimeType: opaque ? 'image/jpeg' : 'image/png', bufferView: glb.view(bytes) });

@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Reading, recolouring and writing images as plain RGBA numbers. */
 import sharp from 'sharp';
+import { ModelError } from '../../../web/src/head/model-error.mjs';
+import { MOST_PIXELS, pictureTrouble } from '../../../web/src/picture-size.mjs';
 import { hex, luma, ramp } from './color.mjs';
+
+/** Opens a texture of a head, whose file anybody may have made. @param {string} data base64 @throws {ModelError} before it is decoded */
+export function openTexture(data) {
+  const bytes = Buffer.from(data, 'base64');
+  const trouble = pictureTrouble(bytes);
+  if (trouble) throw new ModelError('textures', `one ${trouble}`);
+  return sharp(bytes, { limitInputPixels: MOST_PIXELS });
+}
 
 /** @returns {Promise<{size: number, data: Float32Array}>} RGBA, 0..255, square, scaled with a cubic kernel */
 export async function readImage(file, size) {

@@ -3,12 +3,12 @@
  * A picture of a head, drawn without a graphics processor: posters, and previews of recipes. It draws as the client does at its
  * best, so that nothing jumps when the client's own picture takes the place of the poster.
  */
-import sharp from 'sharp';
 import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
 import { lidsAt, lidsOf } from '../../../web/src/head/lids.mjs';
 import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
 import { CLEAR, isAiry, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
 import { pose } from './deform.mjs';
+import { openTexture } from './image.mjs';
 import { normals } from './mesh.mjs';
 import { shadePoint, toLinear } from './shading.mjs';
 
@@ -71,7 +71,7 @@ function texturesOf(head) {
 async function readTextures(head) {
   const out = {};
   for (const [name, { data }] of Object.entries(head.textures)) {
-    const { data: pixels, info } = await sharp(Buffer.from(data, 'base64')).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
+    const { data: pixels, info } = await openTexture(data).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
     out[name] = { pixels, width: info.width, height: info.height };
   }
   return out;

@@ -2,6 +2,7 @@
 /** Reading pictures of people, and the textures of heads. */
 import sharp from 'sharp';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { openTexture } from '../lib/image.mjs';
 
 const MOST_PIXELS = 100e6;
 const LONGEST = 3000; // pixels: more is not needed for a texture
@@ -27,7 +28,7 @@ export async function flat(file) {
 
 export const textures = {
   async read({ data }) {
-    const { data: pixels, info } = await sharp(Buffer.from(data, 'base64')).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
+    const { data: pixels, info } = await openTexture(data).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
     return { data: pixels, width: info.width, height: info.height };
   },
   async write({ data, width, height }) {

@@ -163,6 +163,9 @@ static int end(struct alignment_job *job) {
     int status = 0;
     if (job->fd >= 0)
         close(job->fd);
+    /* changes nothing of an exit that has begun, and waits for no process that goes on */
+    if (job->pid)
+        kill(-job->pid, SIGKILL);
     while (job->pid && waitpid(job->pid, &status, 0) < 0 && errno == EINTR)
         continue;
     job->fd = -1;

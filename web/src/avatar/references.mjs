@@ -6,6 +6,7 @@ import { AvatarProblem } from './problem.mjs';
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
 const SIZES = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
 const MOST_NUMBERS = 1 << 26; // in all accessors together
+const MOST_UNPACKED = 4 * MOST_NUMBERS; // bytes, of all views together: a view of a few bytes may unpack to millions
 const MOST_VERTICES = 1 << 22; // as drawn, each as often as it is
 const MOST_DEEP = 500; // nodes within nodes
 const MOST_NODES = 20000;
@@ -35,6 +36,7 @@ export function checkReferences(json) {
   };
   const may = (name, i, place) => (i === undefined ? null : need(name, i, place));
 
+  let unpacked = 0;
   of('bufferViews').forEach((view, i) => {
     const packed = view.extensions?.[MESHOPT];
     for (const [{ buffer, byteOffset = 0, byteLength }, place] of [[view, `bufferViews[${i}]`], ...(packed ? [[packed, `bufferViews[${i}].extensions.${MESHOPT}`]] : [])]) {
@@ -44,7 +46,8 @@ export function checkReferences(json) {
     const { count, byteStride } = packed ?? {};
     if (packed && !(isWhole(count) && isWhole(byteStride) && count * byteStride === view.byteLength))
       throw damaged(`bufferViews[${i}]`, `${count} elements of ${byteStride} bytes are not its ${view.byteLength} bytes`);
-    if (packed && view.byteLength > 4 * MOST_NUMBERS) throw tooLarge(`bufferViews[${i}]`, `has ${view.byteLength} bytes when it is unpacked`);
+    if (packed) unpacked += view.byteLength;
+    if (unpacked > MOST_UNPACKED) throw tooLarge(`bufferViews[${i}]`, `more than ${MOST_UNPACKED} bytes up to here when they are unpacked`);
   });
 
   let numbers = 0;
