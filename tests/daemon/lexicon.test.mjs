@@ -92,7 +92,7 @@ test('SSML names lexicons of the folder, and is told with its place what cannot 
   for (const uri of ['../it.pls', 'http://127.0.0.1/names.pls', path.join(folder, 'it.pls'), 'none.pls']) {
     const { warnings } = await ssml(`<lexicon uri="${uri}" xml:id="n"/><lookup ref="n">Gatto e Anna</lookup>.`);
     assert.deepEqual(warnings.map(({ code }) => code), ['bad-value', 'bad-value'], uri);
-    assert.deepEqual(warnings.map(({ message }) => message.match(/^1:\d+: \w+/)?.[0]), ['1:45: uri', `1:${67 + uri.length + 4}: ref`]);
+    assert.deepEqual(warnings.map(({ message }) => message.match(/^1:\d+: \w+/)?.[0]), ['1:45: uri', `1:${72 + uri.length}: ref`]);
   }
 });
 
