@@ -221,6 +221,25 @@ void cli_complain_of(const struct error *e) {
     cli_complain("%s (%s)", error_text(e, text, sizeof text), error_name(e->code));
 }
 
+void cli_lexicons_add(struct cli_lexicons *l, char *path) {
+    l->files = mem_grow(l->files, &l->cap, l->count + 1, sizeof *l->files);
+    l->files[l->count++] = path;
+}
+
+const struct settings *cli_lexicons_with(struct cli_lexicons *l, const struct settings *settings) {
+    for (char *const *file = settings->lexicons; file && *file; file++)
+        cli_lexicons_add(l, *file);
+    cli_lexicons_add(l, NULL);
+    l->settings = *settings;
+    l->settings.lexicons = l->files;
+    return &l->settings;
+}
+
+void cli_lexicons_free(struct cli_lexicons *l) {
+    free(l->files);
+    *l = (struct cli_lexicons){0};
+}
+
 int cli_load(struct components *components, const struct settings *settings, unsigned wanted,
              uv_loop_t *loop) {
     struct error e;

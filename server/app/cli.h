@@ -48,6 +48,16 @@ int cli_option_count(int argc, char **argv, const char *letters, const struct op
  * exit code after a message or the usage, or -1 to continue with argv from optind on. */
 int cli_options(int argc, char **argv, const char *usage, const struct cli_option *list, void *ctx);
 
+/* The settings with the files of a command's --lexicon, which go before those of the settings. */
+struct cli_lexicons {
+    struct settings settings; /* a copy; borrows all but the list */
+    char **files;
+    size_t count, cap;
+};
+void cli_lexicons_add(struct cli_lexicons *lexicons, char *path);
+const struct settings *cli_lexicons_with(struct cli_lexicons *lexicons, const struct settings *settings);
+void cli_lexicons_free(struct cli_lexicons *lexicons);
+
 /* Exit codes: 0 success, 1 failure, 2 wrong usage. */
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
@@ -101,6 +111,7 @@ int hear_main(int argc, char **argv, const struct settings *settings);
 int fap_main(int argc, char **argv, const struct settings *settings);
 int life_main(int argc, char **argv, const struct settings *settings);
 int read_main(int argc, char **argv, const struct settings *settings);
+int lexicon_main(int argc, char **argv, const struct settings *settings);
 int check_main(int argc, char **argv, const struct settings *settings);
 int library_main(int argc, char **argv, const struct settings *settings);
 int expressions_main(int argc, char **argv, const struct settings *settings);

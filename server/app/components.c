@@ -55,6 +55,27 @@ static int load_hearing(struct components *s, const struct settings *settings, c
     return s->live.network ? 0 : fail_in(path, &inner, e);
 }
 
+/* Logs the faults of entries: the others act. */
+static void tell_faults(const struct lexicon *lexicon, const char *path) {
+    size_t count;
+    const struct error *faults = lexicon_warnings(lexicon, &count);
+    for (size_t i = 0; i < count; i++)
+        log_warn("%s:%zu:%zu: %s", path, faults[i].line, faults[i].column, faults[i].message);
+}
+
+static int load_lexicons(struct components *s, const struct settings *settings, struct error *e) {
+    for (char *const *file = settings->lexicons; file && *file; file++) {
+        if (lexicons_load(&s->lexicons, *file, e))
+            return -1;
+        tell_faults(s->lexicons.list[s->lexicons.count - 1], *file);
+    }
+    if (settings->lexicon_folder && lexicons_load_folder(&s->named_lexicons, settings->lexicon_folder, e))
+        return -1;
+    for (size_t i = 0; i < s->named_lexicons.count; i++)
+        tell_faults(s->named_lexicons.list[i], lexicon_name(s->named_lexicons.list[i]));
+    return 0;
+}
+
 int components_load(struct components *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
                     struct error *e) {
     char path[PATH_BYTES];
@@ -69,7 +90,8 @@ int components_load(struct components *s, const struct settings *settings, unsig
     if (wanted & COMPONENTS_EXPRESSIONS && components_load_expressions(s, settings, e))
         return -1;
     if (wanted & COMPONENTS_NORMALIZATION &&
-        normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
+        (normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e) ||
+         load_lexicons(s, settings, e)))
         return -1;
     if (wanted & COMPONENTS_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
         return -1;
@@ -81,6 +103,8 @@ int components_load(struct components *s, const struct settings *settings, unsig
             face_high_level_new(speech_packs_find(&s->packs, SPEECH_PACK_GENERAL), s->pipeline.expressions);
     s->pipeline.high_level = s->high_level;
     s->pipeline.normalizers = &s->normalizers;
+    s->pipeline.lexicons = &s->lexicons;
+    s->pipeline.named_lexicons = &s->named_lexicons;
     return 0;
 }
 
@@ -102,6 +126,8 @@ void components_free(struct components *s) {
     expressions_free(s->pipeline.expressions);
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
+    lexicons_free(&s->lexicons);
+    lexicons_free(&s->named_lexicons);
     boundary_table_free(s->boundaries);
     lip_network_free(s->live.network);
     *s = (struct components){0};

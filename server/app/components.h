@@ -4,6 +4,7 @@
 #define FACCIA_APP_COMPONENTS_H
 
 #include "server/app/settings.h"
+#include "server/normalize/lexicon.h"
 #include "server/synthesis/live_voice.h"
 #include "server/synthesis/synthesis.h"
 
@@ -11,7 +12,7 @@
 enum {
     COMPONENTS_SPEECH = 1u << 0,        /* speech packs */
     COMPONENTS_EXPRESSIONS = 1u << 1,   /* including the meaning of FAP 1 and 2; needs the packs */
-    COMPONENTS_NORMALIZATION = 1u << 2, /* words for numbers, dates and amounts */
+    COMPONENTS_NORMALIZATION = 1u << 2, /* words for numbers, dates and amounts; lexicons */
     COMPONENTS_BOUNDARIES = 1u << 3,    /* corrections of phone boundaries, by voice */
     COMPONENTS_HEARING = 1u << 4,       /* lips for live voices, if the models include a network for them */
     COMPONENTS_ALL = COMPONENTS_SPEECH | COMPONENTS_EXPRESSIONS | COMPONENTS_NORMALIZATION |
@@ -22,6 +23,7 @@ struct components {
     struct speech_packs packs;
     struct face_high_level *high_level;
     struct normalizers normalizers;
+    struct lexicons lexicons, named_lexicons;
     struct boundary_table *boundaries;
     struct live_pool live;
     struct pipeline pipeline; /* all of the above and the expressions; the caller fills in the rest */

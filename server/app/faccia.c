@@ -28,6 +28,7 @@ static const struct {
     {"life", life_main, "what the face does of itself, in figures"},
     {"library", library_main, "read a folder of works and tell what is in it, and what is wrong"},
     {"read", read_main, "tell how a text is read aloud, word by word"},
+    {"lexicon", lexicon_main, "check a file of pronunciations"},
     {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"token", token_main, "sign a token for a daemon that demands them"},
 };

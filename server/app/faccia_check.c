@@ -16,12 +16,14 @@ static const char usage[] =
     "\n"
     "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the "
     "root element\n"
+    "      --lexicon FILE how to say words (W3C PLS); may be repeated: its faults are told too\n"
     "  -s, --score        also write what was understood\n";
 
 struct check {
     const struct markup_kind *kind;
     bool score;
     const struct expressions *expressions;
+    const char *const *lexicons; /* names that texts may give */
 };
 
 static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
@@ -75,7 +77,7 @@ static int check(const struct check *c, const char *path) {
         read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
     if (kind == markup_by_name("plain"))
         kind = c->kind;
-    struct markup_rules rules = {.affects = expressions_affects(c->expressions)};
+    struct markup_rules rules = {.affects = expressions_affects(c->expressions), .lexicons = c->lexicons};
     if (read)
         document = markup_read(kind, (const char *)text.data, text.size, &rules, &e);
     if (!document)
@@ -96,11 +98,14 @@ static int check(const struct check *c, const char *path) {
     return failed;
 }
 
-int check_main(int argc, char **argv, const struct settings *settings) {
+static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struct settings *settings) {
     enum { HELP = 256 };
-    static const struct option options[] = {
-        {"markup", 1, NULL, 'm'}, {"score", 0, NULL, 's'}, {"help", 0, NULL, HELP}, {0}};
-    struct check c = {markup_by_name("auto"), false, NULL};
+    static const struct option options[] = {{"markup", 1, NULL, 'm'},
+                                            {"score", 0, NULL, 's'},
+                                            {"lexicon", 1, NULL, 'X'},
+                                            {"help", 0, NULL, HELP},
+                                            {0}};
+    struct check c = {.kind = markup_by_name("auto")};
     int most = cli_option_count(argc, argv, "m:sh", options);
     for (int o; (o = getopt_long(most, argv, "m:sh", options, NULL)) != -1;) {
         switch (o) {
@@ -112,6 +117,9 @@ int check_main(int argc, char **argv, const struct settings *settings) {
             return EXIT_USAGE;
         case 's':
             c.score = true;
+            break;
+        case 'X':
+            cli_lexicons_add(lexicons, optarg);
             break;
         case 'h':
         case HELP:
@@ -126,11 +134,13 @@ int check_main(int argc, char **argv, const struct settings *settings) {
         return EXIT_USAGE;
     }
     struct components components;
-    if (cli_load(&components, settings, COMPONENTS_EXPRESSIONS, NULL)) {
+    if (cli_load(&components, cli_lexicons_with(lexicons, settings),
+                 COMPONENTS_EXPRESSIONS | COMPONENTS_NORMALIZATION, NULL)) {
         components_free(&components);
         return EXIT_FAILED;
     }
     c.expressions = components.pipeline.expressions;
+    c.lexicons = components.named_lexicons.names;
     struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)
@@ -138,4 +148,11 @@ int check_main(int argc, char **argv, const struct settings *settings) {
             result = EXIT_FAILED;
     components_free(&components);
     return cli_finish(&out, true) ? EXIT_FAILED : result;
+}
+
+int check_main(int argc, char **argv, const struct settings *settings) {
+    struct cli_lexicons lexicons = {0};
+    int result = run(&lexicons, argc, argv, settings);
+    cli_lexicons_free(&lexicons);
+    return result;
 }

@@ -230,6 +230,7 @@ static const char usage[] =
     "      --voice-file FILE  somebody's recorded voice in place of a text, as 'faccia hear FILE'\n"
     "      --open           speak standard input (-) while it is written\n"
     "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
+    "      --lexicon FILE   how to say words (W3C PLS); may be repeated\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
     "      --fapc FILE      the same at a few kilobits a second\n"
@@ -260,6 +261,7 @@ struct say {
     struct synthesis *synthesis;
     struct output outputs[OUTPUTS];
     const char *sounds, *puppet; /* NULL = none */
+    struct cli_lexicons lexicons;
     struct osc_play *osc;
     struct cli_written written; /* of an open text */
     bool failed, finished, spoken;
@@ -382,6 +384,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"vtt", 1, NULL, OUTPUT_OPTION + VTT},
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"osc", 1, NULL, 'P'},
+        {"lexicon", 1, NULL, 'X'},
         {"voice-file", 1, NULL, 'S'},
         {"help", 0, NULL, 'h'},
         {0},
@@ -402,6 +405,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             continue;
         }
         switch (c) {
+        case 'X':
+            cli_lexicons_add(&s->lexicons, optarg);
+            break;
         case 'S':
             return HEARD;
         case 'h':
@@ -471,9 +477,11 @@ int say_main(int argc, char **argv, const struct settings *settings) {
         optind = 0; /* restarts the scan */
         status = hear_main(argc, argv, settings);
     } else if (status < 0) {
-        status = cli_open(&s.cli, settings) ? EXIT_FAILED : speak(&s, &request);
+        status =
+            cli_open(&s.cli, cli_lexicons_with(&s.lexicons, settings)) ? EXIT_FAILED : speak(&s, &request);
         cli_close(&s.cli);
     }
+    cli_lexicons_free(&s.lexicons);
     request_free(&request);
     buf_free(&text);
     return status;

@@ -28,6 +28,8 @@ struct settings {
     unsigned cluster_keep_hours;
     unsigned cluster_queue; /* sentences that may wait for remote workers, per voice queue */
     const char *lang;
+    char *const *lexicons;          /* files of pronunciations, by precedence; NULL = none */
+    const char *lexicon_folder;     /* of those that texts may name; NULL = none */
     enum face_contacts contacts;    /* for requests that say "engine" */
     const char *secret_file;        /* NULL = none */
     const char *revoked_file;       /* NULL = none */

@@ -40,6 +40,9 @@ const struct setting settings_table[] = {
      "FILE", "tokens that count no more, as 'faccia token --revoke' writes them (one in each line)"},
     {"speech.lang", "lang", SETTING_STRING, MEMBER(lang), FOR_BOTH, 0, 0, "it", "TAG",
      "language of requests that name none"},
+    {"speech.lexicons", "lexicon", SETTING_LIST, MEMBER(lexicons), FOR_BOTH, 0, 0, NULL, "FILE",
+     "pronunciations for all texts, in the Pronunciation Lexicon Specification of the W3C (PLS); may be "
+     "repeated: for the same words, the first file has the say"},
     {"speech.contacts", "contacts", SETTING_CHOICE, MEMBER(contacts), FOR_BOTH, 0, 0, "engine",
      "engine|on|off",
      "whether lips that must touch do so whatever the engine makes, in requests that do not say on or off"},
@@ -166,6 +169,8 @@ const struct setting settings_table[] = {
     {"paths.library_index", "library-index", SETTING_STRING, MEMBER(index), FOR_DAEMON, 0, 0, NULL, "FILE",
      "the index of the library, made when it is not there; without it, a file in the cache folder: that of "
      "systemd, or faccia/ in $XDG_CACHE_HOME or ~/.cache"},
+    {"paths.lexicons", "lexicons", SETTING_FOLDER, MEMBER(lexicon_folder), FOR_BOTH, 0, 0, NULL, "DIR",
+     "pronunciations that texts may name (SSML's lexicon): its .pls files"},
     {"paths.audio", "audio", SETTING_FOLDER, MEMBER(sounds), FOR_BOTH, 0, 0, NULL, "DIR",
      "sound files that texts may name (SSML's audio)"},
 };

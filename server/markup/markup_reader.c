@@ -125,6 +125,7 @@ void reader_say(struct markup_reader *r, const struct frame *frame, const char *
                           .end = r->end,
                           .style = style,
                           .depth = frame->style_depth,
+                          .given = text == frame->value,
                           .atomic = bytes <= READER_ONE_BYTES};
     if (bytes)
         passage_text(&r->passage, text, bytes, piece);

@@ -23,8 +23,11 @@ struct markup_rules {
     bool markdown_out;                /* remove Markdown marks and emoji first; for complete plain texts */
     const struct affects *affects;    /* known affects; NULL: names stay unchanged */
     const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */
+    const char *const
+        *lexicons; /* names that a text may give (SSML's lexicon), NULL-terminated; NULL: none */
     bool lenient;  /* no kind was stated: tags of a malformed document are left out, not an error */
     double paused; /* length of all pauses earlier in the text, s */
+    void *context; /* for the functions of a vocabulary of its own (pls.c) */
     struct work_limit *limit; /* ends reading with "cancelled" or "text-too-long"; may be NULL */
 };
 

@@ -17,6 +17,7 @@
 struct piece {
     enum score_kind kind;
     bool verbatim;      /* its text is input[start..end) */
+    bool given;         /* what the author says in place of the text */
     bool atomic;        /* indivisible: no sentence, style or word crosses its ends */
     size_t flat, bytes; /* its text in the flat text; other kinds: position */
     size_t start, end;  /* bytes of the input */

@@ -41,6 +41,7 @@ static void emit(struct flush *f, const struct run *run, size_t from, size_t to)
     struct score_item *item = score_add(p->score, piece->kind, start, end);
     item->style = run->style;
     item->verbatim = piece->verbatim;
+    item->given = piece->given;
     item->seconds = piece->seconds;
     item->text = piece->name;
     if (piece->kind == SCORE_TEXT)

@@ -46,6 +46,8 @@ struct score_style {
     enum score_emphasis emphasis;
     const char *say_as;   /* NULL = as usual */
     const char *phonemes; /* IPA that replaces the text, or NULL */
+    const char *lexicons; /* names of lexicons to look words up in first (SSML's lookup), each followed by a
+                             line end, by precedence; NULL = none */
     struct score_emotion emotion;
 };
 
@@ -86,6 +88,7 @@ struct score_item {
     size_t start, end;              /* bytes of the input */
     const char *text;               /* SCORE_TEXT: UTF-8; SCORE_MARK: its name; SCORE_AUDIO: src as written */
     bool verbatim;                  /* text is exactly input[start..end): offsets map one to one */
+    bool given;                     /* the author wrote what to say in place of the text (sub) */
     const struct score_part *parts; /* of a script's text: cover it, in order; NULL: start to end */
     size_t part_count;
     double seconds;  /* SCORE_BREAK */

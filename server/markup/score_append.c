@@ -17,6 +17,7 @@ static const struct score_style *keep_style(struct score *to, const struct score
     copy.gender = keep(to, style->gender);
     copy.say_as = keep(to, style->say_as);
     copy.phonemes = keep(to, style->phonemes);
+    copy.lexicons = keep(to, style->lexicons);
     copy.emotion.name = keep(to, style->emotion.name);
     return score_keep_style(to, &copy);
 }
@@ -42,6 +43,7 @@ static void add_items(struct score *to, const struct score *from, size_t (*place
         last = item->style;
         copy->text = keep(to, item->text);
         copy->verbatim = item->verbatim;
+        copy->given = item->given;
         keep_parts(to, copy, item, place, ctx);
         copy->seconds = item->seconds;
         copy->fallback = item->fallback;

@@ -104,9 +104,86 @@ static void end_audio(struct markup_reader *r, struct frame *frame) {
         r->audio = 0;
 }
 
+/* Lexicons of a document, in the value of its frame: ID, a line end, NAME, a line end... */
+enum { LEXICONS = 16 };
+
+static struct frame *document_of(struct markup_reader *r) {
+    for (size_t i = 1; i < r->depth; i++)
+        if (r->frames[i].element && !strcmp(r->frames[i].element->name, "speak"))
+            return &r->frames[i];
+    return NULL;
+}
+
+static const char *past_line(const char *s) {
+    s += strcspn(s, "\n");
+    return *s ? s + 1 : s;
+}
+
+/* Name of the document's lexicon with its line end, or NULL. *count: lexicons of the document. */
+static const char *lexicon_of(const struct frame *document, const char *id, size_t *count) {
+    const char *found = NULL;
+    *count = 0;
+    for (const char *s = document && document->value ? document->value : ""; *s;
+         s = past_line(past_line(s))) {
+        size_t n = strlen(id);
+        if (!strncmp(s, id, n) && s[n] == '\n')
+            found = past_line(s);
+        ++*count;
+    }
+    return found;
+}
+
+static bool is_there(const struct markup_reader *r, const char *name) {
+    for (const char *const *known = r->rules ? r->rules->lexicons : NULL; known && *known; known++)
+        if (!strcmp(*known, name))
+            return true;
+    return false;
+}
+
 static void begin_lexicon(struct markup_reader *r, struct tag *tag) {
-    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on: no lexicon is loaded",
-               tag->frame->element->name);
+    const char *uri = tag_take(tag, "uri"), *id = tag_take(tag, "xml:id");
+    const char *type = tag_take(tag, "type");
+    struct frame *document = document_of(r);
+    size_t count;
+    if (!uri || !id || !*id || strchr(id, '\n')) {
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE,
+                   "a lexicon has its file in uri, and in xml:id the name by which lookup asks for it");
+    } else if (type && strcasecmp(type, "application/pls+xml") != 0) {
+        tag_bad(tag, "type", "is not application/pls+xml: the lexicon is not used");
+    } else if (!is_there(r, uri)) {
+        tag_bad(tag, "uri", "is no lexicon of the server's folder: words are read as without it");
+    } else if (lexicon_of(document, id, &count)) {
+        tag_bad(tag, "xml:id", "stands at an earlier lexicon, which is used");
+    } else if (!document || count == LEXICONS) {
+        score_warn(r->score, tag->at, ERROR_IGNORED, "a document may have %d lexicons: this one is not used",
+                   LEXICONS);
+    } else {
+        struct buf all = {0};
+        buf_printf(&all, "%s%s\n%s\n", document->value ? document->value : "", id, uri);
+        document->value = score_strndup(r->score, (char *)all.data, all.size);
+        buf_free(&all);
+    }
+}
+
+/* The inner lexicon goes before the outer one. */
+static void begin_lookup(struct markup_reader *r, struct tag *tag) {
+    const char *ref = tag_take(tag, "ref"), *outer = tag->frame->style.lexicons;
+    size_t count;
+    if (!ref) {
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "lookup has the lexicon's name in ref");
+        return;
+    }
+    const char *name = lexicon_of(document_of(r), ref, &count);
+    if (!name) {
+        tag_bad(tag, "ref", "is no lexicon that is used: words are read as without it");
+        return;
+    }
+    struct buf all = {0};
+    buf_add(&all, name, strcspn(name, "\n") + 1);
+    if (outer)
+        buf_add(&all, outer, strlen(outer));
+    tag->frame->style.lexicons = score_strndup(r->score, (char *)all.data, all.size);
+    buf_free(&all);
 }
 
 /* The style names an emotion. Intensity is 0.7 at the default degree, and limited to 1 for the vendor's
@@ -157,8 +234,8 @@ static const struct element elements[] = {
     {.name = "lexicon",
      .flags = ELEMENT_SILENT,
      .begin = begin_lexicon,
-     .quiet = " uri type fetchtimeout maxage maxstale "},
-    {.name = "lookup", .begin = begin_lexicon, .quiet = " ref "},
+     .ignored = " fetchtimeout maxage maxstale "},
+    {.name = "lookup", .begin = begin_lookup},
     {.name = "mark", .begin = begin_mark},
     {.name = "meta", .flags = ELEMENT_SILENT, .quiet = " name http-equiv content "},
     {.name = "metadata", .flags = ELEMENT_SILENT},

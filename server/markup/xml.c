@@ -60,7 +60,8 @@ static bool same(const char *a, const char *b) {
 static bool same_style(const struct score_style *a, const struct score_style *b) {
     return same(a->lang, b->lang) && same(a->voice, b->voice) && same(a->gender, b->gender) &&
            a->rate == b->rate && a->pitch == b->pitch && a->range == b->range && a->volume == b->volume &&
-           a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes);
+           a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes) &&
+           same(a->lexicons, b->lexicons);
 }
 
 static void take_common(struct markup_reader *r, struct tag *tag) {

@@ -16,6 +16,7 @@ struct speech_packs;
 struct expressions;
 struct face_high_level;
 struct normalizers;
+struct lexicons;
 struct live_pool;
 
 /* All borrowed. */
@@ -26,6 +27,8 @@ struct pipeline {
     const struct expressions *expressions;    /* may be replaced by a reload: holders take a reference */
     const struct face_high_level *high_level; /* NULL = ignore FAP 1 and 2 of recordings */
     const struct normalizers *normalizers;    /* NULL = leave say-as to the voices */
+    const struct lexicons *lexicons;          /* for all texts; NULL = none */
+    const struct lexicons *named_lexicons;    /* for texts that name them; NULL = none */
     const char *default_lang;
     enum face_contacts default_contacts; /* for requests that say "engine" */
     const struct reader *reader;         /* decodes untrusted sound (sound_reader.h); NULL = none */

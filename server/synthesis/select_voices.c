@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
+#include "server/normalize/lexicon.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/sentence.h"
 #include <stdlib.h>
@@ -259,16 +260,55 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
         .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
+        .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
 }
 
-static void normalize(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
-    struct score *script = r->score;
+/* Gives each of the script's items the voice or sound of the item that it was: was[i]. */
+static void follow_items(struct voice_selection *chosen, const size_t *was, size_t count) {
+    struct voice_selection *now = voice_selection_new(count);
+    for (size_t i = 0; i < count; i++) {
+        now->voices[i] = chosen->voices[was[i]];
+        now->sounds[i] = chosen->sounds[was[i]];
+        chosen->sounds[was[i]] = NULL; /* only texts are cut */
+    }
+    struct voice_selection old = *chosen;
+    *chosen = *now;
+    *now = old;
+    voice_selection_free(now);
+}
+
+static const char **languages_of(const struct synthesis *s, const struct reading_result *r) {
+    const struct score *script = r->score;
     const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < script->item_count; i++) {
         const struct voice *voice = r->chosen->voices[i];
         langs[i] = voice ? reading_lang(s, script->items[i].style->lang, voice->lang) : NULL;
     }
+    return langs;
+}
+
+static void say_by_lexicons(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
+    const struct lexicons *all = s->pipeline->lexicons, *named = s->pipeline->named_lexicons;
+    if (!(all && all->count) && !(named && named->count))
+        return;
+    const char **langs = languages_of(s, r);
+    for (size_t i = 0; i < r->score->item_count; i++) {
+        const struct voice *voice = r->chosen->voices[i];
+        if (voice &&
+            voice->capabilities & FACCIA_VOICE_CONTEXT) /* it finds people's recordings by the text */
+            langs[i] = NULL;
+    }
+    size_t *was = lexicons_apply(all, named, r->score, langs, (const void *const *)r->chosen->voices, limit);
+    if (was)
+        follow_items(r->chosen, was, r->score->item_count);
+    free(was);
+    free(langs);
+}
+
+static void normalize(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
+    struct score *script = r->score;
+    const char **langs = languages_of(s, r);
     if (s->request.normalize == NORMALIZE_OFF)
         for (size_t i = 0; i < script->item_count && !work_limit_over(limit); i++)
             normalizers_apply(s->pipeline->normalizers, script, i, langs[i] ? langs[i] : "");
@@ -287,6 +327,7 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
     if (s->expressions)
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
+    say_by_lexicons(s, r, limit);
     if (pipeline->normalizers)
         normalize(s, r, limit);
 }

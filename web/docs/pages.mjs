@@ -75,7 +75,7 @@ export const sidebar = [
   group('Frameworks', ['Plain HTML', 'frameworks/'], ['React', 'frameworks/react'], ['Vue', 'frameworks/vue'], ['Svelte', 'frameworks/svelte']),
   group('Home', ['Screens and desks', 'home/'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
   group('Library', ['A library that speaks', 'library/'], ['Into your own site', 'library/embedding'], ['Over HTTP', 'library/protocol']),
-  group('Markup', ['Mark up a text', 'markup/'], ['What each element does', 'markup/elements'], ['Expressions', 'markup/expressions'], ['Gestures', 'markup/gestures'], ['Numbers and dates', 'markup/reading']),
+  group('Markup', ['Mark up a text', 'markup/'], ['What each element does', 'markup/elements'], ['Expressions', 'markup/expressions'], ['Gestures', 'markup/gestures'], ['Numbers and dates', 'markup/reading'], ['Lexicons', 'markup/lexicons']),
   group('Voices', ['Choose a voice', 'voices/'], ['Plugins', 'voices/plugins'], ['Speech packs', 'voices/speech-packs'], ['Phone boundaries', 'voices/boundaries']),
   group('Heads', ['Choose a head', 'heads/'], ['Making heads', 'heads/making'], ["A speaker's own lips", 'heads/lips'], ['Heads as avatars', 'heads/avatars'], ['Head model', 'heads/model'],
     ['Sets of pictures', 'heads/pictures'], ['ARKit', 'heads/arkit'], ['Visemes', 'heads/visemes']),

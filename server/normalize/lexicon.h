@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Pronunciation lexicons: words that are said as another text, or with given phones. */
+#ifndef FACCIA_NORMALIZE_LEXICON_H
+#define FACCIA_NORMALIZE_LEXICON_H
+
+#include "server/base/error.h"
+#include "server/base/work_limit.h"
+#include "server/markup/score.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    LEXICON_BYTES = 16 << 20, /* of a file */
+    LEXICON_ENTRIES = 500000, /* spellings in a lexicon */
+    LEXICON_TOKENS = 32,      /* words, spaces and signs in a spelling */
+    LEXICON_SENTENCE = 4096,  /* bytes that aliases may put into a sentence */
+    LEXICON_TEXT = 1 << 20,   /* and into a text */
+};
+
+/* A document, in one language. Read-only once it is read: any thread may use it. */
+struct lexicon;
+
+/* Reads a document (W3C PLS 1.0). Returns NULL with *e (see pls_read). */
+struct lexicon *lexicon_read(const char *text, size_t size, struct error *e);
+/* Reads a file; the error's message begins with its path. */
+struct lexicon *lexicon_load(const char *path, struct error *e);
+void lexicon_free(struct lexicon *lexicon);
+
+const char *lexicon_lang(const struct lexicon *lexicon);
+size_t lexicon_count(const struct lexicon *lexicon);     /* spellings */
+const char *lexicon_name(const struct lexicon *lexicon); /* of its file, without folder; "" = none */
+/* Number of faulty entries that were left out. */
+size_t lexicon_left_out(const struct lexicon *lexicon);
+/* Faults and ignored parts of the document, with line and column. */
+const struct error *lexicon_warnings(const struct lexicon *lexicon, size_t *count);
+
+/* Lexicons by precedence: for the same words, the first has the say. */
+struct lexicons {
+    struct lexicon **list; /* owned */
+    size_t count, cap;
+    const char **names; /* of their files, without folder, NULL-terminated; NULL: there are none */
+};
+/* Loads a file and adds it. -1 with *e. */
+int lexicons_load(struct lexicons *lexicons, const char *path, struct error *e);
+/* Loads every *.pls file of the folder, in the order of their names. */
+enum { LEXICON_FILES = 256 };
+int lexicons_load_folder(struct lexicons *lexicons, const char *folder, struct error *e);
+void lexicons_free(struct lexicons *lexicons);
+
+/* Replaces the words of a script that are in a lexicon of their language, longest match first: an item is
+ * cut into the parts before, in and after a word. What its author said how to say (say-as, phonemes, sub)
+ * stays. lexicons: for all texts; named: those that score_style.lexicons names, which go before them; either
+ * may be NULL. langs, voices: of each item, as for normalize_script. Returns the index that each of the new
+ * items had before, which the caller frees; NULL if nothing changed. */
+size_t *lexicons_apply(const struct lexicons *lexicons, const struct lexicons *named, struct score *script,
+                       const char *const *langs, const void *const *voices, struct work_limit *limit);
+
+#endif
