@@ -45,6 +45,7 @@ const EPUB = {
   words: ['<p>tra&shy;monto, <ruby>base<rp>(</rp><rt>sopra</rt><rp>)</rp></ruby>, <img src="a.png" alt="una barca"/>, <math xmlns="http://www.w3.org/1998/Math/MathML" alttext="x pi\u00f9 y"><mi>x</mi></math>.</p><svg xmlns="http://www.w3.org/2000/svg"><title>No</title><text>Insegna</text></svg>', 'tramonto, base, una barca, x più y.\nInsegna'],
   entities: ['<p>Due&nbsp;parole &mdash; caff&egrave; &thetasym;.</p><p>Dopo.</p>', 'Due parole — caffè ϑ.\nDopo.'],
   groups: ['<article>Nudo</article>testo<ul><li><p>Uno</p>coda</li><li>Due</li></ul><main><p>Fine</p></main>', 'Nudo\ntesto\nUno\ncoda\nDue\nFine'],
+  forms: ['<form><fieldset><legend>Domande</legend>Prima <input value="no"/> riga <button>No</button></fieldset>Seconda</form><p>Ecco <object data="a.svg" type="image/svg+xml">una mappa</object>.</p>', 'Domande\nPrima riga\nSeconda\nEcco una mappa.'],
   tongues: ['<p>Disse <em lang="en">good night</em> e <i xml:lang="fr">merci</i>.</p><h2 lang="en">A chapter</h2>', 'Disse good night e merci. {en:good night} {fr:merci}\n[en] A chapter'],
 };
 
