@@ -13,6 +13,7 @@ struct tei_frame {
     bool opened;            /* it opened something that its end must close */
     bool foreign;           /* it opened a stretch in another language */
     bool aside;             /* a stage direction within a line of a speech */
+    bool restored;          /* within <restore>, whose deletions do not hold */
     unsigned child, chosen; /* CHOICE: children so far; the one to read */
     size_t from;            /* REFERENCE: size of the block's text at its start */
     char lang[36];
@@ -525,6 +526,9 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     *f = (struct tei_frame){.act = tei_act_of(name)};
     if (w->depth == 1)
         t->is_tei = f->act == ACT_ROOT;
+    f->restored = !strcmp(name, "restore") || ((f - 1)->restored && strcmp(name, "subst") != 0);
+    if (f->restored && !strcmp(name, "del"))
+        f->act = ACT_PASS;
     choose(t, f, w, name);
     if (f->act == ACT_SIGN && t->expansions)
         f->act = ACT_SKIP;

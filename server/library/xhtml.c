@@ -86,14 +86,14 @@ static const char *alternative_of(const char *name, const char **attributes) {
 
 static enum html_act act_of(const struct html *h, const char *name, const char **attributes) {
     static const char *const skipped[] = {
-        "head",       "script",         "style",    "nav", "audio", "video", "object",   "iframe",
-        "form",       "button",         "input",    "rt",  "rp",    "rtc",   "template", "datalist",
+        "head",       "script",         "style",    "nav", "audio", "video",    "iframe",
+        "button",     "input",          "rt",       "rp",  "rtc",   "template", "datalist",
         "annotation", "annotation-xml", "metadata", NULL};
-    static const char *const blocks[] = {"p",  "pre",     "figcaption", "dd",      "dt", "td",
-                                         "th", "caption", "address",    "summary", NULL};
-    static const char *const groups[] = {"div",   "section", "article", "main",   "header",     "footer",
-                                         "aside", "figure",  "ul",      "ol",     "dl",         "table",
-                                         "tr",    "hr",      "details", "center", "blockquote", NULL};
+    static const char *const blocks[] = {"p",  "pre",     "figcaption", "dd",      "dt",     "td",
+                                         "th", "caption", "address",    "summary", "legend", NULL};
+    static const char *const groups[] = {
+        "div", "section", "article", "main", "header",  "footer", "aside",      "figure", "ul",       "ol",
+        "dl",  "table",   "tr",      "hr",   "details", "center", "blockquote", "form",   "fieldset", NULL};
     static const char *const marks[] = {"em", "i", "b", "strong", "cite", "dfn", "u", NULL};
     static const char *const notes[] = {"footnote", "endnote", "rearnote", NULL};
     static const char *const lists[] = {"footnotes", "endnotes", "rearnotes", NULL};

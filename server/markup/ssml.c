@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and the emotion elements of two vendors. */
+/* SSML 1.1 (W3C Recommendation, 7 September 2010) without lexicons, contours and durations
+ * (protocol/markup.md lists what is acted on), with EmotionML and the emotion elements of two vendors. */
 #include "server/base/sampa.h"
 #include "server/markup/emotionml.h"
 #include "server/markup/markup_prosody.h"

@@ -29,3 +29,4 @@ for (const [i, name] of BASIC.entries()) {
 await browser.close();
 const height = Math.ceil(BASIC.length / COLUMNS) * (HEIGHT + NAME);
 await sharp({ create: { width: WIDTH * COLUMNS, height, channels: 3, background: PAPER } }).composite(tiles).webp({ quality: 86 }).toFile(out);
+console.log(`${out}: ${fs.statSync(out).size} bytes`);

@@ -40,3 +40,4 @@ const sheet = new PNG({ width: width * COLUMNS, height: height * Math.ceil(tiles
 tiles.forEach((tile, i) => PNG.bitblt(tile, sheet, 0, 0, width, height, (i % COLUMNS) * width, Math.floor(i / COLUMNS) * height));
 const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
 await sharp(PNG.sync.write(sheet)).png({ palette: true, quality: 85, effort: 10 }).toFile(out);
+console.log(`${out}: ${fs.statSync(out).size} bytes`);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Do somebody's own ways of moving come back from pictures of poses? A head of ours (luca) gets ways that no tool knows, is drawn at rest and in six poses, made a head
 // by `make-portrait.mjs` on another (--like, mara) with --poses and without, and both are told what was played: how far does their skin go otherwise than the drawn
-// one's? In the poses that were shown, and in others. node tests/bench/run.mjs poses [HEAD] [--like HEAD]; pictures are kept in build/poses.
+// one's? In the poses that were shown, and in others. node tests/bench/run.mjs poses [HEAD] [--like HEAD] [--only POSE[,POSE]...]; pictures are kept in build/poses.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -14,10 +14,10 @@ import { film, headOf, sway } from '../lib/film.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const { values: { like }, positionals: [name = 'luca'] } = parseArgs({ allowPositionals: true, options: { like: { type: 'string', default: 'mara' } } });
+const { values: { like, only }, positionals: [name = 'luca'] } = parseArgs({ allowPositionals: true, options: { like: { type: 'string', default: 'mara' }, only: { type: 'string' } } });
 const folder = path.join(root, 'build/poses', name);
 const truth = withHabits(headOf(name));
-const poses = posesOf();
+const poses = Object.fromEntries(Object.entries(posesOf()).filter(([pose]) => !only || only.split(',').includes(pose)));
 await film(truth, [{}, ...Object.values(poses).map((faps, i) => ({ ...faps, ...sway(i) }))], path.join(folder, 'drawn'), { height: 600 });
 fs.mkdirSync(path.join(folder, 'poses'), { recursive: true });
 Object.keys(poses).forEach((pose, i) => fs.copyFileSync(path.join(folder, 'drawn', `000${i + 2}.png`), path.join(folder, 'poses', `${pose}.png`)));

@@ -6,6 +6,7 @@
 // Imports only what Node.js brings: it must run before anything is installed.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import os from 'node:os';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -14,21 +15,26 @@ const root = path.join(folder, '../..');
 
 const browser = ['chromium', 'chromium-headless-shell'];
 const italian = ['asterisk-core-sounds-it', 'asterisk-core-sounds-it-wav'];
+const [lp, pc, slt, kal] = ['festvox-italp16k', 'festvox-itapc16k', 'festvox-us-slt-hts', 'festvox-kallpc16k'].map((voice) => ['festival', voice]);
+const picture = (name) => path.join(process.env.FACCIA_ARTEFACTS ?? os.tmpdir(), `bench-${name}`);
 
-/** Each benchmark: `packages`, Debian's; `moment`, arguments of its shortest run; `long`, why that still takes over some seconds. */
+/**
+ * Each benchmark: `packages`, Debian's; `moment`, arguments of its shortest run; `long`, why that still takes over some seconds; `without`, why it has no
+ * such run.
+ */
 export const benchmarks = {
   ablation: { moment: ['tr'], long: 'speaks 25 sentences at three rates with five engines' },
-  align: { long: 'speaks 25 sentences with each of four voices' },
-  'align-confidence': { packages: italian, long: 'aligns recordings with texts of other words' },
+  align: { packages: [...lp, ...pc, ...slt, ...kal, 'sox'], moment: ['kal', '2'], long: 'aligns recordings' },
+  'align-confidence': { packages: [...italian, ...lp, ...pc, ...slt, ...kal], moment: ['4', '--voices', 'kal'], long: 'aligns recordings with texts of other words' },
   'align-people': { packages: italian, moment: ['4'], long: 'aligns recordings' },
   'align-recovery': { packages: italian, moment: ['6'], long: 'aligns recordings' },
   broadcast: { moment: ['10'], long: 'builds against libwebsockets' },
-  cache: { packages: ['redis-server'], moment: ['1', 'espeak:it'], long: 'speaks with and without each cache' },
+  cache: { packages: ['redis-server', ...lp], moment: ['1', 'espeak:it'], long: 'speaks with and without each cache' },
   'cluster-rooms': { packages: ['redis-server'], moment: ['20', '2', '1', '1'], long: 'starts Redis and daemons for each turn' },
   cpu: { packages: ['espeak-ng'], moment: ['2', '2', '1'] },
   crossings: { moment: ['--minutes', '0.05', 'mara'], long: 'loads a head and the sounds of all languages' },
   day: { moment: ['--hours', '0.01', '--minutes', '0.1'], long: 'speaks for a tenth of a minute' },
-  'emotions-picture': { packages: browser, long: 'draws a head seven times' },
+  'emotions-picture': { packages: browser, moment: ['mara', picture('emotions.webp')], long: 'draws a head seven times' },
   engine: { packages: ['espeak-ng'], moment: [] },
   faces: { packages: browser, moment: ['--turns', '1'], long: 'draws two faces' },
   'first-media': { moment: ['1'] },
@@ -36,38 +42,38 @@ export const benchmarks = {
   fps: { packages: browser, moment: ['--seconds', '1', '--turns', '1', '--only', 'low'], long: 'draws in software' },
   frame: { packages: browser, moment: ['--rounds', '1', '--frames', '1', '--level', 'low'], long: 'draws in software' },
   growth: { packages: ['redis-server'], moment: ['16', '0', '1', '2'], long: 'starts Redis and up to eight daemons' },
-  hear: { packages: ['ffmpeg', 'asterisk-core-sounds-it', 'asterisk-core-sounds-it-wav', 'asterisk-core-sounds-it-g722', 'asterisk-core-sounds-en',
+  hear: { packages: ['ffmpeg', 'festival', 'asterisk-core-sounds-it', 'asterisk-core-sounds-it-wav', 'asterisk-core-sounds-it-g722', 'asterisk-core-sounds-en',
     'asterisk-core-sounds-en-g722', 'asterisk-core-sounds-es', 'asterisk-core-sounds-es-g722', 'asterisk-core-sounds-fr', 'asterisk-core-sounds-fr-g722',
-    'asterisk-core-sounds-ru', 'asterisk-core-sounds-ru-g722', 'pocketsphinx-testdata', 'festvox-kallpc16k'], long: 'installs recordings in five languages' },
-  'hear-picture': { packages: [...browser, 'pocketsphinx-testdata'], long: 'draws in real time' },
+    'asterisk-core-sounds-ru', 'asterisk-core-sounds-ru-g722', 'pocketsphinx-testdata', 'festvox-kallpc16k'], moment: ['2', '--only', 'it8'], long: 'hears recordings twelve times' },
+  'hear-picture': { packages: [...browser, 'pocketsphinx-testdata'], moment: [picture('hear.webp')], long: 'draws in real time' },
   idle: { moment: ['10'], long: 'watches for half a minute' },
   kiosk: { packages: browser, moment: ['--hours', '0.1', '--says', '10'], long: 'plays hours in a browser' },
-  'kitchen-picture': { packages: browser, long: 'draws two pages' },
+  'kitchen-picture': { packages: browser, moment: [picture('kiosk.webp')], long: 'draws two pages' },
   layers: { moment: [] },
   library: { packages: ['sqlite3'], moment: ['1', '20'], long: 'indexes a megabyte' },
-  'library-ahead': { moment: ['espeak:it', '2'], long: 'speaks a work ahead' },
+  'library-ahead': { packages: lp, moment: ['espeak:it', '2'], long: 'speaks a work ahead' },
   'library-load': { moment: ['4', '20', '1', '1'], long: 'searches for some seconds a turn' },
   live: { moment: ['2'] },
   markup: { moment: [], long: 'reads hundreds of megabytes' },
-  mouth: { moment: ['--rates', '160', '--engines', 'table'], long: 'speaks 25 sentences in four languages' },
-  'mouth-picture': { packages: browser, long: 'draws twelve mouths' },
+  mouth: { packages: browser, moment: ['--rates', '160', '--engines', 'table'], long: 'speaks 25 sentences in four languages' },
+  'mouth-picture': { packages: browser, moment: ['mara', picture('mouth.png')], long: 'draws twelve mouths' },
   open: { moment: ['1'] },
-  people: { long: 'needs recordings by articulograph, which are not in the tree' },
-  phones: { moment: ['espeak:it'], long: 'speaks 25 sentences' },
-  pictures: { packages: browser, long: 'draws in software' },
-  poses: { packages: browser, long: 'draws a head in nineteen poses' },
-  'seen-lips': { packages: [...browser, 'ffmpeg'], long: 'films a face' },
-  sharing: { packages: ['redis-server'], long: 'starts four daemons for each turn' },
-  sides: { long: 'makes three portraits' },
+  people: { without: 'needs recordings by articulograph, which are not in the tree' },
+  phones: { packages: [...lp, ...pc, ...slt, ...kal], moment: ['espeak:it'], long: 'speaks 25 sentences' },
+  pictures: { packages: browser, moment: [], long: 'draws in software' },
+  poses: { packages: browser, moment: ['--only', 'smile'], long: 'draws a head and makes two of it' },
+  'seen-lips': { packages: [...browser, 'ffmpeg'], moment: ['--sentences', '0', '--lines', '480'], long: 'films a face' },
+  sharing: { moment: [], long: 'packs eight heads twice' },
+  sides: { moment: [], long: 'makes three portraits' },
   skew: { packages: browser, moment: ['3', 'low'], long: 'draws in software for half a minute' },
-  sound: { packages: ['sox', 'festival'], moment: ['espeak:it'], long: 'codes some minutes of sound' },
+  sound: { packages: ['sox', ...lp], moment: ['espeak:it'], long: 'codes some minutes of sound' },
   speakers: { moment: ['--seconds', '2', '2'] },
   stall: { moment: ['1000'] },
-  stream: { packages: ['redis-server'], moment: ['2', '2'], long: 'listens in real time' },
+  stream: { moment: ['2', '2'], long: 'listens in real time' },
   teeth: { packages: browser, moment: ['mara'], long: 'draws each sound' },
-  tempo: { packages: italian, moment: ['1', 'voice'], long: 'speaks at six rates' },
+  tempo: { packages: [...italian, ...pc], moment: ['1', 'voice'], long: 'speaks at six rates' },
   'text-first': { packages: browser, moment: ['1'], long: 'loads pages over a slow line' },
-  voices: { packages: ['espeak-ng', 'festival', 'time'], moment: ['3', 'espeak:it'], long: 'compares with other programs' },
+  voices: { packages: ['espeak-ng', 'time', ...lp, ...pc], moment: ['3', 'espeak:it'], long: 'compares with other programs' },
 };
 
 const say = (text) => process.stderr.write(`${text}\n`);
@@ -89,9 +95,9 @@ export function run(name, argv, { stdio = 'inherit', timeout } = {}) {
 
 function main([first, ...rest]) {
   if (!first) {
-    for (const [name, { long }] of Object.entries(benchmarks)) {
+    for (const [name, { long, without }] of Object.entries(benchmarks)) {
       const about = fs.readFileSync(path.join(folder, `${name}.mjs`), 'utf8').split('\n')[1].replace(/^\/\/ /, '');
-      console.log(`${name.padEnd(18)}${about}${long ? ` (${long})` : ''}`);
+      console.log(`${name.padEnd(18)}${about}${long || without ? ` (${long ?? without})` : ''}`);
     }
     return 0;
   }

@@ -28,7 +28,7 @@ const TEI = {
   breaks: ['<p>primo<lb/>secondo<lb break="yes"/>terzo, mera\n  <lb break="no"/>\n viglia, con-<lb/>tento, Santa-<lb/>Maria, sospi<pb n="3" break="no"/>rare, in<cb/>torno, notte<milestone unit="x"/>giorno, mat-<lb break="no"/>tina</p>', 'primo secondo terzo, meraviglia, contento, Santa-Maria, sospirare, intorno, notte giorno, mattina'],
   directions: ['<sp><speaker>Rosa <stage>(piano)</stage></speaker><p>Vieni <stage>(lo chiama)</stage> qui.</p><l>Primo verso,</l><stage>Si siede.</stage><l>secondo verso</l></sp>', 'Rosa (piano)\nVieni (lo chiama) qui.\nPrimo verso,\nSi siede.\nsecondo verso'],
   tokens: ['<p><w>sole</w><w>luna</w><pc>,</pc><w>stella</w> <w>dell</w><pc>\'</pc><w>alba</w><pc>.</pc> <w part="I">ama</w><w part="F">re</w></p>', "sole luna, stella dell'alba. amare"],
-  edits: ['<p>Un <subst><del>vecchio</del><add>nuovo</add></subst> <surplus>il il</surplus> <damage>campo</damage><metamark>^</metamark>. <fw>Titolo corrente</fw></p>', 'Un nuovo il il campo.'],
+  edits: ['<p>Un <subst><del>vecchio</del><add>nuovo</add></subst> <surplus>il il</surplus> <damage>campo</damage><metamark>^</metamark>, <restore><del>poi <hi>ripreso</hi></del></restore> e <del>tolto</del>. <fw>Titolo corrente</fw></p>', 'Un nuovo il il campo, poi ripreso e .'],
   figures: ['<p>Ecco <figure><head>Tavola prima</head><figDesc>Disegno di una barca</figDesc></figure> e basta.</p><figure><head>Tavola seconda</head></figure><p>Fine.</p>', 'Ecco Tavola prima e basta.\nTavola seconda\nFine.'],
   persons: ['<castList><head>Personaggi</head><castItem><role>Zeno</role> <roleDesc>oste</roleDesc></castItem></castList><floatingText><body><div><p>Cara Ada,</p></div></body></floatingText><p>scrisse.</p>', 'Personaggi\nZeno oste\nCara Ada,\nscrisse.'],
   notes: ['<p>Una parola<ref target="#nota">12</ref> e <ref target="#altro">un rinvio</ref>.</p><note xml:id="nota" n="12">Detta piano.</note>', 'Una parola e un rinvio.\nDetta piano.'],
@@ -45,6 +45,7 @@ const EPUB = {
   words: ['<p>tra&shy;monto, <ruby>base<rp>(</rp><rt>sopra</rt><rp>)</rp></ruby>, <img src="a.png" alt="una barca"/>, <math xmlns="http://www.w3.org/1998/Math/MathML" alttext="x pi\u00f9 y"><mi>x</mi></math>.</p><svg xmlns="http://www.w3.org/2000/svg"><title>No</title><text>Insegna</text></svg>', 'tramonto, base, una barca, x più y.\nInsegna'],
   entities: ['<p>Due&nbsp;parole &mdash; caff&egrave; &thetasym;.</p><p>Dopo.</p>', 'Due parole — caffè ϑ.\nDopo.'],
   groups: ['<article>Nudo</article>testo<ul><li><p>Uno</p>coda</li><li>Due</li></ul><main><p>Fine</p></main>', 'Nudo\ntesto\nUno\ncoda\nDue\nFine'],
+  forms: ['<form><fieldset><legend>Domande</legend>Prima <input value="no"/> riga <button>No</button></fieldset>Seconda</form><p>Ecco <object data="a.svg" type="image/svg+xml">una mappa</object>.</p>', 'Domande\nPrima riga\nSeconda\nEcco una mappa.'],
   tongues: ['<p>Disse <em lang="en">good night</em> e <i xml:lang="fr">merci</i>.</p><h2 lang="en">A chapter</h2>', 'Disse good night e merci. {en:good night} {fr:merci}\n[en] A chapter'],
 };
 

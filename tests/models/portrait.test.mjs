@@ -50,9 +50,13 @@ function apart(some, others) {
 
 test('the tool makes a head of a photograph: a head like any other', () => {
   const out = file('person.json');
-  const made = spawnSync('node', [tool('portrait/make-portrait.mjs'), astronaut, '-o', out], { encoding: 'utf8' });
+  const make = (...more) => spawnSync('node', [tool('portrait/make-portrait.mjs'), astronaut, '-o', out, ...more], { encoding: 'utf8' });
+  const asked = make();
+  assert.deepEqual([asked.status, fs.existsSync(out)], [2, false], 'no head is made with hair that nobody chose');
+  assert.match(asked.stderr, /--like HEAD: whose hair .* There are .*mara.*; nearest in face is \w+/);
+  const made = make('--like', 'mara');
   assert.equal(made.status, 0, made.stderr);
-  assert.match(made.stdout, /like \w+; .*lips are parted/);
+  assert.match(made.stdout, /like mara; .*lips are parted/);
   const checked = spawnSync('node', [tool('check-head.mjs'), out], { encoding: 'utf8' });
   assert.equal(checked.status, 0, checked.stdout);
   const head = JSON.parse(fs.readFileSync(out, 'utf8'));

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The built documentation: every link inside leads somewhere, nothing in a page is inline, and every text that belongs to it is there.
+// The built documentation: every link inside leads somewhere, nothing in a page is inline, every text that belongs to it is there, and sizes that texts state are true.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
+import { gzipSync } from 'node:zlib';
 import { generated, included, sidebar } from '../../web/docs/pages.mjs';
 
 const root = path.resolve(import.meta.dirname, '../..');
 const built = path.join(process.env.FACCIA_WEB ?? path.join(root, 'build/web'), 'docs');
+const web = path.dirname(built);
 const skip = !fs.existsSync(built) && 'the documentation is not built: sh server/run.sh --build-only';
 const pages = skip ? [] : fs.readdirSync(built, { recursive: true, encoding: 'utf8' }).filter((file) => file.endsWith('.html')).sort();
 const text = Object.fromEntries(pages.map((page) => [page, fs.readFileSync(path.join(built, page), 'utf8')]));
@@ -25,7 +27,6 @@ test('there is a page for each text, and the sidebar names each', { skip }, () =
 test('every link inside leads to a page and a heading that are there', { skip }, () => {
   const broken = [];
   let links = 0;
-  const web = path.dirname(built);
   for (const page of pages)
     for (const [, raw] of text[page].matchAll(/<(?:a|img|link|script)\s[^>]*?(?:href|src)="([^"]+)"/g)) {
       if (/^(https?|mailto|data):/.test(raw)) continue;
@@ -68,3 +69,44 @@ test('links of the texts in the tree lead to files and headings that are there',
 });
 
 test('the README is short', () => assert.ok(fs.statSync(path.join(root, 'README.md')).size <= 6000));
+
+// Where a text states the size of what is built: the words before the figure, and the files of that size.
+const models = process.env.FACCIA_MODELS ?? path.join(root, 'build/models');
+const plain = (file) => fs.statSync(file).size;
+const packed = (file) => (fs.existsSync(`${file}.gz`) ? plain(`${file}.gz`) : gzipSync(fs.readFileSync(file), { level: 9 }).length);
+const heads = (ending) => fs.readdirSync(path.join(models, 'heads')).filter((file) => file.endsWith(ending)).map((file) => path.join(models, 'heads', file));
+const least = (of, ending) => Math.min(...heads(ending).map(of));
+const most = (of, ending) => Math.max(...heads(ending).map(of));
+const STATED = [
+  ['web/docs/start/pages.md', /`portrait\.js` \(([\d.]+ kB)/, () => packed(path.join(web, 'portrait.js'))],
+  ['web/docs/start/pages.md', /its WebAssembly \(([\d.]+ kB)/, () => packed(path.join(web, 'tfjs-backend-wasm-simd.wasm'))],
+  ['web/docs/start/pages.md', /three nets \(([\d.]+ MB)/, () => ['blazeface', 'facemesh', 'iris'].reduce((sum, net) => sum + plain(path.join(web, `${net}.bin`)), 0)],
+  ['web/docs/start/pages.md', /`face-points\.json` \(([\d.]+ kB)/, () => plain(path.join(web, 'face-points.json'))],
+  ['web/docs/start/pages.md', /`portrait-poses\.js`, ([\d.]+ kB)/, () => plain(path.join(web, 'portrait-poses.js'))],
+  ['web/docs/start/pages.md', /`portrait-poses\.js`, [\d.]+ kB, ([\d.]+ kB)/, () => packed(path.join(web, 'portrait-poses.js'))],
+  ['web/docs/element/avatars.md', /`talking-head-draco\.js` \(([\d.]+ kB)/, () => packed(path.join(web, 'talking-head-draco.js'))],
+  ['web/docs/element/avatars.md', /`talking-head-basis\.js` \(([\d.]+ kB)/, () => packed(path.join(web, 'talking-head-basis.js'))],
+  ['web/docs/element/avatars.md', /`talking-head-avatar\.js`, ([\d.]+ kB)/, () => packed(path.join(web, 'talking-head-avatar.js'))],
+  ['web/docs/element/pictures.md', /instead of the head's file: ([\d.]+ kB)/, () => packed(path.join(models, 'pictures/mara.json'))],
+  ['web/docs/element/pictures.md', /\(her head: ([\d.]+ MB)/, () => packed(path.join(models, 'heads/mara.json'))],
+  ['web/docs/research/index.md', /head model with textures \| ([\d.]+) to/, () => least(packed, '.json'), 'MB'],
+  ['web/docs/research/index.md', /head model with textures \| [\d.]+ to ([\d.]+ MB)/, () => most(packed, '.json')],
+  ['models/README.md', /on two processors \| ([\d.]+) to/, () => least(packed, '.json'), 'MB'],
+  ['models/README.md', /on two processors \| [\d.]+ to ([\d.]+ MB)/, () => most(packed, '.json')],
+  ['models/README.md', /our exports: ([\d.]+) to/, () => least(plain, '.glb'), 'MB'],
+  ['models/README.md', /our exports: [\d.]+ to ([\d.]+ MB)/, () => most(plain, '.glb')],
+  ['models/README.md', /MB\) and ([\d.]+ kB) of script/, () => packed(path.join(web, 'talking-head-avatar.js'))],
+  ['models/README.md', /\| ([\d.]+ kB) \(Mara\)/, () => packed(path.join(models, 'pictures/mara.json'))],
+  ['protocol/avatars.md', /A file has ([\d.]+) to/, () => least(plain, '.glb'), 'MB'],
+  ['protocol/avatars.md', /A file has [\d.]+ to ([\d.]+ MB)/, () => most(plain, '.glb')],
+];
+
+test('sizes that the texts state are those of what is built', { skip: skip || (!fs.existsSync(path.join(models, 'heads')) && 'no heads are built') }, () => {
+  const wrong = [];
+  for (const [file, words, size, unit] of STATED) {
+    const [, said] = words.exec(fs.readFileSync(path.join(root, file), 'utf8')) ?? assert.fail(`${file}: ${words}`);
+    const is = size() / (unit === 'MB' || said.endsWith('MB') ? 1e6 : 1e3);
+    if (Math.abs(parseFloat(said) / is - 1) > 0.03) wrong.push(`${file}: ${said}, but is ${is.toFixed(2)}`);
+  }
+  assert.deepEqual(wrong, []);
+});

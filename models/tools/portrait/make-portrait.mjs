@@ -1,9 +1,9 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A head from photographs of a face: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD]
+ * Makes a head from photographs of a face, an approximation on one of our heads: make-portrait.mjs PHOTO... -o HEAD.json --like HEAD [--name NAME] [--title TITLE]
  * [--eyes HEAD] [--keep beard,glasses] [--poses FOLDER|VIDEO [--times FILE]] [--heads FOLDER] [--points FILE]. Says in one line what it did, and what pictures of
- * poses are unfit. Exit status: 0 done, 1 failed (with
+ * poses are unfit. Without --like it says which head's face is nearest, and makes none: hair and clothes are not guessed from a picture. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
 import fs from 'node:fs';
@@ -18,8 +18,10 @@ import { openEye } from './eye.mjs';
 import { flat, textures } from './images.mjs';
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
-const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--eyes HEAD]
+const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json --like HEAD [--name NAME] [--title TITLE] [--eyes HEAD]
        [--keep beard,glasses] [--poses FOLDER|VIDEO [--times TIMES.json]] [--heads FOLDER] [--points FILE]
+The head is an approximation: the face seen from the front and its skin are the photograph's, all else is the head's that --like names.
+--like: whose hair, clothes, ears, teeth and movements it has; left out, the tool says whose face is nearest, and makes no head
 --poses: how the person moves: a folder with smile.jpg, brows-up.jpg... (another of the same is smile-2.jpg), or a video, for which TIMES.json says when each is seen, in
 seconds ({"smile": 2.4, "open": [4.1, 9]}), in the same light and with the same camera as the front, which has closed lips then:
 ${listOf()}`;
@@ -80,7 +82,8 @@ try {
   const seen = views.filter(({ landmarks }) => landmarks);
   if (!seen.length) throw new PortraitError('turned', `${photos[0]}: one picture must show the face from the front`);
   const [front] = inOrder(seen, Object.values(table)[0]);
-  const like = values.like ?? nearest(front, table)[0].name;
+  const { like } = values;
+  if (!like) wrong(`--like HEAD: whose hair and clothes it is to have is not guessed from the picture. There are ${Object.keys(table).join(', ')}; nearest in face is ${nearest(front, table)[0].name}`);
   const made = await makeHead(head(like), table[like], views, textures, {
     name, title: values.title, keep: values.keep?.split(','), eyes: values.eyes ? head(values.eyes) : null,
   });

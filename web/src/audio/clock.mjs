@@ -11,7 +11,7 @@ export class PositionMap {
     this.reports.push(report);
   }
 
-  /** @returns {{position: number, running: boolean}} where a frame lies before all reports that are kept, as at the first of them */
+  /** @returns {{position: number, running: boolean}} where a frame before all kept reports lies: as at the first of them */
   at(frame) {
     let i = this.reports.length - 1;
     while (i > 0 && this.reports[i].frame > frame) i--;

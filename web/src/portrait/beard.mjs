@@ -6,9 +6,9 @@ import { inside, ramp, smoothOver } from './surface.mjs';
 
 const DARK = [0.4, 0.65]; // of the skin's brightness: hair, and what is none
 const PALE = [0.2, 0.45]; // by how much less red than the skin (logarithms): what is no grey hair, and what is
-// Below the mouth: the middle of the brightness, that of the darkest quarter, and the share of vertices that are as pale. Else it is
-// a shadow, or hair that hardly differs from its skin. Of drawn faces without a beard none was below 0.52, 0.39 and above 0; with one,
-// at least one figure lay beyond its bound on each of six.
+// Below the mouth: the middle of the brightness, that of the darkest quarter, and the share of vertices that are as pale. Else
+// it is a shadow, or hair that hardly differs from its skin. Of drawn faces without a beard none was below 0.52, 0.39 and above
+// 0; with one, at least one figure lay beyond its bound on each of six.
 const HAIRY = { bright: 0.34, quarter: 0.2, pale: 0.06 };
 const LIPS = 1.5; // mm about them that are theirs
 const BEGINS = 2; // rounds by which it reaches beyond what is dark: hairs are thin there
