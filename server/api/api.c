@@ -70,7 +70,7 @@ struct api *api_open(const struct pipeline *pipeline, const struct offer_source 
         return NULL;
     }
     api->secrets = secrets_good(options->secrets, &api->revoked);
-    if (options->board)
+    if (options->presence)
         api->shared_limits = shared_limits_open(api, rights_renew);
     rights_revoke_all(api, options->revocations);
     if (options->bus)

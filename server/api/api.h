@@ -13,7 +13,7 @@
 #include "server/rooms/rooms.h"
 #include "server/stream/stream.h"
 
-struct board;
+struct presence;
 struct bus;
 struct library;
 
@@ -31,7 +31,7 @@ struct api_options {
     const char *media;                     /* folder of recordings; NULL: none */
     bool shares;                           /* speech is shared with other daemons */
     struct bus *bus;                       /* shares rooms with other daemons; NULL: none */
-    struct board *board;                   /* shares limits and revocations with other daemons; NULL: none */
+    struct presence *presence;             /* shares limits and revocations with other daemons; NULL: none */
     const char *scenes;                    /* folder of scenes saved by operators; NULL: none */
     unsigned scene_bytes;                  /* longest scene, bytes */
     unsigned scene_count;

@@ -159,7 +159,7 @@ static void name_observer(struct client *c, const char *room) {
 static int join(struct client *c, const char *room, bool watch, const char *called, struct error *e) {
     if (principal_may(c->api, &c->principal, RIGHT_LISTEN, room, e))
         return -1;
-    struct channel *channel = channel_room(c->api->rooms, room, principal_payer(&c->principal), e);
+    struct channel *channel = channel_room(c->api->rooms, room, principal_quota_key(&c->principal), e);
     if (!channel)
         return -1;
     snprintf(c->called, sizeof c->called, "%s", called ? called : "");

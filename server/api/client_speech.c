@@ -192,7 +192,7 @@ void client_voice_begin(struct client *c, const json_t *message) {
     if (begin(c, &request, &speech, message, &e)) {
         client_refuse(c, speech.id, &e);
     } else {
-        speech.payer = principal_payer(&c->principal);
+        speech.quota_key = principal_quota_key(&c->principal);
         c->voice = stream_hear(client_stream(c), &request);
         if (c->voice)
             open_text_begin(c, speech.id, c->voice, 0);

@@ -202,8 +202,8 @@ int command_admit(const struct command_call *call, const struct principal *princ
         return -1;
     if (request->text_size > limit)
         return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
-    request->payer = principal_payer(principal);
-    request->asker = principal_asker(principal);
+    request->quota_key = principal_quota_key(principal);
+    request->connection = principal_connection(principal);
     return 0;
 }
 
@@ -231,8 +231,8 @@ json_t *command_pack(const struct command *command, const struct command_call *c
         return NULL;
     }
     json_object_set_new(packed, "request", request);
-    json_object_set_new(packed, "payer", json_integer(call->request->payer));
-    json_object_set_new(packed, "asker", json_integer(call->request->asker));
+    json_object_set_new(packed, "quota-key", json_integer(call->request->quota_key));
+    json_object_set_new(packed, "connection", json_integer(call->request->connection));
     if (command->run == speak)
         json_object_del(packed, "message"); /* the request holds everything */
     return packed;
@@ -242,8 +242,8 @@ static int unpack_request(const struct api *api, const json_t *packed, struct sp
                           struct error *e) {
     if (api->draining)
         return error_plain(e, ERROR_STOPPING);
-    request->payer = (uint32_t)json_integer_value(json_object_get(packed, "payer"));
-    request->asker = (uint32_t)json_integer_value(json_object_get(packed, "asker"));
+    request->quota_key = (uint32_t)json_integer_value(json_object_get(packed, "quota-key"));
+    request->connection = (uint32_t)json_integer_value(json_object_get(packed, "connection"));
     return request_from_json(request, json_object_get(packed, "request"), e);
 }
 

@@ -26,8 +26,8 @@ enum doing { LISTING, READING, SAVING, REMOVING };
 /* One request. Owned by its exchange, and by the thread while the job runs. */
 struct keeping {
     struct coder_job job;
-    struct asker *asker;         /* NULL: no job is queued or running */
-    struct search_queue *askers; /* its queue; see begin */
+    struct queue_client *client; /* NULL: no job is queued or running */
+    struct search_queue *queue;  /* see begin */
     struct api *api;
     struct exchange *x;   /* NULL: the client is gone */
     atomic_bool given_up; /* the same, for the thread */
@@ -103,8 +103,8 @@ static int answer(struct keeping *k) {
 
 static void done(struct coder_job *job) {
     struct keeping *k = (struct keeping *)job;
-    search_queue_done(k->askers, k->asker);
-    k->asker = NULL;
+    search_queue_done(k->queue, k->client);
+    k->client = NULL;
     if (job->cancelled)
         k->result = error_plain(&k->error, ERROR_CANCELLED);
     if (!k->result && k->listener.changed && (k->doing == SAVING || k->doing == REMOVING))
@@ -123,8 +123,8 @@ static void leave(void *self) {
     struct keeping *k = self;
     k->x = NULL;
     atomic_store(&k->given_up, true);
-    if (k->asker) /* done() frees it */
-        coder_pool_cancel(k->askers->pool, &k->asker->line, is_left);
+    if (k->client) /* done() frees it */
+        coder_pool_cancel(k->queue->pool, &k->client->line, is_left);
     else
         free_keeping(k);
 }
@@ -133,11 +133,11 @@ static void leave(void *self) {
  * of their own, and wait neither for the client's saves nor for a thread that is checking. */
 static int begin(struct keeping *k) {
     struct error e;
-    k->askers = k->doing == SAVING ? &k->api->saves : &k->api->reads;
-    k->askers->full = ERROR_TOO_MANY_REQUESTS;
+    k->queue = k->doing == SAVING ? &k->api->saves : &k->api->reads;
+    k->queue->full = ERROR_TOO_MANY_REQUESTS;
     k->job.work = in_thread;
     k->job.done = done;
-    if (search_queue_add(k->askers, k->api->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->asker,
+    if (search_queue_add(k->queue, k->api->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->client,
                          &e))
         return exchange_error(k->x, &e);
     return 0;

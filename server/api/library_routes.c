@@ -16,9 +16,9 @@ enum {
 /* One request. Owned by its exchange, and by the thread while the job runs. */
 struct asking {
     struct coder_job job;
-    struct asker *asker;  /* NULL: answered, or refused */
-    struct exchange *x;   /* NULL: the client is gone */
-    atomic_bool given_up; /* the same, for the thread */
+    struct queue_client *client; /* NULL: answered, or refused */
+    struct exchange *x;          /* NULL: the client is gone */
+    atomic_bool given_up;        /* the same, for the thread */
     struct api *api;
     struct library_question question;
     enum library_form form;
@@ -47,8 +47,8 @@ static void in_thread(struct coder_job *job) {
 
 static void done(struct coder_job *job) {
     struct asking *a = (struct asking *)job;
-    search_queue_done(&a->api->searches, a->asker);
-    a->asker = NULL;
+    search_queue_done(&a->api->searches, a->client);
+    a->client = NULL;
     if (!a->x)
         free_asking(a);
     else if (job->cancelled || a->result)
@@ -65,8 +65,8 @@ static void leave(void *self) {
     struct asking *a = self;
     a->x = NULL;
     atomic_store(&a->given_up, true);
-    if (a->asker) /* done() frees it */
-        coder_pool_cancel(a->api->searches.pool, &a->asker->line, is_left);
+    if (a->client) /* done() frees it */
+        coder_pool_cancel(a->api->searches.pool, &a->client->line, is_left);
     else
         free_asking(a);
 }
@@ -238,7 +238,7 @@ int library_get(struct exchange *x) {
     q->after = member(a, request, "after");
     a->x = x;
     error_plain(&a->error, ERROR_CANCELLED);
-    if (search_queue_add(&api->searches, api->pipeline->loop, exchange_principal(x)->key, &a->job, &a->asker,
+    if (search_queue_add(&api->searches, api->pipeline->loop, exchange_principal(x)->key, &a->job, &a->client,
                          &e)) {
         free_asking(a);
         return exchange_error(x, &e);

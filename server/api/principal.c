@@ -149,14 +149,14 @@ int principal_ask(struct api *api, const struct principal *principal, struct err
 }
 
 /* 32-bit FNV-1a. */
-uint32_t principal_payer(const struct principal *principal) {
+uint32_t principal_quota_key(const struct principal *principal) {
     uint32_t hash = 2166136261u;
     for (const char *c = principal->key; *c; c++)
         hash = (hash ^ (uint8_t)*c) * 16777619u;
     return hash ? hash : 1;
 }
 
-uint32_t principal_asker(const struct principal *principal) {
+uint32_t principal_connection(const struct principal *principal) {
     return connection_number(principal->connection);
 }
 

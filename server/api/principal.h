@@ -36,11 +36,11 @@ extern const char principal_own_room[];
 /* Removes the rights if the secret or the token has been revoked. Returns whether it removed any. */
 bool principal_revoke(const struct api *api, struct principal *principal);
 
-/* Hash of the quota key, used to schedule payers in turn (speech_request.h); never 0. */
-uint32_t principal_payer(const struct principal *principal);
+/* Hash of the quota key, used to schedule quota keys in turn (speech_request.h); never 0. */
+uint32_t principal_quota_key(const struct principal *principal);
 
-/* Number of the connection, used to schedule the connections of one payer in turn; never 0. */
-uint32_t principal_asker(const struct principal *principal);
+/* Number of the connection, used to schedule the connections of one quota key in turn; never 0. */
+uint32_t principal_connection(const struct principal *principal);
 
 /* Checks a right at the current time. room NULL: no room. -1 with *e: "token-needed", "expired-token",
  * "forbidden". */

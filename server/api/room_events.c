@@ -72,7 +72,7 @@ int room_events(struct exchange *x) {
     if (query_flag(http_query(exchange_request(x), "watch"), "watch", &watch, &e))
         return exchange_error(x, &e);
     struct channel *channel =
-        name ? channel_room(exchange_api(x)->rooms, name, principal_payer(exchange_principal(x)), &e)
+        name ? channel_room(exchange_api(x)->rooms, name, principal_quota_key(exchange_principal(x)), &e)
              : (error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), NULL);
     if (!channel)
         return exchange_error(x, &e);

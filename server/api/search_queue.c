@@ -8,8 +8,8 @@
 /* Leaves about a ninth of a busy processor beside threads of normal priority. */
 #define NICE 10
 
-static struct asker *find(struct search_queue *queue, const char *key) {
-    struct asker *a = queue->first;
+static struct queue_client *find(struct search_queue *queue, const char *key) {
+    struct queue_client *a = queue->first;
     while (a && strcmp(a->key, key) != 0)
         a = a->next;
     if (a)
@@ -21,37 +21,37 @@ static struct asker *find(struct search_queue *queue, const char *key) {
     return a;
 }
 
-static void leave(struct search_queue *queue, struct asker *asker) {
-    struct asker **at = &queue->first;
-    if (asker->questions)
+static void leave(struct search_queue *queue, struct queue_client *client) {
+    struct queue_client **at = &queue->first;
+    if (client->questions)
         return;
-    while (*at != asker)
+    while (*at != client)
         at = &(*at)->next;
-    *at = asker->next;
-    free(asker);
+    *at = client->next;
+    free(client);
 }
 
 int search_queue_add(struct search_queue *queue, uv_loop_t *loop, const char *key, struct coder_job *job,
-                     struct asker **asker, struct error *e) {
+                     struct queue_client **client, struct error *e) {
     if (!queue->pool)
         queue->pool = coder_pool_open(loop, SEARCHES_THREADS);
     const enum error_code full = queue->full ? queue->full : ERROR_TOO_MANY_SEARCHES;
     if (!queue->pool || queue->questions >= SEARCHES_MOST)
         return error_set(e, full, "too many wait already");
-    struct asker *a = find(queue, key);
+    struct queue_client *a = find(queue, key);
     if (a->questions >= (queue->questions < SEARCHES_ALL ? SEARCHES_EACH : SEARCHES_FEW))
         return error_set(e, full, "%u of yours wait already", a->questions);
     a->questions++;
     queue->questions++;
-    *asker = a;
+    *client = a;
     coder_pool_submit(queue->pool, &a->line, job);
     return 0;
 }
 
-void search_queue_done(struct search_queue *queue, struct asker *asker) {
-    asker->questions--;
+void search_queue_done(struct search_queue *queue, struct queue_client *client) {
+    client->questions--;
     queue->questions--;
-    leave(queue, asker);
+    leave(queue, client);
 }
 
 void search_queue_lower_priority(void) {

@@ -17,9 +17,9 @@ enum {
 };
 
 /* A client with jobs in the queue. */
-struct asker {
+struct queue_client {
     struct coder_line line;
-    struct asker *next;
+    struct queue_client *next;
     char key[80]; /* see struct principal */
     unsigned questions;
 };
@@ -27,16 +27,16 @@ struct asker {
 /* Initialise with zeros. */
 struct search_queue {
     struct coder_pool *pool; /* NULL until the first job */
-    struct asker *first;
+    struct queue_client *first;
     unsigned questions;
     enum error_code full; /* error when the queue is full; ERROR_NONE: "too-many-searches" */
 };
 
-/* Queues the job under the client with that key. *asker is the client, valid until search_queue_done,
+/* Queues the job under the client with that key. *client is the client, valid until search_queue_done,
  * which job->done must call. -1 with *e (full, or "too-many-searches") if too many jobs wait. */
 int search_queue_add(struct search_queue *queue, uv_loop_t *loop, const char *key, struct coder_job *job,
-                     struct asker **asker, struct error *e);
-void search_queue_done(struct search_queue *queue, struct asker *asker);
+                     struct queue_client **client, struct error *e);
+void search_queue_done(struct search_queue *queue, struct queue_client *client);
 
 /* Lowers the priority of the calling thread for good. Call it from job->work. */
 void search_queue_lower_priority(void);

@@ -3,7 +3,7 @@
 #include "server/api/api_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/board.h"
+#include "server/cluster/presence.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,23 +13,23 @@
 
 enum { CLOCK_SLACK_MS = 500, OWNER_BYTES = 64, MS = 1000 };
 
-/* Names of notes and marks on the board. */
+/* Names of notes and marks on the store. */
 static const char limits_note[] = "limits", use_note[] = "use ", secret_mark_name[] = "secret ",
                   token_mark_name[] = "token ";
 
 /* A daemon whose limits differ from ours. */
 struct otherwise {
     struct otherwise *next;
-    char owner[OWNER_BYTES], text[BOARD_TEXT_BYTES];
+    char owner[OWNER_BYTES], text[PRESENCE_TEXT_BYTES];
 };
 
 struct shared_limits {
     struct api *api;
     void (*revoked)(struct api *api);
-    struct board *board;
-    bool longer;   /* something was revoked in this look at the board */
+    struct presence *presence;
+    bool longer;   /* something was revoked in this look at the store */
     int64_t ahead; /* shared clock minus loop clock, ms */
-    char limits[BOARD_TEXT_BYTES];
+    char limits[PRESENCE_TEXT_BYTES];
     struct otherwise *otherwise;
 };
 
@@ -41,12 +41,12 @@ static const char *after(const char *name, const char *prefix) {
 static void on_use(void *ctx, const char *key, const struct quota_use *use) {
     struct shared_limits *s = ctx;
     const struct api_options *o = &s->api->options;
-    char name[BOARD_NAME_BYTES], text[BOARD_TEXT_BYTES] = "";
+    char name[PRESENCE_NAME_BYTES], text[PRESENCE_TEXT_BYTES] = "";
     bool counted = (o->http.address_connections || o->address_requests) && (use->open || use->asked);
     snprintf(name, sizeof name, "%s%s", use_note, key);
     if (counted)
         snprintf(text, sizeof text, "%u %u %" PRIu64, use->open, use->asked, use->minute);
-    board_write(s->board, name, text);
+    presence_publish(s->presence, name, text);
 }
 
 static void forget_otherwise(struct shared_limits *s, const char *owner) {
@@ -99,7 +99,7 @@ static void on_marked(void *ctx, const char *name, uint64_t until) {
         s->longer |= revocations_add(&s->api->revocations, &one, (long)time(NULL));
 }
 
-/* Small delays of the board's answer do not change the clock. */
+/* Small delays of the store's answer do not change the clock. */
 static void on_looked(void *ctx, uint64_t clock) {
     struct shared_limits *s = ctx;
     int64_t ahead = (int64_t)clock - (int64_t)uv_now(s->api->pipeline->loop);
@@ -111,7 +111,7 @@ static void on_looked(void *ctx, uint64_t clock) {
     s->longer = false;
 }
 
-static const struct board_eye eye = {on_seen, on_gone, on_marked, on_looked};
+static const struct presence_callbacks eye = {on_seen, on_gone, on_marked, on_looked};
 
 void shared_limits_change(struct shared_limits *s) {
     if (!s)
@@ -120,7 +120,7 @@ void shared_limits_change(struct shared_limits *s) {
     snprintf(s->limits, sizeof s->limits, "version %s, %s, max-per-address %u, max-requests %u",
              FACCIA_VERSION, o->secrets ? "tokens" : "no tokens", o->http.address_connections,
              o->address_requests);
-    board_write(s->board, limits_note, s->limits);
+    presence_publish(s->presence, limits_note, s->limits);
     struct otherwise *list = s->otherwise, *one, *next;
     s->otherwise = NULL;
     LL_FOREACH_SAFE(list, one, next) {
@@ -135,8 +135,8 @@ struct shared_limits *shared_limits_open(struct api *api, void (*revoked)(struct
     struct shared_limits *s = mem_alloc(sizeof *s);
     s->api = api;
     s->revoked = revoked;
-    s->board = api->options.board;
-    board_look(s->board, &eye, s);
+    s->presence = api->options.presence;
+    presence_watch(s->presence, &eye, s);
     api->quota.changed = on_use;
     api->quota.ctx = s;
     shared_limits_change(s);
@@ -144,22 +144,22 @@ struct shared_limits *shared_limits_open(struct api *api, void (*revoked)(struct
 }
 
 void shared_limits_revoke(struct shared_limits *s, const char *secret) {
-    char mark[SECRET_MARK_BYTES], name[BOARD_NAME_BYTES];
+    char mark[SECRET_MARK_BYTES], name[PRESENCE_NAME_BYTES];
     if (!s)
         return;
     secret_mark(secret, mark);
     secrets_revoked_add(&s->api->revoked, mark);
     snprintf(name, sizeof name, "%s%s", secret_mark_name, mark);
-    board_mark(s->board, name, 0);
+    presence_mark(s->presence, name, 0);
 }
 
 void shared_limits_revoke_token(struct shared_limits *s, const struct revoked *one) {
-    char text[REVOCATION_BYTES], name[BOARD_NAME_BYTES];
+    char text[REVOCATION_BYTES], name[PRESENCE_NAME_BYTES];
     if (!s)
         return;
     revoked_write(one, text);
     snprintf(name, sizeof name, "%s%s", token_mark_name, text);
-    board_mark(s->board, name, (uint64_t)one->until * MS);
+    presence_mark(s->presence, name, (uint64_t)one->until * MS);
 }
 
 uint64_t shared_limits_now(const struct api *api) {
@@ -171,7 +171,7 @@ void shared_limits_close(struct shared_limits *s) {
         return;
     s->api->quota.changed = NULL;
     s->api->shared_limits = NULL;
-    board_look(s->board, NULL, NULL);
+    presence_watch(s->presence, NULL, NULL);
     forget_otherwise(s, NULL);
     free(s);
 }

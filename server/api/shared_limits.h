@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Limits shared by all daemons of a cluster through their board (cluster/board.h): the usage of each
+/* Limits shared by all daemons of a cluster through their presence (cluster/presence.h): the usage of each
  * address and subject, and the revoked secrets and tokens. */
 #ifndef FACCIA_API_SHARED_LIMITS_H
 #define FACCIA_API_SHARED_LIMITS_H
@@ -22,10 +22,10 @@ void shared_limits_revoke(struct shared_limits *sharing, const char *secret);
 /* Revokes the token or the subject on every daemon. */
 void shared_limits_revoke_token(struct shared_limits *sharing, const struct revoked *one);
 
-/* Current time, ms. Its minutes are the same on all daemons once the board has been read. */
+/* Current time, ms. Its minutes are the same on all daemons once the store has been read. */
 uint64_t shared_limits_now(const struct api *api);
 
-/* Call before closing the board. */
+/* Call before closing the store. */
 void shared_limits_close(struct shared_limits *sharing);
 
 #endif

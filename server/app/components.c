@@ -46,7 +46,7 @@ static int load_hearing(struct components *s, const struct settings *settings, c
                         struct error *e) {
     struct error inner = {0};
     s->live = (struct live_pool){.most = settings->heard_most,
-                                 .payer_most = settings->heard_address,
+                                 .key_most = settings->heard_address,
                                  .seconds = settings->heard_seconds};
     s->pipeline.live = &s->live;
     if (access(path, F_OK))

@@ -10,9 +10,9 @@
 #include "server/base/mem.h"
 #include "server/base/program.h"
 #include "server/base/work_gate.h"
-#include "server/cluster/board.h"
 #include "server/cluster/bus.h"
 #include "server/cluster/cluster.h"
+#include "server/cluster/presence.h"
 #include "server/cluster/work_queue.h"
 #include "server/codec/coder_pool.h"
 #include "server/http/certificate.h"
@@ -48,10 +48,10 @@ struct tls_setup {
 /* The connections to the cluster, from the settings. */
 
 struct cluster_setup {
-    struct cluster *cluster; /* shared state; NULL: not in a cluster */
-    struct bus *bus;         /* messages between nodes */
-    struct board *board;     /* presence of nodes and clients */
-    struct work *work;       /* sentences spoken by remote workers */
+    struct cluster *cluster;   /* shared state; NULL: not in a cluster */
+    struct bus *bus;           /* messages between nodes */
+    struct presence *presence; /* presence of nodes and clients */
+    struct work *work;         /* sentences spoken by remote workers */
 };
 
 static void access_setup_free(struct access_setup *setup) {
@@ -131,7 +131,7 @@ static int cluster_setup_open(const struct settings *settings, uv_loop_t *loop, 
     const struct redis_work_options queue = {settings->cluster, settings->cluster_queue, metrics};
     if (!(out->cluster = redis_cluster_open(loop, &options, e)) ||
         !(out->bus = redis_bus_open(loop, settings->cluster, metrics, e)) ||
-        !(out->board = redis_board_open(loop, settings->cluster, metrics, e)) ||
+        !(out->presence = redis_presence_open(loop, settings->cluster, metrics, e)) ||
         !(out->work = redis_work_open(loop, &queue, e)))
         return -1;
     return 0;
@@ -146,7 +146,7 @@ static int cluster_setup_open(const struct settings *settings, uv_loop_t *loop, 
 static void cluster_setup_close(struct cluster_setup *setup) {
     cluster_close(setup->cluster);
     bus_close(setup->bus);
-    board_close(setup->board);
+    presence_close(setup->presence);
     work_close(setup->work);
     *setup = (struct cluster_setup){0};
 }
@@ -399,7 +399,7 @@ static struct api_options api_options_of(struct daemon *d) {
     options.revocations = &d->access.revocations;
     options.shares = d->cluster.cluster != NULL;
     options.bus = d->cluster.bus;
-    options.board = d->cluster.board;
+    options.presence = d->cluster.presence;
     options.http.connections_above = API_CONNECTIONS_ABOVE;
     provide_descriptors(&options.http, d->settings.voices.workers);
     return options;
@@ -457,7 +457,7 @@ static void reload(struct daemon *d) {
         struct api_options options = api_options_of(d);
         api_change(d->api, &options);
         d->components.live.most = settings.heard_most;
-        d->components.live.payer_most = settings.heard_address;
+        d->components.live.key_most = settings.heard_address;
         d->components.live.seconds = settings.heard_seconds;
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Public functions of the cluster: they call the engine's table. */
 #include "server/cluster/cluster.h"
-#include "server/cluster/board.h"
 #include "server/cluster/bus.h"
+#include "server/cluster/presence.h"
 #include "server/cluster/work_queue.h"
 #include <stddef.h>
 
@@ -33,21 +33,21 @@ void cluster_close(struct cluster *cluster) {
         cluster->engine->close(cluster);
 }
 
-void board_look(struct board *board, const struct board_eye *eye, void *ctx) {
-    board->engine->look(board, eye, ctx);
+void presence_watch(struct presence *presence, const struct presence_callbacks *eye, void *ctx) {
+    presence->engine->look(presence, eye, ctx);
 }
 
-void board_write(struct board *board, const char *name, const char *text) {
-    board->engine->write(board, name, text);
+void presence_publish(struct presence *presence, const char *name, const char *text) {
+    presence->engine->write(presence, name, text);
 }
 
-void board_mark(struct board *board, const char *name, uint64_t until) {
-    board->engine->mark(board, name, until);
+void presence_mark(struct presence *presence, const char *name, uint64_t until) {
+    presence->engine->mark(presence, name, until);
 }
 
-void board_close(struct board *board) {
-    if (board)
-        board->engine->close(board);
+void presence_close(struct presence *presence) {
+    if (presence)
+        presence->engine->close(presence);
 }
 
 const char *bus_name(const struct bus *bus) {
@@ -85,9 +85,9 @@ void work_watch(struct work *work, work_seen seen, void *ctx) {
     work->engine->watch(work, seen, ctx);
 }
 
-struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
+struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t quota_key,
                            const struct buf *sentence, work_answered answered, void *ctx) {
-    return work->engine->put(work, queue, turn, payer, sentence, answered, ctx);
+    return work->engine->put(work, queue, turn, quota_key, sentence, answered, ctx);
 }
 
 void work_cancel(struct work_task *task) {

@@ -6,9 +6,9 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/metrics.h"
-#include "server/cluster/board.h"
 #include "server/cluster/bus.h"
 #include "server/cluster/cluster.h"
+#include "server/cluster/presence.h"
 #include "server/cluster/work_queue.h"
 #include <uv.h>
 
@@ -34,11 +34,11 @@ struct cluster *redis_cluster_open(uv_loop_t *loop, const struct redis_options *
  * the address (redis_address.h) is invalid. */
 struct bus *redis_bus_open(uv_loop_t *loop, const char *address, struct metrics *metrics, struct error *e);
 
-/* The board on a Redis server. */
+/* The store on a Redis server. */
 
 /* As redis_bus_open. */
-struct board *redis_board_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
-                               struct error *e);
+struct presence *redis_presence_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
+                                     struct error *e);
 
 /* The work queue on Redis: streams with a consumer group; redis_work_internal.h documents the keys. */
 

@@ -48,7 +48,7 @@ struct redis_work {
     work_seen seen;
     void *seen_ctx;
     char to[TO_BYTES], most[NUMBER_BYTES];
-    unsigned lane;  /* of sentences without a payer */
+    unsigned lane;  /* of sentences without a quota key */
     uint64_t heard; /* loop time of the last list of sources */
     struct metrics *metrics;
     double live, ahead; /* last values added to the metrics */
@@ -222,8 +222,8 @@ static void on_put(void *ctx, const redisReply *reply) {
 }
 
 static struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn,
-                                        uint32_t payer, const struct buf *sentence, work_answered answered,
-                                        void *ctx) {
+                                        uint32_t quota_key, const struct buf *sentence,
+                                        work_answered answered, void *ctx) {
     struct redis_work *w = (struct redis_work *)work;
     struct redis_task *t = mem_alloc(sizeof *t);
     struct buf packed = {0};
@@ -234,7 +234,7 @@ static struct work_task *redis_task_put(struct work *work, const char *queue, en
     DL_APPEND(w->tasks, t);
     work_pack_sentence(sentence, &packed);
     snprintf(number, sizeof number, "%d", turn);
-    snprintf(lane, sizeof lane, "%u", (payer ? payer : w->lane) % (unsigned)atoi(REDIS_WORK_LANES));
+    snprintf(lane, sizeof lane, "%u", (quota_key ? quota_key : w->lane) % (unsigned)atoi(REDIS_WORK_LANES));
     const struct link_text more[] = {link_text_of(queue),        link_text_of(number), link_text_of(lane),
                                      {packed.data, packed.size}, link_text_of(w->to),  link_text_of(w->most)};
     if (!redis_work_run(w->mouth, SCRIPT_WORK_PUT, more, 6, on_put, t))

@@ -41,7 +41,7 @@ typedef void (*work_seen)(void *ctx, const struct work_source *sources, size_t c
 
 struct work_engine {
     void (*watch)(struct work *work, work_seen seen, void *ctx);
-    struct work_task *(*put)(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
+    struct work_task *(*put)(struct work *work, const char *queue, enum work_turn turn, uint32_t quota_key,
                              const struct buf *sentence, work_answered answered, void *ctx);
     void (*cancel)(struct work_task *task);
     void (*close)(struct work *work);
@@ -55,9 +55,9 @@ struct work_task {
     struct work *work;
 };
 
-/* seen NULL: no callback. Sentences of different payers take turns; payer 0: this daemon. */
+/* seen NULL: no callback. Sentences of different quota keys take turns; quota_key 0: this daemon. */
 void work_watch(struct work *work, work_seen seen, void *ctx);
-struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
+struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t quota_key,
                            const struct buf *sentence, work_answered answered, void *ctx);
 
 /* Cancels a sentence: no callback follows, and its worker is told to stop. NULL is allowed. */

@@ -116,7 +116,7 @@ void remote_go_on(struct fetch *q) {
 }
 
 /* Passes received bytes to the receiver. False: it cancelled the request. */
-static bool hand_on(struct fetch *q) {
+static bool pass_on(struct fetch *q) {
     struct buf come = q->body;
     bool gone = false;
     q->body = (struct buf){0};
@@ -141,7 +141,7 @@ static bool has_bytes(const struct fetch *q) {
 static void tell(struct transfer *t) {
     struct fetch *q = (struct fetch *)t;
     if (has_bytes(q))
-        hand_on(q);
+        pass_on(q);
 }
 
 void remote_give_up(struct fetch *fetch) {
@@ -192,7 +192,7 @@ static void on_done(struct transfer *t, CURLcode code) {
     struct fetch *q = (struct fetch *)t;
     struct remote_answer answer = {.why = curl_easy_strerror(code)};
     long sent = 0;
-    if (has_bytes(q) && !hand_on(q))
+    if (has_bytes(q) && !pass_on(q))
         return;
     curl_easy_getinfo(t->easy, CURLINFO_REQUEST_SIZE, &sent);
     answer.sent = sent > 0;

@@ -42,14 +42,14 @@ static void unlist(struct channel *c) {
     metrics_add(c->rooms->pipeline->metrics, METRIC_ROOMS, -1);
 }
 
-static unsigned rooms_of(const struct rooms *rooms, uint32_t payer) {
+static unsigned rooms_of(const struct rooms *rooms, uint32_t quota_key) {
     unsigned count = 0;
     for (const struct channel *c = rooms->list; c; c = c->next)
-        count += c->payer == payer;
+        count += c->quota_key == quota_key;
     return count;
 }
 
-struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t payer, struct error *e) {
+struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t quota_key, struct error *e) {
     struct channel *c = channel_find(rooms, name);
     if (c)
         return c;
@@ -59,13 +59,14 @@ struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t pay
         error_set(e, ERROR_TOO_MANY_ROOMS, "there are %u rooms already", rooms->count);
         return NULL;
     }
-    if (payer && rooms->limits.address_rooms && rooms_of(rooms, payer) >= rooms->limits.address_rooms) {
+    if (quota_key && rooms->limits.address_rooms &&
+        rooms_of(rooms, quota_key) >= rooms->limits.address_rooms) {
         error_set(e, ERROR_TOO_MANY_ROOMS, "%u rooms of one address or subject are the limit",
                   rooms->limits.address_rooms);
         return NULL;
     }
     c = channel_new(rooms, name);
-    c->payer = payer;
+    c->quota_key = quota_key;
     c->room = true;
     c->gone = unlist;
     c->next = rooms->list;

@@ -24,9 +24,9 @@ struct room_limits {
 /* Runs a command for a room that this daemon leads, sent by another daemon or by one of its own clients.
  * Returns the answer in HTTP's form, a new reference, and its status. The command is an object: `type`;
  * `request`, what to speak (request_to_json); `message`, the client's message for the other types; `by`,
- * the name of the sender; `payer` and `asker` (speech_request.h). remote: the daemon that sent it, 0: this
- * daemon. number: the command's number in the cluster. `utterance` of the answer, which is not in HTTP's
- * answer, is the number of the utterance to be spoken. */
+ * the name of the sender; `quota_key` and `connection` (speech_request.h). remote: the daemon that sent it,
+ * 0: this daemon. number: the command's number in the cluster. `utterance` of the answer, which is not in
+ * HTTP's answer, is the number of the utterance to be spoken. */
 typedef json_t *rooms_run(void *ctx, const char *room, const json_t *command, uint64_t remote,
                           uint64_t number, unsigned *status);
 
@@ -51,9 +51,9 @@ struct channel *channel_find(const struct rooms *rooms, const char *name);
 /* The same; NULL also for a room without followers. */
 struct channel *channel_occupied(const struct rooms *rooms, const char *name);
 
-/* Finds or creates a room; a new room counts against the payer (principal_payer; 0: no payer). Returns
- * NULL with *e ("too-many-rooms", "bad-field"). */
-struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t payer, struct error *e);
+/* Finds or creates a room; a new room counts against the quota key (principal_quota_key; 0: no quota key).
+ * Returns NULL with *e ("too-many-rooms", "bad-field"). */
+struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t quota_key, struct error *e);
 
 /* Validates a room name. Returns -1 with *e ("bad-field"). */
 int channel_check_name(const char *name, struct error *e);

@@ -126,7 +126,7 @@ struct channel {
     struct rooms *rooms;
     uint64_t number;
     char *name;
-    uint32_t payer; /* who created the room; 0: not counted */
+    uint32_t quota_key; /* who created the room; 0: not counted */
     bool room;
     void (*gone)(struct channel *channel); /* called before the channel is freed; may be NULL */
     struct channel *next, **self;          /* list of rooms */

@@ -95,7 +95,7 @@ static void *copy_of(const void *from, size_t size) {
 }
 
 /* Delivers a segment with its frames, at least one; the last frame is repeated. */
-static void hand_on(struct live_voice *h, size_t size) {
+static void pass_on(struct live_voice *h, size_t size) {
     uint32_t next = frame_from_sample((uint64_t)h->given + size, h->rate, h->request.fps);
     size_t used = next > h->first_frame ? next - h->first_frame : 0;
     used = used < h->frame_count ? used : h->frame_count;
@@ -140,7 +140,7 @@ static void live_deliver(struct live_voice *h) {
         recognise_ahead(h);
         size = piece_size(h);
         if (size)
-            hand_on(h, size);
+            pass_on(h, size);
     }
     if (h->recognised_all && !h->pcm_count)
         end(h);
@@ -309,11 +309,11 @@ static int choose(struct live_voice *h, struct error *e) {
     return 0;
 }
 
-static unsigned voices_of(const struct live_pool *pool, uint32_t payer) {
+static unsigned voices_of(const struct live_pool *pool, uint32_t quota_key) {
     const struct live_voice *other;
     unsigned count = 0;
     DL_FOREACH(pool->voices, other)
-    count += payer && other->request.payer == payer;
+    count += quota_key && other->request.quota_key == quota_key;
     return count;
 }
 
@@ -374,9 +374,9 @@ static int open_all(struct live_voice *h, const struct live_request *request, st
         return -1;
     if (pool->count >= pool->most)
         return error_set(e, ERROR_TOO_MANY_VOICES, "%u live voices are open already", pool->count);
-    if (pool->payer_most && voices_of(pool, h->request.payer) >= pool->payer_most)
+    if (pool->key_most && voices_of(pool, h->request.quota_key) >= pool->key_most)
         return error_set(e, ERROR_TOO_MANY_VOICES,
-                         "%u live voices of one address or subject are open already", pool->payer_most);
+                         "%u live voices of one address or subject are open already", pool->key_most);
     const struct lip_recogniser_options options = {.network = pool->network,
                                                    .pack = h->pack,
                                                    .engine = h->request.engine,

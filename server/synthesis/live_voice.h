@@ -34,7 +34,7 @@ struct lip_network;
 struct live_pool {
     struct lip_network *network; /* NULL = live voices are disabled */
     unsigned most;               /* limit of live voices */
-    unsigned payer_most;         /* limit per payer (speech_request.h); 0 = none */
+    unsigned key_most;           /* limit per quota key (speech_request.h); 0 = none */
     unsigned seconds;            /* limit of waiting sound per voice */
     unsigned count;
     struct live_voice *voices; /* the open ones */

@@ -90,8 +90,8 @@ static void ask_voice(struct synthesis *s, struct speculation *g) {
                                        .pitch = s->request.pitch,
                                        .volume = s->request.volume,
                                        .priority = VOICE_PRIORITY_URGENT,
-                                       .payer = s->request.payer,
-                                       .asker = s->request.asker,
+                                       .quota_key = s->request.quota_key,
+                                       .connection = s->request.connection,
                                        .reader = s->pipeline->reader,
                                        .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);

@@ -66,9 +66,9 @@ struct speech_request {
     enum speech_priority priority;
     uint16_t
         half; /* the high half of a character with which the text of an open one ends; 0 = none. No field */
-    uint32_t payer; /* whose it is, as a number; 0 = nobody's. No field: those who ask do not say */
-    uint32_t asker; /* by which of the payer's connections, likewise */
-    char *topic;    /* what it is about: takes the place of those that wait with the same; NULL = none */
+    uint32_t quota_key;  /* whose it is, as a number; 0 = nobody's. No field: those who ask do not say */
+    uint32_t connection; /* by which of the quota key's connections, likewise */
+    char *topic;         /* what it is about: takes the place of those that wait with the same; NULL = none */
 };
 
 void request_init(struct speech_request *request);

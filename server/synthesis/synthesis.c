@@ -246,8 +246,8 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                        .pitch = s->request.pitch,
                                        .volume = s->request.volume,
                                        .priority = priority_of(s, slot),
-                                       .payer = s->request.payer,
-                                       .asker = s->request.asker,
+                                       .quota_key = s->request.quota_key,
+                                       .connection = s->request.connection,
                                        .reader = s->pipeline->reader,
                                        .gate = s->pipeline->gate};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);

@@ -12,7 +12,7 @@ struct remote_process {
     uv_timer_t pulse;
     bool greeted, stopped;
     enum work_turn priority;
-    uint32_t payer;
+    uint32_t quota_key;
     uint32_t job;           /* in progress; 0 = none */
     struct work_task *task; /* NULL once it is answered */
     struct process_callbacks callbacks;
@@ -98,7 +98,7 @@ static void speak(struct remote_process *p, const struct wire_frame *frame) {
     (void)wire_get_u32(&r); /* processor time: the remote pool decides */
     const struct buf sentence = {(uint8_t *)r.at, (size_t)(r.end - r.at), 0};
     p->job = frame->job;
-    p->task = work_put(p->work, p->queue, p->priority, p->payer, &sentence, on_answered, p);
+    p->task = work_put(p->work, p->queue, p->priority, p->quota_key, &sentence, on_answered, p);
     uv_timer_start(&p->pulse, on_pulse, WIRE_ALIVE_MS, WIRE_ALIVE_MS);
 }
 
@@ -156,13 +156,13 @@ struct process *remote_process_start(uv_loop_t *loop, struct work *work, const c
     return &p->process;
 }
 
-void remote_process_schedule(struct process *process, enum voice_priority priority, uint32_t payer) {
+void remote_process_schedule(struct process *process, enum voice_priority priority, uint32_t quota_key) {
     static const enum work_turn priorities[] = {[VOICE_PRIORITY_NORMAL] = WORK_USUAL,
                                                 [VOICE_PRIORITY_URGENT] = WORK_URGENT,
                                                 [VOICE_PRIORITY_BACKGROUND] = WORK_AHEAD};
     struct remote_process *p = (struct remote_process *)process;
     p->priority = priorities[priority];
-    p->payer = payer;
+    p->quota_key = quota_key;
 }
 
 /* Plugins of remote workers: added when the first worker announces them, disabled when the last one goes.

@@ -19,30 +19,32 @@ static uint64_t job_cost(const struct voice_job *job) {
 }
 
 void queue_push_fair(struct job_queue *queue, struct voice_job *job) {
-    uint64_t start = queue->within[job->payer % QUEUE_PAYERS];
+    uint64_t start = queue->within[job->quota_key % QUEUE_KEYS];
     for (const struct voice_job *other = queue->first; other; other = other->next)
-        if (other->payer == job->payer && other->asker == job->asker && other->finish > start)
+        if (other->quota_key == job->quota_key && other->connection == job->connection &&
+            other->finish > start)
             start = other->finish;
     job->finish = start + job_cost(job);
     job->arrived = queue->now;
     queue_push(queue, job);
 }
 
-/* Returns the next job in fair order, or NULL; *end is its finish between payers. */
+/* Returns the next job in fair order, or NULL; *end is its finish between quota keys. */
 static struct voice_job *queue_next_fair(const struct job_queue *queue, uint64_t *end) {
-    struct voice_job *next[QUEUE_PAYERS] = {0}, *best = NULL;
-    uint64_t arrived[QUEUE_PAYERS];
+    struct voice_job *next[QUEUE_KEYS] = {0}, *best = NULL;
+    uint64_t arrived[QUEUE_KEYS];
     for (struct voice_job *job = queue->first; job; job = job->next) {
-        size_t payer = job->payer % QUEUE_PAYERS;
-        if (!next[payer])
-            arrived[payer] = job->arrived; /* of the payer's oldest job */
-        if (!next[payer] || job->finish < next[payer]->finish)
-            next[payer] = job;
+        size_t quota_key = job->quota_key % QUEUE_KEYS;
+        if (!next[quota_key])
+            arrived[quota_key] = job->arrived; /* of the quota key's oldest job */
+        if (!next[quota_key] || job->finish < next[quota_key]->finish)
+            next[quota_key] = job;
     }
     for (struct voice_job *job = queue->first; job; job = job->next) {
-        size_t payer = job->payer % QUEUE_PAYERS;
-        uint64_t from = queue->served[payer] > arrived[payer] ? queue->served[payer] : arrived[payer];
-        if (job != next[payer] || (best && from + job_cost(job) >= *end))
+        size_t quota_key = job->quota_key % QUEUE_KEYS;
+        uint64_t from =
+            queue->served[quota_key] > arrived[quota_key] ? queue->served[quota_key] : arrived[quota_key];
+        if (job != next[quota_key] || (best && from + job_cost(job) >= *end))
             continue;
         best = job;
         *end = from + job_cost(job);
@@ -76,9 +78,9 @@ struct voice_job *queue_pop_fair(struct job_queue *queue) {
     struct voice_job *job = queue_next_fair(queue, &end);
     if (!job)
         return NULL;
-    size_t payer = job->payer % QUEUE_PAYERS;
-    queue->now = queue->served[payer] = end;
-    queue->within[payer] = job->finish;
+    size_t quota_key = job->quota_key % QUEUE_KEYS;
+    queue->now = queue->served[quota_key] = end;
+    queue->within[quota_key] = job->finish;
     queue_remove(job);
     return job;
 }

@@ -408,8 +408,8 @@ struct voice_job *voice_pool_speak_request(struct voice_pool *pool, const struct
     job->ctx = ctx;
     job->request = request;
     job->priority = sentence->priority;
-    job->payer = sentence->payer;
-    job->asker = sentence->asker;
+    job->quota_key = sentence->quota_key;
+    job->connection = sentence->connection;
     if (job_find_cached(job)) {
         queue_push_fair(&pool->cached, job);
         pool_schedule_callbacks(pool);

@@ -122,8 +122,8 @@ struct sentence_request {
     double rate;          /* words per minute, 0 = the voice's own; multiplied by the styles' factors */
     double pitch, volume; /* factors, 1 = the voice's own */
     enum voice_priority priority;
-    uint32_t payer; /* quota key: keys share the workers fairly, here and on remote workers; 0 = none */
-    uint32_t asker; /* connection within the quota key, scheduled fairly too; 0 = none */
+    uint32_t quota_key;  /* quota key: keys share the workers fairly, here and on remote workers; 0 = none */
+    uint32_t connection; /* connection within the quota key, scheduled fairly too; 0 = none */
     const struct reader *reader; /* decodes sound files (sentence.h); NULL = none */
     struct work_gate *gate;      /* limits how many sounds are read at a time; NULL = no limit */
 };
@@ -144,8 +144,8 @@ struct voice_callbacks {
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct sentence_request *sentence,
                                    const struct voice_callbacks *callbacks, void *ctx);
 
-/* Queues a request for a voice and takes ownership of it. Of `sentence` only priority, payer and asker are
- * used. */
+/* Queues a request for a voice and takes ownership of it. Of `sentence` only priority, quota_key and
+ * connection are used. */
 struct voice_job *voice_pool_speak_request(struct voice_pool *pool, const struct voice *voice,
                                            struct voice_request request,
                                            const struct sentence_request *sentence,

@@ -68,19 +68,19 @@ struct process *remote_process_start(uv_loop_t *loop, struct work *work, const c
                                      void *ctx);
 
 /* Sets the priority and the quota key of the next sentence. */
-void remote_process_schedule(struct process *p, enum voice_priority priority, uint32_t payer);
+void remote_process_schedule(struct process *p, enum voice_priority priority, uint32_t quota_key);
 
 /* Jobs in order of arrival. Jobs that wait for a worker or for replay from the cache leave by fair
- * queueing with virtual finish times (Golestani 1994), first between quota keys (payers), then between the
- * connections (askers) of one. Virtual time counts bytes of text (job_cost): a job finishes its cost after
- * the previous job of its payer or asker, or after the job that left last, whichever is later. The
+ * queueing with virtual finish times (Golestani 1994), first between quota keys, then between the
+ * connections of one. Virtual time counts bytes of text (job_cost): a job finishes its cost after
+ * the previous job of its quota key or connection, or after the job that left last, whichever is later. The
  * earliest finish leaves first. Payers are identified by a hash. */
-enum { QUEUE_PAYERS = 256, JOB_COST = 64 /* of every job, besides its text */ };
+enum { QUEUE_KEYS = 256, JOB_COST = 64 /* of every job, besides its text */ };
 struct job_queue {
     struct voice_job *first, *last;
-    uint64_t now;                  /* virtual time between payers: finish of the job that left last */
-    uint64_t served[QUEUE_PAYERS]; /* finish of each payer's last job */
-    uint64_t within[QUEUE_PAYERS]; /* the same between the askers of each payer */
+    uint64_t now;                /* virtual time between quota keys: finish of the job that left last */
+    uint64_t served[QUEUE_KEYS]; /* finish of each quota key's last job */
+    uint64_t within[QUEUE_KEYS]; /* the same between the connections of each quota key */
 };
 
 /* One sentence, from voice_pool_speak to its callback. */
@@ -91,9 +91,9 @@ struct voice_job {
     struct worker *worker; /* NULL unless it speaks the job */
     uint32_t number;       /* id on the wire */
     enum voice_priority priority;
-    uint32_t payer, asker;
+    uint32_t quota_key, connection;
     uint64_t arrived; /* the queue's `now` on arrival */
-    uint64_t finish;  /* virtual finish between the payer's askers */
+    uint64_t finish;  /* virtual finish between the quota key's connections */
     bool preempted;   /* a background job that made way for another */
     bool cancelled;   /* the caller no longer wants it */
     bool too_long;    /* the worker was told to stop, because the sentence exceeds its limit */

@@ -248,7 +248,7 @@ void worker_take_next(struct worker *w) {
     extend_deadline(w);
     watch_worker(w);
     if (w->plugin->queue)
-        remote_process_schedule(w->process, job->priority, job->payer);
+        remote_process_schedule(w->process, job->priority, job->quota_key);
     process_send(w->process, &b);
     buf_free(&b);
 }

@@ -131,8 +131,8 @@ struct result *pool_test_speak_items(struct pool_test *s, const char *name, doub
                                              .pitch = 1,
                                              .volume = 1,
                                              .priority = s->turn,
-                                             .payer = s->payer,
-                                             .asker = s->asker};
+                                             .quota_key = s->quota_key,
+                                             .connection = s->connection};
     s->jobs[s->count++] = voice_pool_speak(s->pool, &request, &callbacks, r);
     assert_int_equal(r->order, 0); /* never at once */
     return r;

@@ -27,8 +27,8 @@ struct pool_test {
     size_t count, finished;
     bool ready, voiced, closing, closed;
     enum voice_priority turn; /* of what is spoken next */
-    uint32_t payer;           /* whose that is, */
-    uint32_t asker;           /* and by which of his connections */
+    uint32_t quota_key;       /* whose that is, */
+    uint32_t connection;      /* and by which of his connections */
     void (*when_finished)(struct pool_test *s);
 };
 

@@ -258,17 +258,18 @@ static void what_is_waited_for_comes_first(void **state) {
     pool_test_shut(s);
 }
 
-/* Forty sentences of one payer do not hold up those of others, who come later: a sentence of each by turns.
+/* Forty sentences of one quota key do not hold up those of others, who come later: a sentence of each by
+ * turns.
  */
-static void payers_take_turns(void **state) {
+static void quota_keys_take_turns(void **state) {
     (void)state;
     enum { GREEDY = 40, MODEST = 2 };
     struct pool_test *s = OPEN(WITH(0), "puppet");
-    s->payer = 1;
+    s->quota_key = 1;
     for (size_t i = 0; i < GREEDY; i++)
         pool_test_speak(s, "plain", "uno");
     for (size_t i = 0; i < 2 * MODEST; i++) {
-        s->payer = 2 + (uint32_t)(i % 2);
+        s->quota_key = 2 + (uint32_t)(i % 2);
         pool_test_speak(s, "plain", "due");
     }
     pool_test_run(s);
@@ -280,9 +281,9 @@ static void payers_take_turns(void **state) {
     pool_test_shut(s);
 }
 
-/* Twenty connections of one payer with three sentences each do not hold up another connection of the same
- * payer: it waits for one sentence of each at most, and not for those that are longer than its own. */
-static void connections_of_a_payer_take_turns(void **state) {
+/* Twenty connections of one quota key with three sentences each do not hold up another connection of the same
+ * quota_key: it waits for one sentence of each at most, and not for those that are longer than its own. */
+static void connections_of_a_quota_key_take_turns(void **state) {
     (void)state;
     enum { GREEDY = 20, EACH = 3 };
     static const char *const texts[] = {
@@ -290,12 +291,12 @@ static void connections_of_a_payer_take_turns(void **state) {
                "tutti gli altri, e vuole dire soltanto una parola"};
     for (size_t is_long = 0; is_long < 2; is_long++) {
         struct pool_test *s = OPEN(WITH(0), "puppet");
-        s->payer = 1;
+        s->quota_key = 1;
         for (size_t i = 0; i < GREEDY * EACH; i++) {
-            s->asker = 1 + (uint32_t)(i / EACH);
+            s->connection = 1 + (uint32_t)(i / EACH);
             pool_test_speak(s, "plain", texts[is_long]);
         }
-        s->asker = GREEDY + 1;
+        s->connection = GREEDY + 1;
         const struct result *modest = pool_test_speak(s, "plain", "due");
         pool_test_run(s);
         /* the first is begun at once, and one more may be on its way */
@@ -308,14 +309,14 @@ static void connections_of_a_payer_take_turns(void **state) {
     }
 }
 
-/* What is paid for by many connections is still one payer's. */
-static void payers_come_before_connections(void **state) {
+/* What is paid for by many connections is still one quota key's. */
+static void quota_keys_come_before_connections(void **state) {
     (void)state;
     enum { GREEDY = 20 };
     struct pool_test *s = OPEN(WITH(0), "puppet");
     for (size_t i = 0; i < GREEDY + 2; i++) {
-        s->payer = i < GREEDY ? 1 : 2;
-        s->asker = 1 + (uint32_t)i;
+        s->quota_key = i < GREEDY ? 1 : 2;
+        s->connection = 1 + (uint32_t)i;
         pool_test_speak(s, "plain", "uno");
     }
     pool_test_run(s);
@@ -409,9 +410,9 @@ int main(void) {
         cmocka_unit_test(workers_work_side_by_side),
         cmocka_unit_test(callbacks_may_close_the_pool),
         cmocka_unit_test(what_is_waited_for_comes_first),
-        cmocka_unit_test(payers_take_turns),
-        cmocka_unit_test(connections_of_a_payer_take_turns),
-        cmocka_unit_test(payers_come_before_connections),
+        cmocka_unit_test(quota_keys_take_turns),
+        cmocka_unit_test(connections_of_a_quota_key_take_turns),
+        cmocka_unit_test(quota_keys_come_before_connections),
         cmocka_unit_test(what_nobody_waits_for_makes_way),
         cmocka_unit_test(what_makes_way_may_be_forgotten),
         cmocka_unit_test(says_what_is_missing),

@@ -145,7 +145,7 @@ struct forward *forward_command(struct rooms *rooms, const char *room, json_t *a
                                 void *ctx) {
     struct error e;
     struct channel *c =
-        channel_room(rooms, room, (uint32_t)json_integer_value(json_object_get(asked, "payer")), &e);
+        channel_room(rooms, room, (uint32_t)json_integer_value(json_object_get(asked, "quota-key")), &e);
     if (!c) {
         json_t *answer = error_json(&e);
         done(ctx, (unsigned)error_status(e.code), answer);

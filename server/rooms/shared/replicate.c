@@ -15,8 +15,8 @@ static bool has(const struct recent *r, uint64_t number) {
     return false;
 }
 
-uint64_t shared_command(const char *asker, uint64_t number) {
-    return shared_daemon(asker) | (uint32_t)number;
+uint64_t shared_command(const char *daemon, uint64_t number) {
+    return shared_daemon(daemon) | (uint32_t)number;
 }
 
 void shared_is_past(struct shared_room *h, uint32_t utterance) {

@@ -147,7 +147,7 @@ void shared_is_past(struct shared_room *room, uint32_t utterance);
 
 /* replicate.c: the cluster-wide number of a command, made from the sender's name and its number there;
  * never 0. The command keeps it when it is sent again to another leader. */
-uint64_t shared_command(const char *asker, uint64_t number);
+uint64_t shared_command(const char *daemon, uint64_t number);
 
 /* Records that the command was run here; tests whether it was. */
 void shared_note_done(struct shared_room *room, uint64_t order);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/board.h"
+#include "server/cluster/presence.h"
 #include "server/cluster/redis.h"
 #include "server/cluster/redis_link.h"
 #include "server/cluster/redis_work_internal.h"
@@ -12,40 +12,40 @@
 #include <uthash.h>
 #include <utlist.h>
 
-/* This daemon's state on the board, written or still to be written: its notes, and the marks that it
+/* This daemon's state on the store, written or still to be written: its notes, and the marks that it
  * knows. */
 
 /* how long a removal is visible to other daemons; after that the note's name is forgotten */
-enum { NOTE_LEAVES_MS = 4 * BOARD_LIFE_MS };
+enum { NOTE_LEAVES_MS = 4 * PRESENCE_LIFE_MS };
 
 struct note {
     bool is_mark, dirty, written; /* dirty: still to be written; written: was written before */
-    uint64_t until;               /* of a mark: as board_mark */
+    uint64_t until;               /* of a mark: as presence_mark */
     uint64_t leaves;              /* loop time at which a removed note is forgotten; 0: not removed */
     struct note *prev, *next;     /* in the list of dirty notes and marks */
     struct note *leaving_prev, *leaving_next;
     UT_hash_handle hh;
-    char text[BOARD_TEXT_BYTES]; /* "": removed */
+    char text[PRESENCE_TEXT_BYTES]; /* "": removed */
     char name[];
 };
 
 struct notes {
     struct note *notes, *marks, *dirty, *leaving;
-    unsigned written; /* notes believed to be on the board */
+    unsigned written; /* notes believed to be on the store */
 };
 
-/* The script of the board, in Redis's Lua: it runs atomically. "faccia:board" holds the daemons by the
+/* The script of the store, in Redis's Lua: it runs atomically. "faccia:board" holds the daemons by the
  * time of their last look; "faccia:board:notes:ID" the notes of one daemon; "faccia:board:marks" the marks
  * by the time of creation; "faccia:board:ends" the marks that end, by their end; "faccia:board:count" the
  * number of changes so far; and "faccia:board:changes" the latest change of each note ("ID NAME") and mark
  * ("* NAME"). */
 
-#define REDIS_BOARD "faccia:board"
+#define REDIS_PRESENCE "faccia:board"
 
 /* most changes per reply; more than one look can make (BATCH) */
-#define REDIS_BOARD_ROWS "512"
+#define REDIS_PRESENCE_ROWS "512"
 
-/* KEYS: REDIS_BOARD. ARGV: daemon, last change that it knows, ms after which a daemon is dead, limit of
+/* KEYS: REDIS_PRESENCE. ARGV: daemon, last change that it knows, ms after which a daemon is dead, limit of
  * marks; then triples: "n" or "f", a note and its text (f: the removal need no longer be visible), or "m", a
  * mark and its end in ms since 1970, or "". Returns {clock in ms, 1: the daemon was unknown or changes were
  * lost, last change now known, 1: there is more, number of the daemon's notes, number of marks, {daemons},
@@ -84,9 +84,9 @@ struct notes {
     "if over > 0 then over = over - drop(redis.call('ZRANGE', ends, 0, over - 1)) end "                      \
     "if over > 0 then drop(redis.call('ZRANGE', marks, 0, over - 1)) end "                                   \
     "local found = redis.call('ZRANGE', changes, since + 1, '+inf', 'BYSCORE', 'LIMIT', "                    \
-    "0, " REDIS_BOARD_ROWS ", 'WITHSCORES') "                                                                \
+    "0, " REDIS_PRESENCE_ROWS ", 'WITHSCORES') "                                                             \
     "local more, known, rows = 0, count, {} "                                                                \
-    "if #found == 2 * " REDIS_BOARD_ROWS " then more = 1 known = tonumber(found[#found]) - 1 end "           \
+    "if #found == 2 * " REDIS_PRESENCE_ROWS " then more = 1 known = tonumber(found[#found]) - 1 end "        \
     "for i = 1, #found, 2 do "                                                                               \
     "local space = string.find(found[i], ' ', 1, true) "                                                     \
     "local who, name = string.sub(found[i], 1, space - 1), string.sub(found[i], space + 1) "                 \
@@ -134,14 +134,14 @@ static void notes_write(struct notes *all, const char *name, const char *text) {
     want(all, note);
 }
 
-/* Adds a mark. Returns false when it was known. known: it is on the board already, so it need not be
- * written; beyond BOARD_MARKS_MOST such a mark is not remembered. */
+/* Adds a mark. Returns false when it was known. known: it is on the store already, so it need not be
+ * written; beyond PRESENCE_MARKS_MOST such a mark is not remembered. */
 static bool notes_mark(struct notes *all, const char *name, uint64_t until, bool known) {
     struct note *mark;
     HASH_FIND_STR(all->marks, name, mark);
     if (mark)
         return false;
-    if (known && HASH_COUNT(all->marks) >= BOARD_MARKS_MOST)
+    if (known && HASH_COUNT(all->marks) >= PRESENCE_MARKS_MOST)
         return true;
     mark = note_new(name, true);
     mark->until = until;
@@ -238,19 +238,19 @@ enum { BATCH = 40, WORDS_BEFORE = 8, OWNERS_MOST = 1000, NUMBER_BYTES = 24 };
 /* interval of a full look even without changes: it shows that the daemon lives, and removes dead ones */
 enum { ALL_MS = 1000 };
 
-/* Another daemon on the board. */
+/* Another daemon on the store. */
 struct owner {
     char id[REDIS_ID_BYTES];
     bool here;
     UT_hash_handle hh;
 };
 
-struct redis_board {
-    struct board board;
+struct redis_presence {
+    struct presence presence;
     uv_loop_t *loop;
     struct redis_link *link;
     uv_timer_t again;
-    const struct board_eye *eye; /* NULL: no callbacks */
+    const struct presence_callbacks *eye; /* NULL: no callbacks */
     void *ctx;
     struct metrics *metrics;
     struct notes notes;
@@ -258,28 +258,28 @@ struct redis_board {
     char id[REDIS_ID_BYTES];
     uint64_t known;  /* last change that this daemon has seen */
     uint64_t looked; /* loop time of the last full look */
-    unsigned users;  /* references: the command in flight and the timer; the last one frees the board */
+    unsigned users;  /* references: the command in flight and the timer; the last one frees the store */
     bool asking, up, told;
 };
 
 /* Elements of SCRIPT_LOOK's reply. */
 enum { LOOK_CLOCK, LOOK_FRESH, LOOK_KNOWN, LOOK_MORE, LOOK_NOTES, LOOK_MARKS, LOOK_OWNERS, LOOK_ROWS, LOOKS };
 
-static void done_with(struct redis_board *b) {
+static void done_with(struct redis_presence *b) {
     if (--b->users)
         return;
     notes_free(&b->notes);
     free(b);
 }
 
-static void forget_owner(struct redis_board *b, struct owner *owner) {
+static void forget_owner(struct redis_presence *b, struct owner *owner) {
     HASH_DEL(b->owners, owner);
     if (b->eye)
         b->eye->gone(b->ctx, owner->id);
     free(owner);
 }
 
-static void forget_all(struct redis_board *b) {
+static void forget_all(struct redis_presence *b) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
         HASH_DEL(b->owners, owner);
@@ -290,7 +290,7 @@ static void forget_all(struct redis_board *b) {
         b->eye->gone(b->ctx, NULL);
 }
 
-static void set_up(struct redis_board *b, bool up) {
+static void set_up(struct redis_presence *b, bool up) {
     if (b->up == up)
         return;
     b->up = up;
@@ -299,7 +299,7 @@ static void set_up(struct redis_board *b, bool up) {
         forget_all(b);
 }
 
-static struct owner *owner_of(struct redis_board *b, const char *id, bool add) {
+static struct owner *owner_of(struct redis_presence *b, const char *id, bool add) {
     struct owner *owner;
     HASH_FIND_STR(b->owners, id, owner);
     if (owner || !add || strlen(id) != REDIS_ID_BYTES - 1 || HASH_COUNT(b->owners) >= OWNERS_MOST)
@@ -311,7 +311,7 @@ static struct owner *owner_of(struct redis_board *b, const char *id, bool add) {
 }
 
 /* Reads the list of daemons; the missing ones are gone. */
-static void read_owners(struct redis_board *b, const redisReply *ids) {
+static void read_owners(struct redis_presence *b, const redisReply *ids) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
         owner->here = false;
@@ -329,10 +329,10 @@ static void read_owners(struct redis_board *b, const redisReply *ids) {
 }
 
 /* Reads owner, name, text. Any client of Redis may have written them, so long ones are skipped. */
-static void read_row(struct redis_board *b, const redisReply *rows, size_t at) {
+static void read_row(struct redis_presence *b, const redisReply *rows, size_t at) {
     const char *who = redis_work_text(rows, at), *name = redis_work_text(rows, at + 1);
     const char *text = redis_work_text(rows, at + 2);
-    if (!*name || strlen(name) >= BOARD_NAME_BYTES || strlen(text) >= BOARD_TEXT_BYTES || !b->eye)
+    if (!*name || strlen(name) >= PRESENCE_NAME_BYTES || strlen(text) >= PRESENCE_TEXT_BYTES || !b->eye)
         return;
     if (!strcmp(who, "*")) {
         uint64_t until = strtoull(text, NULL, 10);
@@ -353,7 +353,7 @@ static bool is_look(const redisReply *reply) {
            reply->element[LOOK_ROWS]->type == REDIS_REPLY_ARRAY;
 }
 
-static void read_look(struct redis_board *b, const redisReply *reply) {
+static void read_look(struct redis_presence *b, const redisReply *reply) {
     const redisReply *rows = reply->element[LOOK_ROWS];
     set_up(b, true);
     b->told = false;
@@ -362,7 +362,7 @@ static void read_look(struct redis_board *b, const redisReply *reply) {
     notes_end(&b->notes, (uint64_t)number(reply, LOOK_CLOCK));
     unsigned marks = HASH_COUNT(b->notes.marks);
     if (number(reply, LOOK_FRESH) || number(reply, LOOK_NOTES) < b->notes.written ||
-        number(reply, LOOK_MARKS) < (marks < BOARD_MARKS_MOST ? marks : BOARD_MARKS_MOST))
+        number(reply, LOOK_MARKS) < (marks < PRESENCE_MARKS_MOST ? marks : PRESENCE_MARKS_MOST))
         notes_again(&b->notes);
     b->known = (uint64_t)number(reply, LOOK_KNOWN);
     read_owners(b, reply->element[LOOK_OWNERS]);
@@ -372,12 +372,12 @@ static void read_look(struct redis_board *b, const redisReply *reply) {
         b->eye->looked(b->ctx, (uint64_t)number(reply, LOOK_CLOCK));
 }
 
-static void look_now(struct redis_board *b);
+static void look_now(struct redis_presence *b);
 
 /* reply NULL: the connection was lost. */
-static void fail(struct redis_board *b, const redisReply *reply) {
+static void fail(struct redis_presence *b, const redisReply *reply) {
     if (reply && !b->told)
-        log_warn("cluster: the board: %s; this daemon counts by itself",
+        log_warn("cluster: the store: %s; this daemon counts by itself",
                  reply->type == REDIS_REPLY_ERROR ? reply->str : "an answer that is none");
     b->told |= reply != NULL;
     notes_again(&b->notes);
@@ -385,7 +385,7 @@ static void fail(struct redis_board *b, const redisReply *reply) {
 }
 
 static void on_looked(void *ctx, const redisReply *reply) {
-    struct redis_board *b = ctx;
+    struct redis_presence *b = ctx;
     b->asking = false;
     if (reply && is_look(reply)) {
         read_look(b, reply);
@@ -397,21 +397,21 @@ static void on_looked(void *ctx, const redisReply *reply) {
     done_with(b);
 }
 
-static void look_now(struct redis_board *b) {
+static void look_now(struct redis_presence *b) {
     struct link_text words[WORDS_BEFORE + 3 * BATCH];
     char known[NUMBER_BYTES], life[NUMBER_BYTES], most[NUMBER_BYTES];
     const struct link_text before[WORDS_BEFORE] = {link_text_of("EVAL"),
                                                    link_text_of(SCRIPT_LOOK),
                                                    link_text_of("1"),
-                                                   link_text_of(REDIS_BOARD),
+                                                   link_text_of(REDIS_PRESENCE),
                                                    link_text_of(b->id),
                                                    {known, 0},
                                                    {life, 0},
                                                    {most, 0}};
     memcpy(words, before, sizeof before);
     words[5].size = (size_t)snprintf(known, sizeof known, "%" PRIu64, b->known);
-    words[6].size = (size_t)snprintf(life, sizeof life, "%d", BOARD_LIFE_MS);
-    words[7].size = (size_t)snprintf(most, sizeof most, "%d", BOARD_MARKS_MOST);
+    words[6].size = (size_t)snprintf(life, sizeof life, "%d", PRESENCE_LIFE_MS);
+    words[7].size = (size_t)snprintf(most, sizeof most, "%d", PRESENCE_MARKS_MOST);
     b->looked = uv_now(b->loop);
     int count = notes_batch(&b->notes, words + WORDS_BEFORE, BATCH, uv_now(b->loop));
     b->asking = redis_link_send(b->link, words, WORDS_BEFORE + 3 * count, on_looked, b);
@@ -420,7 +420,7 @@ static void look_now(struct redis_board *b) {
 }
 
 static void on_glanced(void *ctx, const redisReply *reply) {
-    struct redis_board *b = ctx;
+    struct redis_presence *b = ctx;
     b->asking = false;
     bool is_count = reply && (reply->type == REDIS_REPLY_STRING || reply->type == REDIS_REPLY_NIL);
     if (!is_count)
@@ -431,14 +431,14 @@ static void on_glanced(void *ctx, const redisReply *reply) {
 }
 
 /* Asks only whether anything has changed, at a hundredth of the cost of a full look. */
-static void glance(struct redis_board *b) {
-    const struct link_text words[] = {link_text_of("GET"), link_text_of(REDIS_BOARD ":count")};
+static void glance(struct redis_presence *b) {
+    const struct link_text words[] = {link_text_of("GET"), link_text_of(REDIS_PRESENCE ":count")};
     b->asking = redis_link_send(b->link, words, 2, on_glanced, b);
     b->users += b->asking;
 }
 
 static void on_again(uv_timer_t *timer) {
-    struct redis_board *b = timer->data;
+    struct redis_presence *b = timer->data;
     if (b->asking || !redis_link_up(b->link))
         return;
     if (b->up && !b->notes.dirty && uv_now(b->loop) - b->looked < ALL_MS)
@@ -448,45 +448,45 @@ static void on_again(uv_timer_t *timer) {
 }
 
 static void on_changed(void *ctx, bool up) {
-    struct redis_board *b = ctx;
+    struct redis_presence *b = ctx;
     if (up)
         notes_again(&b->notes);
     else
         set_up(b, false);
 }
 
-static void look(struct board *board, const struct board_eye *eye, void *ctx) {
-    struct redis_board *b = (struct redis_board *)board;
+static void look(struct presence *presence, const struct presence_callbacks *eye, void *ctx) {
+    struct redis_presence *b = (struct redis_presence *)presence;
     b->eye = eye;
     b->ctx = ctx;
 }
 
-static void write_note(struct board *board, const char *name, const char *text) {
-    notes_write(&((struct redis_board *)board)->notes, name, text);
+static void write_note(struct presence *presence, const char *name, const char *text) {
+    notes_write(&((struct redis_presence *)presence)->notes, name, text);
 }
 
-static void mark(struct board *board, const char *name, uint64_t until) {
-    notes_mark(&((struct redis_board *)board)->notes, name, until, false);
+static void mark(struct presence *presence, const char *name, uint64_t until) {
+    notes_mark(&((struct redis_presence *)presence)->notes, name, until, false);
 }
 
 static void on_closed(uv_handle_t *timer) {
     done_with(timer->data);
 }
 
-static void close_board(struct board *board) {
-    struct redis_board *b = (struct redis_board *)board;
+static void close_presence(struct presence *presence) {
+    struct redis_presence *b = (struct redis_presence *)presence;
     b->eye = NULL;
     redis_link_close(b->link);
     forget_all(b);
     uv_close((uv_handle_t *)&b->again, on_closed);
 }
 
-static const struct board_engine redis_board_engine = {look, write_note, mark, close_board};
+static const struct presence_engine redis_presence_engine = {look, write_note, mark, close_presence};
 
-struct board *redis_board_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
-                               struct error *e) {
-    struct redis_board *b = mem_alloc(sizeof *b);
-    b->board.engine = &redis_board_engine;
+struct presence *redis_presence_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
+                                     struct error *e) {
+    struct redis_presence *b = mem_alloc(sizeof *b);
+    b->presence.engine = &redis_presence_engine;
     b->loop = loop;
     b->metrics = metrics;
     b->users = 1;
@@ -498,6 +498,6 @@ struct board *redis_board_open(uv_loop_t *loop, const char *address, struct metr
     }
     uv_timer_init(loop, &b->again);
     b->again.data = b;
-    uv_timer_start(&b->again, on_again, BOARD_MS, BOARD_MS);
-    return &b->board;
+    uv_timer_start(&b->again, on_again, PRESENCE_MS, PRESENCE_MS);
+    return &b->presence;
 }
