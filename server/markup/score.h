@@ -98,6 +98,7 @@ struct score_item {
 struct score_sentence {
     size_t first, count;
     size_t start, end; /* bytes of the input */
+    bool in_words;     /* of a script: its numbers and signs have been put into words */
 };
 
 struct score {

@@ -57,8 +57,8 @@ void score_append(struct score *to, const struct score *from, size_t (*place)(co
         struct score_sentence s = from->sentences[i];
         to->sentences =
             mem_grow(to->sentences, &to->sentence_cap, to->sentence_count + 1, sizeof *to->sentences);
-        to->sentences[to->sentence_count++] =
-            (struct score_sentence){s.first + items, s.count, place(ctx, s.start), place(ctx, s.end)};
+        to->sentences[to->sentence_count++] = (struct score_sentence){
+            s.first + items, s.count, place(ctx, s.start), place(ctx, s.end), s.in_words};
     }
     for (size_t i = 0; i < from->cue_count; i++) {
         struct score_cue cue = from->cues[i];

@@ -262,20 +262,40 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
 }
 
-static void normalize(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
-    struct score *script = r->score;
-    const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
-    for (size_t i = 0; i < script->item_count; i++) {
-        const struct voice *voice = r->chosen->voices[i];
-        langs[i] = voice ? reading_lang(s, script->items[i].style->lang, voice->lang) : NULL;
+void synthesis_normalize(const struct synthesis *s, struct score *script,
+                         const struct voice_selection *chosen, size_t sentence) {
+    const struct normalizers *normalizers = s->pipeline->normalizers;
+    struct score_sentence *in = &script->sentences[sentence];
+    if (!normalizers || in->in_words)
+        return;
+    const char **langs = mem_alloc((in->count + 1) * sizeof *langs);
+    for (size_t i = 0; i < in->count; i++) {
+        const struct voice *voice = chosen->voices[in->first + i];
+        langs[i] = voice ? reading_lang(s, script->items[in->first + i].style->lang, voice->lang) : NULL;
     }
     if (s->request.normalize == NORMALIZE_OFF)
-        for (size_t i = 0; i < script->item_count && !work_limit_over(limit); i++)
-            normalizers_apply(s->pipeline->normalizers, script, i, langs[i] ? langs[i] : "");
+        for (size_t i = 0; i < in->count; i++)
+            normalizers_apply(normalizers, script, in->first + i, langs[i] ? langs[i] : "");
     else
-        normalize_script(s->pipeline->normalizers, script, langs, (const void *const *)r->chosen->voices,
-                         limit);
+        normalize_sentence(normalizers, script, sentence, langs,
+                           (const void *const *)chosen->voices + in->first);
+    in->in_words = true;
     free(langs);
+}
+
+/* Longest sentence that is put into words when it is asked of a voice, about 5 ms of work on the loop's
+ * thread. Only what must not be divided (a long alias) is longer. */
+enum { LATER_BYTES = 2048 };
+
+/* What is marked with say-as may be a mistake of the author's, who is told before the first sentence. */
+static bool may_wait(const struct score *script, const struct score_sentence *sentence) {
+    size_t bytes = 0;
+    bool marked = false;
+    for (size_t i = sentence->first; i < sentence->first + sentence->count; i++) {
+        bytes += script->items[i].kind == SCORE_TEXT ? strlen(script->items[i].text) : 0;
+        marked = marked || script->items[i].style->say_as;
+    }
+    return !marked && bytes <= LATER_BYTES;
 }
 
 void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
@@ -287,8 +307,9 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
     if (s->expressions)
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
-    if (pipeline->normalizers)
-        normalize(s, r, limit);
+    for (size_t i = 0; i < r->score->sentence_count && !work_limit_over(limit); i++)
+        if (!limit || !may_wait(r->score, &r->score->sentences[i]))
+            synthesis_normalize(s, r->score, r->chosen, i);
 }
 
 const char *synthesis_lang(const struct synthesis *s) {

@@ -43,7 +43,7 @@ static struct score *script_of(const char *lang, const char *markup, const char 
     const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < script->item_count; i++)
         langs[i] = script->items[i].style->lang ? script->items[i].style->lang : lang;
-    normalize_script(&normalizers, script, langs, NULL, NULL);
+    normalize_script(&normalizers, script, langs);
     free(langs);
     return script;
 }
