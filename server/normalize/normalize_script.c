@@ -2,6 +2,8 @@
 /* Normalises the sentences of a script: forms stretches of one voice and one language, and maps their words
  * back to the bytes of the input. */
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include "server/normalize/characters.h"
 #include "server/normalize/normalizers_internal.h"
 #include "server/normalize/text_rules.h"
 #include <stdlib.h>
@@ -179,4 +181,36 @@ void normalize_sentence(const struct normalizers *normalizers, struct score *scr
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs) {
     for (size_t k = 0; k < script->sentence_count; k++)
         normalize_sentence(normalizers, script, k, langs + script->sentences[k].first, NULL);
+}
+
+static bool is_printable(char c) {
+    return c >= ' ' && c < 0x7F;
+}
+
+void normalize_warn_unspoken(struct score *script) {
+    size_t count = 0, place = 0, length;
+    uint32_t first = 0;
+    for (size_t i = 0; i < script->item_count; i++) {
+        const struct score_item *item = &script->items[i];
+        size_t size = item->kind == SCORE_TEXT && !item->style->phonemes ? strlen(item->text) : 0;
+        for (size_t at = 0; at < size; at += length) {
+            uint32_t cp = 0;
+            length = is_printable(item->text[at]) ? 1 : utf8_next(item->text + at, size - at, &cp);
+            if (!length || !cp || !characters_unspoken((UChar32)cp)) {
+                length = length ? length : 1;
+                continue;
+            }
+            if (!count++) {
+                place = item->start + (item->verbatim ? at : 0);
+                first = cp;
+            }
+        }
+    }
+    if (count == 1)
+        score_warn(script, place, ERROR_UNSPOKEN, "the character U+%04X cannot be spoken: it is left out",
+                   (unsigned)first);
+    else if (count)
+        score_warn(script, place, ERROR_UNSPOKEN,
+                   "%zu characters cannot be spoken and are left out: this is the first, U+%04X", count,
+                   (unsigned)first);
 }

@@ -58,6 +58,10 @@ const char *const *normalizers_abbreviations(const struct normalizers *normalize
 void normalize_sentence(const struct normalizers *normalizers, struct score *script, size_t sentence,
                         const char *const *langs, const void *const *voices);
 
+/* Warns once ("unspoken") of the characters of a script that the stage leaves out although they may have
+ * meant something (characters_unspoken), with their number, at the first of them. */
+void normalize_warn_unspoken(struct score *script);
+
 /* Normalises all sentences, spoken by one voice. langs: language of each item of the script. */
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs);
 

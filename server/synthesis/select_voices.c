@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
+#include "server/normalize/script_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/sentence.h"
 #include <stdlib.h>
@@ -117,6 +118,127 @@ static struct voice_selection *select_voices(struct score *score, const struct v
         last = style;
     }
     return selection;
+}
+
+/* A stretch of an item's text in a script that its voice's language is not written in. */
+struct foreign {
+    size_t item;
+    struct script_run run;
+    const struct voice *instead_of, *voice; /* NULL: nobody reads that script */
+    char lang[SCRIPT_LANG_BYTES];
+};
+
+struct foreigners {
+    struct foreign *list;
+    size_t count, cap;
+};
+
+/* The voice for a stretch; most are in the script of one shortly before. */
+static void find_reader(const struct selecting *c, const struct voice *voice, const struct foreigners *found,
+                        struct foreign *one) {
+    enum { BEFORE = 8 };
+    for (size_t i = found->count; i-- && i + BEFORE >= found->count;) {
+        const struct foreign *f = &found->list[i];
+        if (f->run.script == one->run.script && f->instead_of == voice) {
+            one->voice = f->voice;
+            memcpy(one->lang, f->lang, sizeof one->lang);
+            return;
+        }
+    }
+    script_run_lang(one->run.script, one->lang);
+    one->voice = by_language(c, one->lang, voice->gender, voice->plugin);
+}
+
+static void find_foreigners(const struct selecting *c, const struct voice_selection *chosen,
+                            struct foreigners *found) {
+    for (size_t i = 0; i < c->score->item_count; i++) {
+        const struct score_item *item = &c->score->items[i];
+        const struct voice *voice = chosen->voices[i];
+        bool open = item->kind == SCORE_TEXT && item->text && voice && !item->style->phonemes;
+        size_t size = open ? strlen(item->text) : 0;
+        struct foreign one = {.item = i, .instead_of = voice};
+        while (size && script_run_next(item->text, size, voice->lang, one.run.to, &one.run)) {
+            find_reader(c, voice, found, &one);
+            found->list = mem_grow(found->list, &found->cap, found->count + 1, sizeof one);
+            found->list[found->count++] = one;
+        }
+    }
+}
+
+/* Warns once of each script that nobody reads. */
+static void warn_of_unread(struct score *score, const struct foreigners *found) {
+    size_t letters[SCRIPT_RUN_SCRIPTS] = {0};
+    for (size_t i = 0; i < found->count; i++)
+        letters[found->list[i].run.script] += found->list[i].voice ? 0 : found->list[i].run.letters;
+    for (size_t i = 0; i < found->count; i++) {
+        const struct foreign *f = &found->list[i];
+        const struct score_item *item = &score->items[f->item];
+        if (f->voice || !letters[f->run.script])
+            continue;
+        score_warn(score, item->start + (item->verbatim ? f->run.from : 0), ERROR_UNSPOKEN,
+                   "no voice reads the script %s: %zu of its letters are left out",
+                   script_run_name(f->run.script), letters[f->run.script]);
+        letters[f->run.script] = 0;
+    }
+}
+
+/* Cuts the score around the stretches. Returns the old index of each item. */
+static size_t *cut_foreigners(struct score *score, const struct foreigners *found) {
+    struct score_cut *cuts = mem_alloc((2 * found->count + 1) * sizeof *cuts);
+    size_t count = 0;
+    for (size_t i = 0; i < found->count; i++) {
+        const struct foreign *f = &found->list[i];
+        bool again = count && cuts[count - 1].item == f->item && cuts[count - 1].at == f->run.from;
+        if (f->run.from && !again)
+            cuts[count++] = (struct score_cut){f->item, f->run.from};
+        if (f->run.to < strlen(score->items[f->item].text))
+            cuts[count++] = (struct score_cut){f->item, f->run.to};
+    }
+    size_t *origin = score_cut(score, cuts, count);
+    free(cuts);
+    return origin;
+}
+
+static void give_voice(struct score *score, struct score_item *item, const struct foreign *f) {
+    struct score_style style = *item->style;
+    style.lang = score_strndup(score, f->lang, strlen(f->lang));
+    item->style = score_keep_style(score, &style);
+    if (f->voice)
+        return;
+    item->text = "";
+    item->verbatim = false;
+}
+
+/* Words in a script that a voice's language is not written in are read by a voice of that script. Where
+ * there is none they are left out with a warning ("unspoken"), as a voice would only name their letters. */
+static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen) {
+    struct foreigners found = {0};
+    find_foreigners(c, chosen, &found);
+    if (!found.count)
+        return;
+    warn_of_unread(c->score, &found);
+    size_t *origin = cut_foreigners(c->score, &found), from = 0, next = 0;
+    struct voice_selection *now = voice_selection_new(c->score->item_count), old = *chosen;
+    for (size_t i = 0; i < c->score->item_count; i++) {
+        struct score_item *item = &c->score->items[i];
+        from = i && origin[i] == origin[i - 1] ? from : 0;
+        now->voices[i] = old.voices[origin[i]];
+        now->sounds[i] = old.sounds[origin[i]];
+        old.sounds[origin[i]] = NULL;
+        size_t size = item->text ? strlen(item->text) : 0;
+        const struct foreign *f = next < found.count ? &found.list[next] : NULL;
+        if (f && f->item == origin[i] && f->run.from == from) {
+            now->voices[i] = f->voice ? f->voice : now->voices[i];
+            give_voice(c->score, item, f);
+            next++;
+        }
+        from += size;
+    }
+    *chosen = *now;
+    *now = old;
+    voice_selection_free(now);
+    free(origin);
+    free(found.list);
 }
 
 /* Returns the best voice of a language and gender, or NULL if there is none of that gender. */
@@ -307,6 +429,11 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
     if (s->expressions)
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
+    if (s->request.normalize != NORMALIZE_OFF) {
+        const struct selecting c = {r->score, s->voice, s->voices, pipeline->packs};
+        normalize_warn_unspoken(r->score);
+        select_by_scripts(&c, r->chosen);
+    }
     for (size_t i = 0; i < r->score->sentence_count && !work_limit_over(limit); i++)
         if (!limit || !may_wait(r->score, &r->score->sentences[i]))
             synthesis_normalize(s, r->score, r->chosen, i);
