@@ -56,6 +56,7 @@ export const benchmarks = {
   phones: { moment: ['espeak:it'], long: 'speaks 25 sentences' },
   pictures: { packages: browser, long: 'draws in software' },
   poses: { packages: browser, long: 'draws a head in nineteen poses' },
+  readings: { moment: ['1', '0.1'] },
   'seen-lips': { packages: [...browser, 'ffmpeg'], long: 'films a face' },
   sharing: { packages: ['redis-server'], long: 'starts four daemons for each turn' },
   sides: { long: 'makes three portraits' },
