@@ -5,6 +5,7 @@
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
 #include "server/markup/score_dump.h"
+#include "server/normalize/normalizers.h"
 #include <getopt.h>
 #include <stdlib.h>
 
@@ -55,9 +56,10 @@ static int by_place(const void *a, const void *b) {
     return (x->column > y->column) - (x->column < y->column);
 }
 
-/* Warns of unknown expressions, in order with the other warnings. */
-static void look_for_expressions(const struct check *c, struct score *score) {
+/* Warns of unknown expressions and of what cannot be spoken, in order with the other warnings. */
+static void look_further(const struct check *c, struct score *score) {
     expressions_direct(c->expressions, score);
+    normalize_warn_unspoken(score);
     if (score->warning_count)
         qsort(score->warnings, score->warning_count, sizeof *score->warnings, by_place);
 }
@@ -85,7 +87,7 @@ static int check(const struct check *c, const char *path) {
     if (document && c->score)
         score_dump(document, &dump);
     if (document)
-        look_for_expressions(c, score = score_script(document));
+        look_further(c, score = score_script(document));
     for (size_t i = 0; score && i < score->warning_count; i++)
         report(path, "warning", &score->warnings[i], &text);
     if (dump.size)

@@ -82,7 +82,7 @@ static int read_text(const struct read *r, const struct buf *text, const struct 
         langs = langs_of(r, script);
     }
     if (strcmp(r->normalize, "off"))
-        normalize_script(r->components->pipeline.normalizers, script, langs, NULL, NULL);
+        normalize_script(r->components->pipeline.normalizers, script, langs);
     for (size_t i = 0; i < script->item_count; i++) {
         const struct score_item *item = &script->items[i];
         if (item->kind == SCORE_TEXT && item->text)

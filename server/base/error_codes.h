@@ -76,6 +76,7 @@
     X(MISSING_ATTRIBUTE, "missing-attribute", 0, "an attribute is missing") \
     X(BAD_VALUE, "bad-value", 400, "the value is not understood, or goes too far") \
     X(IGNORED, "ignored", 0, "this is not acted on") \
+    X(UNSPOKEN, "unspoken", 0, "this cannot be spoken") \
     X(INSIDE_WORD, "inside-word", 0, "this begins or ends inside a word") \
     X(ENTITY, "entity", 0, "entities are not read") \
     X(MORE_WARNINGS, "more-warnings", 0, "there are more warnings") \

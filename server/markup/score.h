@@ -101,6 +101,7 @@ struct score_item {
 struct score_sentence {
     size_t first, count;
     size_t start, end; /* bytes of the input */
+    bool in_words;     /* of a script: its numbers and signs have been put into words */
 };
 
 struct score {
@@ -173,6 +174,16 @@ double score_pauses(const struct score *score); /* total length, s */
  * input to a byte of this one's. */
 void score_append(struct score *to, const struct score *from, size_t (*place)(const void *ctx, size_t byte),
                   const void *ctx);
+
+/* Where an item's text is cut, in bytes of it. */
+struct score_cut {
+    size_t item, at;
+};
+
+/* Cuts texts of a script in parts that become items of their own. Sentences, cues and what stands in for a
+ * sound keep their stretch. cuts: ascending, none twice or at an end of its text. Returns the old index of
+ * each new item; the caller frees it. */
+size_t *score_cut(struct score *script, const struct score_cut *cuts, size_t count);
 
 /* Ends the sentence that began after the previous one. Does nothing if it has no items. */
 void score_end_sentence(struct score *score);

@@ -42,12 +42,26 @@ static bool is_shape(UChar32 cp) {
     }
 }
 
+bool characters_unspoken(UChar32 cp) {
+    if (cp < 0x80)
+        return (cp < 0x20 && !(cp >= '\t' && cp <= '\r')) || cp == 0x7F;
+    switch (u_charType(cp)) {
+    case U_CONTROL_CHAR:
+        return cp != 0x85; /* the next line */
+    case U_PRIVATE_USE_CHAR:
+        return true;
+    case U_UNASSIGNED:
+        return !u_hasBinaryProperty(cp, UCHAR_EXTENDED_PICTOGRAPHIC); /* an emoji newer than ICU's */
+    default:
+        return cp == 0xFFFD;
+    }
+}
+
 static bool is_left_out(UChar32 cp) {
     if (cp == 0xAD || (cp >= 0x200B && cp <= 0x200F) || (cp >= 0x202A && cp <= 0x202E) ||
         (cp >= 0x2060 && cp <= 0x206F) || cp == 0xFEFF)
         return cp != 0x200C && cp != 0x200D; /* joiners change the shape of letters in some scripts */
-    int type = u_charType(cp);
-    return type == U_PRIVATE_USE_CHAR || (type == U_UNASSIGNED && cp >= 0x80);
+    return characters_unspoken(cp) || (u_charType(cp) == U_UNASSIGNED && cp >= 0x80);
 }
 
 static bool is_mark(UChar32 cp) {
@@ -78,8 +92,9 @@ void characters_read(struct characters *c, const char *stretch, size_t size) {
         size_t count = 0;
         at += length ? length : 1;
         if (first < 0x80 && (at == size || (unsigned char)stretch[at] < 0xCC)) {
-            /* no mark follows that could change it */
-            units[0] = (UChar)first;
+            /* no mark follows that could change it; a control character parts words */
+            units[0] = characters_unspoken((UChar32)first) ? ' ' : (UChar)first;
+            c->changed |= units[0] != first;
             put(c, units, 1, from, at);
             continue;
         }

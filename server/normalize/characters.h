@@ -17,10 +17,15 @@ struct characters {
 
 /* Composes letters with their accents (NFC). Ligatures and full-width, mathematical and circled characters
  * become the plain characters that they stand for (NFKC). Other compatibility characters stay, because
- * their meaning differs (2 and superscript 2). Removes directional controls, soft hyphens, private-use
- * characters, and combining marks beyond CHARACTERS_MARKS on one letter. stretch: well-formed UTF-8. */
+ * their meaning differs (2 and superscript 2). Removes directional controls, soft hyphens, what
+ * characters_unspoken names, and combining marks beyond CHARACTERS_MARKS on one letter. stretch: well-formed
+ * UTF-8. */
 enum { CHARACTERS_MARKS = 8 };
 void characters_read(struct characters *characters, const char *stretch, size_t size);
 void characters_free(struct characters *characters);
+
+/* True for a character that nobody can say, although it may have meant something: private use, unassigned,
+ * a control character other than white space, U+FFFD, which stands for what was lost elsewhere. */
+bool characters_unspoken(UChar32 character);
 
 #endif

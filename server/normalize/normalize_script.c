@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normalises a whole script: forms stretches of one voice and one language, and maps their words back to
- * the bytes of the input. */
+/* Normalises the sentences of a script: forms stretches of one voice and one language, and maps their words
+ * back to the bytes of the input. */
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include "server/normalize/characters.h"
 #include "server/normalize/normalizers_internal.h"
 #include "server/normalize/text_rules.h"
 #include <stdlib.h>
@@ -24,10 +26,6 @@ static bool same(const char *a, const char *b) {
 static bool is_open(const struct score_item *item) {
     return item->kind == SCORE_TEXT && item->text && !item->style->say_as && !item->style->phonemes &&
            !item->parts;
-}
-
-static const char *lang_of(const char *const *langs, size_t item) {
-    return langs[item] ? langs[item] : "";
 }
 
 /* Byte of the input for a byte of the stretch, which lies in that item. */
@@ -140,31 +138,79 @@ static void say_as(const struct normalizers *normalizers, struct score *script, 
     }
 }
 
-static bool joins(const struct score *script, const char *const *langs, const void *const *voices, size_t a,
-                  size_t b) {
-    return is_open(&script->items[b]) && same(lang_of(langs, a), lang_of(langs, b)) &&
-           (!voices || voices[a] == voices[b]);
+/* A sentence's languages and voices, by item from its first. */
+struct speakers {
+    size_t first;
+    const char *const *langs;
+    const void *const *voices; /* NULL: one voice */
+};
+
+static const char *lang_of(const struct speakers *s, size_t item) {
+    const char *lang = s->langs[item - s->first];
+    return lang ? lang : "";
 }
 
-void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
-                      const void *const *voices, struct work_limit *limit) {
-    for (size_t k = 0; k < script->sentence_count; k++) {
-        if (work_limit_over(limit))
-            return;
-        size_t first = script->sentences[k].first, end = first + script->sentences[k].count;
-        for (size_t i = first; i < end; i++)
-            if (script->items[i].kind == SCORE_TEXT)
-                say_as(normalizers, script, i, lang_of(langs, i));
-        for (size_t i = first; i < end;) {
-            if (!is_open(&script->items[i])) {
-                i++;
+static bool joins(const struct score *script, const struct speakers *s, size_t a, size_t b) {
+    return is_open(&script->items[b]) && same(lang_of(s, a), lang_of(s, b)) &&
+           (!s->voices || s->voices[a - s->first] == s->voices[b - s->first]);
+}
+
+void normalize_sentence(const struct normalizers *normalizers, struct score *script, size_t sentence,
+                        const char *const *langs, const void *const *voices) {
+    size_t first = script->sentences[sentence].first, end = first + script->sentences[sentence].count;
+    const struct speakers speakers = {first, langs, voices};
+    if (script->sentences[sentence].in_words)
+        return;
+    script->sentences[sentence].in_words = true;
+    for (size_t i = first; i < end; i++)
+        if (script->items[i].kind == SCORE_TEXT)
+            say_as(normalizers, script, i, lang_of(&speakers, i));
+    for (size_t i = first; i < end;) {
+        if (!is_open(&script->items[i])) {
+            i++;
+            continue;
+        }
+        struct stretch s = {.script = script, .first = i, .last = i + 1};
+        while (s.last < end && joins(script, &speakers, s.last - 1, s.last))
+            s.last++;
+        say_stretch(&s, normalizers_rules(normalizers, lang_of(&speakers, i)));
+        i = s.last;
+    }
+}
+
+void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs) {
+    for (size_t k = 0; k < script->sentence_count; k++)
+        normalize_sentence(normalizers, script, k, langs + script->sentences[k].first, NULL);
+}
+
+static bool is_printable(char c) {
+    return c >= ' ' && c < 0x7F;
+}
+
+void normalize_warn_unspoken(struct score *script) {
+    size_t count = 0, place = 0, length;
+    uint32_t first = 0;
+    for (size_t i = 0; i < script->item_count; i++) {
+        const struct score_item *item = &script->items[i];
+        size_t size = item->kind == SCORE_TEXT && !item->style->phonemes ? strlen(item->text) : 0;
+        for (size_t at = 0; at < size; at += length) {
+            uint32_t cp = 0;
+            length = is_printable(item->text[at]) ? 1 : utf8_next(item->text + at, size - at, &cp);
+            if (!length || !cp || !characters_unspoken((UChar32)cp)) {
+                length = length ? length : 1;
                 continue;
             }
-            struct stretch s = {.script = script, .first = i, .last = i + 1};
-            while (s.last < end && joins(script, langs, voices, s.last - 1, s.last))
-                s.last++;
-            say_stretch(&s, normalizers_rules(normalizers, lang_of(langs, i)));
-            i = s.last;
+            if (!count++) {
+                place = item->start + (item->verbatim ? at : 0);
+                first = cp;
+            }
         }
     }
+    if (count == 1)
+        score_warn(script, place, ERROR_UNSPOKEN, "the character U+%04X cannot be spoken: it is left out",
+                   (unsigned)first);
+    else if (count)
+        score_warn(script, place, ERROR_UNSPOKEN,
+                   "%zu characters cannot be spoken and are left out: this is the first, U+%04X", count,
+                   (unsigned)first);
 }

@@ -7,7 +7,6 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include "server/base/work_limit.h"
 #include "server/markup/score.h"
 #include <jansson.h>
 
@@ -52,11 +51,18 @@ struct text_rules *normalizers_rules(const struct normalizers *normalizers, cons
  * (markup_rules.abbreviations). NULL: no file. */
 const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang);
 
-/* The normalisation stage: puts numbers, signs and abbreviations into words, whatever the markup. Each
- * item records which bytes of the input its words stand for (score_item.parts). langs: language of each
- * item. voices: speaker of each item, as texts of different voices are normalised separately; may be NULL:
- * one voice speaks all. limit: stops the work early; may be NULL. */
-void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs,
-                      const void *const *voices, struct work_limit *limit);
+/* The normalisation stage: puts a sentence's numbers, signs and abbreviations into words, whatever the
+ * markup; does nothing the second time. Each item records which bytes of the input its words stand for
+ * (score_item.parts). langs: language of each item of the sentence, from its first. voices: speaker of each,
+ * as texts of different voices are normalised separately; may be NULL: one voice speaks all. */
+void normalize_sentence(const struct normalizers *normalizers, struct score *script, size_t sentence,
+                        const char *const *langs, const void *const *voices);
+
+/* Warns once ("unspoken") of the characters of a script that the stage leaves out although they may have
+ * meant something (characters_unspoken), with their number, at the first of them. */
+void normalize_warn_unspoken(struct score *script);
+
+/* Normalises all sentences, spoken by one voice. langs: language of each item of the script. */
+void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs);
 
 #endif

@@ -2,6 +2,7 @@
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/normalize/lexicon.h"
+#include "server/normalize/script_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/sentence.h"
 #include <stdlib.h>
@@ -118,6 +119,127 @@ static struct voice_selection *select_voices(struct score *score, const struct v
         last = style;
     }
     return selection;
+}
+
+/* A stretch of an item's text in a script that its voice's language is not written in. */
+struct foreign {
+    size_t item;
+    struct script_run run;
+    const struct voice *instead_of, *voice; /* NULL: nobody reads that script */
+    char lang[SCRIPT_LANG_BYTES];
+};
+
+struct foreigners {
+    struct foreign *list;
+    size_t count, cap;
+};
+
+/* The voice for a stretch; most are in the script of one shortly before. */
+static void find_reader(const struct selecting *c, const struct voice *voice, const struct foreigners *found,
+                        struct foreign *one) {
+    enum { BEFORE = 8 };
+    for (size_t i = found->count; i-- && i + BEFORE >= found->count;) {
+        const struct foreign *f = &found->list[i];
+        if (f->run.script == one->run.script && f->instead_of == voice) {
+            one->voice = f->voice;
+            memcpy(one->lang, f->lang, sizeof one->lang);
+            return;
+        }
+    }
+    script_run_lang(one->run.script, one->lang);
+    one->voice = by_language(c, one->lang, voice->gender, voice->plugin);
+}
+
+static void find_foreigners(const struct selecting *c, const struct voice_selection *chosen,
+                            struct foreigners *found) {
+    for (size_t i = 0; i < c->score->item_count; i++) {
+        const struct score_item *item = &c->score->items[i];
+        const struct voice *voice = chosen->voices[i];
+        bool open = item->kind == SCORE_TEXT && item->text && voice && !item->style->phonemes;
+        size_t size = open ? strlen(item->text) : 0;
+        struct foreign one = {.item = i, .instead_of = voice};
+        while (size && script_run_next(item->text, size, voice->lang, one.run.to, &one.run)) {
+            find_reader(c, voice, found, &one);
+            found->list = mem_grow(found->list, &found->cap, found->count + 1, sizeof one);
+            found->list[found->count++] = one;
+        }
+    }
+}
+
+/* Warns once of each script that nobody reads. */
+static void warn_of_unread(struct score *score, const struct foreigners *found) {
+    size_t letters[SCRIPT_RUN_SCRIPTS] = {0};
+    for (size_t i = 0; i < found->count; i++)
+        letters[found->list[i].run.script] += found->list[i].voice ? 0 : found->list[i].run.letters;
+    for (size_t i = 0; i < found->count; i++) {
+        const struct foreign *f = &found->list[i];
+        const struct score_item *item = &score->items[f->item];
+        if (f->voice || !letters[f->run.script])
+            continue;
+        score_warn(score, item->start + (item->verbatim ? f->run.from : 0), ERROR_UNSPOKEN,
+                   "no voice reads the script %s: %zu of its letters are left out",
+                   script_run_name(f->run.script), letters[f->run.script]);
+        letters[f->run.script] = 0;
+    }
+}
+
+/* Cuts the score around the stretches. Returns the old index of each item. */
+static size_t *cut_foreigners(struct score *score, const struct foreigners *found) {
+    struct score_cut *cuts = mem_alloc((2 * found->count + 1) * sizeof *cuts);
+    size_t count = 0;
+    for (size_t i = 0; i < found->count; i++) {
+        const struct foreign *f = &found->list[i];
+        bool again = count && cuts[count - 1].item == f->item && cuts[count - 1].at == f->run.from;
+        if (f->run.from && !again)
+            cuts[count++] = (struct score_cut){f->item, f->run.from};
+        if (f->run.to < strlen(score->items[f->item].text))
+            cuts[count++] = (struct score_cut){f->item, f->run.to};
+    }
+    size_t *origin = score_cut(score, cuts, count);
+    free(cuts);
+    return origin;
+}
+
+static void give_voice(struct score *score, struct score_item *item, const struct foreign *f) {
+    struct score_style style = *item->style;
+    style.lang = score_strndup(score, f->lang, strlen(f->lang));
+    item->style = score_keep_style(score, &style);
+    if (f->voice)
+        return;
+    item->text = "";
+    item->verbatim = false;
+}
+
+/* Words in a script that a voice's language is not written in are read by a voice of that script. Where
+ * there is none they are left out with a warning ("unspoken"), as a voice would only name their letters. */
+static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen) {
+    struct foreigners found = {0};
+    find_foreigners(c, chosen, &found);
+    if (!found.count)
+        return;
+    warn_of_unread(c->score, &found);
+    size_t *origin = cut_foreigners(c->score, &found), from = 0, next = 0;
+    struct voice_selection *now = voice_selection_new(c->score->item_count), old = *chosen;
+    for (size_t i = 0; i < c->score->item_count; i++) {
+        struct score_item *item = &c->score->items[i];
+        from = i && origin[i] == origin[i - 1] ? from : 0;
+        now->voices[i] = old.voices[origin[i]];
+        now->sounds[i] = old.sounds[origin[i]];
+        old.sounds[origin[i]] = NULL;
+        size_t size = item->text ? strlen(item->text) : 0;
+        const struct foreign *f = next < found.count ? &found.list[next] : NULL;
+        if (f && f->item == origin[i] && f->run.from == from) {
+            now->voices[i] = f->voice ? f->voice : now->voices[i];
+            give_voice(c->score, item, f);
+            next++;
+        }
+        from += size;
+    }
+    *chosen = *now;
+    *now = old;
+    voice_selection_free(now);
+    free(origin);
+    free(found.list);
 }
 
 /* Returns the best voice of a language and gender, or NULL if there is none of that gender. */
@@ -278,26 +400,16 @@ static void follow_items(struct voice_selection *chosen, const size_t *was, size
     voice_selection_free(now);
 }
 
-static const char **languages_of(const struct synthesis *s, const struct reading_result *r) {
-    const struct score *script = r->score;
-    const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
-    for (size_t i = 0; i < script->item_count; i++) {
-        const struct voice *voice = r->chosen->voices[i];
-        langs[i] = voice ? reading_lang(s, script->items[i].style->lang, voice->lang) : NULL;
-    }
-    return langs;
-}
-
 static void say_by_lexicons(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
     const struct lexicons *all = s->pipeline->lexicons, *named = s->pipeline->named_lexicons;
     if (!(all && all->count) && !(named && named->count))
         return;
-    const char **langs = languages_of(s, r);
+    const char **langs = mem_alloc((r->score->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < r->score->item_count; i++) {
         const struct voice *voice = r->chosen->voices[i];
-        if (voice &&
-            voice->capabilities & FACCIA_VOICE_CONTEXT) /* it finds people's recordings by the text */
-            langs[i] = NULL;
+        /* those with context find people's recordings by the text */
+        bool any = voice && !(voice->capabilities & FACCIA_VOICE_CONTEXT);
+        langs[i] = any ? reading_lang(s, r->score->items[i].style->lang, voice->lang) : NULL;
     }
     size_t *was = lexicons_apply(all, named, r->score, langs, (const void *const *)r->chosen->voices, limit);
     if (was)
@@ -306,16 +418,40 @@ static void say_by_lexicons(const struct synthesis *s, struct reading_result *r,
     free(langs);
 }
 
-static void normalize(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
-    struct score *script = r->score;
-    const char **langs = languages_of(s, r);
+void synthesis_normalize(const struct synthesis *s, struct score *script,
+                         const struct voice_selection *chosen, size_t sentence) {
+    const struct normalizers *normalizers = s->pipeline->normalizers;
+    struct score_sentence *in = &script->sentences[sentence];
+    if (!normalizers || in->in_words)
+        return;
+    const char **langs = mem_alloc((in->count + 1) * sizeof *langs);
+    for (size_t i = 0; i < in->count; i++) {
+        const struct voice *voice = chosen->voices[in->first + i];
+        langs[i] = voice ? reading_lang(s, script->items[in->first + i].style->lang, voice->lang) : NULL;
+    }
     if (s->request.normalize == NORMALIZE_OFF)
-        for (size_t i = 0; i < script->item_count && !work_limit_over(limit); i++)
-            normalizers_apply(s->pipeline->normalizers, script, i, langs[i] ? langs[i] : "");
+        for (size_t i = 0; i < in->count; i++)
+            normalizers_apply(normalizers, script, in->first + i, langs[i] ? langs[i] : "");
     else
-        normalize_script(s->pipeline->normalizers, script, langs, (const void *const *)r->chosen->voices,
-                         limit);
+        normalize_sentence(normalizers, script, sentence, langs,
+                           (const void *const *)chosen->voices + in->first);
+    in->in_words = true;
     free(langs);
+}
+
+/* Longest sentence that is put into words when it is asked of a voice, about 5 ms of work on the loop's
+ * thread. Only what must not be divided (a long alias) is longer. */
+enum { LATER_BYTES = 2048 };
+
+/* What is marked with say-as may be a mistake of the author's, who is told before the first sentence. */
+static bool may_wait(const struct score *script, const struct score_sentence *sentence) {
+    size_t bytes = 0;
+    bool marked = false;
+    for (size_t i = sentence->first; i < sentence->first + sentence->count; i++) {
+        bytes += script->items[i].kind == SCORE_TEXT ? strlen(script->items[i].text) : 0;
+        marked = marked || script->items[i].style->say_as;
+    }
+    return !marked && bytes <= LATER_BYTES;
 }
 
 void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
@@ -328,8 +464,14 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
     say_by_lexicons(s, r, limit);
-    if (pipeline->normalizers)
-        normalize(s, r, limit);
+    if (s->request.normalize != NORMALIZE_OFF) {
+        const struct selecting c = {r->score, s->voice, s->voices, pipeline->packs};
+        normalize_warn_unspoken(r->score);
+        select_by_scripts(&c, r->chosen);
+    }
+    for (size_t i = 0; i < r->score->sentence_count && !work_limit_over(limit); i++)
+        if (!limit || !may_wait(r->score, &r->score->sentences[i]))
+            synthesis_normalize(s, r->score, r->chosen, i);
 }
 
 const char *synthesis_lang(const struct synthesis *s) {

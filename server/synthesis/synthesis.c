@@ -250,6 +250,7 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                        .connection = s->request.connection,
                                        .reader = s->pipeline->reader,
                                        .gate = s->pipeline->gate};
+    synthesis_normalize(s, s->result.score, s->chosen, slot->sentence);
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }

@@ -119,10 +119,15 @@ struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot 
 /* Chooses the request's language and voice and checks that the engine supports them. Returns -1 with *e. */
 int synthesis_choose(struct synthesis *synthesis, struct error *e);
 
-/* Rules for parsing the text; making the script of a document, with its voices. Callable from any thread. */
+/* Rules for parsing the text; making the script of a document, with its voices. Callable from any thread.
+ * With a limit, most sentences are left for synthesis_normalize, so that the first one is heard soon. */
 struct markup_rules synthesis_rules(const struct synthesis *synthesis);
 void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result,
                       struct work_limit *limit);
+
+/* Puts a sentence of the script into words unless that has been done. */
+void synthesis_normalize(const struct synthesis *synthesis, struct score *script,
+                         const struct voice_selection *chosen, size_t sentence);
 
 /* Starts speaking the sentence that the last write may have completed. */
 void speculation_check(struct synthesis *synthesis);

@@ -62,6 +62,7 @@ export const benchmarks = {
   phones: { packages: [...lp, ...pc, ...slt, ...kal], moment: ['espeak:it'], long: 'speaks 25 sentences' },
   pictures: { packages: browser, moment: [], long: 'draws in software' },
   poses: { packages: browser, moment: ['--only', 'smile'], long: 'draws a head and makes two of it' },
+  readings: { moment: ['1', '0.1'] },
   'seen-lips': { packages: [...browser, 'ffmpeg'], moment: ['--sentences', '0', '--lines', '480'], long: 'films a face' },
   sharing: { moment: [], long: 'packs eight heads twice' },
   sides: { moment: [], long: 'makes three portraits' },

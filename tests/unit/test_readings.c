@@ -5,6 +5,7 @@
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
 #include "server/normalize/said_words.h"
+#include "server/normalize/script_runs.h"
 #include "server/normalize/text_rules.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +44,7 @@ static struct score *script_of(const char *lang, const char *markup, const char 
     const char **langs = mem_alloc((script->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < script->item_count; i++)
         langs[i] = script->items[i].style->lang ? script->items[i].style->lang : lang;
-    normalize_script(&normalizers, script, langs, NULL, NULL);
+    normalize_script(&normalizers, script, langs);
     free(langs);
     return script;
 }
@@ -182,6 +183,63 @@ static void characters(void **state) {
     check("xx", "plain", "cafe\u0301 \ufb01n 12", "café fin 12");
 }
 
+static void warned(const char *text, size_t count, const char *message, size_t column) {
+    struct error e;
+    struct score *document = markup_read(markup_by_name("plain"), text, strlen(text), NULL, &e);
+    assert_non_null(document);
+    struct score *script = score_script(document);
+    normalize_warn_unspoken(script);
+    assert_int_equal(script->warning_count, count);
+    if (count) {
+        assert_int_equal(script->warnings[0].code, ERROR_UNSPOKEN);
+        assert_non_null(strstr(script->warnings[0].message, message));
+        assert_int_equal(script->warnings[0].column, column);
+    }
+    score_free(script);
+    score_free(document);
+}
+
+/* What is left out is told once, at the first of it. */
+static void unspoken(void **state) {
+    (void)state;
+    warned("One \ue000\ue001 two\U0010fffd.", 1, "3 characters", 5);
+    warned("One t\u0378wo.", 1, "U+0378", 6);
+    warned("One\001 two.", 1, "U+0001", 4);
+    warned("H\ufffdllo.", 1, "U+FFFD", 2);
+    warned("Soft\u00adly, \u200bso \ufeffto speak,\tand\r\nnext. \302\205", 0, "", 0);
+    warned("A smile: \U0001f600 \U0001fae9 \U0001f468\u200d\U0001f469.", 0, "", 0);
+    check("en", "plain", "One\001two.", "One two");
+    check("en", "plain", "One \ue000two.", "One two");
+}
+
+static void run_of(const char *lang, const char *text, const char *run, const char *spoken) {
+    struct script_run r;
+    char own[SCRIPT_LANG_BYTES];
+    bool found = script_run_next(text, strlen(text), lang, 0, &r);
+    assert_int_equal(found, run != NULL);
+    if (!run)
+        return;
+    assert_int_equal(r.to - r.from, strlen(run));
+    assert_memory_equal(text + r.from, run, r.to - r.from);
+    script_run_lang(r.script, own);
+    assert_string_equal(own, spoken);
+}
+
+static void scripts(void **state) {
+    (void)state;
+    run_of("it", "Dico \u041f\u0440\u0438\u0432\u0435\u0442, \u043c\u0438\u0440! e basta",
+           "\u041f\u0440\u0438\u0432\u0435\u0442, \u043c\u0438\u0440", "ru");
+    run_of("it", "\u4f60\u597d\u3002", "\u4f60\u597d\u3002", "zh");
+    run_of("it", "\u65e5\u672c\u306e\u30b3\u30fc in", "\u65e5\u672c\u306e\u30b3\u30fc", "ja");
+    run_of("ja", "\u65e5\u672c\u306e\u30b3\u30fc", NULL, NULL);
+    run_of("cmn", "\u4f60\u597d hello", NULL, NULL);
+    run_of("en", "\u03bb\u03cc\u03b3\u03bf\u03c2", "\u03bb\u03cc\u03b3\u03bf\u03c2", "el");
+    run_of("en", "5 \u03bcm, \u03c0 and 3 \u03a9, \u00b5", NULL, NULL);
+    run_of("el", "\u03bb\u03cc\u03b3\u03bf\u03c2", NULL, NULL);
+    run_of("ru", "hello \u043c\u0438\u0440", NULL, NULL);
+    run_of("tr", "\u0130stanbul, \u015feker, \u1e9e \u20ac\u00a0\u2013", NULL, NULL);
+}
+
 /* What is repeated many times: all of its letters and digits are still said, in time that grows with it. */
 static void repeated(const char *piece, size_t times) {
     struct buf text = {0};
@@ -224,7 +282,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(expressions), cmocka_unit_test(italian),    cmocka_unit_test(english),
         cmocka_unit_test(portuguese),  cmocka_unit_test(turkish),    cmocka_unit_test(markups),
-        cmocka_unit_test(places),      cmocka_unit_test(characters), cmocka_unit_test(hostile),
+        cmocka_unit_test(places),      cmocka_unit_test(characters), cmocka_unit_test(unspoken),
+        cmocka_unit_test(scripts),     cmocka_unit_test(hostile),
     };
     return cmocka_run_group_tests(tests, load, unload);
 }
