@@ -192,6 +192,17 @@ static int read_leniently(const struct markup_kind *kind, struct score **score, 
     return read_words(*score, text, size, rules, &broken, e);
 }
 
+/* Copies a text that has the sign for what Markdown leaves out, with another control character in its place:
+ * that is told and not lost. NULL: it has none. */
+static char *without_left_out(const char *text, size_t size) {
+    if (!memchr(text, MARKDOWN_LEFT_OUT, size))
+        return NULL;
+    char *copy = mem_strndup(text, size);
+    for (char *at = copy; (at = memchr(at, MARKDOWN_LEFT_OUT, size - (size_t)(at - copy)));)
+        *at = MARKDOWN_LEFT_OUT + 1;
+    return copy;
+}
+
 struct score *markup_read(const struct markup_kind *kind, const char *text, size_t size,
                           const struct markup_rules *rules, struct error *e) {
     size_t bad = utf8_check(text, size);
@@ -207,9 +218,13 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
     struct score *score = score_new();
     score->input = text;
     score->input_size = size;
+    char *own = without_left_out(text, size);
+    const char *read = own ? own : text;
     bool lenient = kind->read == auto_read || (rules && rules->lenient);
-    int failed = lenient ? read_leniently(markup_detect(kind, text, size), &score, text, size, rules, e)
-                         : kind->read(score, text, size, rules, e);
+    int failed = lenient ? read_leniently(markup_detect(kind, read, size), &score, read, size, rules, e)
+                         : kind->read(score, read, size, rules, e);
+    score->input = text;
+    free(own);
     if (!failed && !score->sentence_count)
         failed = error_set(e, ERROR_EMPTY_TEXT, "there is nothing to speak");
     if (failed) {

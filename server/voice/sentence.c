@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 struct sound_task;
 
@@ -238,11 +239,26 @@ static void read_mono(struct sound_reader *sound, double volume, struct sentence
     }
 }
 
+/* Opens a file by the path that sound_find found, unless a part of it has become a link since. */
+static int open_found(const char *path) {
+    char link[40], now[PATH_MAX];
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return -1;
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    ssize_t size = readlink(link, now, sizeof now);
+    if (size == (ssize_t)strlen(path) && !memcmp(now, path, (size_t)size))
+        return fd;
+    close(fd);
+    errno = ELOOP;
+    return -1;
+}
+
 struct sentence_audio *sound_read(const struct reader *reader, const char *path, double volume,
                                   uint32_t sample_rate, const atomic_bool *given_up, struct error *e) {
     char message[SOUND_MESSAGE_BYTES];
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int fd = open_found(path);
     if (fd < 0)
         snprintf(message, sizeof message, "%s", strerror(errno));
     struct sound_reader *sound =

@@ -208,7 +208,7 @@ test('a script that no voice reads is left out and told, once, with its place', 
 });
 
 test('characters that nobody can say are told with the place of the first', async () => {
-  const said_ = await export_(JSON.stringify({ text: 'Ciao \ue000a \ud83d tutti\u0002.', lang: 'it', format: 'json' }), '', 'application/json');
+  const said_ = await export_(JSON.stringify({ text: 'Ciao \ue000a \ud83d tutti\u0001.', lang: 'it', format: 'json' }), '', 'application/json');
   assert.deepEqual(said_.warnings.map(({ code }) => code), ['unspoken']);
   assert.match(said_.warnings[0].message, /^1:6: 3 characters/);
   assert.deepEqual((await export_('Ciao \ue000a.', '&lang=it&normalize=off')).warnings, []);

@@ -291,6 +291,16 @@ static void where_sounds_may_lie(void **state) {
     /* a name that the folder's name begins */
     snprintf(path, sizeof path, "%s/inn", folder);
     assert_null(sound_find(path, "../inner", &e));
+    /* a file that becomes a link after it was found */
+    snprintf(path, sizeof path, "%s/soon.wav", folder);
+    write_sound(path, 8000, 1, 0.1);
+    char *found = sound_find(folder, "soon.wav", &e);
+    assert_non_null(found);
+    unlink(path);
+    assert_int_equal(symlink("sub/a b.wav", path), 0);
+    assert_null(sound_read(NULL, found, 1, 16000, NULL, &e));
+    assert_string_equal(error_name(e.code), "no-sound");
+    free(found);
     snprintf(command, sizeof command, "rm -r %s", folder);
     assert_int_equal(system(command), 0);
 }
