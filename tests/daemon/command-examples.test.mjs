@@ -34,7 +34,8 @@ const configured = (text) => {
   const file = path.join(folder, `config-${fs.readdirSync(folder).length}.json`);
   fs.writeFileSync(file, text);
   // programs as Debian has them: what somebody keeps at home is not a plugin's to read
-  return { FACCIA_VOICE_CONFIG: file, PATH: '/usr/local/bin:/usr/bin:/bin' };
+  // some programs are slow to start on a busy machine
+  return { FACCIA_VOICE_CONFIG: file, FACCIA_DEADLINE_BASE: '60', PATH: '/usr/local/bin:/usr/bin:/bin' };
 };
 
 /** Starts a server of lib/ in a thread; gives its port. */
