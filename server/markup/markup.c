@@ -193,9 +193,9 @@ static int read_leniently(const struct markup_kind *kind, struct score **score, 
 }
 
 /* Copies a text that has the sign for what Markdown leaves out, with another control character in its place:
- * that is told and not lost. NULL: it has none. */
-static char *without_left_out(const char *text, size_t size) {
-    if (!memchr(text, MARKDOWN_LEFT_OUT, size))
+ * that is told and not lost. NULL: it has none, or its caller has left out Markdown already. */
+static char *without_left_out(const char *text, size_t size, const struct markup_rules *rules) {
+    if ((rules && rules->markdown) || !memchr(text, MARKDOWN_LEFT_OUT, size))
         return NULL;
     char *copy = mem_strndup(text, size);
     for (char *at = copy; (at = memchr(at, MARKDOWN_LEFT_OUT, size - (size_t)(at - copy)));)
@@ -218,7 +218,7 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
     struct score *score = score_new();
     score->input = text;
     score->input_size = size;
-    char *own = without_left_out(text, size);
+    char *own = without_left_out(text, size, rules);
     const char *read = own ? own : text;
     bool lenient = kind->read == auto_read || (rules && rules->lenient);
     int failed = lenient ? read_leniently(markup_detect(kind, read, size), &score, read, size, rules, e)

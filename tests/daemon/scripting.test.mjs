@@ -7,7 +7,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { Daemon, root } from '../lib/daemon.mjs';
+import { build, Daemon, root } from '../lib/daemon.mjs';
 
 const text = fs.readFileSync(path.join(root, 'protocol/scripting.md'), 'utf8');
 const examples = [...text.matchAll(/```(\w+)(?: (\w+)=(\w+))?\n([^]*?)```/g)].map(([, language, key, value, code]) => ({ language, [key]: value, code }));
@@ -24,8 +24,8 @@ after(async () => {
 async function run(program, args, stdin) {
   const child = spawn(program, args, {
     cwd: folder,
-    // wscat from npm; python3 is Debian's, as its package with the library is
-    env: { ...process.env, PATH: `${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
+    // faccia as built; wscat from npm; python3 is Debian's, as its package with the library is
+    env: { ...process.env, PATH: `${path.join(build, 'server/app')}:${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
   });
   if (stdin) child.stdin.end(stdin === 'text' ? 'La mamma parla.\nIl papà no.\n' : '');
   let out = '', complaints = '';
@@ -60,7 +60,8 @@ for (const { language, room, needs, stdin, code } of examples) {
     await listener?.wait({ type: 'joined' });
     const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`), stdin ?? (code.includes('sys.stdin') && 'text'));
     assert.doesNotMatch(out, /error/);
-    if (!/-o /.test(code) && !room) assert.match(out, /mamma/);
+    if (code.includes('faccia read')) assert.match(out, /signor\tSig\.[^]*Il signor Rossi paga tre euro e cinquanta\n/);
+    else if (!/-o /.test(code) && !room) assert.match(out, /mamma/);
     if (code.includes('faccia.text.v1')) assert.match(out, /word [\d.]+ mamma[^]*end done/);
     if (room) await listener.wait({ type: 'end' });
     if (code.includes('/v1/play')) {
