@@ -193,9 +193,9 @@ static int read_leniently(const struct markup_kind *kind, struct score **score, 
 }
 
 /* Copies a text that has the sign for what Markdown leaves out, with another control character in its place:
- * that is told and not lost. NULL: it has none, or its caller has left out Markdown already. */
+ * that is told and not lost. NULL: it has none, or nothing is left out here. */
 static char *without_left_out(const char *text, size_t size, const struct markup_rules *rules) {
-    if ((rules && rules->markdown) || !memchr(text, MARKDOWN_LEFT_OUT, size))
+    if (!rules || !rules->markdown_out || rules->markdown || !memchr(text, MARKDOWN_LEFT_OUT, size))
         return NULL;
     char *copy = mem_strndup(text, size);
     for (char *at = copy; (at = memchr(at, MARKDOWN_LEFT_OUT, size - (size_t)(at - copy)));)
