@@ -50,7 +50,7 @@ struct tls_setup {
 struct cluster_setup {
     struct cluster *cluster;   /* shared state; NULL: not in a cluster */
     struct bus *bus;           /* messages between nodes */
-    struct presence *presence; /* presence of nodes and clients */
+    struct presence *presence; /* notes and marks shared with other daemons */
     struct work *work;         /* sentences spoken by remote workers */
 };
 

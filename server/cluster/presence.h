@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What each daemon publishes for all others, its presence: notes of its own (a name and a short text each),
- * which last as long as their daemon lives and is connected; and marks, which last for ever or until a
- * time, whichever daemon made them, and which daemons that start later also see. Changes are visible to
- * all within about half a second (PRESENCE_MS). An engine is one const table of functions, as in cluster.h.
- * Everything runs in the loop's thread; no function blocks. */
+/* Presence: notes and marks that daemons publish to each other through a common store.
+ * - A note is a name and a short text of one daemon. It lasts while that daemon is connected.
+ * - A mark is a name of any daemon. It lasts for ever or until a time; daemons that start later see it, too.
+ * Changes reach all daemons within about half a second (PRESENCE_MS). An engine is one const table of
+ * functions, as in cluster.h. Everything runs in the loop's thread; no function blocks. */
 #ifndef FACCIA_CLUSTER_PRESENCE_H
 #define FACCIA_CLUSTER_PRESENCE_H
 
@@ -21,7 +21,7 @@ enum {
         5000, /* beyond this, the marks that end are dropped first, the earliest end first */
 };
 
-/* Callbacks of the store; never called from within one of its functions. */
+/* Callbacks; never called from within a function of this header. */
 struct presence_callbacks {
     /* Another daemon's note has this text now; "": the note was removed. */
     void (*seen)(void *ctx, const char *owner, const char *name, const char *text);
@@ -46,7 +46,7 @@ struct presence {
     const struct presence_engine *engine;
 };
 
-/* Sets the callbacks. eye is borrowed; NULL: none. */
+/* Sets the callbacks, which are borrowed; NULL: none. */
 void presence_watch(struct presence *presence, const struct presence_callbacks *eye, void *ctx);
 
 /* Sets this daemon's note of that name; "" removes it. It is written whenever the store is reachable. */
@@ -55,7 +55,7 @@ void presence_publish(struct presence *presence, const char *name, const char *t
 /* until: ms since 1970 by the store's clock; 0: for ever. */
 void presence_mark(struct presence *presence, const char *name, uint64_t until);
 
-/* Frees the store once the loop has run out of its handles. NULL is allowed. */
+/* Frees the presence once the loop has run out of its handles. NULL is allowed. */
 void presence_close(struct presence *presence);
 
 #endif

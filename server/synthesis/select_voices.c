@@ -210,6 +210,20 @@ static void give_voice(struct score *score, struct score_item *item, const struc
     item->verbatim = false;
 }
 
+/* Gives each of the script's items the voice or sound of the item that it was: was[i]. */
+static void follow_items(struct voice_selection *chosen, const size_t *was, size_t count) {
+    struct voice_selection *now = voice_selection_new(count);
+    for (size_t i = 0; i < count; i++) {
+        now->voices[i] = chosen->voices[was[i]];
+        now->sounds[i] = chosen->sounds[was[i]];
+        chosen->sounds[was[i]] = NULL; /* only texts are cut */
+    }
+    struct voice_selection old = *chosen;
+    *chosen = *now;
+    *now = old;
+    voice_selection_free(now);
+}
+
 /* Words in a script that a voice's language is not written in are read by a voice of that script. Where
  * there is none they are left out with a warning ("unspoken"), as a voice would only name their letters. */
 static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen) {
@@ -219,25 +233,19 @@ static void select_by_scripts(const struct selecting *c, struct voice_selection 
         return;
     warn_of_unread(c->score, &found);
     size_t *origin = cut_foreigners(c->score, &found), from = 0, next = 0;
-    struct voice_selection *now = voice_selection_new(c->score->item_count), old = *chosen;
+    follow_items(chosen, origin, c->score->item_count);
     for (size_t i = 0; i < c->score->item_count; i++) {
         struct score_item *item = &c->score->items[i];
         from = i && origin[i] == origin[i - 1] ? from : 0;
-        now->voices[i] = old.voices[origin[i]];
-        now->sounds[i] = old.sounds[origin[i]];
-        old.sounds[origin[i]] = NULL;
         size_t size = item->text ? strlen(item->text) : 0;
         const struct foreign *f = next < found.count ? &found.list[next] : NULL;
         if (f && f->item == origin[i] && f->run.from == from) {
-            now->voices[i] = f->voice ? f->voice : now->voices[i];
+            chosen->voices[i] = f->voice ? f->voice : chosen->voices[i];
             give_voice(c->score, item, f);
             next++;
         }
         from += size;
     }
-    *chosen = *now;
-    *now = old;
-    voice_selection_free(now);
     free(origin);
     free(found.list);
 }
@@ -384,20 +392,6 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
-}
-
-/* Gives each of the script's items the voice or sound of the item that it was: was[i]. */
-static void follow_items(struct voice_selection *chosen, const size_t *was, size_t count) {
-    struct voice_selection *now = voice_selection_new(count);
-    for (size_t i = 0; i < count; i++) {
-        now->voices[i] = chosen->voices[was[i]];
-        now->sounds[i] = chosen->sounds[was[i]];
-        chosen->sounds[was[i]] = NULL; /* only texts are cut */
-    }
-    struct voice_selection old = *chosen;
-    *chosen = *now;
-    *now = old;
-    voice_selection_free(now);
 }
 
 static void say_by_lexicons(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {

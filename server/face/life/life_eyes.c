@@ -366,7 +366,9 @@ static double shyness(const struct prosody *p, size_t i, struct dice *d, double 
     else
         chance = length > LONG_PHRASE ? BEFORE_LONG : BEFORE_SHORT;
     double roll = dice_roll(d), gone = *before + away(d, SPEAKER_AWAY_MEDIAN);
-    return roll < chance ? length > LONG_PHRASE ? fmin(gone, *before + 0.75 * length) : gone : 0;
+    if (length > LONG_PHRASE)
+        gone = fmin(gone, *before + 0.75 * length);
+    return roll < chance ? gone : 0;
 }
 
 /* Plans glances from `from` on, all finished by `to`, on the clock. */
