@@ -95,7 +95,8 @@ test('braces in a name leave no field of BibTeX open', async () => {
 test('a file whose reading has no end is told, and those behind it are read', async () => {
   const all = await list();
   const told = all.problems.find(({ file }) => file === 'zz.md');
-  assert.match(told?.message ?? 'nothing', /its reading took more than \d+ s of processor time, (in its first section|after section 1)/);
+  // on a machine busy enough, its limit by the clock comes first
+  assert.match(told?.message ?? 'nothing', /its reading took more than \d+ s( of processor time)?, (in its first section|after section 1)/);
   assert.ok(all.works.some(({ id }) => id === 'zzz'));
 });
 
