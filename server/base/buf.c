@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
 #include "server/base/mem.h"
+#include <errno.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 void buf_free(struct buf *b) {
     free(b->data);
@@ -34,6 +37,30 @@ void buf_printf(struct buf *b, const char *format, ...) {
         b->size += (size_t)length;
     }
     va_end(again);
+}
+
+int buf_add_file(struct buf *b, const char *path, size_t most) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return errno;
+    struct stat about;
+    const size_t before = b->size;
+    bool regular = !fstat(fileno(file), &about) && S_ISREG(about.st_mode);
+    /* Room for one byte more than there should be finds the end of the file without another growth. */
+    size_t room = regular && (uint64_t)about.st_size < most ? (size_t)about.st_size + 1 : 65536;
+    bool ended = false;
+    errno = 0;
+    while (!ended && b->size - before <= most) {
+        size_t got = fread(buf_reserve(b, room), 1, room, file);
+        b->size += got;
+        ended = got < room;
+        room = 65536;
+    }
+    int result = b->size - before > most ? EFBIG : ferror(file) ? (errno ? errno : EIO) : 0;
+    fclose(file);
+    if (result)
+        b->size = before;
+    return result;
 }
 
 void buf_consume(struct buf *b, size_t size) {

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { FILE_BYTES_MAX = 256 << 20 };
+
 static int loaded(const struct json_place *root, const json_error_t *bad) {
     if (root->json)
         return 0;
@@ -15,10 +17,15 @@ static int loaded(const struct json_place *root, const json_error_t *bad) {
 }
 
 int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e) {
-    json_error_t bad;
+    struct buf text = {0};
+    int why = buf_add_file(&text, path, FILE_BYTES_MAX), result;
     *root = (struct json_place){.code = code, .error = e};
-    root->json = json_load_file(path, JSON_REJECT_DUPLICATES, &bad);
-    return loaded(root, &bad);
+    if (why)
+        result = error_set(e, code, "unable to open %s: %s", path, strerror(why));
+    else
+        result = json_place_parse(text.data, text.size, code, root, e);
+    buf_free(&text);
+    return result;
 }
 
 int json_place_parse(const void *data, size_t size, enum error_code code, struct json_place *root,

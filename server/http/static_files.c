@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/http/static_files.h"
+#include "server/base/buf.h"
 #include "server/base/mem.h"
 #include <glob.h>
 #include <openssl/evp.h>
@@ -37,33 +38,26 @@ static const char *type_of(const char *path) {
 }
 
 static uint8_t *read_file(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    if (!file)
+    struct buf data = {0};
+    if (buf_add_file(&data, path, FILE_BYTES_MAX))
         return NULL;
-    uint8_t *data = NULL;
-    size_t cap = 0, got = 1;
-    *size = 0;
-    while (got && *size < FILE_BYTES_MAX) {
-        data = mem_grow(data, &cap, *size + 65536, 1);
-        got = fread(data + *size, 1, 65536, file);
-        *size += got;
-    }
-    bool whole = feof(file) && !ferror(file);
-    fclose(file);
-    if (!whole) {
-        free(data);
-        return NULL;
-    }
-    return data;
+    *size = data.size;
+    return data.data;
 }
 
-/* Uses FILE.gz beside FILE, or else compresses. Neural nets are not compressed, as their numbers do not
- * shrink. file NULL: the bytes come from no file. */
+/* True for what does not get smaller: pictures and fonts are packed already, and the numbers of neural nets
+ * do not shrink. */
+static bool is_packed(const char *type) {
+    return !strcmp(type, "image/png") || !strcmp(type, "image/webp") || !strcmp(type, "image/x-icon") ||
+           !strcmp(type, "font/woff2") || !strcmp(type, "application/octet-stream");
+}
+
+/* Uses FILE.gz beside FILE, or else compresses. file NULL: the bytes come from no file. */
 static void pack(struct static_file *a, const char *file) {
     char sibling[4096];
     snprintf(sibling, sizeof sibling, "%s.gz", file ? file : "");
     a->packed = file ? read_file(sibling, &a->packed_size) : NULL;
-    if (a->packed || !strcmp(a->type, "application/octet-stream"))
+    if (a->packed || is_packed(a->type))
         return;
     z_stream z = {0};
     if (deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)

@@ -24,17 +24,12 @@ static int by_name(const void *a, const void *b) {
     return strcmp(((const struct plugin *)a)->name, ((const struct plugin *)b)->name);
 }
 
+enum { PLUGIN_BYTES_MAX = 64 << 20 };
+
 /* Hash of the file's content: the same on every machine. */
 static void edition_of(const char *path, char edition[ETAG_BYTES]) {
     struct buf text = {0};
-    FILE *file = fopen(path, "rb");
-    size_t got = file != NULL;
-    while (got) {
-        got = fread(buf_reserve(&text, 65536), 1, 65536, file);
-        text.size += got;
-    }
-    if (file)
-        fclose(file);
+    buf_add_file(&text, path, PLUGIN_BYTES_MAX);
     etag_of(text.data, text.size, edition);
     buf_free(&text);
 }

@@ -292,7 +292,9 @@ static int open_workshop(void **state) {
 
 static int close_workshop(void **state) {
     struct workshop *w = *state;
-    static const char *const files[] = {"it.json", "heir.json", "alphabets/ipa.json", NULL};
+    static const char *const files[] = {"it.json", "heir.json", "a.json", "b.json", "c.json",
+                                        "d.json",  "e.json",    "f.json", "z.json", "alphabets/ipa.json",
+                                        NULL};
     char path[256];
     for (size_t i = 0; files[i]; i++) {
         snprintf(path, sizeof path, "%s/%s", w->folder, files[i]);
@@ -432,6 +434,39 @@ static void describes_phones_by_others(void **state) {
     speech_pack_free(pack);
 }
 
+static void write_heir(struct workshop *w, char name, const char *of) {
+    char file[256], text[256];
+    snprintf(file, sizeof file, "%s/%c.json", w->folder, name);
+    snprintf(text, sizeof text,
+             "{\"tag\": \"it-x-%c\", \"name\": \"x\", \"inherits\": \"%s\", \"sources\": [], \"voices\": [],"
+             " \"abbreviations\": [], \"phones\": {}}",
+             name, of);
+    write_file(file, text, strlen(text));
+}
+
+static void shares_what_several_inherit(void **state) {
+    struct workshop *w = *state;
+    struct speech_packs packs;
+    struct error e = {0};
+    char file[256];
+    snprintf(file, sizeof file, "%s/heir.json", w->folder);
+    unlink(file);
+    snprintf(file, sizeof file, "%s/it.json", w->folder);
+    copy(PACKS "it.json", file);
+    write_heir(w, 'a', "it");
+    write_heir(w, 'z', "it");
+    assert_int_equal(speech_packs_load(&packs, w->folder, &e), 0);
+    assert_int_equal(packs.count, 3);
+    assert_ptr_equal(packs.packs[0]->base, packs.packs[1]);
+    assert_ptr_equal(packs.packs[2]->base, packs.packs[1]);
+    speech_packs_free(&packs);
+    /* a chain is as long as it is, whichever of its packs have been read before */
+    for (char name = 'b'; name < 'g'; name++)
+        write_heir(w, name, (char[]){(char)(name - 1), '\0'});
+    assert_int_equal(speech_packs_load(&packs, w->folder, &e), -1);
+    assert_non_null(strstr(e.message, "goes on for more than 4 packs"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loads_all_packs),
@@ -445,6 +480,7 @@ int main(void) {
         cmocka_unit_test(names_the_place_of_an_error),
         cmocka_unit_test(refuses_what_is_no_pack),
         cmocka_unit_test(describes_phones_by_others),
+        cmocka_unit_test(shares_what_several_inherit),
     };
     return cmocka_run_group_tests(tests, open_workshop, close_workshop);
 }

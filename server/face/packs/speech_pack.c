@@ -15,9 +15,28 @@
 const char *const speech_params[PARAM_COUNT + 1] = {"LI", "LS", "AR", "PI", "PS",
                                                     "EM", "TH", "TA", "TB", NULL};
 
-static int load_one(struct speech_packs *packs, const char *path, struct error *e) {
+/* What has been read so far, with a reference to each: a pack that several inherit is read once. */
+struct family {
+    struct member {
+        char *path;
+        struct speech_pack *pack;
+    } * members;
+    size_t count, cap;
+};
+
+static struct speech_pack *load(struct family *family, const char *path, int depth, struct error *e);
+
+static void family_free(struct family *family) {
+    for (size_t i = 0; i < family->count; i++) {
+        free(family->members[i].path);
+        speech_pack_free(family->members[i].pack);
+    }
+    free(family->members);
+}
+
+static int load_one(struct speech_packs *packs, struct family *family, const char *path, struct error *e) {
     struct error inner = {0};
-    struct speech_pack *pack = speech_pack_load(path, &inner);
+    struct speech_pack *pack = load(family, path, 0, &inner);
     if (!pack) {
         char text[320];
         return error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
@@ -30,14 +49,16 @@ static int load_one(struct speech_packs *packs, const char *path, struct error *
 int speech_packs_load(struct speech_packs *packs, const char *folder, struct error *e) {
     char pattern[4096];
     glob_t found;
+    struct family family = {0};
     *packs = (struct speech_packs){0};
     snprintf(pattern, sizeof pattern, "%s/*.json", folder);
     if (glob(pattern, 0, NULL, &found))
         return error_set(e, ERROR_BAD_SPEECH_PACK, "no language pack in '%s'", folder);
     int failed = 0;
     for (size_t i = 0; i < found.gl_pathc && !failed; i++)
-        failed = load_one(packs, found.gl_pathv[i], e);
+        failed = load_one(packs, &family, found.gl_pathv[i], e);
     globfree(&found);
+    family_free(&family);
     if (failed)
         speech_packs_free(packs);
     return failed;
@@ -108,8 +129,6 @@ const struct speech_pack *speech_packs_cover(const struct speech_packs *packs, c
 }
 
 enum { MAX_INHERITANCE = 4 };
-
-static struct speech_pack *load(const char *path, int depth, struct error *e);
 
 /* FOLDER of path / name suffix. */
 static char *beside(const char *path, const char *name, const char *suffix) {
@@ -254,7 +273,8 @@ static int read_trough(const struct json_place *at, double *trough) {
     return at->json ? json_place_real(at, 0, 1, trough) : 0;
 }
 
-static int inherit(struct speech_pack *pack, const struct json_place *at, const char *path, int depth) {
+static int inherit(struct family *family, struct speech_pack *pack, const struct json_place *at,
+                   const char *path, int depth) {
     const char *name;
     if (json_place_text(at, &name))
         return -1;
@@ -262,7 +282,7 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
         return json_place_fail(at, "goes on for more than %d packs", MAX_INHERITANCE);
     char *file = beside(path, name, ".json");
     struct error inner = {0};
-    struct speech_pack *base = load(file, depth + 1, &inner);
+    struct speech_pack *base = load(family, file, depth + 1, &inner);
     free(file);
     if (!base)
         return json_place_fail_in(at, name, &inner);
@@ -307,7 +327,8 @@ static bool load_letters(struct speech_pack *pack, const char *file, struct erro
     return pack->letters != NULL;
 }
 
-static int read_pack(struct speech_pack *pack, const struct json_place *root, const char *path, int depth) {
+static int read_pack(struct family *family, struct speech_pack *pack, const struct json_place *root,
+                     const char *path, int depth) {
     static const char *const base_keys[] = {
         "tag",    "name",       "sources",  "voices", "abbreviations", "alphabet", "fapu",   "rest",
         "groups", "undershoot", "contexts", "phones", "visemes",       "letters",  "trough", NULL};
@@ -321,7 +342,8 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
     if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_tag(root, &pack->lang) ||
         read_name(root, "name", &pack->name) || read_sources(root) || read_voices(root, &pack->voices) ||
         read_texts(root, "abbreviations", &pack->abbreviations) ||
-        (inherits.json ? inherit(pack, &inherits, path, depth) : read_foundations(pack, root, path)) ||
+        (inherits.json ? inherit(family, pack, &inherits, path, depth)
+                       : read_foundations(pack, root, path)) ||
         read_trough(&trough, &pack->trough))
         return -1;
     if ((groups.json || !inherits.json) && speech_read_groups(pack, &groups))
@@ -332,25 +354,49 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
                : 0;
 }
 
-static struct speech_pack *load(const char *path, int depth, struct error *e) {
+/* How many packs a pack inherits, one from the other. */
+static int ancestors(const struct speech_pack *pack) {
+    int count = 0;
+    for (; pack->base; pack = pack->base)
+        count++;
+    return count;
+}
+
+/* Returns a reference. A pack that would make a chain too long is read again, which tells where. */
+static struct speech_pack *load(struct family *family, const char *path, int depth, struct error *e) {
     struct json_place root;
+    for (size_t i = 0; i < family->count; i++)
+        if (!strcmp(family->members[i].path, path) &&
+            depth + ancestors(family->members[i].pack) <= MAX_INHERITANCE) {
+            family->members[i].pack->references++;
+            return family->members[i].pack;
+        }
     if (json_place_load(path, ERROR_BAD_SPEECH_PACK, &root, e))
         return NULL;
     struct speech_pack *pack = mem_alloc(sizeof *pack);
-    if (read_pack(pack, &root, path, depth)) {
+    pack->references = 1;
+    if (read_pack(family, pack, &root, path, depth)) {
         speech_pack_free(pack);
         pack = NULL;
     }
     json_decref(root.json);
+    if (pack) {
+        family->members = mem_grow(family->members, &family->cap, family->count + 1, sizeof *family->members);
+        pack->references++;
+        family->members[family->count++] = (struct member){mem_strdup(path), pack};
+    }
     return pack;
 }
 
 struct speech_pack *speech_pack_load(const char *path, struct error *e) {
-    return load(path, 0, e);
+    struct family family = {0};
+    struct speech_pack *pack = load(&family, path, 0, e);
+    family_free(&family);
+    return pack;
 }
 
 void speech_pack_free(struct speech_pack *pack) {
-    if (!pack)
+    if (!pack || --pack->references)
         return;
     if (!pack->base) {
         alphabet_free(pack->alphabet);

@@ -92,7 +92,8 @@ struct spelling;
 enum { VOWEL_CONTEXT_PAUSE = 0, SPEECH_MAX_CONTEXTS = 16 };
 
 struct speech_pack {
-    struct speech_pack *base; /* the inherited pack; owned */
+    struct speech_pack *base; /* the inherited pack, to which this one holds a reference; NULL for none */
+    unsigned references;
     struct alphabet *alphabet;
     char *lang, *name;
     char **voices, **abbreviations;
