@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every sound of every language (contexts and syllables, too) in every affect, spoken in both blends, on every head: what goes through what.
 // Hours for all of it: --minutes ends the search of each head then, and says how many poses, taken from all over, it came to.
-// FACCIA_BUILD=build node tests/bench/run.mjs crossings [--apart 0.25] [--minutes N] [HEAD]...
+// FACCIA_BUILD=build node tests/bench/run.mjs crossings [--apart 0.25] [--minutes N] [--affects joy,anger] [HEAD]...
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -12,13 +12,14 @@ import { apart, BASIC, sweepPoses } from '../lib/sweep-poses.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
-const { values: options, positionals } = parseArgs({ options: { apart: { type: 'string', default: '0.25' }, minutes: { type: 'string', default: 'Infinity' } }, allowPositionals: true });
+const { values: options, positionals } = parseArgs({ options: { apart: { type: 'string', default: '0.25' }, minutes: { type: 'string', default: 'Infinity' }, affects: { type: 'string' } }, allowPositionals: true });
 const mm = Number(options.apart);
 const STRIDE = 7919; // a prime: poses that follow each other are much alike
 const names = positionals.length ? positionals : fs.readdirSync(built).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 
-const affects = Object.keys(JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json'))).affect);
-const { mouths, eyes } = sweepPoses([null, ...BASIC, ...affects.filter((name) => !BASIC.includes(name))], { blends: ['auto', 'weighted'], prose: true });
+const known = Object.keys(JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json'))).affect);
+const affects = options.affects?.split(',') ?? [...BASIC, ...known.filter((name) => !BASIC.includes(name))];
+const { mouths, eyes } = sweepPoses([null, ...affects], { blends: ['auto', 'weighted'], prose: true });
 console.log(`${mouths.length} mouths, ${eyes.length} pairs of eyes; poses that are at least ${mm} mm apart count.\n`);
 console.log('| head | mouths | eyes | looked at | goes through | poses | deepest mm | in |\n|---|---|---|---|---|---|---|---|');
 for (const name of names) {

@@ -32,7 +32,7 @@ export const benchmarks = {
   cache: { packages: ['redis-server', ...lp], moment: ['1', 'espeak:it'], long: 'speaks with and without each cache' },
   'cluster-rooms': { packages: ['redis-server'], moment: ['20', '2', '1', '1'], long: 'starts Redis and daemons for each turn' },
   cpu: { packages: ['espeak-ng'], moment: ['2', '2', '1'] },
-  crossings: { moment: ['--minutes', '0.05', 'mara'], long: 'loads a head and the sounds of all languages' },
+  crossings: { moment: ['--minutes', '0.05', '--affects', 'joy', 'mara'], long: 'loads a head and the sounds of all languages' },
   day: { moment: ['--hours', '0.01', '--minutes', '0.1'], long: 'speaks for a tenth of a minute' },
   'emotions-picture': { packages: browser, moment: ['mara', picture('emotions.webp')], long: 'draws a head seven times' },
   engine: { packages: ['espeak-ng'], moment: [] },

@@ -10,6 +10,7 @@ import { after, test } from 'node:test';
 import { errors } from '../lib/boundaries.mjs';
 import { faccia } from '../lib/command.mjs';
 import { build, Daemon, ordinary } from '../lib/daemon.mjs';
+import { cases, further } from '../lib/long.mjs';
 import { checkOrder, largestStep, phones, say, words } from '../lib/speech.mjs';
 import { compareTempo } from '../lib/tempo.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
@@ -66,7 +67,7 @@ const noise = (samples, loudness, seed = 1) => {
 };
 const wordStarts = ({ json }) => Object.fromEntries(json.words.map((w) => [w.byte_start, w.start]));
 
-for (const [lang, text, voices] of [['it', manzoni, ['lp', 'pc']], ['en', austen, ['slt', 'kal']]])
+for (const [lang, text, voices] of cases([['it', manzoni, ['lp', 'pc']]], [['en', austen, ['slt', 'kal']]]))
   test(`known voices in ${lang}: half of the phones begin within 20 ms, nine in ten within 50 ms`, () => {
     let within = 0, all = 0;
     for (const voice of voices) {
@@ -257,7 +258,7 @@ test('bad usage and files that are none', () => {
   }
 });
 
-test('face and sound come with the times; kinds of sound files', () => {
+test('face and sound come with the times; kinds of sound files', further, () => {
   const truth = recorded('festival:pc', 'it', short);
   const first = aligned(truth.path, short, { more: ['--fap', file('a.fap'), '--wav', file('a.wav')] });
   assert.deepEqual(fs.readFileSync(file('a.wav')), fs.readFileSync(truth.path));
@@ -273,7 +274,7 @@ test('face and sound come with the times; kinds of sound files', () => {
   }
 });
 
-test('a chapter of eleven minutes, in the memory of a short one', async () => {
+test('a chapter of eleven minutes, in the memory of a short one', further, async () => {
   const sentences = manzoni.replaceAll('\n', ' ').split(/(?<=[,;.:]) /).filter((s) => s.length > 10);
   let text = '', seed = 7;
   while (text.length < 10800) {
@@ -410,7 +411,7 @@ test('a folder of recordings: voices, sentences, the whole text, what is not in 
   assert.match(alien.stderr, /it has no word "Zucchine"/);
 });
 
-test('kept alignments: others\' are found out, a folder for them, user\'s own', () => {
+test('kept alignments: others\' are found out, a folder for them, user\'s own', further, () => {
   const truth = recorded('festival:pc', 'it', short);
   fs.mkdirSync(file('kept/cache'), { recursive: true });
   fs.copyFileSync(truth.path, file('kept/a.wav'));
@@ -502,7 +503,7 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('the same words twice are two places of the recording, in spite of the cache', async (t) => {
+test('the same words twice are two places of the recording, in spite of the cache', further, async (t) => {
   const text = 'La mamma prepara il pane. Il sole tramonta presto. La mamma prepara il pane. Dove abita la signora?';
   const truth = recorded('festival:pc', 'it', text);
   const hiss = noise(truth.pcm.length, 40), pcm = truth.pcm.map((x, i) => x + hiss[i]);
@@ -531,7 +532,7 @@ test('the same words twice are two places of the recording, in spite of the cach
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('programs that do not tell their times are aligned', () => {
+test('programs that do not tell their times are aligned', further, () => {
   const script = write('speaks', '#!/bin/sh\nespeak-ng -v it+f2 --stdout -- "$1"\n');
   fs.chmodSync(script, 0o755);
   const config = (lang) => ({ FACCIA_VOICE_CONFIG: write('command.json', JSON.stringify({ command: { voices: [{ id: 'x', lang, argv: [script, '{text}'] }] } })) });

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import WebSocket from 'ws';
 import { Daemon, eventually } from '../lib/daemon.mjs';
+import { cases } from '../lib/long.mjs';
 import { SlowRoad } from '../chaos/slow-road.mjs';
 import { Redis } from '../lib/redis.mjs';
 
@@ -98,10 +99,7 @@ after(async () => {
   redis.stop();
 });
 
-for (const [what, query] of [
-  ['PCM', '&audio=pcm&fap=plain'],
-  ['Opus with packed events', '&audio=opus&fap=fapc&events=packed'],
-])
+for (const [what, query] of cases([['Opus with packed events', '&audio=opus&fap=fapc&events=packed']], [['PCM', '&audio=pcm&fap=plain']]))
   test(`listeners at three daemons hear the same bytes, each once, in order: ${what}`, async () => {
     const room = `same-${query.length}`;
     const listeners = [await first(daemons[0], room, query)];
@@ -340,7 +338,7 @@ test('a daemon that loses Redis for a moment hears nothing anew that was told to
   }
 });
 
-for (const next of ['the daemon that asked for it', 'that daemon'])
+for (const next of cases(['the daemon that asked for it'], ['that daemon']))
   test(`a daemon that was alone when it told an utterance to have failed does not hear it from the next home, ${next}`, async () => {
     const room = `known ${next.length}`.replace(' ', '-');
     const road = await SlowRoad.open(redis.port);

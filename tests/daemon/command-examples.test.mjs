@@ -11,6 +11,7 @@ import { Worker } from 'node:worker_threads';
 import { errors } from '../lib/boundaries.mjs';
 import { faccia } from '../lib/command.mjs';
 import { ordinary, root } from '../lib/daemon.mjs';
+import { cases } from '../lib/long.mjs';
 import { checkOrder, loudest, phones, say, words } from '../lib/speech.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
 
@@ -219,7 +220,7 @@ test('sound that is far too short for its text leaves the mouth closed', () => {
 // A text in ASCII, without quotation marks: text2wave takes each of its sentences for one.
 const plain = (text) => text.normalize('NFD').replace(/[\p{M}"]/gu, '').replace(/Mrs?\./g, 'Mister').replace(/[;:.] *(\w)/g, (_, first) => `. ${first.toUpperCase()}`);
 
-for (const [voice, lang, gender, text] of [['lp', 'it', 'female', manzoni], ['pc', 'it', 'male', manzoni], ['kal', 'en', 'male', austen]])
+for (const [voice, lang, gender, text] of cases([['lp', 'it', 'female', manzoni]], [['pc', 'it', 'male', manzoni], ['kal', 'en', 'male', austen]]))
   test(`alignment finds the phones of Festival's ${voice} where it says that they are`, () => {
     const names = JSON.parse(fs.readFileSync(path.join(root, 'server/plugins/festival/festival.json'))).languages[lang].phones;
     const unknown = { id: 'unknown', lang, gender, feed: true, argv: ['text2wave', '-eval', `(voice_${voice}_diphone)`] };

@@ -9,6 +9,7 @@ import { after, test } from 'node:test';
 import { faccia } from '../lib/command.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
+import { further } from '../lib/long.mjs';
 
 const UPPER = 4;
 const LOWER = 5;
@@ -114,7 +115,7 @@ test('the same seed makes the same noise', () => {
   assert.notDeepEqual(make('three', '2'), first);
 });
 
-test('who is seen: the head, pictures, films of a real speaker with their own sound', () => {
+test('who is seen: the head, pictures, films of a real speaker with their own sound', further, () => {
   const set = { lang: 'it', carrier: 'Dice: {item}.', snrs: [0, -6], items: [{ name: 'mamma', text: 'mamma' }], page: {} };
   fs.writeFileSync(file('set.json'), JSON.stringify(set));
   fs.mkdirSync(file('films'));

@@ -20,9 +20,8 @@ Il babbo comprò 25 pomodori, 3 meloni e mezzo chilo di fave. Una volpe affamata
   en: `My mother made some plum jam for the baby. "Why do you cry?" asked Philip, but nobody answered: it was very quiet! Bob bought
 25 peaches, 3 melons and half a pound of beans. Five brown foxes jumped over the puppy. What do you mean?`,
 };
-const voices = { 'festival:lp': 'it', 'festival:pc': 'it', 'festival:slt': 'en', 'festival:kal': 'en' };
 
-for (const [voice, lang] of Object.entries(voices)) {
+for (const [voice, lang] of cases([['festival:lp', 'it'], ['festival:slt', 'en']], [['festival:pc', 'it'], ['festival:kal', 'en']])) {
   test(`${voice} speaks a paragraph`, () => {
     const said = say(['-l', lang, '-v', voice], texts[lang]);
     assert.equal(said.status, 0, said.stderr);

@@ -10,6 +10,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
 import { Daemon, build, eventually, root } from '../lib/daemon.mjs';
+import { further } from '../lib/long.mjs';
 import { epub, sentencesOf, writeZip } from '../lib/works.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-library-'));
@@ -283,7 +284,7 @@ test('what changes in the folder is seen', async () => {
   assert.equal(execFileSync('sqlite3', [index, "INSERT INTO found(found) VALUES ('integrity-check'); PRAGMA integrity_check"], { encoding: 'utf8' }).trim(), 'ok');
 });
 
-test('killed while it indexes, it goes on where it was', async () => {
+test('killed while it indexes, it goes on where it was', further, async () => {
   const many = path.join(folder, 'many');
   const file = path.join(folder, 'many.index');
   fs.mkdirSync(many);
@@ -321,7 +322,7 @@ test('faccia library tells the same without a daemon', () => {
   assert.equal(spawnSync(program, ['library']).status, 2);
 });
 
-test('TEI of 50 MB is read up to the place where it is broken', () => {
+test('TEI of 50 MB is read up to the place where it is broken', further, () => {
   const large = path.join(folder, 'large');
   const line = '<p>Una riga di testo che parla del mare e della luna piena, e di altro.</p>\n';
   const lines = Math.floor((50 << 20) / line.length);

@@ -3,5 +3,8 @@
 /** Whether all cases are wanted. */
 export const long = Boolean(process.env.FACCIA_LONG);
 
+/** The options of a test that is one of the further cases: test('name', further, () => …). */
+export const further = { skip: !long && 'a further case: sh tests/run.sh long' };
+
 /** @template T @param {T[]} each each time @param {T[]} more and when all are wanted @returns {T[]} */
 export const cases = (each, more) => (long ? [...each, ...more] : each);

@@ -9,6 +9,7 @@ import { fileURLToPath } from 'node:url';
 import { crossings } from '../../models/tools/lib/crossing.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
+import { further } from '../lib/long.mjs';
 import { EYE_FAPS, MOUTH_FAPS, Sweep } from '../lib/sweep.mjs';
 import { apart, BASIC, sweepPoses } from '../lib/sweep-poses.mjs';
 
@@ -25,7 +26,7 @@ before(() => {
 });
 
 for (const name of names)
-  test(`nothing goes through anything: ${name}`, async () => {
+  test(`nothing goes through anything: ${name}`, ['mara', 'bruno'].includes(name) ? {} : further, async () => {
     const head = read(name);
     const sweep = await Sweep.of(head);
     const mouths = apart(poses.mouths, MOUTH_FAPS, apartBy(name), head);

@@ -13,6 +13,7 @@ import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.m
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { models } from '../lib/built-heads.mjs';
+import { cases } from '../lib/long.mjs';
 import { writeGlb, writeObj } from '../lib/plain-files.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
@@ -43,10 +44,11 @@ async function foundAlone(name, file, back) {
   return Object.fromEntries([...Object.entries(points.fdp), ...eyes].map(([one, p]) => [one, back(p)]));
 }
 
-for (const [name, file, write, place, back, said] of [
+for (const [name, file, write, place, back, said] of cases([
   ['mara', 'plain.glb', writeGlb, ([x, y, z]) => [x / 1000, 1.6 + y / 1000, z / 1000], ([x, y, z]) => [1000 * x, 1000 * y - 1600, 1000 * z], /y up, looking to \+z, 1000 mm a unit/],
+], [
   ['bruno', 'turned.obj', writeObj, ([x, y, z]) => [x / 10, -z / 10, 160 + y / 10], ([x, y, z]) => [10 * x, 10 * y - 1600, 10 * z], /z up, looking to -y, 10 mm a unit/],
-])
+]))
   test(`${name} as ${file}: the points are found, and lips and lids close`, async (t) => {
     const head = ours(name);
     write(at(file), head, place);

@@ -18,6 +18,7 @@ import { models } from '../lib/built-heads.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
 import { binaryFbx, textFbx } from '../lib/fbx.mjs';
 import { partsOf } from '../lib/foreign-avatars.mjs';
+import { further } from '../lib/long.mjs';
 import { packed } from '../lib/packed-avatars.mjs';
 import { oldLook } from '../lib/strange-cases.mjs';
 
@@ -142,7 +143,7 @@ function glb(json, binary) {
   return Buffer.concat([head, text, chunk, binary]);
 }
 
-test('what is packed with Draco and Basis Universal comes back as what is not', async (t) => {
+test('what is packed with Draco and Basis Universal comes back as what is not', further, async (t) => {
   const plain = imported('back.json', path.join(models, 'heads/mara.glb')).head;
   for (const kind of ['etc1s', 'uastc']) {
     fs.writeFileSync(at('packed.glb'), await packed(fs.readFileSync(path.join(models, 'heads/mara.glb')), { kind }));
@@ -158,7 +159,7 @@ test('what is packed with Draco and Basis Universal comes back as what is not', 
   }
 });
 
-test('FBX, in binary with its shapes and as text without: the same face as of the GLB', (t) => {
+test('FBX, in binary with its shapes and as text without: the same face as of the GLB', further, (t) => {
   const bytes = fs.readFileSync(path.join(models, 'heads/mara.glb'));
   const meshes = ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'lashes'];
   fs.writeFileSync(at('binary.fbx'), binaryFbx(bytes, { meshes }));

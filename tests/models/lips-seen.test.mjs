@@ -10,6 +10,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { film, headOf } from '../lib/film.mjs';
+import { further } from '../lib/long.mjs';
 
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
 const tool = fileURLToPath(new URL('../../models/tools/lips/faccia-lips.mjs', import.meta.url));
@@ -57,7 +58,7 @@ test('pictures in a folder: what opens, spreads and is rounded is told, and wher
   assert.ok(Math.min(open.confidence, spread.confidence, rest.confidence) > 0.7);
 });
 
-test('a video goes through ffmpeg (here a stand-in that hands out pictures): the same curves; without ffmpeg it is asked for', async () => {
+test('a video goes through ffmpeg (here a stand-in that hands out pictures): the same curves; without ffmpeg it is asked for', further, async () => {
   const bytes = [];
   for (let n = 1; n <= 4; n++) {
     const { data, info } = await sharp(file(n)).removeAlpha().raw().toBuffer({ resolveWithObject: true });

@@ -14,6 +14,7 @@ import { nameOf, visemes } from '../../models/tools/pictures/names.mjs';
 import { readPictures } from '../../web/src/pictures/set.mjs';
 import { models as built } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
+import { further } from '../lib/long.mjs';
 import { openStudio } from '../lib/photographs.mjs';
 import { violations } from '../lib/schema.mjs';
 
@@ -104,7 +105,7 @@ test('names are those of the table, or how a keyboard writes them', () => {
   assert.equal(nameOf('__proto__'), null);
 });
 
-test('frames of a video, by their times', (t) => {
+test('frames of a video, by their times', further, (t) => {
   const frames = file('frames');
   fs.mkdirSync(frames);
   const shown = ['rest', 'p1', 'a', 'u', 'i1', 't1', 'o', 'e', 'f2'];

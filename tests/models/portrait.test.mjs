@@ -18,6 +18,7 @@ import { STEADY, withMoved } from '../../web/src/portrait/landmarks.mjs';
 import { toneOf } from '../../web/src/portrait/skin.mjs';
 import { inOrder, makeHead, nearest } from '../../web/src/portrait/portrait.mjs';
 import { photograph } from '../lib/drawn-photographs.mjs';
+import { further } from '../lib/long.mjs';
 import { violations } from '../lib/schema.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 
@@ -106,7 +107,7 @@ test('16 bits, grey, turned by its camera: the same face', async () => {
   }
 });
 
-test('our own heads come back: each is the nearest to itself, and another head with its face has its landmarks', async () => {
+test('our own heads come back: each is the nearest to itself, and another head with its face has its landmarks', further, async () => {
   const views = {};
   for (const name of ['bruno', 'mara']) {
     const picture = await flat(poster(name));
@@ -153,7 +154,7 @@ test('of parted lips the teeth are not painted where they close', async () => {
   assert.ok(close.length > 40 && least > 1.25, `${least}`);
 });
 
-test('glasses that are left off leave no shadow on the temples', async () => {
+test('glasses that are left off leave no shadow on the temples', further, async () => {
   const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/rosa.json'), 'utf8'));
   const picture = await photograph(path.join(built, 'models/heads'), 'mei', 0, undefined, { width: 480, height: 624 });
   const view = { picture, landmarks: await eye(picture) };

@@ -13,6 +13,7 @@ import { asProfile } from '../../web/src/portrait/portrait.mjs';
 import { outlinesOf, withProfiles } from '../../web/src/portrait/profile.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { photograph, writePng } from '../lib/drawn-photographs.mjs';
+import { further } from '../lib/long.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const table = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), 'utf8'));
@@ -43,7 +44,7 @@ function missed(target, name) {
   return Math.sqrt(off.reduce((sum, x) => sum + x * x, 0) / off.length);
 }
 
-test('with both profiles the depth of a face is nearer to the true one than with the front alone', (t) => {
+test('with both profiles the depth of a face is nearer to the true one than with the front alone', further, (t) => {
   const figures = [];
   for (const [name, base] of [['bruno', 'mei'], ['bruno', 'luca'], ['mei', 'luca'], ['mei', 'bruno'], ['samuel', 'mei'], ['samuel', 'luca']]) {
     const { landmarks, sides } = people[name];

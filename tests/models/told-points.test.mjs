@@ -10,7 +10,7 @@ import test, { after, before } from 'node:test';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { models } from '../lib/built-heads.mjs';
-import { cases } from '../lib/long.mjs';
+import { cases, further } from '../lib/long.mjs';
 import { writeGlb, writeObj } from '../lib/plain-files.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
@@ -73,7 +73,7 @@ for (const [file, landmarked, most] of cases([
     for (const part of ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'brows', 'lashes']) assert.ok(head.parts.some((one) => one.name === part), part);
   });
 
-test('single points by a landmark, or by a vertex, while the others are found', () => {
+test('single points by a landmark, or by a vertex, while the others are found', further, () => {
   const { head, said } = imported('plain.glb', { find: true, fdp: { '2.1': vertices[152], '8.4': { landmark: 61 }, '4.1': [0.01, 1.65, 0.03] } });
   assert.match(said, /^feature points found by themselves: 4\d\d of 478/m);
   assert.match(said, /^feature points as they were told: 2\.1, 4\.1, 8\.4$/m);
