@@ -97,7 +97,7 @@ const shapesJson = (frames) => frames.reduce((sum, values, k) => sum + JSON.stri
 
 const ways = ['', '&events=packed', '&events=packed&kilobits=12'];
 const hearing = Promise.all(ways.map(hear));
-lip_recogniser.catch(() => {}); // its failure is thrown where it is awaited
+hearing.catch(() => {}); // its failure is thrown where it is awaited
 const ascii = await (await ask('fap')).text();
 const at60 = parseFap(await (await ask('fap', 60)).text());
 const file = await (await ask('fapc')).arrayBuffer();

@@ -53,7 +53,7 @@ export function soundOf(events, rate) {
   let rendered = 0;
   let waiting = 0; // rendered, and not yet taken by the sound system
   let asked = null;
-  for (const { name, ts, args } of events.filter(({ cat }) => cat === 'webaudio').sort((a, b) => a.ts - b.ts)) {
+  for (const { name, args } of events.filter(({ cat }) => cat === 'webaudio').sort((a, b) => a.ts - b.ts)) {
     if (name === 'RealtimeAudioDestinationHandler::Render') rendered += QUANTUM;
     if (name === 'AudioDestination::Render') asked = args;
     if (name !== 'PushPullFIFO frames') continue;

@@ -2,7 +2,7 @@
 // Each voice plugin next to its bare engine's own program, on the same text in one run: speed against real time, the time to the
 // first audio of one sentence in a running daemon, and memory.
 // Usage: node tests/bench/run.mjs voices [SECONDS OF TEXT] [VOICE]...
-import { execFileSync, spawn } from 'node:child_process';
+import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';

@@ -11,7 +11,7 @@ import { PNG } from 'pngjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { launch } from '../lib/browser.mjs';
 import { models } from '../lib/built-heads.mjs';
-import { artefacts, build, root } from '../lib/daemon.mjs';
+import { artefacts, root } from '../lib/daemon.mjs';
 
 const web = fileURLToPath(new URL('../../web/', import.meta.url));
 const shapes = (name) => JSON.parse(fs.readFileSync(path.join(root, `models/shapes/${name}.json`)));

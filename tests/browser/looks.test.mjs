@@ -5,7 +5,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { framed } from '../../web/src/head/framing.mjs';
 import { launch } from '../lib/browser.mjs';
@@ -13,7 +12,6 @@ import { heads as models } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const names = ['mara', 'bruno', 'ettore', 'samuel', 'luca'];
 const heads = new Map(names.map((name) => [name, JSON.parse(fs.readFileSync(path.join(models, `${name}.json`)))]));
 const SIZE = { width: 640, height: 480 };

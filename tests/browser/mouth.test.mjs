@@ -5,7 +5,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { launch } from '../lib/browser.mjs';
 import { heads as models } from '../lib/built-heads.mjs';
@@ -14,7 +13,6 @@ import { headPage } from '../lib/head-page.mjs';
 import { expressionPose, LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
 import { heading, misses, mouthCamera, paint, row, seen, seenIn } from '../lib/mouth-seen.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const EMOTIONS = ['joy', 'fear', 'surprise'];
 let browser, page, head;
 before(async () => {

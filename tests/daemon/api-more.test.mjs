@@ -14,7 +14,6 @@ const asked = async (address, options, from = daemon) => {
   const response = await from.get(address, options);
   return { status: response.status, ...(await response.json()) };
 };
-const phones = (answer) => answer.phones.map((p) => p.ipa).join('');
 const bytes = async (address, options) => Buffer.from(await (await daemon.get(address, options)).arrayBuffer());
 
 test('GET, POST of text and POST of JSON speak the same', async () => {

@@ -5,7 +5,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { crossings } from '../../models/tools/lib/crossing.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
@@ -13,7 +12,6 @@ import { further } from '../lib/long.mjs';
 import { EYE_FAPS, MOUTH_FAPS, Sweep } from '../lib/sweep.mjs';
 import { apart, BASIC, sweepPoses } from '../lib/sweep-poses.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 const read = (name) => unpack(JSON.parse(fs.readFileSync(path.join(folder, `${name}.json`))));
 

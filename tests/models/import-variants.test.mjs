@@ -16,7 +16,6 @@ import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
 import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
-const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
 const at = (name) => path.join(folder, name);
 after(() => fs.rmSync(folder, { recursive: true }));

@@ -11,7 +11,6 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { models } from '../lib/built-heads.mjs';
 
-const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const blind = async () => null;
 const POINTS = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4'];
 

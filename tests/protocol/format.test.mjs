@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The C files are as clang-format leaves them. Another version formats otherwise: then nothing can be said.
+// The C files are as clang-format leaves them (another version formats otherwise: then nothing can be said), and ESLint finds nothing in JavaScript: a benchmark
+// that names what is not there would fail only when somebody runs it.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import path from 'node:path';
@@ -22,3 +23,12 @@ test('every C file is formatted: git ls-files "*.c" "*.h" | xargs clang-format -
   const { status } = spawnSync('clang-format', ['--dry-run', '--Werror', ...files], { cwd: root });
   assert.deepEqual(status === 0 ? [] : unformatted(files), []);
 });
+
+for (const [what, cwd, args] of [
+  ['of the client and the pages', 'web', ['.']],
+  ['of tests, benchmarks and tools', '.', ['--config', 'tests/eslint.config.js', 'tests', 'models/tools', 'protocol', 'server']],
+])
+  test(`ESLint finds nothing in the JavaScript ${what}`, () => {
+    const { status, stdout, stderr } = spawnSync(process.execPath, [path.join(root, 'web/node_modules/eslint/bin/eslint.js'), ...args], { cwd: path.join(root, cwd), encoding: 'utf8' });
+    assert.equal(status, 0, stdout + stderr);
+  });

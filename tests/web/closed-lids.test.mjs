@@ -4,7 +4,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { faceValues } from '../../web/src/face-mixer.mjs';
 import { deform } from '../../web/src/head/deform.mjs';
 import { loweredBy } from '../../web/src/head/grain.mjs';
@@ -15,7 +14,6 @@ import { bakeOcclusion } from '../../web/src/head/occlusion.mjs';
 import { fibres } from '../../web/src/head/surfaces.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json'));
 const CLOSED = faceValues({ 19: 1024, 20: 1024 });
 

@@ -4,12 +4,10 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { framed } from '../../web/src/head/framing.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const heads = fs.readdirSync(folder).filter((file) => file.endsWith('.json')).map((file) => unpack(JSON.parse(fs.readFileSync(path.join(folder, file)))));
 const PLACES = { phone: 0.46, portrait: 0.77, square: 1, 'television': 16 / 9, strip: 4 };
 const OPEN = { 3: 550, 4: -330, 8: -330, 9: -330, 5: -600, 10: -600, 11: -600 };

@@ -4,13 +4,11 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { faceValues } from '../../web/src/face-mixer.mjs';
 import { lidsAt, lidsOf } from '../../web/src/head/lids.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json'));
 const value = (line, x) => line.reduce((sum, factor, power) => sum + factor * x ** power, 0);
 

@@ -5,7 +5,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { modelOf } from '../../web/src/avatar/avatar.mjs';
 import { readMap } from '../../web/src/avatar/map.mjs';
 import { faceValues } from '../../web/src/face-mixer.mjs';
@@ -15,7 +14,6 @@ import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
 import { METRES, strange, takenApart } from '../lib/strange-avatars.mjs';
 import { strangeCases } from '../lib/strange-cases.mjs';
 
-const root = fileURLToPath(new URL('../../', import.meta.url));
 globalThis.createImageBitmap ??= async () => ({ width: 1, height: 1, close() {} }); // nothing is drawn here
 
 const own = fs.readFileSync(path.join(models, 'heads/mara.glb'));
