@@ -17,7 +17,7 @@ struct presence;
 struct bus;
 struct library;
 
-/* Options of the API. server/app/settings_table.c holds the bounds and defaults of those that are
+/* Options of the API. server/daemon/settings_table.c holds the bounds and defaults of those that are
  * settings. */
 struct api_options {
     struct http_options http; /* `tokens` is derived from `secrets` */

@@ -5,8 +5,8 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "server/expression/expressions.h"
+#include "server/live/live_request.h"
 #include "server/stream/media.h"
-#include "server/synthesis/live_request.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"

@@ -5,10 +5,10 @@
 #define FACCIA_STREAM_STREAM_INTERNAL_H
 
 #include "server/base/utf8.h"
+#include "server/live/live_voice.h"
 #include "server/stream/idle_face.h"
 #include "server/stream/media.h"
 #include "server/stream/stream.h"
-#include "server/synthesis/live_voice.h"
 #include "server/synthesis/media_segment.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/synthesis.h"

@@ -19,7 +19,7 @@
 
 enum { SAMPLES = 200000, RATE = 16000 };
 
-static const struct reader apart = {.program = BUILD_ROOT "/server/app/faccia-reader"};
+static const struct reader apart = {.program = BUILD_ROOT "/server/daemon/faccia-reader"};
 static char folder[] = "/tmp/faccia-sound-XXXXXX";
 static char path[64], program[64], noise[64];
 
