@@ -5,6 +5,7 @@
 #include "server/api/client_message.h"
 #include "server/api/surrogates.h"
 #include "server/base/mem.h"
+#include "server/live/live_voice.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -193,7 +194,7 @@ void client_voice_begin(struct client *c, const json_t *message) {
         client_refuse(c, speech.id, &e);
     } else {
         speech.quota_key = principal_quota_key(&c->principal);
-        c->voice = stream_hear(client_stream(c), &request);
+        c->voice = stream_play(client_stream(c), &speech, live_voice_open, &request);
         if (c->voice)
             open_text_begin(c, speech.id, c->voice, 0);
     }

@@ -5,6 +5,9 @@
 #include "server/base/opus_process.h"
 #include "server/live/jitter_buffer.h"
 #include "server/live/lip_recogniser.h"
+#include "server/synthesis/media_segment.h"
+#include "server/synthesis/pipeline.h"
+#include "server/voice/sentence_audio.h"
 #include <math.h>
 #include <opus/opus.h>
 #include <stdlib.h>
@@ -12,6 +15,7 @@
 #include <utlist.h>
 
 struct live_voice {
+    struct speech_source base;
     const struct pipeline *pipeline;
     struct synthesis_callbacks callbacks;
     void *ctx;
@@ -144,14 +148,6 @@ static void live_deliver(struct live_voice *h) {
     }
     if (h->recognised_all && !h->pcm_count)
         end(h);
-}
-
-void live_voice_wait(struct live_voice *h, unsigned ms) {
-    static const int16_t silence[LIVE_RATE_MAX / BLOCKS_A_SECOND];
-    h->stalled = true;
-    for (unsigned i = 0; !h->recognised_all && i < ms * BLOCKS_A_SECOND / 1000; i++)
-        live_recognise(h, silence, h->rate / BLOCKS_A_SECOND);
-    live_deliver(h);
 }
 
 enum { OPUS_CHANNELS_MOST = 2, FRAME_BYTES_MOST = 16 };
@@ -318,10 +314,16 @@ static unsigned voices_of(const struct live_pool *pool, uint32_t quota_key) {
 }
 
 static void on_samples(void *ctx, const int16_t *samples, size_t count);
+static void close_voice(struct live_voice *h);
+
+/* The clock cannot count further. */
+static bool awaits(const struct live_voice *h) {
+    return (!h->closed || decodes(h)) && h->given < UINT32_MAX / 2;
+}
 
 static void go_on(struct live_voice *h) {
-    if (!h->closed && !live_voice_awaits(h))
-        live_voice_close(h);
+    if (!h->closed && !awaits(h))
+        close_voice(h);
     else if (h->closed && h->started)
         live_deliver(h);
 }
@@ -347,7 +349,7 @@ static void on_decoder_failed(void *ctx, const char *why) {
     if (h->closed)
         go_on(h);
     else
-        live_voice_close(h);
+        close_voice(h);
 }
 
 /* Packets are decoded by a process of their own if there is a program for it: they come from strangers. */
@@ -432,51 +434,7 @@ static void on_timer(uv_timer_t *timer) {
               h->fresh ? "too little sound arrived in %u s" : "no sound arrived for %u s",
               h->pipeline->open_seconds);
     problem(h, &e, true);
-    live_voice_close(h);
-}
-
-struct live_voice *live_voice_open(const struct pipeline *pipeline, const struct live_request *request,
-                                   const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
-    struct live_voice *h = mem_alloc(sizeof *h);
-    *h = (struct live_voice){.pipeline = pipeline,
-                             .callbacks = *callbacks,
-                             .ctx = ctx,
-                             .rate = request->rate,
-                             .lookahead = request->lookahead,
-                             .last = uv_now(pipeline->loop)};
-    request_copy(&h->request, request->speech);
-    if (open_all(h, request, e)) {
-        free_all(h);
-        return NULL;
-    }
-    pipeline->live->count++;
-    DL_APPEND(pipeline->live->voices, h);
-    h->timer = mem_alloc(sizeof *h->timer);
-    uv_timer_init(pipeline->loop, h->timer);
-    h->timer->data = h;
-    if (most_silence(h))
-        uv_timer_start(h->timer, on_timer, most_silence(h), 0);
-    return h;
-}
-
-void live_voice_free(struct live_voice *h) {
-    if (!h)
-        return;
-    stop_timer(h);
-    h->pipeline->live->count--;
-    DL_DELETE(h->pipeline->live->voices, h);
-    free_all(h);
-}
-
-void live_voice_start(struct live_voice *h) {
-    h->started = true;
-    live_voice_catch_up(h);
-    live_deliver(h);
-}
-
-void live_voice_catch_up(struct live_voice *h) {
-    jitter_buffer_catch_up(&h->jitter);
-    jitter_buffer_begin(&h->jitter);
+    close_voice(h);
 }
 
 static void tell_skip(struct live_voice *h) {
@@ -504,7 +462,100 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
         tell_skip(h);
 }
 
-void live_voice_write(struct live_voice *h, const uint8_t *bytes, size_t size) {
+static void close_voice(struct live_voice *h) {
+    struct error e;
+    if (h->closed)
+        return;
+    h->closed = true;
+    stop_timer(h);
+    if (live_audio_end(h->sound, &e))
+        problem(h, &e, true);
+    if (h->started)
+        live_deliver(h);
+}
+
+/* The voice as a source. */
+
+static struct live_voice *of(struct speech_source *source) {
+    return (struct live_voice *)source;
+}
+
+static const struct live_voice *of_const(const struct speech_source *source) {
+    return (const struct live_voice *)source;
+}
+
+static void source_catch_up(struct speech_source *source) {
+    struct live_voice *h = of(source);
+    jitter_buffer_catch_up(&h->jitter);
+    jitter_buffer_begin(&h->jitter);
+}
+
+/* Drops what was said before. */
+static void source_start(struct speech_source *source) {
+    of(source)->started = true;
+    source_catch_up(source);
+    live_deliver(of(source));
+}
+
+static void source_release(struct speech_source *source) {
+    of(source)->released++;
+    live_deliver(of(source));
+}
+
+static void source_free(struct speech_source *source) {
+    struct live_voice *h = of(source);
+    stop_timer(h);
+    h->pipeline->live->count--;
+    DL_DELETE(h->pipeline->live->voices, h);
+    free_all(h);
+}
+
+static double source_fps(const struct speech_source *source) {
+    return source->request->fps;
+}
+
+static const char *source_id(const struct speech_source *source) {
+    return source->request->id;
+}
+
+static void source_describe(const struct speech_source *source, struct source_description *description) {
+    const struct live_voice *h = of_const(source);
+    const char *lang = h->request.lang, *engine = h->request.engine;
+    *description = (struct source_description){
+        .live = true,
+        .lookahead = h->lookahead,
+        .lang = lang && speech_pack_is_general(h->pack) ? lang : speech_pack_lang(h->pack),
+        .engine = engine ? engine : LIP_ENGINE};
+}
+
+static bool source_is_open(const struct speech_source *source) {
+    return !of_const(source)->closed;
+}
+
+static void source_close(struct speech_source *source) {
+    close_voice(of(source));
+}
+
+static bool source_awaits(const struct speech_source *source) {
+    return awaits(of_const(source));
+}
+
+/* In the silence the lips return to rest. */
+static void source_wait(struct speech_source *source, unsigned ms) {
+    static const int16_t silence[LIVE_RATE_MAX / BLOCKS_A_SECOND];
+    struct live_voice *h = of(source);
+    h->stalled = true;
+    for (unsigned i = 0; !h->recognised_all && i < ms * BLOCKS_A_SECOND / 1000; i++)
+        live_recognise(h, silence, h->rate / BLOCKS_A_SECOND);
+    live_deliver(h);
+}
+
+static unsigned source_grace(const struct speech_source *source) {
+    return of_const(source)->stalled ? 0 : LIVE_STALL_MS;
+}
+
+static void source_write_sound(struct speech_source *source, const uint8_t *bytes, size_t size) {
+    struct live_voice *h = of(source);
     struct error e;
     if (h->closed)
         return;
@@ -520,52 +571,46 @@ void live_voice_write(struct live_voice *h, const uint8_t *bytes, size_t size) {
         h->told_bad = true;
         problem(h, &e, true);
     }
-    if (!live_voice_awaits(h))
-        live_voice_close(h);
+    if (!awaits(h))
+        close_voice(h);
 }
 
-void live_voice_close(struct live_voice *h) {
-    struct error e;
-    if (h->closed)
-        return;
-    h->closed = true;
-    stop_timer(h);
-    if (live_audio_end(h->sound, &e))
-        problem(h, &e, true);
-    if (h->started)
-        live_deliver(h);
-}
-
-bool live_voice_is_open(const struct live_voice *h) {
-    return !h->closed;
-}
-
-/* The clock cannot count further. */
-bool live_voice_awaits(const struct live_voice *h) {
-    return (!h->closed || decodes(h)) && h->given < UINT32_MAX / 2;
-}
-
-void live_voice_release(struct live_voice *h) {
-    h->released++;
-    live_deliver(h);
-}
-
-const struct speech_request *live_voice_request(const struct live_voice *h) {
-    return &h->request;
-}
-
-const char *live_voice_lang(const struct live_voice *h) {
-    return h->request.lang && speech_pack_is_general(h->pack) ? h->request.lang : speech_pack_lang(h->pack);
-}
-
-const char *live_voice_engine(const struct live_voice *h) {
-    return h->request.engine ? h->request.engine : LIP_ENGINE;
-}
-
-unsigned live_voice_lookahead(const struct live_voice *h) {
-    return h->lookahead;
-}
-
-bool live_voice_stalls(const struct live_voice *h) {
-    return h->stalled;
+struct speech_source *live_voice_open(const struct pipeline *pipeline, void *request,
+                                      const struct synthesis_callbacks *callbacks, void *ctx,
+                                      struct error *e) {
+    static const struct speech_source_ops ops = {.start = source_start,
+                                                 .release = source_release,
+                                                 .free = source_free,
+                                                 .fps = source_fps,
+                                                 .id = source_id,
+                                                 .describe = source_describe,
+                                                 .is_open = source_is_open,
+                                                 .close = source_close,
+                                                 .awaits = source_awaits,
+                                                 .wait = source_wait,
+                                                 .grace = source_grace,
+                                                 .write_sound = source_write_sound,
+                                                 .catch_up = source_catch_up};
+    const struct live_request *format = request;
+    struct live_voice *h = mem_alloc(sizeof *h);
+    *h = (struct live_voice){.base = {.ops = &ops, .request = &h->request, .one_face = true},
+                             .pipeline = pipeline,
+                             .callbacks = *callbacks,
+                             .ctx = ctx,
+                             .rate = format->rate,
+                             .lookahead = format->lookahead,
+                             .last = uv_now(pipeline->loop)};
+    request_copy(&h->request, format->speech);
+    if (open_all(h, format, e)) {
+        free_all(h);
+        return NULL;
+    }
+    pipeline->live->count++;
+    DL_APPEND(pipeline->live->voices, h);
+    h->timer = mem_alloc(sizeof *h->timer);
+    uv_timer_init(pipeline->loop, h->timer);
+    h->timer->data = h;
+    if (most_silence(h))
+        uv_timer_start(h->timer, on_timer, most_silence(h), 0);
+    return &h->base;
 }

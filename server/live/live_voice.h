@@ -3,8 +3,34 @@
 #ifndef FACCIA_LIVE_LIVE_VOICE_H
 #define FACCIA_LIVE_LIVE_VOICE_H
 
-#include "server/live/live_request.h"
-#include "server/synthesis/synthesis.h"
+#include "server/synthesis/speech_request.h"
+#include "server/synthesis/speech_source.h"
+
+/* A request: the format of the sound and how it is shown. */
+
+enum {
+    LIVE_RATE_MIN = 8000,
+    LIVE_RATE_MAX = 96000,
+    LIVE_CHANNELS_MAX = 8,
+    LIVE_LOOKAHEAD = 80, /* default, ms */
+};
+
+enum live_codec { LIVE_PCM, LIVE_OPUS };
+
+/* "pcm_s16le" and "opus", in the order of the enum, NULL-terminated. */
+extern const char *const live_codecs[];
+
+struct live_request {
+    const struct speech_request *speech; /* its fields other than those of a text */
+    enum live_codec codec;
+    unsigned rate, channels, lookahead; /* Hz; ms */
+};
+
+/* Returns -1 with *e ("unknown-codec", field "codec"). Accepts "pcm" too. */
+int live_codec_find(const char *name, enum live_codec *codec, struct error *e);
+
+/* Checks the sound format. Returns -1 with *e ("bad-field"). */
+int live_request_check(const struct live_request *request, struct error *e);
 
 /* Decodes a client's messages to mono samples. */
 
@@ -48,39 +74,12 @@ enum {
     LIVE_MIN_PERCENT = 2, /* of real time must arrive within pipeline.open_seconds, or the voice is closed */
 };
 
-struct live_voice;
-
-/* Checks and copies the request. Returns NULL with *e: "unknown-codec", "bad-field", "unknown-language",
- * "unknown-engine", "too-many-voices". Segments and problems come as for a synthesis, also within the
- * calls below. */
-struct live_voice *live_voice_open(const struct pipeline *pipeline, const struct live_request *request,
-                                   const struct synthesis_callbacks *callbacks, void *ctx, struct error *e);
-
-/* Starts playing; drops what was said before. */
-void live_voice_start(struct live_voice *live);
-
-/* Drops the backlog after a pause. */
-void live_voice_catch_up(struct live_voice *live);
-
-/* Adds a message with sound (live_audio above). */
-void live_voice_write(struct live_voice *live, const uint8_t *bytes, size_t size);
-
-/* No more sound follows. */
-void live_voice_close(struct live_voice *live);
-bool live_voice_is_open(const struct live_voice *live);
-
-/* More sound can come. */
-bool live_voice_awaits(const struct live_voice *live);
-
-/* Inserts `ms` of silence, in which the lips return to rest. */
-void live_voice_wait(struct live_voice *live, unsigned ms);
-bool live_voice_stalls(const struct live_voice *live); /* silence was inserted and nothing has come since */
-void live_voice_release(struct live_voice *live);
-void live_voice_free(struct live_voice *live);
-
-const struct speech_request *live_voice_request(const struct live_voice *live);
-const char *live_voice_lang(const struct live_voice *live);
-const char *live_voice_engine(const struct live_voice *live);
-unsigned live_voice_lookahead(const struct live_voice *live);
+/* Opens a live voice as the source of an utterance; `request` is a struct live_request, checked and copied.
+ * Its sound comes as messages (live_audio above) through the source's write_sound. Returns NULL with *e:
+ * "unknown-codec", "bad-field", "unknown-language", "unknown-engine", "too-many-voices", "voice-unavailable".
+ */
+struct speech_source *live_voice_open(const struct pipeline *pipeline, void *request,
+                                      const struct synthesis_callbacks *callbacks, void *ctx,
+                                      struct error *e);
 
 #endif

@@ -20,6 +20,8 @@ enum {
 struct face_high_level;
 struct reader;
 struct work_gate;
+struct pipeline;
+struct speech_source;
 struct synthesis_callbacks;
 
 /* Where the recording is: in files or in memory. recording_source_free releases everything. */
@@ -61,8 +63,12 @@ void recording_start(struct recording *recording);
 void recording_release(struct recording *recording);
 void recording_free(struct recording *recording);
 
-const char *recording_name(const struct recording *recording);
-const char *recording_id(const struct recording *recording);
+/* The same, as the source of an utterance; `source` is a struct recording_source. Never fails: what is wrong
+ * is reported once it has started. */
+struct speech_source *recording_open_source(const struct pipeline *pipeline, void *source,
+                                            const struct synthesis_callbacks *callbacks, void *ctx,
+                                            struct error *e);
+
 double recording_fps(const struct recording *recording); /* known from the first segment on */
 
 #endif

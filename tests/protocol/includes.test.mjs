@@ -18,7 +18,7 @@ const BELOW = {
   voice: ['cluster', 'markup', 'base'],
   face: ['voice', 'expression', 'markup', 'protocol', 'base'],
   synthesis: ['face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
-  stream: ['live', 'synthesis', 'face', 'voice', 'expression', 'markup', 'protocol', 'base'],
+  stream: ['synthesis', 'face', 'voice', 'expression', 'markup', 'protocol', 'base'],
   codec: ['stream', 'protocol', 'base'],
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
