@@ -2,9 +2,7 @@
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/work_pack.h"
-#include "server/cluster/work_queue.h"
+#include "server/cluster/cluster.h"
 #include "server/daemon/service.h"
 #include "server/daemon/settings.h"
 #include "server/voice/voice_pool.h"
@@ -25,7 +23,7 @@ enum { PLUGINS_MOST = 64 };
 /* A plugin's voices, and the number of its sentences in progress. */
 struct voice_queue {
     size_t plugin; /* index in the pool */
-    char queue[REDIS_HASH_BYTES];
+    char queue[CLUSTER_HASH_BYTES];
     char *voices;
     unsigned live, ahead;
 };
@@ -65,7 +63,7 @@ static void name_queue(struct voice_queue *queue, const struct voice_plugin *plu
     work_form(form);
     buf_printf(&key, "%s\n%s\n%s\n%s\n%s", form, plugin->name, plugin->edition, plugin->config,
                queue->voices);
-    redis_hash_of(&key, queue->queue);
+    cluster_hash_of(&key, queue->queue);
     buf_free(&key);
 }
 
@@ -314,7 +312,7 @@ static int start(struct speaker *p, struct error *e) {
     if (!p->settings.cluster || !*p->settings.cluster)
         return error_in_field(e, ERROR_BAD_FIELD, "--cluster", "is missing: where to take sentences from");
     p->work = worker_side_new();
-    p->consumer = redis_consumer_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
+    p->consumer = work_consumer_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
     if (!p->consumer)
         return -1;
     p->pool = voice_pool_open(&p->loop, &voices, on_ready, p, e);

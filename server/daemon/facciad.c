@@ -6,10 +6,7 @@
 #include "server/base/mem.h"
 #include "server/base/program.h"
 #include "server/base/work_gate.h"
-#include "server/cluster/bus.h"
 #include "server/cluster/cluster.h"
-#include "server/cluster/presence.h"
-#include "server/cluster/work_queue.h"
 #include "server/codec/coder_pool.h"
 #include "server/daemon/components.h"
 #include "server/daemon/library_setup.h"
@@ -26,10 +23,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
-
-#ifdef HAVE_REDIS
-#include "server/cluster/redis.h"
-#endif
 
 /* Secrets and revoked tokens, from the settings' files. */
 
@@ -126,20 +119,14 @@ static int cluster_setup_open(const struct settings *settings, uv_loop_t *loop, 
     *out = (struct cluster_setup){0};
     if (!settings->cluster || !*settings->cluster)
         return 0;
-#ifdef HAVE_REDIS
-    const struct redis_options options = {settings->cluster, settings->cluster_keep_hours, metrics};
-    const struct redis_work_options queue = {settings->cluster, settings->cluster_queue, metrics};
-    if (!(out->cluster = redis_cluster_open(loop, &options, e)) ||
-        !(out->bus = redis_bus_open(loop, settings->cluster, metrics, e)) ||
-        !(out->presence = redis_presence_open(loop, settings->cluster, metrics, e)) ||
-        !(out->work = redis_work_open(loop, &queue, e)))
+    const struct cluster_options options = {settings->cluster, settings->cluster_keep_hours, metrics};
+    const struct work_options queue = {settings->cluster, settings->cluster_queue, metrics};
+    if (!(out->cluster = cluster_open(loop, &options, e)) ||
+        !(out->bus = bus_open(loop, settings->cluster, metrics, e)) ||
+        !(out->presence = presence_open(loop, settings->cluster, metrics, e)) ||
+        !(out->work = work_open(loop, &queue, e)))
         return -1;
     return 0;
-#else
-    (void)loop, (void)metrics;
-    return error_in_field(e, ERROR_BAD_FIELD, "--cluster",
-                          "this daemon was built without hiredis, and shares nothing");
-#endif
 }
 
 /* They are closed when the loop has finished. */

@@ -1,9 +1,145 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shared by both sides of the work queue: helpers for sending, and the scripts that Redis runs. */
-#ifndef FACCIA_CLUSTER_REDIS_WORK_INTERNAL_H
-#define FACCIA_CLUSTER_REDIS_WORK_INTERNAL_H
+/* Private to the cluster: the connection to Redis, the formats of what is stored there, and the scripts that
+ * it runs. */
+#ifndef FACCIA_CLUSTER_REDIS_INTERNAL_H
+#define FACCIA_CLUSTER_REDIS_INTERNAL_H
 
-#include "server/cluster/redis_link.h"
+#include "server/cluster/cluster.h"
+#include <hiredis/hiredis.h>
+#include <string.h>
+
+/* ---- redis_link.c: addresses, connections ---- */
+
+/* The address of a Redis server: redis://[[USER]:PASSWORD@]HOST[:PORT][/NUMBER], or
+ * unix://[[USER]:PASSWORD@]/PATH, as in redis-cli -u (percent-encoded name and password). */
+
+enum { REDIS_PORT = 6379 };
+
+struct redis_address {
+    char *user, *password; /* NULL = none */
+    char *host;            /* NULL = Unix socket at path */
+    char *path;
+    int port, number;
+    char *shown; /* without the password */
+};
+
+/* Parses an address. Returns -1 with *e ("bad-field", field "--cluster") and the reason. */
+int redis_address_read(const char *text, struct redis_address *address, struct error *e);
+void redis_address_free(struct redis_address *address);
+
+/* A connection to a Redis server that reconnects whenever it is lost. It is up from the answer to the
+ * first PING; a server that does not answer for LINK_PATIENCE_MS is treated as lost. */
+
+struct redis_link;
+
+enum { LINK_PATIENCE_MS = 500, LINK_PULSE_MS = 250, LINK_AGAIN_MS = 100, LINK_AGAIN_MOST_MS = 2000 };
+
+/* An argument of a command: any bytes. */
+struct link_text {
+    const void *data;
+    size_t size;
+};
+
+static inline struct link_text link_text_of(const char *text) {
+    return (struct link_text){text, strlen(text)};
+}
+
+/* reply is valid until the callback returns; NULL: the connection was lost before the answer came. */
+typedef void (*link_answered)(void *ctx, const redisReply *reply);
+
+/* Opens a link; takes ownership of the address. changed is called when the link comes up, and when it is
+ * lost. */
+struct redis_link *redis_link_open(uv_loop_t *loop, struct redis_address *address,
+                                   void (*changed)(void *ctx, bool up), void *ctx);
+bool redis_link_up(const struct redis_link *link);
+
+/* Makes the link a subscriber; call right after redis_link_open. The link then only listens to the channel
+ * (Redis accepts no other commands on such a connection), and is up while it is subscribed. */
+void redis_link_hear(struct redis_link *link, const char *channel,
+                     void (*heard)(void *ctx, const void *data, size_t size), void *ctx);
+
+/* Sends a command; answered may be NULL. Returns false, and calls no callback, when the link is not up. */
+bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
+                     link_answered answered, void *ctx);
+
+/* Writes pending commands now, as far as the kernel accepts them, instead of at the end of the loop's
+ * turn. This may lose the link. */
+void redis_link_flush(struct redis_link *link);
+
+/* Closes the link; pending commands get NULL. Frees it once the loop has run out of its handles. */
+void redis_link_close(struct redis_link *link);
+
+/* Makes a random name, unique among daemons. */
+enum { REDIS_ID_BYTES = 33 };
+void redis_id_make(char id[REDIS_ID_BYTES]);
+
+/* ---- reply_check.c ----
+ * Checks what a Redis server sends (RESP2) before hiredis reads it. hiredis trusts the sizes that the
+ * server announces: "*2147483647" makes it allocate 16 GB, and it buffers a bulk string of any length.
+ * Replies are checked as they arrive, in pieces of any size. */
+
+/* The largest legitimate replies: packed sound of 8 MiB and voices of 4 MiB; 512 rows of three strings;
+ * arrays three deep. */
+enum {
+    REPLY_BYTES_MOST = 32 << 20, /* one reply with all its content */
+    REPLY_ELEMENTS_MOST = 65536, /* all arrays of one reply together */
+    REPLY_DEPTH_MOST = 6,        /* nesting of arrays; hiredis reads up to 7 */
+    REPLY_LINE_MOST = 4096,      /* bytes of a status or an error */
+};
+
+enum reply_state { REPLY_TYPE, REPLY_LINE, REPLY_LINE_FEED, REPLY_BULK, REPLY_BULK_END, REPLY_BROKEN };
+
+/* All zero at the start of a connection. */
+struct reply_check {
+    enum reply_state state;
+    uint64_t replies;       /* complete replies so far */
+    size_t bytes, elements; /* of the current reply */
+    size_t left;            /* of a bulk string and its CR LF */
+    int depth;
+    size_t missing[REPLY_DEPTH_MOST]; /* elements still to come, per open array */
+    char type;
+    size_t length;   /* of the current line */
+    char number[24]; /* start of the line */
+};
+
+/* Checks the next bytes. Returns NULL if they are acceptable, otherwise the reason; then none of them may
+ * be read. */
+const char *reply_check(struct reply_check *check, const void *data, size_t size);
+
+/* ---- redis_format.c ----
+ * Lossless compression for values that are mostly 16-bit sound: differences of neighbouring samples, high
+ * and low bytes apart, deflated. Works for any bytes. */
+
+/* Appends the packed value to out. */
+void sound_pack(const struct buf *value, struct buf *out);
+
+/* Appends at most `most` bytes. Returns false when the data was not made by sound_pack, or is larger. */
+bool sound_unpack(const void *data, size_t size, size_t most, struct buf *out);
+
+/* The format of sentences and answers in the queue. Both hold frames of wire.h, whose numbers are in the
+ * machine's byte order: a tag in front names format and byte order, and data with another tag is rejected. */
+
+enum { WORK_TASK_BYTES = 192, WORK_ATTEMPT_BYTES = 96, WORK_PIECE_BYTES = 512 << 10 };
+
+void work_pack_sentence(const struct buf *sentence, struct buf *out);
+
+/* Appends the sentence; returns false when the data has another tag. */
+bool work_unpack_sentence(const void *data, size_t size, struct buf *out);
+
+/* A piece of an answer. The texts are copies; body points into the data that was read. */
+struct work_piece {
+    char task[WORK_TASK_BYTES], attempt[WORK_ATTEMPT_BYTES];
+    unsigned index;
+    bool last;
+    enum work_end end; /* of the last piece */
+    const uint8_t *body;
+    size_t size;
+};
+
+void work_pack_piece(const struct work_piece *piece, struct buf *out);
+bool work_unpack_piece(const void *data, size_t size, struct work_piece *piece);
+
+/* ---- redis_work.c: helpers of both sides of the work queue, and of presence ---- */
 
 /* How long Redis holds back an answer while there is nothing to report; less than a link's patience. */
 enum { WORK_LISTEN_MS = 200 };
