@@ -351,6 +351,7 @@ int gestures_serve(struct exchange *x) {
                        api->options.on_gestures);
 }
 
+#ifdef HAVE_LIBRARY
 int works_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
                                                  NULL, work_check_apart};
@@ -360,3 +361,4 @@ int works_serve(struct exchange *x) {
                                                 WORK_BYTES, WORKS_KEPT},
                        (struct document_store_listener){0});
 }
+#endif

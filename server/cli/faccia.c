@@ -19,14 +19,24 @@ static const struct {
     {"models", models_main, "list the head models"},
     {"head", head_main, "a head as an avatar for other programs (GLB, VRM); heads of other origin"},
     {"expressions", expressions_main, "list the expressions, or write how they look"},
+#ifdef HAVE_RESEARCH
     {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
     {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
+#endif
+#ifdef HAVE_LIBRARY
     {"align", align_main, "times and face of a recording with its text"},
+#endif
+#ifdef HAVE_LIVE
     {"hear", hear_main, "the face of a voice whose words nobody knows, while it speaks"},
+#endif
+#ifdef HAVE_RESEARCH
     {"life", life_main, "what the face does of itself, in figures"},
+#endif
+#ifdef HAVE_LIBRARY
     {"library", library_main, "read a folder of works and tell what is in it, and what is wrong"},
+#endif
     {"read", read_main, "tell how a text is read aloud, word by word"},
     {"lexicon", lexicon_main, "check a file of pronunciations"},
     {"check", check_main, "tell what in a text with markup would not be acted on"},

@@ -5,7 +5,7 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
-#include "server/research/plot.h"
+#include "server/export/svg.h"
 #include <getopt.h>
 #include <math.h>
 #include <stdlib.h>

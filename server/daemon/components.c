@@ -41,6 +41,7 @@ static int load_boundaries(struct components *s, const char *path, struct error 
     return s->boundaries ? 0 : fail_in(path, &inner, e);
 }
 
+#ifdef HAVE_LIVE
 /* The network is optional; without it lips cannot follow a live voice. */
 static int load_hearing(struct components *s, const struct settings *settings, const char *path,
                         struct error *e) {
@@ -54,6 +55,21 @@ static int load_hearing(struct components *s, const struct settings *settings, c
     s->live.network = lip_network_load(path, &inner);
     return s->live.network ? 0 : fail_in(path, &inner, e);
 }
+
+static void free_hearing(struct components *s) {
+    lip_network_free(s->live.network);
+}
+#else
+static int load_hearing(struct components *s, const struct settings *settings, const char *path,
+                        struct error *e) {
+    (void)s, (void)settings, (void)path, (void)e;
+    return 0;
+}
+
+static void free_hearing(struct components *s) {
+    (void)s;
+}
+#endif
 
 /* Logs the faults of entries: the others act. */
 static void tell_faults(const struct lexicon *lexicon, const char *path) {
@@ -129,6 +145,6 @@ void components_free(struct components *s) {
     lexicons_free(&s->lexicons);
     lexicons_free(&s->named_lexicons);
     boundary_table_free(s->boundaries);
-    lip_network_free(s->live.network);
+    free_hearing(s);
     *s = (struct components){0};
 }

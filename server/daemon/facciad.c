@@ -138,6 +138,7 @@ static void cluster_setup_close(struct cluster_setup *setup) {
     *setup = (struct cluster_setup){0};
 }
 
+#ifdef HAVE_LIBRARY
 /* Starts to prerender the library once there are voices, if the settings ask for it and it has not
  * started. */
 static void start_prerender(struct prerender **prerender, const struct settings *s,
@@ -157,6 +158,29 @@ static void start_prerender(struct prerender **prerender, const struct settings 
         *prerender =
             prerender_open(pipeline, library, s->ahead, most < kept ? most : kept, s->api.text_bytes);
 }
+
+#else
+static void start_prerender(struct prerender **prerender, const struct settings *s,
+                            const struct pipeline *pipeline, struct library *library) {
+    (void)prerender, (void)s, (void)pipeline, (void)library;
+}
+
+int library_setup_open(const struct settings *s, const struct paths *paths, struct library **library,
+                       char **voice_config, struct error *e) {
+    (void)paths, (void)library, (void)voice_config;
+    return s->library
+               ? error_in_field(e, ERROR_BAD_FIELD, "--library", "this daemon was built without the library")
+               : 0;
+}
+
+void library_close(struct library *library) {
+    (void)library;
+}
+
+void prerender_close(struct prerender *prerender) {
+    (void)prerender;
+}
+#endif
 
 enum {
     OWN = 48,        /* for the loop, files being read, and listening sockets */

@@ -2,10 +2,10 @@
 /* faccia-reader: parses one untrusted input for the daemon, which starts it for each input or live voice
  * (base/reader_process.h). It may read standard input and the system's libraries, write to standard
  * output, and use limited processor time and memory. */
-#include "server/base/opus_process.h"
 #include "server/base/program.h"
 #include "server/base/sound_reader.h"
 #include "server/library/work.h"
+#include "server/live/opus_process.h"
 #include "server/voice/sandbox.h"
 #include <signal.h>
 #include <stdio.h>
@@ -40,26 +40,39 @@ static void confine(const char *program) {
     sandbox_enter(&sandbox, &gaps);
 }
 
+/* Parses the input as the arguments say. 1: this build does not know its kind. -1: it failed. */
+static int parse(int argc, char **argv) {
+    const char *kind = argv[KIND];
+    if (argc == INPUT + 1 && !strcmp(kind, "sound"))
+        return sound_reader_serve(number(argv[INPUT]), STDIN_FILENO, STDOUT_FILENO) ? -1 : 0;
+#ifdef HAVE_LIVE
+    if (argc == LANG + 1 && !strcmp(kind, "opus"))
+        return opus_process_serve(number(argv[RATE]), number(argv[CHANNELS]), STDIN_FILENO, STDOUT_FILENO)
+                   ? -1
+                   : 0;
+#endif
+#ifdef HAVE_LIBRARY
+    if (argc == LANG + 1 && !strcmp(kind, "work"))
+        return work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO) ? -1 : 0;
+    if (argc == INPUT + 1 && !strcmp(kind, "check"))
+        return work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO) ? -1 : 0;
+#endif
+    return 1;
+}
+
 int main(int argc, char **argv) {
     program_begin();
-    bool work = argc == LANG + 1 && !strcmp(argv[KIND], "work");
-    bool check = argc == INPUT + 1 && !strcmp(argv[KIND], "check");
-    bool sound = argc == INPUT + 1 && !strcmp(argv[KIND], "sound");
-    bool opus = argc == LANG + 1 && !strcmp(argv[KIND], "opus");
-    if (!work && !check && !sound && !opus) {
+    int result = 1;
+    if (argc > KIND) {
+        limit(argv[SECONDS], argv[MEGABYTES]);
+        if (strcmp(argv[SANDBOX], "off") != 0)
+            confine(argv[0]);
+        result = parse(argc, argv);
+    }
+    if (result == 1)
         fputs("usage: faccia-reader SECONDS MEGABYTES on|off work NAME LANG | check NAME | sound "
               "CHANNELS | opus RATE CHANNELS\nParses a file or packets, its standard input, for facciad, "
               "which starts this program by itself.\n",
               stderr);
-        return argc == 2 && !strcmp(argv[1], "--help") ? 0 : 2;
-    }
-    limit(argv[SECONDS], argv[MEGABYTES]);
-    if (strcmp(argv[SANDBOX], "off") != 0)
-        confine(argv[0]);
-    int failed =
-        work    ? work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO)
-        : check ? work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO)
-        : opus  ? opus_process_serve(number(argv[RATE]), number(argv[CHANNELS]), STDIN_FILENO, STDOUT_FILENO)
-                : sound_reader_serve(number(argv[INPUT]), STDIN_FILENO, STDOUT_FILENO);
-    return failed ? 1 : 0;
+    return result != 1 ? -result : argc == 2 && !strcmp(argv[1], "--help") ? 0 : 2;
 }

@@ -29,7 +29,7 @@ const BELOW = {
   library: ['base'],
   'library/align': ['library', 'face', 'voice', 'markup', 'protocol', 'base'],
   'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
-  research: ['cli', 'daemon', 'library/align', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
+  research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
   bridges: ['http', 'base'],
   plugins: ['library/align', 'face', 'voice', 'markup', 'base'],
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/opus_process.h"
+#include "server/live/opus_process.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/write_all.h"

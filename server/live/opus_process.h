@@ -2,8 +2,8 @@
 /* Decodes the Opus packets of one client in a process of its own: faccia-reader, sandboxed and limited like
  * the process of reader_process.h. The event loop does not wait for it. Whatever a packet does to the decoder
  * only ends this client's sound. */
-#ifndef FACCIA_BASE_OPUS_PROCESS_H
-#define FACCIA_BASE_OPUS_PROCESS_H
+#ifndef FACCIA_LIVE_OPUS_PROCESS_H
+#define FACCIA_LIVE_OPUS_PROCESS_H
 
 #include "server/base/reader_process.h"
 #include <stddef.h>
