@@ -3,7 +3,7 @@
  * library (/v1/library/files). GET of the address lists them; GET, PUT and DELETE act on ADDRESS/NAME.
  * Disk access runs in separate threads, one request per client at a time. */
 #include "server/api/api_internal.h"
-#include "server/base/document_store.h"
+#include "server/api/document_store.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
 #include "server/library/work.h"

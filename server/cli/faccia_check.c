@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia check: reports what in a text has no effect. */
-#include "server/base/lines.h"
+#include "server/base/utf8.h"
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"

@@ -4,6 +4,7 @@
 #ifndef FACCIA_CLUSTER_REDIS_INTERNAL_H
 #define FACCIA_CLUSTER_REDIS_INTERNAL_H
 
+#include "server/base/metrics.h"
 #include "server/cluster/cluster.h"
 #include <hiredis/hiredis.h>
 #include <string.h>

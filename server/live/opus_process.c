@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/live/opus_process.h"
 #include "server/base/buf.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/write_all.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <opus/opus.h>

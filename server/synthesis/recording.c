@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/open_below.h"
-#include "server/base/sound_reader.h"
 #include "server/base/utf8.h"
 #include "server/base/work_gate.h"
 #include "server/face/high_level.h"
-#include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
+#include "server/voice/sound_reader.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

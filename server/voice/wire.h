@@ -7,7 +7,7 @@
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
-#include "server/base/wire_bytes.h"
+#include "server/base/buf.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 

@@ -3,7 +3,7 @@
 #include "server/base/mem.h"
 #include "server/library/align/sound_file.h"
 #include "server/plugins/command/command_sound.h"
-#include "server/synthesis/recording_internal.h"
+#include "server/synthesis/recording.h"
 #include "server/voice/sentence.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

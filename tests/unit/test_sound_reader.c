@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sound that a process of its own decodes: the same samples as in this one, and whatever the process does is
  * an error with its reason. */
-#include "server/base/sound_reader.h"
+#include "server/voice/sound_reader.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/bridges/mqtt/mqtt_link.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/bridges/mqtt/mqtt_bridge.h"
 #include <mosquitto.h>
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
  * atomically, even if the machine crashes. A client that saves a document states which version it has
  * seen, so that no change is lost. Threads and processes may share a folder: changes lock it. All
  * functions may block. */
-#ifndef FACCIA_BASE_DOCUMENT_STORE_H
-#define FACCIA_BASE_DOCUMENT_STORE_H
+#ifndef FACCIA_API_DOCUMENT_STORE_H
+#define FACCIA_API_DOCUMENT_STORE_H
 
 #include "server/base/buf.h"
 #include "server/base/error.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/open_below.h"
+#include "server/base/files.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -37,15 +37,30 @@ static int open_slowly(int folder, const char *path, int flags) {
     return -1;
 }
 
-int open_below_at(int folder, const char *path, int flags) {
-    const struct open_how how = {.flags = (uint64_t)(flags | O_CLOEXEC | O_NONBLOCK),
-                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+/* resolve: RESOLVE_ flags of openat2. */
+static int open_resolved(int folder, const char *path, int flags, uint64_t resolve) {
+    const struct open_how how = {.flags = (uint64_t)(flags | O_CLOEXEC | O_NONBLOCK), .resolve = resolve};
     int fd = -1;
     /* EAGAIN: a part of the path was renamed concurrently */
     for (int tries = 0; tries < 8 && fd < 0 && (!tries || errno == EAGAIN); tries++)
         fd = (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
     if (fd < 0 && (errno == ENOSYS || errno == EPERM))
         return open_slowly(folder, path, flags);
+    return fd;
+}
+
+int open_below_at(int folder, const char *path, int flags) {
+    return open_resolved(folder, path, flags, RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS);
+}
+
+int open_without_links(const char *path, int flags) {
+    int root = open("/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (root < 0)
+        return -1;
+    int fd = open_resolved(root, path + strspn(path, "/"), flags, RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS);
+    int why = errno;
+    close(root);
+    errno = why;
     return fd;
 }
 
@@ -83,4 +98,16 @@ bool path_leads_outside(const char *folder, const char *path) {
     if (fd >= 0)
         close(fd);
     return fd < 0 && error_is_outside(why);
+}
+
+bool write_all(int fd, const void *data, size_t size) {
+    const char *at = data;
+    while (size) {
+        ssize_t put = write(fd, at, size);
+        if (put < 0 && errno != EINTR)
+            return false;
+        at += put > 0 ? put : 0;
+        size -= put > 0 ? (size_t)put : 0;
+    }
+    return true;
 }

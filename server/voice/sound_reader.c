@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/sound_reader.h"
+#include "server/voice/sound_reader.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/base/mixdown.h"
 #include "server/base/wav_file.h"
-#include "server/base/write_all.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

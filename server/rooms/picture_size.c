@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/picture_size.h"
+#include "server/rooms/picture_size.h"
 #include <string.h>
 
 static uint32_t big(const uint8_t *at, int bytes) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/document_store.h"
+#include "server/api/document_store.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/write_all.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -2,8 +2,8 @@
 /* Decodes sound in any format of libsndfile to mono samples. With a reader (reader_process.h), a sandboxed
  * process decodes it with limited processor time and memory, and its output is validated: a damaged file
  * or a bug in a codec only causes an error. */
-#ifndef FACCIA_BASE_SOUND_READER_H
-#define FACCIA_BASE_SOUND_READER_H
+#ifndef FACCIA_VOICE_SOUND_READER_H
+#define FACCIA_VOICE_SOUND_READER_H
 
 #include "server/base/reader_process.h"
 #include <stddef.h>
