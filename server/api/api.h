@@ -5,9 +5,9 @@
 #define FACCIA_API_API_H
 
 #include "server/access/token.h"
+#include "server/api/document_store.h"
 #include "server/api/offer.h"
 #include "server/base/buf.h"
-#include "server/base/document_store.h"
 #include "server/base/reader_process.h"
 #include "server/http/http_server.h"
 #include "server/rooms/rooms.h"
@@ -17,7 +17,7 @@ struct presence;
 struct bus;
 struct library;
 
-/* Options of the API. server/app/settings_table.c holds the bounds and defaults of those that are
+/* Options of the API. server/daemon/settings_table.c holds the bounds and defaults of those that are
  * settings. */
 struct api_options {
     struct http_options http; /* `tokens` is derived from `secrets` */

@@ -5,6 +5,7 @@
 #include "server/api/client_message.h"
 #include "server/api/surrogates.h"
 #include "server/base/mem.h"
+#include "server/live/live_voice.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -137,6 +138,7 @@ void open_text_close(struct client *c, const json_t *message) {
     stream_close(client_stream(c), utterance, NULL);
 }
 
+#ifdef HAVE_LIVE
 /* Leaves *number unchanged if the member is absent. */
 static void read_number(const json_t *message, const char *name, unsigned *number) {
     const json_t *value = json_object_get(message, name);
@@ -156,6 +158,21 @@ static int read_voice(struct live_request *request, const json_t *message, struc
     read_number(message, "lookahead", &request->lookahead);
     return live_request_check(request, e);
 }
+
+static uint32_t start_voice(struct client *c, struct live_request *request) {
+    return stream_play(client_stream(c), request->speech, live_voice_open, request);
+}
+#else
+static int read_voice(struct live_request *request, const json_t *message, struct error *e) {
+    (void)request, (void)message;
+    return error_set(e, ERROR_VOICE_UNAVAILABLE, "this daemon was built without live voices");
+}
+
+static uint32_t start_voice(struct client *c, struct live_request *request) {
+    (void)c, (void)request;
+    return 0;
+}
+#endif
 
 /* Only one voice at a time: binary messages do not name theirs. */
 static void close_last(struct client *c) {
@@ -193,7 +210,7 @@ void client_voice_begin(struct client *c, const json_t *message) {
         client_refuse(c, speech.id, &e);
     } else {
         speech.quota_key = principal_quota_key(&c->principal);
-        c->voice = stream_hear(client_stream(c), &request);
+        c->voice = start_voice(c, &request);
         if (c->voice)
             open_text_begin(c, speech.id, c->voice, 0);
     }

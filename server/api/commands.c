@@ -51,7 +51,7 @@ static int play(struct command_call *call, struct error *e) {
         return -1;
     }
     source.id = call->request->id ? mem_strdup(call->request->id) : NULL;
-    call->utterance = stream_play(stream_of(call), &source, call->request);
+    call->utterance = stream_play(stream_of(call), call->request, recording_open_source, &source);
     recording_source_free(&source);
     return accepted(call);
 }

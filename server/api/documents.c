@@ -3,7 +3,7 @@
  * library (/v1/library/files). GET of the address lists them; GET, PUT and DELETE act on ADDRESS/NAME.
  * Disk access runs in separate threads, one request per client at a time. */
 #include "server/api/api_internal.h"
-#include "server/base/document_store.h"
+#include "server/api/document_store.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
 #include "server/library/work.h"
@@ -351,6 +351,7 @@ int gestures_serve(struct exchange *x) {
                        api->options.on_gestures);
 }
 
+#ifdef HAVE_LIBRARY
 int works_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
                                                  NULL, work_check_apart};
@@ -360,3 +361,4 @@ int works_serve(struct exchange *x) {
                                                 WORK_BYTES, WORKS_KEPT},
                        (struct document_store_listener){0});
 }
+#endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/api/library_meta.h"
+#include "server/api/library_page.h"
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>

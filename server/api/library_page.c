@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/library_page.h"
-#include "server/api/library_meta.h"
 #include "server/base/mem.h"
 #include <jansson.h>
 #include <stdbool.h>

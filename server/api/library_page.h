@@ -5,6 +5,7 @@
 #define FACCIA_API_LIBRARY_PAGE_H
 
 #include "server/base/buf.h"
+#include <jansson.h>
 
 enum library_form {
     LIBRARY_AS_JSON,
@@ -23,5 +24,20 @@ extern const char *const library_types[];
  * unchanged. base: the server's address without a trailing slash. section: a section of the work, for
  * oEmbed; or NULL. Thread-safe. */
 void library_page(enum library_form form, const char *base, const char *section, struct buf *answer);
+
+/* Metadata of works for other programs: feeds (Atom, RFC 4287), sitemaps (sitemaps.org 0.9), citations
+ * (BibTeX, Dublin Core as in OAI 2.0) and descriptions (schema.org in JSON-LD). `base` is the server's
+ * address without a trailing slash. */
+
+/* newest: {"works"}, most recently changed first. */
+void library_atom(struct buf *out, const json_t *newest, const char *base);
+void library_sitemap(struct buf *out, const json_t *newest, const char *base);
+
+/* work: an answer to LIBRARY_WORK. */
+void library_bibtex(struct buf *out, const json_t *work, const char *base);
+void library_dublin_core(struct buf *out, const json_t *work, const char *base);
+
+/* Writes the elements for the <head> of the page of a list, a work or a section. */
+void library_head(struct buf *out, const json_t *answer, const char *base);
 
 #endif

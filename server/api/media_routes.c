@@ -105,7 +105,8 @@ static int begin_playing(struct exchange *x, struct recording_source *source,
         return result;
     }
     source->id = request->id ? mem_strdup(request->id) : NULL;
-    stream_play(channel_stream(channel), source, request);
+    stream_play(channel_stream(channel), request, recording_open_source, source);
+    recording_source_free(source);
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 

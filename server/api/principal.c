@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/principal.h"
-#include "server/access/host.h"
 #include "server/access/origin.h"
 #include "server/api/api_internal.h"
 #include "server/api/shared_limits.h"

@@ -25,8 +25,10 @@ static int rooms(struct exchange *x) {
 static int metrics(struct exchange *x) {
     struct buf text = {0};
     metrics_write(exchange_api(x)->pipeline->metrics, &text);
+#ifdef HAVE_LIBRARY
     if (exchange_api(x)->options.library)
         library_metrics(exchange_api(x)->options.library, &text);
+#endif
     int result = exchange_answer(x, 200, "text/plain; version=0.0.4", text.data, text.size);
     buf_free(&text);
     return result;
@@ -42,13 +44,16 @@ enum scope {
 static const char *const room_members[] = {"room", NULL};
 static const char *const play_members[] = {"room", "name", "id", "mode", "priority", NULL};
 static const char *const event_members[] = {"room", "watch", NULL};
-static const char *const library_members[] = {"q", "lang", "author", "work", "limit", "after", NULL};
-static const char *const oembed_members[] = {"url", "format", "maxwidth", "maxheight", NULL};
 static const struct members none = {.speech = false}, only_room = {.more = room_members},
                             for_play = {.more = play_members},
                             for_say = {.speech = true, .more = room_members},
-                            for_library = {.more = library_members}, for_oembed = {.more = oembed_members},
                             for_events = {.more = event_members};
+
+#ifdef HAVE_LIBRARY
+static const char *const library_members[] = {"q", "lang", "author", "work", "limit", "after", NULL};
+static const char *const oembed_members[] = {"url", "format", "maxwidth", "maxheight", NULL};
+static const struct members for_library = {.more = library_members}, for_oembed = {.more = oembed_members};
+#endif
 
 /* A room's commands are at /ROOM/commands below this. */
 static const char rooms_path[] = "/v1/rooms";
@@ -83,6 +88,7 @@ static const struct route {
      .members = &none,
      .below = true,
      .kept = true},
+#ifdef HAVE_LIBRARY
     {.path = "/v1/library/files",
      .get = works_serve,
      .right = RIGHT_SPEAK,
@@ -107,6 +113,7 @@ static const struct route {
      .right = RIGHT_LISTEN,
      .scope = SCOPE_OWN,
      .members = &for_oembed},
+#endif
     {.path = "/v1/media", .get = media_get, .right = RIGHT_SPEAK, .members = &none},
     {.path = "/v1/events",
      .get = room_events,

@@ -3,7 +3,7 @@
 #include "server/api/api_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/presence.h"
+#include "server/cluster/cluster.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Limits shared by all daemons of a cluster through their presence (cluster/presence.h): the usage of each
+/* Limits shared by all daemons of a cluster through their presence (cluster/cluster.h): the usage of each
  * address and subject, and the revoked secrets and tokens. */
 #ifndef FACCIA_API_SHARED_LIMITS_H
 #define FACCIA_API_SHARED_LIMITS_H

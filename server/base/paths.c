@@ -14,12 +14,12 @@
 enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, READER, PLACES };
 
 static const struct layout {
-    const char *programs[2]; /* facciad and faccia; faccia-voice */
+    const char *programs[3]; /* folders of programs; NULL = no more */
     const char *places[PLACES];
 } layouts[] = {
-    {{"server/app", "server/voice"},
-     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/app/faccia-align",
-      "server/app/faccia-reader"}},
+    {{"server/daemon", "server/cli", "server/voice"},
+     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/library/align/faccia-align",
+      "server/daemon/faccia-reader"}},
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",
       FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align",
@@ -44,7 +44,7 @@ static const struct layout *look_round(char *root, size_t cap) {
     program[length < 0 ? 0 : length] = '\0';
     const char *folder = dirname(program);
     for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++)
-        for (size_t k = 0; k < 2; k++) {
+        for (size_t k = 0; k < 3 && layouts[i].programs[k]; k++) {
             snprintf(root, cap, "%s", folder);
             if (cut(root, layouts[i].programs[k]))
                 return &layouts[i];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A process that parses untrusted input (faccia-reader, server/app/reader.c). It has limits of processor
+/* A process that parses untrusted input (faccia-reader, server/daemon/reader.c). It has limits of processor
  * time and memory, sees only its input, and is killed when its result is no longer needed. Each input gets
  * its own process, so that no input can see another. */
 #ifndef FACCIA_BASE_READER_PROCESS_H

@@ -42,4 +42,15 @@ size_t utf16_byte(struct utf16_counter *counter, const char *s, size_t n, size_t
 /* Overwrites text with white space of the same length in bytes and UTF-16 units. Keeps line ends. */
 void utf8_blank(char *s, size_t n);
 
+/* Converts byte offsets to line and column, both from 1; columns are in characters. */
+
+/* Caches the last position: finding the next one costs the distance between them. Begins zeroed. */
+struct lines {
+    size_t byte;         /* last position */
+    size_t line, column; /* 0-based */
+};
+
+/* Line and column of s[byte]. byte is at most the length of s, which must be the same text in every call. */
+void lines_place(struct lines *lines, const char *s, size_t byte, size_t *line, size_t *column);
+
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/redis_link.h"
+#include "server/cluster/redis_internal.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,8 +39,7 @@ _Static_assert((int)BUS_NAME_BYTES == (int)REDIS_ID_BYTES, "a name on the bus is
 
 enum { LEASE_BYTES = 96, KEY_BYTES = 128, HOLDER_BYTES = 64, CHANNEL_BYTES = 64, RECEIVERS_AT_ONCE = 8 };
 
-struct redis_bus {
-    struct bus bus;
+struct bus {
     uv_loop_t *loop;
     struct redis_link *says, *hears;
     const struct bus_ear *ear; /* NULL: no callbacks */
@@ -56,7 +54,7 @@ struct redis_bus {
 
 /* A claim, or data sent under a lease, that awaits its answer. */
 struct asked {
-    struct redis_bus *bus;
+    struct bus *bus;
     char lease[LEASE_BYTES];
     uint64_t token, at;
 };
@@ -69,7 +67,7 @@ static void channel_of(const char *name, char channel[CHANNEL_BYTES]) {
     snprintf(channel, CHANNEL_BYTES, "faccia:to:%s", name);
 }
 
-static struct asked *asked_new(struct redis_bus *b, const char *lease, uint64_t token) {
+static struct asked *asked_new(struct bus *b, const char *lease, uint64_t token) {
     struct asked *a = mem_alloc(sizeof *a);
     a->bus = b;
     a->token = token;
@@ -79,20 +77,20 @@ static struct asked *asked_new(struct redis_bus *b, const char *lease, uint64_t 
     return a;
 }
 
-static void done_with(struct redis_bus *b) {
+static void done_with(struct bus *b) {
     if (!--b->users)
         free(b);
 }
 
 static void asked_free(struct asked *a) {
-    struct redis_bus *b = a->bus;
+    struct bus *b = a->bus;
     free(a);
     done_with(b);
 }
 
 static void on_claimed(void *ctx, const redisReply *reply) {
     struct asked *a = ctx;
-    const struct redis_bus *b = a->bus;
+    const struct bus *b = a->bus;
     if (reply && b->ear) {
         char holder[BUS_NAME_BYTES] = "";
         uint64_t token = 0;
@@ -103,8 +101,7 @@ static void on_claimed(void *ctx, const redisReply *reply) {
     asked_free(a);
 }
 
-static void claim(struct bus *bus, const char *lease, uint64_t above) {
-    struct redis_bus *b = (struct redis_bus *)bus;
+void bus_claim(struct bus *b, const char *lease, uint64_t above) {
     char key[KEY_BYTES], ms[16], least[24];
     struct asked *a = asked_new(b, lease, 0);
     key_of(lease, key);
@@ -119,14 +116,14 @@ static void claim(struct bus *bus, const char *lease, uint64_t above) {
 
 static void on_sent(void *ctx, const redisReply *reply) {
     struct asked *a = ctx;
-    const struct redis_bus *b = a->bus;
+    const struct bus *b = a->bus;
     if (reply && reply->type == REDIS_REPLY_INTEGER && !reply->integer && b->ear)
         b->ear->refused(b->ctx, a->lease, a->token);
     asked_free(a);
 }
 
 /* Sends to at most RECEIVERS_AT_ONCE daemons. */
-static void run(struct redis_bus *b, const char *script, const struct bus_right *right,
+static void run(struct bus *b, const char *script, const struct bus_right *right,
                 const struct bus_receivers *to, const struct link_text *data) {
     char key[KEY_BYTES], holder[HOLDER_BYTES], channels[RECEIVERS_AT_ONCE][CHANNEL_BYTES];
     key_of(right->lease, key);
@@ -143,16 +140,15 @@ static void run(struct redis_bus *b, const char *script, const struct bus_right 
         asked_free(a);
 }
 
-static void publish(struct redis_bus *b, const char *name, const struct link_text *data) {
+static void publish(struct bus *b, const char *name, const struct link_text *data) {
     char channel[CHANNEL_BYTES];
     channel_of(name, channel);
     redis_link_send(b->says, (struct link_text[]){link_text_of("PUBLISH"), link_text_of(channel), *data}, 3,
                     NULL, NULL);
 }
 
-static void send_data(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
-                      const void *data, size_t size) {
-    struct redis_bus *b = (struct redis_bus *)bus;
+void bus_send(struct bus *b, const struct bus_right *right, const struct bus_receivers *to, const void *data,
+              size_t size) {
     const struct link_text text = {data, size};
     metrics_add(b->metrics, METRIC_BUS_SENT, (double)to->count);
     for (size_t i = 0; i < to->count && !right; i++)
@@ -166,9 +162,8 @@ static void send_data(struct bus *bus, const struct bus_right *right, const stru
     redis_link_flush(b->says); /* write to the bus before local followers are served */
 }
 
-static void leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
-                  const void *data, size_t size) {
-    struct redis_bus *b = (struct redis_bus *)bus;
+void bus_leave(struct bus *b, const struct bus_right *right, const struct bus_receivers *to, const void *data,
+               size_t size) {
     const struct link_text text = {data, size};
     size_t first = to->count < RECEIVERS_AT_ONCE ? to->count : RECEIVERS_AT_ONCE;
     run(b, SCRIPT_GIVE_UP, right, &(struct bus_receivers){to->names, first}, &text);
@@ -176,14 +171,14 @@ static void leave(struct bus *bus, const struct bus_right *right, const struct b
         publish(b, to->names[i], &text);
 }
 
-static void tell(struct redis_bus *b, bool up) {
+static void tell(struct bus *b, bool up) {
     b->told = up;
     if (b->ear)
         b->ear->changed(b->ctx, up);
 }
 
 static void on_telling(uv_timer_t *timer) {
-    struct redis_bus *b = timer->data;
+    struct bus *b = timer->data;
     if (b->lost && b->told)
         tell(b, false);
     b->lost = false;
@@ -193,7 +188,7 @@ static void on_telling(uv_timer_t *timer) {
 
 /* A link may be lost while something is being sent through it, so the timer reports the change later. */
 static void on_changed(void *ctx, bool up) {
-    struct redis_bus *b = ctx;
+    struct bus *b = ctx;
     (void)up;
     bool is = redis_link_up(b->says) && redis_link_up(b->hears);
     if (is == b->up)
@@ -205,22 +200,21 @@ static void on_changed(void *ctx, bool up) {
 }
 
 static void on_heard(void *ctx, const void *data, size_t size) {
-    struct redis_bus *b = ctx;
+    struct bus *b = ctx;
     metrics_add(b->metrics, METRIC_BUS_HEARD, 1);
     if (b->ear && b->up && b->told)
         b->ear->heard(b->ctx, data, size);
 }
 
-static const char *name(const struct bus *bus) {
-    return ((const struct redis_bus *)bus)->name;
+const char *bus_name(const struct bus *b) {
+    return b->name;
 }
 
-static bool up(const struct bus *bus) {
-    return ((const struct redis_bus *)bus)->up;
+bool bus_up(const struct bus *b) {
+    return b->up;
 }
 
-static void set_ear(struct bus *bus, const struct bus_ear *ear, void *ctx) {
-    struct redis_bus *b = (struct redis_bus *)bus;
+void bus_listen(struct bus *b, const struct bus_ear *ear, void *ctx) {
     b->ear = ear;
     b->ctx = ctx;
 }
@@ -229,23 +223,21 @@ static void on_closed(uv_handle_t *timer) {
     done_with(timer->data);
 }
 
-static void close_bus(struct bus *bus) {
-    struct redis_bus *b = (struct redis_bus *)bus;
+void bus_close(struct bus *b) {
+    if (!b)
+        return;
     b->ear = NULL;
     redis_link_close(b->hears);
     redis_link_close(b->says);
     uv_close((uv_handle_t *)&b->telling, on_closed);
 }
 
-static const struct bus_engine redis_bus_engine = {name, up, set_ear, claim, leave, send_data, close_bus};
-
-struct bus *redis_bus_open(uv_loop_t *loop, const char *address, struct metrics *metrics, struct error *e) {
+struct bus *bus_open(uv_loop_t *loop, const char *address, struct metrics *metrics, struct error *e) {
     struct redis_address says, hears;
     char channel[CHANNEL_BYTES];
     if (redis_address_read(address, &says, e) || redis_address_read(address, &hears, e))
         return NULL;
-    struct redis_bus *b = mem_alloc(sizeof *b);
-    b->bus.engine = &redis_bus_engine;
+    struct bus *b = mem_alloc(sizeof *b);
     b->loop = loop;
     b->metrics = metrics;
     b->users = 1;
@@ -256,5 +248,5 @@ struct bus *redis_bus_open(uv_loop_t *loop, const char *address, struct metrics 
     b->says = redis_link_open(loop, &says, on_changed, b);
     b->hears = redis_link_open(loop, &hears, on_changed, b);
     redis_link_hear(b->hears, channel, on_heard, b);
-    return &b->bus;
+    return b;
 }

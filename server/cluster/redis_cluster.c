@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/redis_link.h"
-#include "server/cluster/sound_pack.h"
+#include "server/cluster/redis_internal.h"
 #include <openssl/evp.h>
 #include <openssl/rand.h>
 #include <stdio.h>
@@ -41,16 +39,24 @@ static void write_hex(const unsigned char *bytes, size_t count, char *out) {
         snprintf(out + 2 * i, 3, "%02x", bytes[i]);
 }
 
-void redis_hash_of(const struct buf *key, char hex[REDIS_HASH_BYTES]) {
+void cluster_hash_of(const struct buf *key, char hex[CLUSTER_HASH_BYTES]) {
     unsigned char digest[EVP_MAX_MD_SIZE];
     EVP_Digest(key->data, key->size, digest, NULL, EVP_sha256(), NULL);
-    write_hex(digest, (REDIS_HASH_BYTES - 1) / 2, hex);
+    write_hex(digest, (CLUSTER_HASH_BYTES - 1) / 2, hex);
 }
+
+/* The keys of a sentence: :speech expires keep_hours after its last query; :making, which expires within
+ * seconds, holds the name of the daemon that makes it. The part in braces puts both on the same server of a
+ * Redis cluster. */
+enum { NAME_BYTES = 96 };
+struct redis_names {
+    char value[NAME_BYTES], claim[NAME_BYTES];
+};
 
 /* Derives the names from the key's hash. */
 static void redis_names_of(const struct buf *key, struct redis_names *names) {
-    char hex[REDIS_HASH_BYTES];
-    redis_hash_of(key, hex);
+    char hex[CLUSTER_HASH_BYTES];
+    cluster_hash_of(key, hex);
     snprintf(names->value, sizeof names->value, "faccia:{%s}:speech", hex);
     snprintf(names->claim, sizeof names->claim, "faccia:{%s}:making", hex);
 }
@@ -63,9 +69,9 @@ void redis_id_make(char id[REDIS_ID_BYTES]) {
 
 enum { ASK_AGAIN_MS = 20, VALUE_MOST = 8 << 20, NUMBER_BYTES = 16 };
 
-struct redis_ask {
-    struct cluster_ask ask;
-    struct redis_ask *prev, *next; /* list of waiting queries */
+struct cluster_ask {
+    struct cluster *cluster;
+    struct cluster_ask *prev, *next; /* list of waiting queries */
     struct redis_names names;
     cluster_answered answered; /* NULL: cancelled */
     void *ctx;
@@ -73,11 +79,10 @@ struct redis_ask {
     bool sent;
 };
 
-struct redis_cluster {
-    struct cluster cluster;
+struct cluster {
     uv_loop_t *loop;
     struct redis_link *link;
-    struct redis_ask *waiting; /* queries waiting for another daemon's value: the timer sends them again */
+    struct cluster_ask *waiting; /* queries waiting for another daemon's value: the timer sends them again */
     uv_timer_t again;
     char id[REDIS_ID_BYTES], keep[NUMBER_BYTES];
     struct metrics *metrics;
@@ -88,12 +93,12 @@ struct redis_cluster {
 /* A value to be stored: the thread pool packs it. */
 struct gift {
     uv_work_t work;
-    struct redis_cluster *cluster;
+    struct cluster *cluster;
     struct redis_names names;
     struct buf value, packed;
 };
 
-static bool run_script(struct redis_cluster *c, const char *script, const struct redis_names *names,
+static bool run_script(struct cluster *c, const char *script, const struct redis_names *names,
                        const struct link_text *more, int count, link_answered answered, void *ctx) {
     struct link_text words[8] = {link_text_of("EVAL"),       link_text_of(script),       link_text_of("2"),
                                  link_text_of(names->value), link_text_of(names->claim), link_text_of(c->id)};
@@ -102,12 +107,12 @@ static bool run_script(struct redis_cluster *c, const char *script, const struct
     return redis_link_send(c->link, words, 6 + count, answered, ctx);
 }
 
-static void done_with(struct redis_cluster *c) {
+static void done_with(struct cluster *c) {
     if (!--c->users)
         free(c);
 }
 
-static void end_ask(struct redis_ask *a, const struct buf *value) {
+static void end_ask(struct cluster_ask *a, const struct buf *value) {
     if (a->answered)
         a->answered(a->ctx, value);
     free(a);
@@ -115,22 +120,22 @@ static void end_ask(struct redis_ask *a, const struct buf *value) {
 
 static void on_again(uv_timer_t *timer);
 
-static void wait_for_others(struct redis_ask *a) {
-    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+static void wait_for_others(struct cluster_ask *a) {
+    struct cluster *c = a->cluster;
     DL_APPEND(c->waiting, a);
     if (!uv_is_active((uv_handle_t *)&c->again))
         uv_timer_start(&c->again, on_again, ASK_AGAIN_MS, 0);
 }
 
 /* Limits the wait for a value: its maker is too slow, or Redis reports a claim wrongly. */
-static bool has_waited(const struct redis_ask *a) {
-    const struct redis_cluster *c = (const struct redis_cluster *)a->ask.cluster;
+static bool has_waited(const struct cluster_ask *a) {
+    const struct cluster *c = a->cluster;
     return a->since && uv_now(c->loop) - a->since >= CLUSTER_WAIT_MS;
 }
 
 static void on_asked(void *ctx, const redisReply *reply) {
-    struct redis_ask *a = ctx;
-    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+    struct cluster_ask *a = ctx;
+    struct cluster *c = a->cluster;
     a->sent = false;
     if (!a->answered || !reply || reply->type == REDIS_REPLY_ERROR) {
         end_ask(a, NULL);
@@ -150,8 +155,8 @@ static void on_asked(void *ctx, const redisReply *reply) {
     }
 }
 
-static bool send_ask(struct redis_ask *a) {
-    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+static bool send_ask(struct cluster_ask *a) {
+    struct cluster *c = a->cluster;
     char ms[NUMBER_BYTES];
     snprintf(ms, sizeof ms, "%d", CLUSTER_CLAIM_MS);
     a->sent = run_script(c, SCRIPT_ASK, &a->names,
@@ -162,34 +167,35 @@ static bool send_ask(struct redis_ask *a) {
 /* Sends the waiting queries again; one that cannot be sent is answered NULL. Each leaves the list first,
  * so callbacks may change the list. */
 static void on_again(uv_timer_t *timer) {
-    struct redis_cluster *c = timer->data;
+    struct cluster *c = timer->data;
     while (c->waiting) {
-        struct redis_ask *a = c->waiting;
+        struct cluster_ask *a = c->waiting;
         DL_DELETE(c->waiting, a);
         if (!send_ask(a))
             end_ask(a, NULL);
     }
 }
 
-static bool up(const struct cluster *cluster) {
-    return redis_link_up(((const struct redis_cluster *)cluster)->link);
+bool cluster_up(const struct cluster *c) {
+    return c && redis_link_up(c->link);
 }
 
-static struct cluster_ask *ask(struct cluster *cluster, const struct buf *key, cluster_answered answered,
-                               void *ctx) {
-    struct redis_ask *a = mem_alloc(sizeof *a);
-    a->ask.cluster = cluster;
+struct cluster_ask *cluster_ask(struct cluster *c, const struct buf *key, cluster_answered answered,
+                                void *ctx) {
+    struct cluster_ask *a = mem_alloc(sizeof *a);
+    a->cluster = c;
     a->answered = answered;
     a->ctx = ctx;
     redis_names_of(key, &a->names);
     if (!send_ask(a))
         wait_for_others(a);
-    return &a->ask;
+    return a;
 }
 
-static void forget(struct cluster_ask *ask) {
-    struct redis_ask *a = (struct redis_ask *)ask;
-    struct redis_cluster *c = (struct redis_cluster *)ask->cluster;
+void cluster_forget(struct cluster_ask *a) {
+    if (!a)
+        return;
+    struct cluster *c = a->cluster;
     a->answered = NULL;
     if (a->sent)
         return;
@@ -197,23 +203,22 @@ static void forget(struct cluster_ask *ask) {
     free(a);
 }
 
-static void making(struct cluster *cluster, const struct buf *key) {
+void cluster_making(struct cluster *c, const struct buf *key) {
     struct redis_names names;
     char ms[NUMBER_BYTES];
     redis_names_of(key, &names);
     snprintf(ms, sizeof ms, "%d", CLUSTER_MAKING_MS);
-    run_script((struct redis_cluster *)cluster, SCRIPT_MAKING, &names, (struct link_text[]){link_text_of(ms)},
-               1, NULL, NULL);
+    run_script(c, SCRIPT_MAKING, &names, (struct link_text[]){link_text_of(ms)}, 1, NULL, NULL);
 }
 
-static void leave(struct redis_cluster *c, const struct redis_names *names) {
+static void leave(struct cluster *c, const struct redis_names *names) {
     run_script(c, SCRIPT_LEAVE, names, NULL, 0, NULL, NULL);
 }
 
 /* Redis may be out of memory or read-only: logged once. */
 static void on_given(void *ctx, const redisReply *reply) {
     struct gift *gift = ctx;
-    struct redis_cluster *c = gift->cluster;
+    struct cluster *c = gift->cluster;
     if (reply && reply->type == REDIS_REPLY_ERROR) {
         if (!c->full_told)
             log_warn("cluster: a sentence is not taken: %s", reply->str);
@@ -231,7 +236,7 @@ static void pack(uv_work_t *work) {
 
 static void on_packed(uv_work_t *work, int status) {
     struct gift *gift = work->data;
-    struct redis_cluster *c = gift->cluster;
+    struct cluster *c = gift->cluster;
     const struct link_text more[] = {{gift->packed.data, gift->packed.size}, link_text_of(c->keep)};
     bool sent = !status && !c->closed && run_script(c, SCRIPT_GIVE, &gift->names, more, 2, on_given, gift);
     buf_free(&gift->value);
@@ -242,8 +247,7 @@ static void on_packed(uv_work_t *work, int status) {
     }
 }
 
-static void give(struct cluster *cluster, const struct buf *key, const struct buf *value) {
-    struct redis_cluster *c = (struct redis_cluster *)cluster;
+void cluster_give(struct cluster *c, const struct buf *key, const struct buf *value) {
     struct redis_names names;
     if (!redis_link_up(c->link))
         return;
@@ -262,7 +266,7 @@ static void give(struct cluster *cluster, const struct buf *key, const struct bu
 }
 
 static void on_changed(void *ctx, bool is_up) {
-    struct redis_cluster *c = ctx;
+    struct cluster *c = ctx;
     metrics_add(c->metrics, METRIC_CLUSTER_UP, is_up ? 1 : -1);
 }
 
@@ -270,21 +274,19 @@ static void on_timer_closed(uv_handle_t *handle) {
     done_with(handle->data);
 }
 
-static void close_cluster(struct cluster *cluster) {
-    struct redis_cluster *c = (struct redis_cluster *)cluster;
+void cluster_close(struct cluster *c) {
+    if (!c)
+        return;
     c->closed = true;
     redis_link_close(c->link);
     uv_close((uv_handle_t *)&c->again, on_timer_closed);
 }
 
-static const struct cluster_engine redis_engine = {up, ask, forget, making, give, close_cluster};
-
-struct cluster *redis_cluster_open(uv_loop_t *loop, const struct redis_options *options, struct error *e) {
+struct cluster *cluster_open(uv_loop_t *loop, const struct cluster_options *options, struct error *e) {
     struct redis_address address;
     if (redis_address_read(options->address, &address, e))
         return NULL;
-    struct redis_cluster *c = mem_alloc(sizeof *c);
-    c->cluster.engine = &redis_engine;
+    struct cluster *c = mem_alloc(sizeof *c);
     c->loop = loop;
     c->metrics = options->metrics;
     c->users = 1;
@@ -293,5 +295,5 @@ struct cluster *redis_cluster_open(uv_loop_t *loop, const struct redis_options *
     uv_timer_init(loop, &c->again);
     c->again.data = c;
     c->link = redis_link_open(loop, &address, on_changed, c);
-    return &c->cluster;
+    return c;
 }

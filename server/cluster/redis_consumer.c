@@ -2,9 +2,7 @@
 /* The worker's side of the work queue: the sentences it holds, and its connection to Redis. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/redis_work_internal.h"
-#include "server/cluster/work_pack.h"
+#include "server/cluster/redis_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <utlist.h>
@@ -19,8 +17,7 @@ struct redis_item {
     unsigned times;
 };
 
-struct redis_consumer {
-    struct work_consumer consumer;
+struct work_consumer {
     uv_loop_t *loop;
     struct redis_link *mouth, *ear;
     uv_timer_t pulse;
@@ -34,7 +31,7 @@ struct redis_consumer {
 };
 
 static void redis_consumer_free_item(struct redis_item *item) {
-    struct redis_consumer *h = (struct redis_consumer *)item->item.consumer;
+    struct work_consumer *h = item->item.consumer;
     DL_DELETE(h->items, item);
     buf_free(&item->item.sentence);
     free(item);
@@ -48,7 +45,7 @@ static void on_answered(void *ctx, const redisReply *reply) {
 
 /* Sends the answer in pieces, and frees the item. */
 static void redis_consumer_answer(struct redis_item *item, enum work_end end, const struct buf *body) {
-    struct redis_consumer *h = (struct redis_consumer *)item->item.consumer;
+    struct work_consumer *h = item->item.consumer;
     struct work_piece piece = {.end = end};
     snprintf(piece.task, sizeof piece.task, "%s", item->name);
     snprintf(piece.attempt, sizeof piece.attempt, "%s:%u", h->id, item->times);
@@ -89,10 +86,10 @@ static bool read_item(struct redis_item *item, const redisReply *reply) {
 
 /* Accepts an entry. One that is not a valid sentence, or has failed too often, is answered and removed. An
  * answer goes only to a list of answers. */
-static void take(struct redis_consumer *h, const redisReply *reply) {
+static void take(struct work_consumer *h, const redisReply *reply) {
     static const char to[] = REDIS_WORK ":to:";
     struct redis_item *item = mem_alloc(sizeof *item);
-    item->item.consumer = &h->consumer;
+    item->item.consumer = h;
     DL_APPEND(h->items, item);
     snprintf(item->queue, sizeof item->queue, "%s", h->queue);
     item->item.queue = item->queue;
@@ -118,10 +115,10 @@ static void take(struct redis_consumer *h, const redisReply *reply) {
     }
 }
 
-static void redis_consumer_take(struct redis_consumer *h);
+static void redis_consumer_take(struct work_consumer *h);
 
 static void on_taken(void *ctx, const redisReply *reply) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     const struct work_offer *offers;
     h->taking = false;
     if (!redis_work_well(reply) || h->closed)
@@ -140,7 +137,7 @@ static void on_taken(void *ctx, const redisReply *reply) {
 }
 
 /* Takes sentences while there is room. If called while a take is in flight, it starts over afterwards. */
-static void redis_consumer_take(struct redis_consumer *h) {
+static void redis_consumer_take(struct work_consumer *h) {
     const struct work_offer *offers;
     size_t count = h->closed ? 0 : h->events.offers(h->ctx, &offers);
     if (h->taking) {
@@ -170,7 +167,7 @@ static void on_nothing(void *ctx, const redisReply *reply) {
     redis_work_well(reply);
 }
 
-static void announce(struct redis_consumer *h, const struct work_offer *offer, bool tell,
+static void announce(struct work_consumer *h, const struct work_offer *offer, bool tell,
                      link_answered answered, void *ctx) {
     char ms[NUMBER_BYTES];
     snprintf(ms, sizeof ms, "%d", WORK_ANNOUNCE_MS);
@@ -182,7 +179,7 @@ static void announce(struct redis_consumer *h, const struct work_offer *offer, b
 
 /* Redis does not know one of the sources: sends the voices of all, since there are few. */
 static void on_announced(void *ctx, const redisReply *reply) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     const struct work_offer *offers;
     if (!redis_work_well(reply) || h->closed || reply->type != REDIS_REPLY_INTEGER || reply->integer)
         return;
@@ -192,7 +189,7 @@ static void on_announced(void *ctx, const redisReply *reply) {
 }
 
 static void on_renewed(void *ctx, const redisReply *reply) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     if (!redis_work_well(reply) || h->closed || reply->type != REDIS_REPLY_ARRAY)
         return;
     for (size_t i = 0; i < reply->elements; i++) {
@@ -208,7 +205,7 @@ static void on_renewed(void *ctx, const redisReply *reply) {
         redis_consumer_take(h);
 }
 
-static void renew(struct redis_consumer *h) {
+static void renew(struct work_consumer *h) {
     struct redis_item *item;
     struct buf names = {0};
     DL_FOREACH(h->items, item)
@@ -219,10 +216,10 @@ static void renew(struct redis_consumer *h) {
     buf_free(&names);
 }
 
-static void listen_on(struct redis_consumer *h);
+static void listen_on(struct work_consumer *h);
 
 static void on_pulse(uv_timer_t *timer) {
-    struct redis_consumer *h = timer->data;
+    struct work_consumer *h = timer->data;
     const struct work_offer *offers;
     size_t count = h->events.offers(h->ctx, &offers);
     for (size_t i = 0; i < count; i++)
@@ -231,8 +228,7 @@ static void on_pulse(uv_timer_t *timer) {
     listen_on(h);
 }
 
-static void look(struct work_consumer *consumer) {
-    struct redis_consumer *h = (struct redis_consumer *)consumer;
+void work_consumer_look(struct work_consumer *h) {
     if (!h->taking)
         h->cursor = 0;
     redis_consumer_take(h);
@@ -241,7 +237,7 @@ static void look(struct work_consumer *consumer) {
 /* ---- the bell ---- */
 
 static void on_bell(void *ctx, const redisReply *reply) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     h->listening = false;
     if (!reply || h->closed)
         return;
@@ -258,12 +254,12 @@ static void on_bell(void *ctx, const redisReply *reply) {
     } else {
         redis_work_well(reply);
     }
-    look(&h->consumer); /* also after a timeout: a lost sentence does not ring the bell */
-    if (well)           /* after a malformed reply wait for the next pulse, or the loop would spin */
+    work_consumer_look(h); /* also after a timeout: a lost sentence does not ring the bell */
+    if (well)              /* after a malformed reply wait for the next pulse, or the loop would spin */
         listen_on(h);
 }
 
-static void listen_on(struct redis_consumer *h) {
+static void listen_on(struct work_consumer *h) {
     char ms[NUMBER_BYTES];
     snprintf(ms, sizeof ms, "%d", WORK_LISTEN_MS);
     const struct link_text words[] = {link_text_of("XREAD"),
@@ -276,7 +272,7 @@ static void listen_on(struct redis_consumer *h) {
 }
 
 static void on_mouth(void *ctx, bool up) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     if (up)
         uv_timer_start(&h->pulse, on_pulse, 0, WORK_LOOK_MS);
     else
@@ -284,19 +280,19 @@ static void on_mouth(void *ctx, bool up) {
 }
 
 static void on_ear(void *ctx, bool up) {
-    struct redis_consumer *h = ctx;
+    struct work_consumer *h = ctx;
     strcpy(h->bell, "$");
     if (up)
         listen_on(h);
 }
 
-static void answer(struct work_item *item, enum work_end end, const struct buf *body) {
+void work_answer(struct work_item *item, enum work_end end, const struct buf *body) {
     redis_consumer_answer((struct redis_item *)item, end, body);
 }
 
-static void give_back(struct work_item *item) {
+void work_give_back(struct work_item *item) {
     struct redis_item *i = (struct redis_item *)item;
-    struct redis_consumer *h = (struct redis_consumer *)item->consumer;
+    struct work_consumer *h = item->consumer;
     redis_work_run(h->mouth, SCRIPT_WORK_GIVE_BACK,
                    (struct link_text[]){link_text_of(h->id), link_text_of(i->key), link_text_of(i->id)}, 3,
                    on_nothing, NULL);
@@ -307,8 +303,9 @@ static void on_closed(uv_handle_t *handle) {
     free(handle->data);
 }
 
-static void close_hands(struct work_consumer *consumer) {
-    struct redis_consumer *h = (struct redis_consumer *)consumer;
+void work_consumer_close(struct work_consumer *h) {
+    if (!h)
+        return;
     h->closed = true;
     while (h->items)
         redis_consumer_free_item(h->items);
@@ -317,13 +314,10 @@ static void close_hands(struct work_consumer *consumer) {
     uv_close((uv_handle_t *)&h->pulse, on_closed);
 }
 
-static const struct work_consumer_engine engine = {look, answer, give_back, close_hands};
-
-struct work_consumer *redis_consumer_open(uv_loop_t *loop, const char *address,
-                                          const struct work_consumer_events *events, void *ctx,
-                                          struct error *e) {
-    struct redis_consumer *h = mem_alloc(sizeof *h);
-    h->consumer.engine = &engine;
+struct work_consumer *work_consumer_open(uv_loop_t *loop, const char *address,
+                                         const struct work_consumer_events *events, void *ctx,
+                                         struct error *e) {
+    struct work_consumer *h = mem_alloc(sizeof *h);
     h->loop = loop;
     h->events = *events;
     h->ctx = ctx;
@@ -337,5 +331,5 @@ struct work_consumer *redis_consumer_open(uv_loop_t *loop, const char *address,
     }
     uv_timer_init(loop, &h->pulse);
     h->pulse.data = h;
-    return &h->consumer;
+    return h;
 }

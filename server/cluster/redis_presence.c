@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/presence.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/redis_link.h"
-#include "server/cluster/redis_work_internal.h"
+#include "server/cluster/redis_internal.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -245,8 +242,7 @@ struct owner {
     UT_hash_handle hh;
 };
 
-struct redis_presence {
-    struct presence presence;
+struct presence {
     uv_loop_t *loop;
     struct redis_link *link;
     uv_timer_t again;
@@ -265,21 +261,21 @@ struct redis_presence {
 /* Elements of SCRIPT_LOOK's reply. */
 enum { LOOK_CLOCK, LOOK_FRESH, LOOK_KNOWN, LOOK_MORE, LOOK_NOTES, LOOK_MARKS, LOOK_OWNERS, LOOK_ROWS, LOOKS };
 
-static void done_with(struct redis_presence *b) {
+static void done_with(struct presence *b) {
     if (--b->users)
         return;
     notes_free(&b->notes);
     free(b);
 }
 
-static void forget_owner(struct redis_presence *b, struct owner *owner) {
+static void forget_owner(struct presence *b, struct owner *owner) {
     HASH_DEL(b->owners, owner);
     if (b->eye)
         b->eye->gone(b->ctx, owner->id);
     free(owner);
 }
 
-static void forget_all(struct redis_presence *b) {
+static void forget_all(struct presence *b) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
         HASH_DEL(b->owners, owner);
@@ -290,7 +286,7 @@ static void forget_all(struct redis_presence *b) {
         b->eye->gone(b->ctx, NULL);
 }
 
-static void set_up(struct redis_presence *b, bool up) {
+static void set_up(struct presence *b, bool up) {
     if (b->up == up)
         return;
     b->up = up;
@@ -299,7 +295,7 @@ static void set_up(struct redis_presence *b, bool up) {
         forget_all(b);
 }
 
-static struct owner *owner_of(struct redis_presence *b, const char *id, bool add) {
+static struct owner *owner_of(struct presence *b, const char *id, bool add) {
     struct owner *owner;
     HASH_FIND_STR(b->owners, id, owner);
     if (owner || !add || strlen(id) != REDIS_ID_BYTES - 1 || HASH_COUNT(b->owners) >= OWNERS_MOST)
@@ -311,7 +307,7 @@ static struct owner *owner_of(struct redis_presence *b, const char *id, bool add
 }
 
 /* Reads the list of daemons; the missing ones are gone. */
-static void read_owners(struct redis_presence *b, const redisReply *ids) {
+static void read_owners(struct presence *b, const redisReply *ids) {
     struct owner *owner, *next;
     HASH_ITER(hh, b->owners, owner, next) {
         owner->here = false;
@@ -329,7 +325,7 @@ static void read_owners(struct redis_presence *b, const redisReply *ids) {
 }
 
 /* Reads owner, name, text. Any client of Redis may have written them, so long ones are skipped. */
-static void read_row(struct redis_presence *b, const redisReply *rows, size_t at) {
+static void read_row(struct presence *b, const redisReply *rows, size_t at) {
     const char *who = redis_work_text(rows, at), *name = redis_work_text(rows, at + 1);
     const char *text = redis_work_text(rows, at + 2);
     if (!*name || strlen(name) >= PRESENCE_NAME_BYTES || strlen(text) >= PRESENCE_TEXT_BYTES || !b->eye)
@@ -353,7 +349,7 @@ static bool is_look(const redisReply *reply) {
            reply->element[LOOK_ROWS]->type == REDIS_REPLY_ARRAY;
 }
 
-static void read_look(struct redis_presence *b, const redisReply *reply) {
+static void read_look(struct presence *b, const redisReply *reply) {
     const redisReply *rows = reply->element[LOOK_ROWS];
     set_up(b, true);
     b->told = false;
@@ -372,10 +368,10 @@ static void read_look(struct redis_presence *b, const redisReply *reply) {
         b->eye->looked(b->ctx, (uint64_t)number(reply, LOOK_CLOCK));
 }
 
-static void look_now(struct redis_presence *b);
+static void look_now(struct presence *b);
 
 /* reply NULL: the connection was lost. */
-static void fail(struct redis_presence *b, const redisReply *reply) {
+static void fail(struct presence *b, const redisReply *reply) {
     if (reply && !b->told)
         log_warn("cluster: the store: %s; this daemon counts by itself",
                  reply->type == REDIS_REPLY_ERROR ? reply->str : "an answer that is none");
@@ -385,7 +381,7 @@ static void fail(struct redis_presence *b, const redisReply *reply) {
 }
 
 static void on_looked(void *ctx, const redisReply *reply) {
-    struct redis_presence *b = ctx;
+    struct presence *b = ctx;
     b->asking = false;
     if (reply && is_look(reply)) {
         read_look(b, reply);
@@ -397,7 +393,7 @@ static void on_looked(void *ctx, const redisReply *reply) {
     done_with(b);
 }
 
-static void look_now(struct redis_presence *b) {
+static void look_now(struct presence *b) {
     struct link_text words[WORDS_BEFORE + 3 * BATCH];
     char known[NUMBER_BYTES], life[NUMBER_BYTES], most[NUMBER_BYTES];
     const struct link_text before[WORDS_BEFORE] = {link_text_of("EVAL"),
@@ -420,7 +416,7 @@ static void look_now(struct redis_presence *b) {
 }
 
 static void on_glanced(void *ctx, const redisReply *reply) {
-    struct redis_presence *b = ctx;
+    struct presence *b = ctx;
     b->asking = false;
     bool is_count = reply && (reply->type == REDIS_REPLY_STRING || reply->type == REDIS_REPLY_NIL);
     if (!is_count)
@@ -431,14 +427,14 @@ static void on_glanced(void *ctx, const redisReply *reply) {
 }
 
 /* Asks only whether anything has changed, at a hundredth of the cost of a full look. */
-static void glance(struct redis_presence *b) {
+static void glance(struct presence *b) {
     const struct link_text words[] = {link_text_of("GET"), link_text_of(REDIS_PRESENCE ":count")};
     b->asking = redis_link_send(b->link, words, 2, on_glanced, b);
     b->users += b->asking;
 }
 
 static void on_again(uv_timer_t *timer) {
-    struct redis_presence *b = timer->data;
+    struct presence *b = timer->data;
     if (b->asking || !redis_link_up(b->link))
         return;
     if (b->up && !b->notes.dirty && uv_now(b->loop) - b->looked < ALL_MS)
@@ -448,45 +444,42 @@ static void on_again(uv_timer_t *timer) {
 }
 
 static void on_changed(void *ctx, bool up) {
-    struct redis_presence *b = ctx;
+    struct presence *b = ctx;
     if (up)
         notes_again(&b->notes);
     else
         set_up(b, false);
 }
 
-static void look(struct presence *presence, const struct presence_callbacks *eye, void *ctx) {
-    struct redis_presence *b = (struct redis_presence *)presence;
+void presence_watch(struct presence *b, const struct presence_callbacks *eye, void *ctx) {
     b->eye = eye;
     b->ctx = ctx;
 }
 
-static void write_note(struct presence *presence, const char *name, const char *text) {
-    notes_write(&((struct redis_presence *)presence)->notes, name, text);
+void presence_publish(struct presence *b, const char *name, const char *text) {
+    notes_write(&b->notes, name, text);
 }
 
-static void mark(struct presence *presence, const char *name, uint64_t until) {
-    notes_mark(&((struct redis_presence *)presence)->notes, name, until, false);
+void presence_mark(struct presence *b, const char *name, uint64_t until) {
+    notes_mark(&b->notes, name, until, false);
 }
 
 static void on_closed(uv_handle_t *timer) {
     done_with(timer->data);
 }
 
-static void close_presence(struct presence *presence) {
-    struct redis_presence *b = (struct redis_presence *)presence;
+void presence_close(struct presence *b) {
+    if (!b)
+        return;
     b->eye = NULL;
     redis_link_close(b->link);
     forget_all(b);
     uv_close((uv_handle_t *)&b->again, on_closed);
 }
 
-static const struct presence_engine redis_presence_engine = {look, write_note, mark, close_presence};
-
-struct presence *redis_presence_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
-                                     struct error *e) {
-    struct redis_presence *b = mem_alloc(sizeof *b);
-    b->presence.engine = &redis_presence_engine;
+struct presence *presence_open(uv_loop_t *loop, const char *address, struct metrics *metrics,
+                               struct error *e) {
+    struct presence *b = mem_alloc(sizeof *b);
     b->loop = loop;
     b->metrics = metrics;
     b->users = 1;
@@ -499,5 +492,5 @@ struct presence *redis_presence_open(uv_loop_t *loop, const char *address, struc
     uv_timer_init(loop, &b->again);
     b->again.data = b;
     uv_timer_start(&b->again, on_again, PRESENCE_MS, PRESENCE_MS);
-    return &b->presence;
+    return b;
 }

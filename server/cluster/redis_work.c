@@ -2,15 +2,51 @@
 /* The requesting side of the work queue: its sentences, the sources known, and its connections to Redis. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/cluster/redis.h"
-#include "server/cluster/redis_link.h"
-#include "server/cluster/redis_work_internal.h"
-#include "server/cluster/work_pack.h"
-#include "server/cluster/work_queue.h"
+#include "server/cluster/redis_internal.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <utlist.h>
+
+/* ---- helpers of both sides ---- */
+
+enum { WORDS_MOST = 12 };
+
+bool redis_work_run(struct redis_link *link, const char *script, const struct link_text *more, int count,
+                    link_answered answered, void *ctx) {
+    struct link_text words[WORDS_MOST] = {link_text_of("EVAL"), link_text_of(script), link_text_of("1"),
+                                          link_text_of(REDIS_WORK)};
+    for (int i = 0; i < count; i++)
+        words[4 + i] = more[i];
+    return redis_link_send(link, words, 4 + count, answered, ctx);
+}
+
+struct redis_link *redis_work_link(uv_loop_t *loop, const char *address, const char *what,
+                                   void (*changed)(void *ctx, bool up), void *ctx, struct error *e) {
+    struct redis_address read;
+    struct buf shown = {0};
+    if (redis_address_read(address, &read, e))
+        return NULL;
+    buf_printf(&shown, "%s (%s)", read.shown, what);
+    buf_add(&shown, "", 1);
+    free(read.shown);
+    read.shown = (char *)shown.data;
+    return redis_link_open(loop, &read, changed, ctx);
+}
+
+bool redis_work_well(const redisReply *reply) {
+    if (reply && reply->type == REDIS_REPLY_ERROR)
+        log_warn("cluster: the work queue: %s", reply->str);
+    return reply && reply->type != REDIS_REPLY_ERROR;
+}
+
+const char *redis_work_text(const redisReply *array, size_t index) {
+    const redisReply *one =
+        array->type == REDIS_REPLY_ARRAY && index < array->elements ? array->element[index] : NULL;
+    return one && one->type == REDIS_REPLY_STRING ? one->str : "";
+}
+
+/* ---- the requesting side ---- */
 
 /* The sources in Redis: a list with the length of each queue, and the voices of each source, which are
  * fetched once. */
@@ -26,9 +62,9 @@ struct work_sources {
 
 enum { NUMBER_BYTES = 16, TO_BYTES = 64 };
 
-struct redis_task {
-    struct work_task task;
-    struct redis_task *prev, *next;
+struct work_task {
+    struct work *work;
+    struct work_task *prev, *next;
     char name[WORK_TASK_BYTES]; /* "KEY ID"; "": Redis has not answered yet */
     work_answered answered;     /* NULL: cancelled */
     void *ctx;
@@ -38,12 +74,11 @@ struct redis_task {
     enum work_end failed; /* WORK_SPOKEN: not failed */
 };
 
-struct redis_work {
-    struct work work;
+struct work {
     uv_loop_t *loop;
     struct redis_link *mouth, *ear; /* for commands; for answers */
     uv_timer_t look, soon;
-    struct redis_task *tasks;
+    struct work_task *tasks;
     struct work_sources sources;
     work_seen seen;
     void *seen_ctx;
@@ -158,8 +193,8 @@ static const char *const why[WORK_ENDS] = {
     [WORK_FAILED] = "has lost the sentence on its way",
 };
 
-static void end_task(struct redis_task *t, enum work_end end, const struct buf *body) {
-    struct redis_work *w = (struct redis_work *)t->task.work;
+static void end_task(struct work_task *t, enum work_end end, const struct buf *body) {
+    struct work *w = t->work;
     DL_DELETE(w->tasks, t);
     if (t->answered)
         t->answered(t->ctx, end, body);
@@ -167,12 +202,12 @@ static void end_task(struct redis_task *t, enum work_end end, const struct buf *
     free(t);
 }
 
-static void fail_task(struct redis_task *t, enum work_end end) {
+static void fail_task(struct work_task *t, enum work_end end) {
     const struct buf body = {(uint8_t *)why[end], strlen(why[end]), 0};
     end_task(t, end, &body);
 }
 
-static void drop(struct redis_work *w, const char *name) {
+static void drop(struct work *w, const char *name) {
     const char *space = strchr(name, ' ');
     if (space)
         redis_work_run(w->mouth, SCRIPT_WORK_DROP,
@@ -183,8 +218,8 @@ static void drop(struct redis_work *w, const char *name) {
 /* Reports failures that occurred where no callback may be called, one per turn of the loop: a callback may
  * put another sentence. */
 static void redis_tasks_on_soon(uv_timer_t *timer) {
-    struct redis_work *w = timer->data;
-    struct redis_task *due = NULL, *t, *next;
+    struct work *w = timer->data;
+    struct work_task *due = NULL, *t, *next;
     DL_FOREACH_SAFE(w->tasks, t, next)
     if (t->failed) {
         due = t;
@@ -196,16 +231,16 @@ static void redis_tasks_on_soon(uv_timer_t *timer) {
     fail_task(due, due->failed);
 }
 
-static void fail_soon(struct redis_task *t, enum work_end end) {
-    struct redis_work *w = (struct redis_work *)t->task.work;
+static void fail_soon(struct work_task *t, enum work_end end) {
+    struct work *w = t->work;
     t->failed = end;
     if (!w->closed)
         uv_timer_start(&w->soon, redis_tasks_on_soon, 0, 0);
 }
 
 static void on_put(void *ctx, const redisReply *reply) {
-    struct redis_task *t = ctx;
-    struct redis_work *w = (struct redis_work *)t->task.work;
+    struct work_task *t = ctx;
+    struct work *w = t->work;
     bool full = reply && reply->type == REDIS_REPLY_INTEGER,
          well = reply && reply->type == REDIS_REPLY_STRING && (size_t)reply->len < sizeof t->name;
     if (!full && !well)
@@ -221,14 +256,12 @@ static void on_put(void *ctx, const redisReply *reply) {
     }
 }
 
-static struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn,
-                                        uint32_t quota_key, const struct buf *sentence,
-                                        work_answered answered, void *ctx) {
-    struct redis_work *w = (struct redis_work *)work;
-    struct redis_task *t = mem_alloc(sizeof *t);
+struct work_task *work_put(struct work *w, const char *queue, enum work_turn turn, uint32_t quota_key,
+                           const struct buf *sentence, work_answered answered, void *ctx) {
+    struct work_task *t = mem_alloc(sizeof *t);
     struct buf packed = {0};
     char number[NUMBER_BYTES], lane[NUMBER_BYTES];
-    t->task.work = work;
+    t->work = w;
     t->answered = answered;
     t->ctx = ctx;
     DL_APPEND(w->tasks, t);
@@ -240,12 +273,13 @@ static struct work_task *redis_task_put(struct work *work, const char *queue, en
     if (!redis_work_run(w->mouth, SCRIPT_WORK_PUT, more, 6, on_put, t))
         fail_soon(t, WORK_UNREACHED);
     buf_free(&packed);
-    return &t->task;
+    return t;
 }
 
-static void redis_task_cancel(struct work_task *task) {
-    struct redis_task *t = (struct redis_task *)task;
-    struct redis_work *w = (struct redis_work *)task->work;
+void work_cancel(struct work_task *t) {
+    if (!t)
+        return;
+    struct work *w = t->work;
     DL_DELETE(w->tasks, t);
     t->answered = NULL;
     buf_free(&t->body);
@@ -255,15 +289,15 @@ static void redis_task_cancel(struct work_task *task) {
     free(t);
 }
 
-static struct redis_task *task_by_name(struct redis_work *w, const char *name) {
-    struct redis_task *t;
+static struct work_task *task_by_name(struct work *w, const char *name) {
+    struct work_task *t;
     DL_FOREACH(w->tasks, t)
     if (*t->name && !strcmp(t->name, name))
         return t;
     return NULL;
 }
 
-static void redis_task_piece(struct redis_work *w, const void *data, size_t size) {
+static void redis_task_piece(struct work *w, const void *data, size_t size) {
     struct work_piece piece;
     if (!work_unpack_piece(data, size, &piece)) {
         if (!w->warned)
@@ -271,7 +305,7 @@ static void redis_task_piece(struct redis_work *w, const void *data, size_t size
         w->warned = true;
         return;
     }
-    struct redis_task *t = task_by_name(w, piece.task);
+    struct work_task *t = task_by_name(w, piece.task);
     if (!t || t->failed)
         return; /* it was cancelled */
     if (piece.index == 0) {
@@ -289,25 +323,25 @@ static void redis_task_piece(struct redis_work *w, const void *data, size_t size
 }
 
 /* Fails sentences whose entries were missing in two looks: their answers should have arrived by now. */
-static void redis_tasks_miss(struct redis_work *w, const redisReply *gone) {
+static void redis_tasks_miss(struct work *w, const redisReply *gone) {
     for (size_t i = 0; gone->type == REDIS_REPLY_ARRAY && i < gone->elements; i++) {
-        struct redis_task *t = task_by_name(w, redis_work_text(gone, i));
+        struct work_task *t = task_by_name(w, redis_work_text(gone, i));
         if (t && !t->failed && ++t->missed > 1)
             fail_soon(t, WORK_FAILED);
     }
 }
 
-static void redis_tasks_fail(struct redis_work *w) {
-    struct redis_task *t;
+static void redis_tasks_fail(struct work *w) {
+    struct work_task *t;
     DL_FOREACH(w->tasks, t)
     if (*t->name && !t->failed)
         fail_soon(t, WORK_UNREACHED);
 }
 
-static void listen_on(struct redis_work *w);
+static void listen_on(struct work *w);
 
 static void on_heard(void *ctx, const redisReply *reply) {
-    struct redis_work *w = ctx;
+    struct work *w = ctx;
     w->listening = false;
     if (!reply || w->closed)
         return;
@@ -322,7 +356,7 @@ static void on_heard(void *ctx, const redisReply *reply) {
         listen_on(w);
 }
 
-static void listen_on(struct redis_work *w) {
+static void listen_on(struct work *w) {
     char seconds[NUMBER_BYTES];
     snprintf(seconds, sizeof seconds, "0.%03d", WORK_LISTEN_MS);
     w->listening =
@@ -334,20 +368,20 @@ static void listen_on(struct redis_work *w) {
 
 /* ---- sources ---- */
 
-static void set_metrics(struct redis_work *w, double live, double ahead) {
+static void set_metrics(struct work *w, double live, double ahead) {
     metrics_add(w->metrics, METRIC_CLUSTER_QUEUE_LIVE, live - w->live);
     metrics_add(w->metrics, METRIC_CLUSTER_QUEUE_AHEAD, ahead - w->ahead);
     w->live = live;
     w->ahead = ahead;
 }
 
-static void tell(struct redis_work *w) {
+static void tell(struct work *w) {
     if (w->seen)
         w->seen(w->seen_ctx, w->sources.list, w->sources.count);
 }
 
 static void on_looked(void *ctx, const redisReply *reply) {
-    struct redis_work *w = ctx;
+    struct work *w = ctx;
     double live = 0, ahead = 0;
     if (!redis_work_well(reply) || w->closed || reply->type != REDIS_REPLY_ARRAY || reply->elements != 2)
         return;
@@ -359,8 +393,8 @@ static void on_looked(void *ctx, const redisReply *reply) {
 }
 
 static void on_look(uv_timer_t *timer) {
-    struct redis_work *w = timer->data;
-    struct redis_task *t;
+    struct work *w = timer->data;
+    struct work_task *t;
     struct buf names = {0};
     w->warned = false;
     listen_on(w);
@@ -381,7 +415,7 @@ static void on_look(uv_timer_t *timer) {
     }
 }
 
-static void look_now(struct redis_work *w) {
+static void look_now(struct work *w) {
     uv_timer_start(&w->look, on_look, 0, WORK_LOOK_MS);
 }
 
@@ -399,14 +433,13 @@ static void on_ear(void *ctx, bool up) {
     look_now(ctx);
 }
 
-static void watch(struct work *work, work_seen seen, void *ctx) {
-    struct redis_work *w = (struct redis_work *)work;
+void work_watch(struct work *w, work_seen seen, void *ctx) {
     w->seen = seen;
     w->seen_ctx = ctx;
 }
 
 static void on_closed(uv_handle_t *handle) {
-    struct redis_work *w = handle->data;
+    struct work *w = handle->data;
     if (--w->handles)
         return;
     work_sources_free(&w->sources);
@@ -414,8 +447,9 @@ static void on_closed(uv_handle_t *handle) {
 }
 
 /* The links are closed first, and answer what is still pending. */
-static void close_work(struct work *work) {
-    struct redis_work *w = (struct redis_work *)work;
+void work_close(struct work *w) {
+    if (!w)
+        return;
     w->closed = true;
     w->seen = NULL;
     redis_link_close(w->mouth);
@@ -424,12 +458,9 @@ static void close_work(struct work *work) {
     uv_close((uv_handle_t *)&w->soon, on_closed);
 }
 
-static const struct work_engine engine = {watch, redis_task_put, redis_task_cancel, close_work};
-
-struct work *redis_work_open(uv_loop_t *loop, const struct redis_work_options *options, struct error *e) {
-    struct redis_work *w = mem_alloc(sizeof *w);
+struct work *work_open(uv_loop_t *loop, const struct work_options *options, struct error *e) {
+    struct work *w = mem_alloc(sizeof *w);
     char id[REDIS_ID_BYTES];
-    w->work.engine = &engine;
     w->loop = loop;
     w->metrics = options->metrics;
     redis_id_make(id);
@@ -447,5 +478,5 @@ struct work *redis_work_open(uv_loop_t *loop, const struct redis_work_options *o
     w->look.data = w->soon.data = w;
     w->handles = 2;
     uv_timer_start(&w->look, on_look, WORK_LOOK_MS, WORK_LOOK_MS);
-    return &w->work;
+    return w;
 }

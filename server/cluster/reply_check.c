@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cluster/reply_check.h"
+#include "server/cluster/redis_internal.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/expression/gestures.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/open_below.h"
 #include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
 #include <dirent.h>

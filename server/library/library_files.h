@@ -25,7 +25,7 @@ struct library_files {
 };
 
 /* files must be zeroed. Skips names that begin with a dot, visits each folder once and never leaves the
- * folder: links to files are followed if they stay below it (open_below.h), links to folders never. -1 with
+ * folder: links to files are followed if they stay below it (files.h), links to folders never. -1 with
  * *e; call library_files_free in either case. */
 int library_files_list(struct library_files *files, const char *folder, struct error *e);
 void library_files_free(struct library_files *files);

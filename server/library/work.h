@@ -103,7 +103,7 @@ void section_free(struct section *section);
 #define WORK_OUTSIDE                                                                                         \
     "a link that leads out of the library's folder is not followed (one within it is relative)"
 
-/* Reads a file below a folder (open_below.h) and passes its sections to the sink. The ending, and for .xml
+/* Reads a file below a folder (files.h) and passes its sections to the sink. The ending, and for .xml
  * the root, decides the format. meta begins zeroed, with lang as the default language. -1 with *e: it
  * could not be read completely; earlier sections were delivered. */
 int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/buf.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/open_below.h"
 #include "server/base/utf8.h"
-#include "server/base/wire_bytes.h"
-#include "server/base/write_all.h"
 #include "server/library/readers.h"
 #include "server/library/work.h"
 #include <errno.h>

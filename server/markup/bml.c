@@ -4,6 +4,8 @@
  * rest causes warnings. */
 #include "server/markup/bml.h"
 #include "server/base/mem.h"
+#include "server/markup/white.h"
+#include <expat.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -217,3 +219,195 @@ static const struct element elements[] = {
         .close = bml_close                                                                                   \
     }
 const struct vocabulary bml_vocabulary = VOCABULARY("bml"), fml_vocabulary = VOCABULARY("fml");
+
+/* Resolves names of BML, FML and Greta's own files: an affect, a direction, or else a signal, which the
+ * expressions file knows by its usual name (models/expressions.json). */
+
+void bml_plain_name(const char *name, char out[BML_NAME]) {
+    size_t n = 0;
+    while (*name == ' ' || (*name >= '\t' && *name <= '\r'))
+        name++;
+    for (; *name && n < BML_NAME - 1; name++)
+        out[n++] = *name == '_' || *name == ' '   ? '-'
+                   : *name >= 'A' && *name <= 'Z' ? (char)(*name | 32)
+                                                  : *name;
+    while (n && (out[n - 1] == '-' || (out[n - 1] >= '\t' && out[n - 1] <= '\r')))
+        n--;
+    while (*name && n && ((unsigned char)out[n - 1] & 0x80)) /* the cut may be inside a character */
+        n--;
+    out[n] = '\0';
+}
+
+/* A name may include its strength: "joyStrong", "anger_weak". */
+static double cut_strength(char *name) {
+    static const struct choice endings[] = {{"strong", 1}, {"medium", 0.7}, {"weak", 0.4}, {"light", 0.4}};
+    size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        size_t n = strlen(endings[i].name);
+        if (length > n && !strcmp(name + length - n, endings[i].name)) {
+            length -= n + (name[length - n - 1] == '-');
+            name[length] = '\0';
+            return endings[i].value;
+        }
+    }
+    return 1;
+}
+
+void bml_show(struct bml_behaviour *b, const char *kind, const char *name, double intensity) {
+    if (b->sign_count < BML_SIGNS)
+        b->signs[b->sign_count++] = (struct bml_sign){kind, name, intensity};
+}
+
+static bool knows_affect(const struct markup_reader *r, const char *name) {
+    return r->rules && affect_find(r->rules->affects, name);
+}
+
+void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
+    char plain[BML_NAME];
+    bml_plain_name(name, plain);
+    double strength = cut_strength(plain);
+    char *variant = strchr(plain, '-'); /* "joy-open" */
+    if (variant && !knows_affect(r, plain)) {
+        *variant = '\0';
+        if (!knows_affect(r, plain))
+            *variant = '-';
+    }
+    bml_show(b, "affect", reader_keep(r, reader_affect(r, plain)), strength);
+}
+
+void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
+    char plain[BML_NAME], bare[BML_NAME];
+    bml_plain_name(name, plain);
+    strcpy(bare, plain);
+    cut_strength(bare);
+    if (knows_affect(r, bare))
+        bml_show_affect(b, r, plain);
+    else
+        bml_show(b, "signal", reader_keep(r, plain), 1);
+}
+
+/* Returns the direction that the text begins with, or NULL. */
+static const char *direction_at(const char *text) {
+    static const char *const directions[] = {"left", "right", "up", "down"};
+    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++)
+        if (!strncmp(text, directions[i], strlen(directions[i])))
+            return directions[i];
+    return NULL;
+}
+
+bool bml_show_gaze(struct bml_behaviour *b, const char *name) {
+    static const char *const listeners[] = {"at",    "camera", "user",  "listener", "viewer", "partner",
+                                            "front", "person", "human", "audience", "you",    "interlocutor"};
+    char plain[BML_NAME];
+    const char *at = plain, *direction;
+    bml_plain_name(name, plain);
+    if (!strncmp(at, "look-", 5))
+        at += 5;
+    if (!strcmp(at, "away")) {
+        bml_show(b, "signal", "look-away", 1);
+        return true;
+    }
+    for (size_t i = 0; i < sizeof listeners / sizeof *listeners; i++)
+        if (!strcmp(at, listeners[i])) {
+            bml_show(b, "signal", "look-at", 1);
+            return true;
+        }
+    while ((direction = direction_at(at))) { /* "upright" means up and right */
+        at += strlen(direction);
+        at += *at == '-';
+        bml_show(b, "deictic", direction, 1);
+    }
+    return b->sign_count && !*at;
+}
+
+/* Determines what is spoken of each speech. A supported description takes precedence over the text; among
+ * several, the highest priority wins. As a description may follow the text, this pass runs before the
+ * document is read. */
+
+struct outline {
+    struct bml *bml;
+    XML_Parser parser;
+    size_t root, depth;
+    size_t speech, description; /* depths of the open elements, 0 = none */
+    double best;
+};
+
+const struct vocabulary *bml_description(const char *type) {
+    static const struct {
+        const char *type;
+        const struct vocabulary *vocabulary;
+    } types[] = {{"application/ssml+xml", &ssml_vocabulary},
+                 {"application/apml+xml", &apml_vocabulary},
+                 {"application/jsml+xml", &jsml_vocabulary},
+                 {"application/emotionml+xml", &emotionml_vocabulary}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (!strcasecmp(type, types[i].type))
+            return types[i].vocabulary;
+    return NULL;
+}
+
+static bool is_named(const XML_Char *name, const char *wanted) {
+    const char *colon = strchr(name, ':');
+    return !strcasecmp(colon ? colon + 1 : name, wanted);
+}
+
+static void look_at_description(struct outline *o, const XML_Char **attributes, size_t at) {
+    struct bml_speech *speech = &o->bml->speeches[o->bml->speech_count - 1];
+    const char *type = "";
+    double priority = 0;
+    for (; *attributes; attributes += 2)
+        if (!strcasecmp(attributes[0], "type"))
+            type = attributes[1];
+        else if (!strcasecmp(attributes[0], "priority"))
+            quantity_plain(attributes[1], -1e6, 1e6, &priority);
+    if (!bml_description(type) || (speech->description && priority <= o->best))
+        return;
+    speech->description = at;
+    o->best = priority;
+}
+
+static void on_start(void *ctx, const XML_Char *name, const XML_Char **attributes) {
+    struct outline *o = ctx;
+    size_t at = o->root + (size_t)XML_GetCurrentByteIndex(o->parser);
+    struct bml *b = o->bml;
+    o->depth++;
+    if (!o->speech && is_named(name, "speech")) {
+        b->speeches = mem_grow(b->speeches, &b->speech_cap, b->speech_count + 1, sizeof *b->speeches);
+        b->speeches[b->speech_count++] = (struct bml_speech){.at = at};
+        o->speech = o->depth;
+    } else if (o->speech && !o->description && is_named(name, "description")) {
+        o->description = o->depth;
+        look_at_description(o, attributes, at);
+    }
+}
+
+static void on_end(void *ctx, const XML_Char *name) {
+    struct outline *o = ctx;
+    (void)name;
+    if (o->description == o->depth)
+        o->description = 0;
+    if (o->speech == o->depth)
+        o->speech = 0;
+    o->depth--;
+}
+
+static void on_text(void *ctx, const XML_Char *text, int n) {
+    struct outline *o = ctx;
+    if (!o->speech || o->description)
+        return;
+    for (int i = 0; i < n; i++)
+        if (!is_white(text[i]))
+            o->bml->speeches[o->bml->speech_count - 1].has_text = true;
+}
+
+void bml_outline(struct markup_reader *r, size_t root) {
+    struct outline o = {.bml = r->bml, .root = root, .parser = XML_ParserCreate("UTF-8")};
+    if (!o.parser)
+        abort();
+    XML_SetUserData(o.parser, &o);
+    XML_UseForeignDTD(o.parser, XML_TRUE);
+    XML_SetElementHandler(o.parser, on_start, on_end);
+    XML_SetCharacterDataHandler(o.parser, on_text);
+    (void)XML_Parse(o.parser, r->text + root, (int)(r->size - root), 1); /* the reader reports errors */
+    XML_ParserFree(o.parser);
+}

@@ -2,7 +2,6 @@
 /* JSML: the Java Speech Markup Language, Sun Microsystems, versions 0.5 (1997) and 0.6 (1999; W3C Note of
  * 5 June 2000), with the emotion elements of E. Akagunduz, "Talking head with expressions" (METU, 2004).
  * Element and attribute names are case-insensitive; a document needs no root. */
-#include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
 #include <string.h>
 #include <strings.h>

@@ -7,7 +7,7 @@
 #define FACCIA_MARKUP_SCORE_H
 
 #include "server/base/error.h"
-#include "server/base/lines.h"
+#include "server/base/utf8.h"
 #include <stdbool.h>
 #include <stddef.h>
 

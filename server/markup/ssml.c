@@ -3,7 +3,6 @@
  * (protocol/markup.md lists what is acted on), with EmotionML and the emotion elements of two vendors. */
 #include "server/base/sampa.h"
 #include "server/markup/emotionml.h"
-#include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/base/picture_size.h"
+#include "server/rooms/picture_size.h"
 #include "server/rooms/rooms_internal.h"
 #include <math.h>
 #include <stdbool.h>

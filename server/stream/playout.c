@@ -35,14 +35,14 @@ void stream_cut_face(struct stream *s) {
 static void place(struct utterance *t) {
     struct stream *s = t->stream;
     struct placement_options options = t->segments[0].alone;
-    const struct speech_request *request = utterance_request(t);
+    const struct speech_request *request = t->source->request;
     if (request && request->life < 0)
         options.life = s->idling.life;
     if (!utterance_is_apart(t)) {
         options.seed = s->idling.seed;
         options.begin += t->life_begin;
         options.mood = s->mix.mood;
-    } else if (t->synthesis) {
+    } else if (t->source->text) {
         if (!t->mood)
             t->mood = mood_mix_copy(&s->mix);
         options.mood = t->mood;
@@ -52,34 +52,29 @@ static void place(struct utterance *t) {
 
 static void say_begin(struct utterance *t) {
     struct stream *s = t->stream;
+    struct source_description source;
+    t->source->ops->describe(t->source, &source);
     uint64_t start = later(uv_now(s->pipeline->loop), s->spoken_until);
     stream_go_on_from(s, start);
     t->life_begin = s->life;
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    if (!t->live && (!t->synthesis ||
-                     !synthesis_request(t->synthesis)->open)) /* the writer of an open text may be slow */
+    if (!source.live && !(t->source->text && t->source->request->open)) /* its writer may be slow */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
-    struct stream_event begin = {.kind = STREAM_BEGIN,
-                                 .fps = utterance_fps(t),
-                                 .idle = stream_idle_time(s, start),
-                                 .again = t->spared};
-    if (t->recording) {
-        begin.play = recording_name(t->recording);
-    } else if (t->live) {
-        begin.live = true;
-        begin.lookahead = live_voice_lookahead(t->live);
-        begin.lang = live_voice_lang(t->live);
-        begin.engine = live_voice_engine(t->live);
-    } else {
-        begin.voice = synthesis_voice(t->synthesis)->id;
-        begin.lang = synthesis_lang(t->synthesis);
-        begin.engine = synthesis_engine(t->synthesis);
-        begin.markup = synthesis_markup(t->synthesis);
-    }
-    utterance_give(t, &s->sink, s->ctx, begin);
+    utterance_give(t, &s->sink, s->ctx,
+                   (struct stream_event){.kind = STREAM_BEGIN,
+                                         .fps = utterance_fps(t),
+                                         .idle = stream_idle_time(s, start),
+                                         .again = t->spared,
+                                         .play = source.name,
+                                         .voice = source.voice,
+                                         .lang = source.lang,
+                                         .engine = source.engine,
+                                         .markup = source.markup,
+                                         .live = source.live,
+                                         .lookahead = source.lookahead});
 }
 
 static void send_speech(struct utterance *t) {
@@ -183,7 +178,7 @@ static void pump(struct stream *s) {
                 utterance_start(s->queue);
             continue;
         }
-        bool speaks = t && t->segment_count, waits = t && utterance_awaits_text(t);
+        bool speaks = t && t->segment_count, waits = t && utterance_awaits(t);
         if (!speaks && !waits && (!s->idle || (t && t->begun)))
             return;
         if (!s->sink.ready(s->ctx)) {
@@ -201,7 +196,7 @@ static void pump(struct stream *s) {
             return;
         }
         if (waits)
-            utterance_wait(t);
+            t->source->ops->wait(t->source, STREAM_WAIT_MS);
         else if (speaks)
             send_speech(t);
         else

@@ -15,11 +15,11 @@ static struct utterance *numbered(const struct stream *s, uint32_t number) {
 
 static struct utterance *find(const struct stream *s, uint32_t number) {
     struct utterance *t = numbered(s, number);
-    return t && t->synthesis ? t : NULL;
+    return t && t->source->text ? t : NULL;
 }
 
 static bool is_open(const struct utterance *t) {
-    return t && (t->live ? live_voice_is_open(t->live) : t->synthesis && synthesis_is_open(t->synthesis));
+    return t && t->source->ops->is_open && t->source->ops->is_open(t->source);
 }
 
 bool stream_is_open(const struct stream *s, uint32_t number) {
@@ -28,20 +28,20 @@ bool stream_is_open(const struct stream *s, uint32_t number) {
 
 void stream_sound(struct stream *s, uint32_t number, const uint8_t *bytes, size_t size) {
     struct utterance *t = numbered(s, number);
-    if (t && t->live)
-        live_voice_write(t->live, bytes, size);
+    if (t && t->source->ops->write_sound)
+        t->source->ops->write_sound(t->source, bytes, size);
 }
 
 int stream_write(struct stream *s, uint32_t number, const char *text, size_t size, size_t most,
                  struct error *e) {
     struct utterance *t = find(s, number);
-    return t ? synthesis_write(t->synthesis, text, size, most, e) : 0;
+    return t ? synthesis_write(t->source->text, text, size, most, e) : 0;
 }
 
 void stream_flush(struct stream *s, uint32_t number) {
     struct utterance *t = find(s, number);
     if (t)
-        synthesis_flush(t->synthesis);
+        synthesis_flush(t->source->text);
 }
 
 void stream_close(struct stream *s, uint32_t number, const struct error *why) {
@@ -50,10 +50,7 @@ void stream_close(struct stream *s, uint32_t number, const struct error *why) {
         return;
     if (why)
         utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_WARNING, .error = why});
-    if (t->live)
-        live_voice_close(t->live);
-    else
-        synthesis_close(t->synthesis);
+    t->source->ops->close(t->source);
 }
 
 static void stream_forget(struct stream *s, struct utterance **at);
@@ -141,7 +138,7 @@ static bool cuts(const struct stream *s, const struct turn *turn) {
 
 /* Tells whether a newer one of the same topic replaces it. */
 static bool is_replaced(const struct utterance *t, const struct turn *turn) {
-    const struct speech_request *request = utterance_request(t);
+    const struct speech_request *request = t->source->request;
     const char *topic = request ? request->topic : NULL;
     return (turn->topic && topic && !strcmp(topic, turn->topic)) ||
            (turn->mode == SPEAK_REPLACE && t->priority <= turn->priority);
@@ -213,68 +210,45 @@ static void enqueue(struct stream *s, struct utterance *t, const struct turn *tu
         utterance_start(t);
 }
 
-static struct utterance *utterance_new(struct stream *s) {
-    struct utterance *t = mem_alloc(sizeof *t);
-    t->stream = s;
-    t->asked = uv_hrtime();
+/* Opens and queues an utterance. NULL, refused with *e. */
+static struct utterance *add(struct stream *s, const struct speech_request *request, speech_source_open *open,
+                             void *what, struct error *e) {
+    struct turn turn = turn_of(request);
+    struct utterance *t = NULL;
+    if (!may_come(s, &turn, e)) {
+        t = mem_alloc(sizeof *t);
+        t->stream = s;
+        t->asked = uv_hrtime();
+        t->order = request->order;
+        t->source = open(s->pipeline, what, &utterance_callbacks, t, e);
+    }
+    if (!t || !t->source) {
+        free(t);
+        stream_refuse(s, request->id, request->order, e);
+        return NULL;
+    }
+    if (t->source->text) {
+        t->abroad = request->abroad;
+        t->spared = request->abroad != 0 && request->again;
+        synthesis_keep(t->source->text);
+    }
+    enqueue(s, t, &turn);
     return t;
 }
 
 uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {
-    struct turn turn = turn_of(request);
-    struct utterance *t = NULL;
     struct error e;
-    if (!may_come(s, &turn, &e)) {
-        t = utterance_new(s);
-        t->synthesis = synthesis_open(s->pipeline, request, &utterance_callbacks, t, &e);
-    }
-    if (!t || !t->synthesis) {
-        free(t);
-        stream_refuse(s, request->id, request->order, &e);
-        if (why)
-            *why = e;
-        return 0;
-    }
-    t->abroad = request->abroad;
-    t->order = request->order;
-    t->spared = request->abroad != 0 && request->again;
-    synthesis_keep(t->synthesis);
-    enqueue(s, t, &turn);
-    return t->number;
+    const struct utterance *t = add(s, request, synthesis_open_source, (void *)request, &e);
+    if (!t && why)
+        *why = e;
+    return t ? t->number : 0;
 }
 
-uint32_t stream_hear(struct stream *s, const struct live_request *request) {
-    struct turn turn = turn_of(request->speech);
-    struct utterance *t = NULL;
+uint32_t stream_play(struct stream *s, const struct speech_request *request, speech_source_open *open,
+                     void *what) {
     struct error e;
-    if (!may_come(s, &turn, &e)) {
-        t = utterance_new(s);
-        t->live = live_voice_open(s->pipeline, request, &utterance_callbacks, t, &e);
-    }
-    if (!t || !t->live) {
-        free(t);
-        stream_refuse(s, request->speech->id, 0, &e);
-        return 0;
-    }
-    enqueue(s, t, &turn);
-    return t->number;
-}
-
-uint32_t stream_play(struct stream *s, struct recording_source *source,
-                     const struct speech_request *request) {
-    struct turn turn = turn_of(request);
-    struct error e;
-    if (may_come(s, &turn, &e)) {
-        stream_refuse(s, source->id, request->order, &e);
-        recording_source_free(source);
-        return 0;
-    }
-    struct utterance *t = utterance_new(s);
-    t->recording = recording_open(s->pipeline->loop, s->pipeline->high_level, s->pipeline->reader,
-                                  s->pipeline->gate, source, &utterance_callbacks, t);
-    t->order = request->order;
-    enqueue(s, t, &turn);
-    return t->number;
+    const struct utterance *t = add(s, request, open, what, &e);
+    return t ? t->number : 0;
 }
 
 /* Control of the current utterance: pause and resume, rate, jumps. */
@@ -318,8 +292,8 @@ void stream_resume(struct stream *s) {
     if (!s->paused)
         return;
     s->paused = false;
-    if (t && t->live)
-        live_voice_catch_up(t->live);
+    if (t && t->source->ops->catch_up)
+        t->source->ops->catch_up(t->source);
     if (t && t->begun) {
         stream_resume_utterance(s, now);
     } else if (s->unheard) { /* the last one was sent completely */
@@ -334,9 +308,9 @@ void stream_resume(struct stream *s) {
 
 void stream_rate(struct stream *s, double rate) {
     for (struct utterance *t = s->queue; t; t = t->next) {
-        if (!t->synthesis)
+        if (!t->source->text)
             continue;
-        synthesis_set_rate(t->synthesis, rate);
+        synthesis_set_rate(t->source->text, rate);
         if (t->started)
             utterance_respeak(t);
     }
@@ -347,11 +321,11 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     size_t sentence;
     if (!t)
         return error_set(e, ERROR_NOT_SPEAKING, "nothing is spoken");
-    if (!t->synthesis || !synthesis_find_mark(t->synthesis, mark, &sentence)) {
+    if (!t->source->text || !synthesis_find_mark(t->source->text, mark, &sentence)) {
         struct suggestions near = suggestions_for(mark);
         char text[SUGGESTIONS_TEXT];
-        if (t->synthesis)
-            synthesis_near_marks(t->synthesis, &near);
+        if (t->source->text)
+            synthesis_near_marks(t->source->text, &near);
         return error_in_field(e, ERROR_UNKNOWN_MARK, "mark", "the utterance has no mark '%.80s'%s", mark,
                               suggestions_text(&near, text));
     }

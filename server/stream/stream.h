@@ -6,10 +6,9 @@
 
 #include "server/expression/expressions.h"
 #include "server/stream/media.h"
-#include "server/synthesis/live_request.h"
 #include "server/synthesis/pipeline.h"
-#include "server/synthesis/recording.h"
 #include "server/synthesis/speech_request.h"
+#include "server/synthesis/speech_source.h"
 
 enum {
     STREAM_CHUNK_MS = 200, /* duration of a chunk */
@@ -99,22 +98,20 @@ int stream_write(struct stream *stream, uint32_t utterance, const char *text, si
                  struct error *e);
 void stream_flush(struct stream *stream, uint32_t utterance);
 
-/* Adds a message with sound to a live utterance (live_voice.h). */
+/* Adds a message with sound to a live utterance. */
 void stream_sound(struct stream *stream, uint32_t utterance, const uint8_t *bytes, size_t size);
 
 /* Closes an open text or a live utterance. why: a warning to report, or NULL. */
 void stream_close(struct stream *stream, uint32_t utterance, const struct error *why);
 
-/* Queues a live voice, like stream_speak; stream_sound and stream_close follow. */
-uint32_t stream_hear(struct stream *stream, const struct live_request *request);
+/* Queues the source that `open` makes of `what` (speech_source.h), like stream_speak: a live voice
+ * (stream_sound and stream_close follow) or a recording. Of the request, id, order, mode, priority and topic
+ * are used. If it is refused before it is opened, `what` is left as it was. */
+uint32_t stream_play(struct stream *stream, const struct speech_request *request, speech_source_open *open,
+                     void *what);
 
 /* Cuts or drops the utterances of that id. Returns how many there were. */
 unsigned stream_cancel(struct stream *stream, const char *id);
-
-/* Queues a recording; of its request id, mode and priority are used. It is opened when its turn comes, and
- * errors are reported then. */
-uint32_t stream_play(struct stream *stream, struct recording_source *source,
-                     const struct speech_request *request);
 
 /* Reports a request that was rejected earlier: assigns a number and sends ERROR and END. order: as in
  * speech_request.h. */

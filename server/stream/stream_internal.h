@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Private to the stream. An utterance: a synthesis, a recording or a live voice, with its finished segments.
+/* Private to the stream. An utterance: its source (speech_source.h), with the segments it has finished.
  * It reports events and cuts media; the stream decides when. */
 #ifndef FACCIA_STREAM_STREAM_INTERNAL_H
 #define FACCIA_STREAM_STREAM_INTERNAL_H
@@ -8,9 +8,8 @@
 #include "server/stream/idle_face.h"
 #include "server/stream/media.h"
 #include "server/stream/stream.h"
-#include "server/synthesis/live_voice.h"
 #include "server/synthesis/media_segment.h"
-#include "server/synthesis/recording.h"
+#include "server/synthesis/speech_source.h"
 #include "server/synthesis/synthesis.h"
 
 /* Position within a segment. Zero-initialised. */
@@ -27,9 +26,7 @@ enum { CUT_FRAMES = 32 };
 struct utterance {
     struct utterance *next;
     struct stream *stream;
-    struct synthesis *synthesis; /* exactly one of the three sources is set */
-    struct recording *recording;
-    struct live_voice *live;
+    struct speech_source *source;
     uint32_t number;
     enum speech_priority priority;
     struct media_segment *segments; /* the first is being cut */
@@ -52,9 +49,6 @@ struct utterance {
 
 void utterance_start(struct utterance *utterance);
 
-/* Returns the request, or NULL for a recording. */
-const struct speech_request *utterance_request(const struct utterance *utterance);
-
 double utterance_fps(const struct utterance *utterance);
 
 /* Completes an event with the utterance's fields and sends it. */
@@ -63,11 +57,10 @@ void utterance_give(const struct utterance *utterance, const struct stream_sink 
 
 void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
 
-/* utterance_awaits_text: nothing is left to play of an open or live utterance. utterance_patience: ms that
- * sent media may last before silence must be inserted; negative = overdue. utterance_wait inserts silence. */
-bool utterance_awaits_text(const struct utterance *utterance);
+/* utterance_awaits: nothing is left to play of an open or live utterance. utterance_patience: ms that sent
+ * media may last before silence must be inserted; negative = overdue. */
+bool utterance_awaits(const struct utterance *utterance);
 int64_t utterance_patience(const struct utterance *utterance);
-void utterance_wait(struct utterance *utterance);
 
 /* The client's id, or NULL. */
 const char *utterance_id(const struct utterance *utterance);
@@ -142,7 +135,7 @@ double stream_idle_time(const struct stream *stream, uint64_t at);
 
 /* stream.c */
 
-/* Callbacks of an utterance's synthesis; ctx is the utterance. */
+/* Callbacks of an utterance's source; ctx is the utterance. */
 extern const struct synthesis_callbacks utterance_callbacks;
 
 /* playout.c */

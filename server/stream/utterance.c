@@ -38,34 +38,25 @@ static void segment_cut_enter(struct segment_cut *cut, const struct media_segmen
         cut->phone++;
 }
 
-const struct speech_request *utterance_request(const struct utterance *t) {
-    return t->recording ? NULL : t->live ? live_voice_request(t->live) : synthesis_request(t->synthesis);
-}
-
 void utterance_start(struct utterance *t) {
     if (t->started)
         return;
     t->started = true;
-    if (t->recording)
-        recording_start(t->recording);
-    else if (t->live)
-        live_voice_start(t->live);
-    else
-        synthesis_start(t->synthesis);
+    t->source->ops->start(t->source);
 }
 
 double utterance_fps(const struct utterance *t) {
-    return t->recording ? recording_fps(t->recording) : utterance_request(t)->fps;
+    return t->source->ops->fps(t->source);
 }
 
 const char *utterance_id(const struct utterance *t) {
-    return t->recording ? recording_id(t->recording) : utterance_request(t)->id;
+    return t->source->ops->id(t->source);
 }
 
 void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,
                     struct stream_event event) {
     event.utterance = t->number;
-    event.id = t->synthesis || t->recording || t->live ? utterance_id(t) : event.id;
+    event.id = t->source ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
     event.order = t->order;
     sink->event(ctx, &event);
@@ -77,11 +68,12 @@ void utterance_add_segment(struct utterance *t, struct media_segment segment) {
 }
 
 bool utterance_is_apart(const struct utterance *t) {
-    return t->recording || (t->synthesis && synthesis_request(t->synthesis)->seed >= 0);
+    return t->source->own_face;
 }
 
 bool utterance_is_foreign(const struct utterance *t) {
-    return utterance_is_apart(t) || t->live || synthesis_request(t->synthesis)->life >= 0;
+    const struct speech_source *source = t->source;
+    return source->own_face || source->one_face || source->request->life >= 0;
 }
 
 void utterance_unplace(struct utterance *t) {
@@ -89,9 +81,8 @@ void utterance_unplace(struct utterance *t) {
     t->face = NULL;
 }
 
-/* Keeps the life beside a live voice across its segments. */
 static void drop_segment(struct utterance *t) {
-    if (!t->live)
+    if (!t->source->one_face)
         utterance_unplace(t);
     media_segment_free(&t->segments[0]);
     t->segment_count--;
@@ -105,23 +96,15 @@ void utterance_drop_segment_if_done(struct utterance *t) {
     if (t->cut.at < t->segments[0].audio->samples)
         return;
     drop_segment(t);
-    if (wait)
-        return;
-    if (t->recording)
-        recording_release(t->recording);
-    else if (t->live)
-        live_voice_release(t->live);
-    else
-        synthesis_release(t->synthesis);
+    if (!wait)
+        t->source->ops->release(t->source);
 }
 
 void utterance_free(struct utterance *t) {
     while (t->segment_count)
         drop_segment(t);
     utterance_unplace(t);
-    synthesis_free(t->synthesis);
-    recording_free(t->recording);
-    live_voice_free(t->live);
+    t->source->ops->free(t->source);
     mood_free(t->mood);
     free(t->segments);
     free(t);
@@ -129,7 +112,7 @@ void utterance_free(struct utterance *t) {
 
 static struct stream_event place_of(struct utterance *t, enum stream_event_kind kind, uint32_t from,
                                     uint32_t to, size_t start, size_t end) {
-    const char *text = synthesis_request(t->synthesis)->text;
+    const char *text = t->source->request->text;
     size_t utf16_start = utf16_offset(&t->utf16, text, start);
     return (struct stream_event){.kind = kind,
                                  .sample = (uint32_t)(t->segments[0].start + from),
@@ -146,14 +129,14 @@ static void say_events(struct utterance *t, const struct stream_sink *sink, void
     const struct media_segment *segment = &t->segments[0];
     const struct sentence_audio *u = segment->audio;
     bool last = t->cut.at == u->samples;
-    if (!t->sentence_said && t->synthesis && !segment->wait)
+    if (!t->sentence_said && t->source->text && !segment->wait)
         utterance_give(t, sink, ctx, place_of(t, STREAM_SENTENCE, segment->skip, u->samples, u->from, u->to));
     t->sentence_said = true;
     for (; t->cut.word < u->word_count && (last || u->words[t->cut.word].start < t->cut.at); t->cut.word++) {
         const struct word *w = &u->words[t->cut.word];
         utterance_give(t, sink, ctx, place_of(t, STREAM_WORD, w->start, w->end, w->from, w->to));
     }
-    bool phones = t->synthesis && synthesis_request(t->synthesis)->phones;
+    bool phones = t->source->text && t->source->request->phones;
     for (; t->cut.phone < u->phone_count && (last || u->phones[t->cut.phone].start < t->cut.at);
          t->cut.phone++) {
         const struct phone *p = &u->phones[t->cut.phone];
@@ -185,21 +168,15 @@ void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ct
     say_events(t, sink, ctx);
 }
 
-bool utterance_awaits_text(const struct utterance *t) {
-    if (!t->begun || t->segment_count)
-        return false;
-    return t->live ? live_voice_awaits(t->live) : t->synthesis && synthesis_awaits_text(t->synthesis);
+bool utterance_awaits(const struct utterance *t) {
+    const struct speech_source_ops *ops = t->source->ops;
+    return t->begun && !t->segment_count && ops->awaits && ops->awaits(t->source);
 }
 
 int64_t utterance_patience(const struct utterance *t) {
-    return t->live && !live_voice_stalls(t->live) ? -LIVE_STALL_MS : STREAM_WAIT_MS;
-}
-
-void utterance_wait(struct utterance *t) {
-    if (t->live)
-        live_voice_wait(t->live, STREAM_WAIT_MS);
-    else
-        utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
+    const struct speech_source_ops *ops = t->source->ops;
+    unsigned grace = ops->grace ? ops->grace(t->source) : 0;
+    return grace ? -(int64_t)grace : STREAM_WAIT_MS;
 }
 
 uint32_t utterance_heard(const struct utterance *t, uint64_t unheard) {
@@ -211,24 +188,24 @@ void utterance_seek(struct utterance *t, size_t sentence, const char *mark) {
     while (t->segment_count)
         drop_segment(t);
     t->finished = false;
-    synthesis_seek(t->synthesis, sentence, mark, t->sent, 0);
+    synthesis_seek(t->source->text, sentence, mark, t->sent, 0);
 }
 
 void utterance_respeak(struct utterance *t) {
     /* keep a segment entered in the middle: it is the requested place */
     size_t held = t->segment_count && (t->sentence_said || t->segments[0].skip);
     uint32_t sample = t->sent;
-    size_t next = t->segment_count ? t->segments[0].sentence : synthesis_next(t->synthesis);
+    size_t next = t->segment_count ? t->segments[0].sentence : synthesis_next(t->source->text);
     if (held) {
         const struct media_segment *segment = &t->segments[0];
         next++;
         sample = (uint32_t)(segment->start + segment->audio->samples);
     }
-    if (next == synthesis_sentences(t->synthesis))
+    if (next == synthesis_sentences(t->source->text))
         return;
     for (size_t i = held; i < t->segment_count; i++)
         media_segment_free(&t->segments[i]);
     t->segment_count = held;
     t->finished = false;
-    synthesis_seek(t->synthesis, next, held ? NULL : synthesis_entry(t->synthesis), sample, held);
+    synthesis_seek(t->source->text, next, held ? NULL : synthesis_entry(t->source->text), sample, held);
 }

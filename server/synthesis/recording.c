@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/open_below.h"
-#include "server/base/sound_reader.h"
 #include "server/base/utf8.h"
 #include "server/base/work_gate.h"
 #include "server/face/high_level.h"
-#include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
+#include "server/voice/sound_reader.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -150,6 +149,7 @@ enum {
 
 /* While `working`, everything but `freed` belongs to the worker thread. */
 struct recording {
+    struct speech_source base;
     uv_loop_t *loop;
     struct gated_work work;
     struct work_gate *gate;
@@ -364,11 +364,14 @@ static void read_on(struct recording *r) {
     work_gate_submit(r->gate, r->loop, &r->work, work, after);
 }
 
+static const struct speech_source_ops source_ops;
+
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
                                  const struct reader *reader, struct work_gate *gate,
                                  struct recording_source *source, const struct synthesis_callbacks *callbacks,
                                  void *ctx) {
     struct recording *r = mem_alloc(sizeof *r);
+    r->base = (struct speech_source){.ops = &source_ops, .own_face = true};
     r->loop = loop;
     r->high = high;
     r->reader = reader;
@@ -399,14 +402,56 @@ void recording_free(struct recording *r) {
         free_all(r);
 }
 
-const char *recording_name(const struct recording *r) {
-    return r->source.name;
-}
-
-const char *recording_id(const struct recording *r) {
-    return r->source.id;
-}
-
 double recording_fps(const struct recording *r) {
     return r->fps;
+}
+
+/* A recording as a source. */
+
+static struct recording *of(struct speech_source *source) {
+    return (struct recording *)source;
+}
+
+static const struct recording *of_const(const struct speech_source *source) {
+    return (const struct recording *)source;
+}
+
+static void source_start(struct speech_source *source) {
+    recording_start(of(source));
+}
+
+static void source_release(struct speech_source *source) {
+    recording_release(of(source));
+}
+
+static void source_free(struct speech_source *source) {
+    recording_free(of(source));
+}
+
+static double source_fps(const struct speech_source *source) {
+    return of_const(source)->fps;
+}
+
+static const char *source_id(const struct speech_source *source) {
+    return of_const(source)->source.id;
+}
+
+static void source_describe(const struct speech_source *source, struct source_description *description) {
+    *description = (struct source_description){.name = of_const(source)->source.name};
+}
+
+static const struct speech_source_ops source_ops = {.start = source_start,
+                                                    .release = source_release,
+                                                    .free = source_free,
+                                                    .fps = source_fps,
+                                                    .id = source_id,
+                                                    .describe = source_describe};
+
+struct speech_source *recording_open_source(const struct pipeline *pipeline, void *source,
+                                            const struct synthesis_callbacks *callbacks, void *ctx,
+                                            struct error *e) {
+    (void)e;
+    return &recording_open(pipeline->loop, pipeline->high_level, pipeline->reader, pipeline->gate, source,
+                           callbacks, ctx)
+                ->base;
 }

@@ -7,6 +7,7 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/work_limit.h"
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <uv.h>
 
@@ -19,13 +20,16 @@ enum {
 
 struct face_high_level;
 struct reader;
+struct sound_reader;
 struct work_gate;
+struct pipeline;
+struct speech_source;
 struct synthesis_callbacks;
 
 /* Where the recording is: in files or in memory. recording_source_free releases everything. */
 struct recording_source {
     char *name, *id;       /* display name; the client's id, or NULL */
-    char *folder;          /* folder of the files: nothing outside is opened (open_below.h); NULL = any */
+    char *folder;          /* folder of the files: nothing outside is opened (files.h); NULL = any */
     char *fap_path;        /* path of the .fap, within the folder if set; NULL = in memory */
     char *sound_path;      /* NULL = in memory, or if that is empty, beside fap_path */
     struct buf fap, sound; /* file contents in memory */
@@ -61,8 +65,22 @@ void recording_start(struct recording *recording);
 void recording_release(struct recording *recording);
 void recording_free(struct recording *recording);
 
-const char *recording_name(const struct recording *recording);
-const char *recording_id(const struct recording *recording);
+/* The same, as the source of an utterance; `source` is a struct recording_source. Never fails: what is wrong
+ * is reported once it has started. */
+struct speech_source *recording_open_source(const struct pipeline *pipeline, void *source,
+                                            const struct synthesis_callbacks *callbacks, void *ctx,
+                                            struct error *e);
+
 double recording_fps(const struct recording *recording); /* known from the first segment on */
+
+/* Sound of a recording as mono samples, in any format of libsndfile. */
+
+/* Opens the source's sound file, its memory (which is then freed), or a file beside its .fap. *sound is
+ * NULL without sound. Returns -1 with *e ("bad-sound"). */
+int recording_sound_open(struct sound_reader **sound, struct recording_source *source,
+                         const struct reader *reader, const atomic_bool *given_up, struct error *e);
+
+/* Returns the number of samples read, less than `count` at the end. */
+uint32_t recording_sound_read(struct sound_reader *sound, int16_t *pcm, uint32_t count);
 
 #endif

@@ -191,9 +191,13 @@ static void on_voices(void *ctx) {
         synthesis_go_on(s);
 }
 
+static const struct speech_source_ops source_ops;
+
 struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
                                  const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
     struct synthesis *s = mem_alloc(sizeof *s);
+    s->base = (struct speech_source){
+        .ops = &source_ops, .request = &s->request, .text = s, .own_face = request->seed >= 0};
     s->pipeline = pipeline;
     s->expressions = expressions_share(pipeline->expressions);
     s->callbacks = *callbacks;
@@ -581,15 +585,6 @@ void synthesis_close(struct synthesis *s) {
     synthesis_submit(s);
 }
 
-bool synthesis_is_open(const struct synthesis *s) {
-    return s->writing && !s->writing->closed;
-}
-
-bool synthesis_awaits_text(const struct synthesis *s) {
-    return synthesis_is_open(s) && s->score && s->delivered == s->score->sentence_count &&
-           s->samples < UINT32_MAX / 2; /* later speech needs the clock, too */
-}
-
 /* Closes a text that was idle for too long, so that others get their turn. */
 static void give_up(struct synthesis *s) {
     struct error e;
@@ -623,4 +618,80 @@ static void on_timer(uv_timer_t *timer) {
     if (!w->closed && (silent < w->settle || most))
         writing_wake(s, silent < w->settle ? w->settle - silent : most - silent);
     synthesis_deliver(s);
+}
+
+/* A synthesis as a source. */
+
+static struct synthesis *of(struct speech_source *source) {
+    return (struct synthesis *)source;
+}
+
+static const struct synthesis *of_const(const struct speech_source *source) {
+    return (const struct synthesis *)source;
+}
+
+static void source_start(struct speech_source *source) {
+    synthesis_start(of(source));
+}
+
+static void source_release(struct speech_source *source) {
+    synthesis_release(of(source));
+}
+
+static void source_free(struct speech_source *source) {
+    synthesis_free(of(source));
+}
+
+static double source_fps(const struct speech_source *source) {
+    return source->request->fps;
+}
+
+static const char *source_id(const struct speech_source *source) {
+    return source->request->id;
+}
+
+static void source_describe(const struct speech_source *source, struct source_description *description) {
+    const struct synthesis *s = of_const(source);
+    *description = (struct source_description){.voice = s->voice->id,
+                                               .lang = synthesis_lang(s),
+                                               .engine = synthesis_engine(s),
+                                               .markup = synthesis_markup(s)};
+}
+
+static bool source_is_open(const struct speech_source *source) {
+    const struct writing *w = of_const(source)->writing;
+    return w && !w->closed;
+}
+
+static void source_close(struct speech_source *source) {
+    synthesis_close(of(source));
+}
+
+static bool source_awaits(const struct speech_source *source) {
+    const struct synthesis *s = of_const(source);
+    return source_is_open(source) && s->score && s->delivered == s->score->sentence_count &&
+           s->samples < UINT32_MAX / 2; /* later speech needs the clock, too */
+}
+
+static void source_wait(struct speech_source *source, unsigned ms) {
+    struct synthesis *s = of(source);
+    s->callbacks.segment(s->ctx, synthesis_wait(s, ms));
+}
+
+static const struct speech_source_ops source_ops = {.start = source_start,
+                                                    .release = source_release,
+                                                    .free = source_free,
+                                                    .fps = source_fps,
+                                                    .id = source_id,
+                                                    .describe = source_describe,
+                                                    .is_open = source_is_open,
+                                                    .close = source_close,
+                                                    .awaits = source_awaits,
+                                                    .wait = source_wait};
+
+struct speech_source *synthesis_open_source(const struct pipeline *pipeline, void *request,
+                                            const struct synthesis_callbacks *callbacks, void *ctx,
+                                            struct error *e) {
+    struct synthesis *s = synthesis_open(pipeline, request, callbacks, ctx, e);
+    return s ? &s->base : NULL;
 }

@@ -13,6 +13,7 @@
 #include "server/synthesis/media_segment.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/speech_request.h"
+#include "server/synthesis/speech_source.h"
 #include "server/voice/voice_pool.h"
 
 /* Tells whether the language has a pack, or, if it shares the general one, a voice. */
@@ -20,20 +21,17 @@ bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang);
 
 struct synthesis;
 
-struct synthesis_callbacks {
-    void (*segment)(void *ctx, struct media_segment segment);
-    /* A sentence could not be spoken, or (warning) a part of the text was ignored. */
-    void (*problem)(void *ctx, const struct error *e, bool warning);
-    /* No segment follows; `spoken` segments came. */
-    void (*finished)(void *ctx, size_t spoken);
-};
-
 /* Checks and copies the request. Returns NULL with *e when it cannot be met. While plugins start that
  * could provide its voice (voice_pool_settled), the utterance waits and has no voice or language. Errors
  * found then, or inside a long text (struct pipeline), are reported as a problem, followed by `finished`
  * with nothing spoken. */
 struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
                                  const struct synthesis_callbacks *callbacks, void *ctx, struct error *e);
+
+/* The same, as the source of an utterance; `request` is a struct speech_request. */
+struct speech_source *synthesis_open_source(const struct pipeline *pipeline, void *request,
+                                            const struct synthesis_callbacks *callbacks, void *ctx,
+                                            struct error *e);
 
 /* Starts. Callbacks come later, from the loop; none after synthesis_free, which may be called from within
  * one. */
@@ -53,13 +51,6 @@ int synthesis_write(struct synthesis *synthesis, const char *text, size_t size, 
  * ignore other requests. */
 void synthesis_flush(struct synthesis *synthesis);
 void synthesis_close(struct synthesis *synthesis);
-
-/* Tell whether more may be written, and whether everything written has been delivered. */
-bool synthesis_is_open(const struct synthesis *synthesis);
-bool synthesis_awaits_text(const struct synthesis *synthesis);
-
-/* Returns a silent segment to play while text is awaited; later segments follow it. */
-struct media_segment synthesis_wait(struct synthesis *synthesis, unsigned ms);
 
 /* Releases one segment, so that another may come. */
 void synthesis_release(struct synthesis *synthesis);

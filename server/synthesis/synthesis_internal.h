@@ -81,6 +81,7 @@ struct writing {
 
 /* While `reading`, the text and the result belong to the worker thread. */
 struct synthesis {
+    struct speech_source base;
     const struct pipeline *pipeline;
     const struct expressions *expressions; /* a reference to the version at the start */
     struct speech_request request;
@@ -115,6 +116,9 @@ struct synthesis {
  * its samples. */
 void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio *audio);
 struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot *slot);
+
+/* Returns a silent segment to play while text is awaited; later segments follow it. */
+struct media_segment synthesis_wait(struct synthesis *synthesis, unsigned ms);
 
 /* Chooses the request's language and voice and checks that the engine supports them. Returns -1 with *e. */
 int synthesis_choose(struct synthesis *synthesis, struct error *e);

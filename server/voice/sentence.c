@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sentence in progress. */
 #include "server/voice/sentence.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/sound_reader.h"
 #include "server/base/work_gate.h"
 #include "server/voice/assembly.h"
 #include "server/voice/sentence_audio.h"
+#include "server/voice/sound_reader.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -239,26 +240,11 @@ static void read_mono(struct sound_reader *sound, double volume, struct sentence
     }
 }
 
-/* Opens a file by the path that sound_find found, unless a part of it has become a link since. */
-static int open_found(const char *path) {
-    char link[40], now[PATH_MAX];
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0)
-        return -1;
-    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
-    ssize_t size = readlink(link, now, sizeof now);
-    if (size == (ssize_t)strlen(path) && !memcmp(now, path, (size_t)size))
-        return fd;
-    close(fd);
-    errno = ELOOP;
-    return -1;
-}
-
 struct sentence_audio *sound_read(const struct reader *reader, const char *path, double volume,
                                   uint32_t sample_rate, const atomic_bool *given_up, struct error *e) {
     char message[SOUND_MESSAGE_BYTES];
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    int fd = open_found(path);
+    int fd = open_without_links(path, O_RDONLY); /* sound_find resolved it */
     if (fd < 0)
         snprintf(message, sizeof message, "%s", strerror(errno));
     struct sound_reader *sound =

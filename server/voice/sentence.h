@@ -17,7 +17,7 @@ enum { SOUND_SECONDS = 60, SOUND_BYTES_MAX = 64 << 20, SOUND_CHANNELS_MAX = 16 }
  * used; a NULL folder has no sounds. */
 char *sound_find(const char *folder, const char *src, struct error *e);
 
-/* Reads a sound file (base/sound_reader.h), mixed to mono and scaled by volume, as a sentence's audio with
+/* Reads a sound file (sound_reader.h), mixed to mono and scaled by volume, as a sentence's audio with
  * a single pause. Returns NULL with *e when it cannot be read. Stops early when *given_up, which may be
  * NULL, is set. Callable from any thread. */
 struct sentence_audio *sound_read(const struct reader *reader, const char *path, double volume,

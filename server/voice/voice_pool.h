@@ -7,7 +7,6 @@
 #include "server/base/error.h"
 #include "server/base/metrics.h"
 #include "server/cluster/cluster.h"
-#include "server/cluster/work_queue.h"
 #include "server/markup/score.h"
 #include "server/voice/boundary_table.h"
 #include "server/voice/sentence_audio.h"

@@ -6,7 +6,7 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/etag.h"
-#include "server/cluster/work_queue.h"
+#include "server/cluster/cluster.h"
 #include "server/voice/assembly.h"
 #include "server/voice/voice_pool.h"
 #include "server/voice/voice_request.h"

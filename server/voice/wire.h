@@ -7,7 +7,7 @@
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
-#include "server/base/wire_bytes.h"
+#include "server/base/buf.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
@@ -85,8 +85,8 @@ void wire_put_event(struct buf *b, const struct wire_event *event);
 /* Reads the next event. Returns false at the end of the payload, or with r->bad set if it is broken. */
 bool wire_get_event(struct wire_reader *r, struct wire_event *event);
 
-/* A plugin that aligns sound to a second voice (server/align/reference.h) needs a worker of that voice,
- * with its own plugin and a narrower sandbox. Once confined it cannot start one, so it first forks a
+/* A plugin that aligns sound to a second voice (server/library/align/reference.h) needs a worker of that
+ * voice, with its own plugin and a narrower sandbox. Once confined it cannot start one, so it first forks a
  * spawner that does nothing else. Only faccia's own plugins may set this capability, because the protocol
  * is private. */
 

@@ -13,7 +13,7 @@ const texts = {
 };
 const percent = (value) => (value === null ? '' : `${Math.round(100 * value)}`);
 for (const lang of process.argv.length > 2 ? process.argv.slice(2) : Object.keys(texts)) {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['eval', '--lang', lang, '--rates', '80,160,240,320', '--ablation', '--json', '-', texts[lang]], { maxBuffer: 1 << 28 });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['eval', '--lang', lang, '--rates', '80,160,240,320', '--ablation', '--json', '-', texts[lang]], { maxBuffer: 1 << 28 });
   if (status !== 0) throw new Error(String(stderr));
   const { rows } = JSON.parse(stdout);
   console.log(`\n${lang}: ${rows[0].bilabials} bilabials, ${rows[0].labiodentals} labiodentals; % at 80, 160, 240, 320 words a minute\n`);

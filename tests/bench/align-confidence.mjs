@@ -14,7 +14,7 @@ import { austen, manzoni } from '../lib/texts.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
 const { values, positionals } = parseArgs({ allowPositionals: true, options: { program: { type: 'string' }, voices: { type: 'string', default: 'kal,slt,lp,pc,carlo' } } });
-const count = Number(positionals[0] ?? 14), faccia = values.program ?? path.join(build, 'server/app/faccia');
+const count = Number(positionals[0] ?? 14), faccia = values.program ?? path.join(build, 'server/cli/faccia');
 let state = Number(positionals[1] ?? 1);
 const random = (below) => {
   state = (Math.imul(state, 1664525) + 1013904223) | 0;

@@ -14,7 +14,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bench-'));
 const found = [], chance = [];
 let refused = 0;
 for (const prompt of chosen) {
-  const phones = alignedPhones(path.join(build, 'server/app/faccia'), prompt, folder);
+  const phones = alignedPhones(path.join(build, 'server/cli/faccia'), prompt, folder);
   if (!phones) {
     refused++;
     continue;

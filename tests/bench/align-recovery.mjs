@@ -11,7 +11,7 @@ import { build } from '../lib/daemon.mjs';
 import { madeOf, prompts } from '../lib/prompts.mjs';
 
 const { values, positionals } = parseArgs({ allowPositionals: true, options: { program: { type: 'string' } } });
-const count = Number(positionals[0] ?? 60), faccia = values.program ?? path.join(build, 'server/app/faccia');
+const count = Number(positionals[0] ?? 60), faccia = values.program ?? path.join(build, 'server/cli/faccia');
 let state = Number(positionals[1] ?? 1);
 const random = (below) => {
   state = (Math.imul(state, 1664525) + 1013904223) | 0;

@@ -14,7 +14,7 @@ const voices = (process.argv[2] ?? 'lp,pc,slt,kal').split(','), sentences = Numb
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const file = (name) => path.join(folder, name);
 const read = (name) => JSON.parse(fs.readFileSync(file(name)));
-const faccia = path.join(build, 'server/app/faccia');
+const faccia = path.join(build, 'server/cli/faccia');
 
 /** CPU seconds of a command. */
 const cpu = (...command) => {

@@ -8,11 +8,11 @@
  * through all targets that hold (alpha 0.5 and more), each reached where it belongs, with half a cosine
  * between them; at the rate of the files, at half and at double that. What it prints goes into
  * server/face/engines/targets.c. */
-#include "server/align/times.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/face/engines/targets.h"
-#include "server/fit/measured_speech.h"
+#include "server/library/align/times.h"
+#include "server/research/measured_speech.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

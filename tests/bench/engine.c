@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the
  * synthesis of the same speech in the same run. Usage: engine TEXT-FILE LANG FPS [ENGINE]. */
-#include "server/app/cli.h"
 #include "server/base/buf.h"
+#include "server/cli/cli.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -17,7 +17,7 @@ const [WIDTH, TILES, TILE, WAVE, GAP, MARGIN] = [1260, 14, 72, 110, 120, 24];
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-picture-'));
 fs.writeFileSync(path.join(folder, 'a.txt'), TEXT);
-execFileSync(path.join(build, 'server/app/faccia'), ['align', '-q', SOUND, '--text', path.join(folder, 'a.txt'), '-l', 'en', '--json', path.join(folder, 'a.json')]);
+execFileSync(path.join(build, 'server/cli/faccia'), ['align', '-q', SOUND, '--text', path.join(folder, 'a.txt'), '-l', 'en', '--json', path.join(folder, 'a.json')]);
 const { phones } = JSON.parse(fs.readFileSync(path.join(folder, 'a.json')));
 const wav = fs.readFileSync(SOUND), rate = wav.readUInt32LE(24), samples = new Int16Array(wav.buffer.slice(wav.byteOffset + 44, wav.byteOffset + wav.length - (wav.length % 2)));
 

@@ -18,7 +18,7 @@ import { rhubarb, versionOf, wawa } from '../lib/hearing-others.mjs';
 import { alignedPhones, prompts } from '../lib/prompts.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
-const faccia = path.join(build, 'server/app/faccia');
+const faccia = path.join(build, 'server/cli/faccia');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bench-'));
 const file = (name) => path.join(folder, name);
 const run = (...options) => execFileSync(faccia, options, { stdio: ['ignore', 'pipe', 'pipe'], maxBuffer: 1 << 28 });

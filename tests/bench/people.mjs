@@ -12,7 +12,7 @@ const [lang, ...files] = process.argv.slice(2);
 const people = Array.from({ length: files.length / 2 }, (_, i) => ({ curves: files[2 * i], times: files[2 * i + 1] }));
 if (!people.length || files.length % 2) throw new Error('usage: people.mjs LANG CURVES TIMES [CURVES TIMES]...');
 const faccia = (args, env = {}) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { env: { ...process.env, ...env }, maxBuffer: 1 << 28 });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), args, { env: { ...process.env, ...env }, maxBuffer: 1 << 28 });
   if (status !== 0) throw new Error(`faccia ${args.join(' ')}: ${stderr}`);
   return { stdout: String(stdout), stderr: String(stderr) };
 };

@@ -93,7 +93,7 @@ function say(voice, lang, half, table) {
   for (const name of ['speech', 'normalization', 'expressions.json']) fs.symlinkSync(path.join(root, 'models', name), path.join(models, name));
   if (table) fs.writeFileSync(path.join(models, 'boundaries.json'), JSON.stringify({ sounds, voices: { [voice]: table } }));
   const text = sentences[lang].filter((_, i) => i % 2 === half).join('\n');
-  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--voice', voice, '--lang', lang, '--wav', wav, '--json', json, text],
+  execFileSync(path.join(build, 'server/cli/faccia'), ['say', '--voice', voice, '--lang', lang, '--wav', wav, '--json', json, text],
     { stdio: ['ignore', 'ignore', 'inherit'], env: { ...process.env, FACCIA_MODELS: models } });
   const bytes = fs.readFileSync(wav), rate = bytes.readUInt32LE(24);
   return { phones: JSON.parse(fs.readFileSync(json)).phones, rate, pcm: Float64Array.from({ length: (bytes.length - 44) >> 1 }, (_, i) => bytes.readInt16LE(44 + 2 * i)) };

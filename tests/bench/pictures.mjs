@@ -36,7 +36,7 @@ window.draw = (frames) => {
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'pictures-'));
 const fap = path.join(folder, 'a.fap');
-execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'it', '--fps', '30', '--fap', fap, '--wav', path.join(folder, 'a.wav'), TEXT], { stdio: 'ignore' });
+execFileSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', 'it', '--fps', '30', '--fap', fap, '--wav', path.join(folder, 'a.wav'), TEXT], { stdio: 'ignore' });
 const { frames } = parseFap(fs.readFileSync(fap, 'utf8'));
 fs.rmSync(folder, { recursive: true });
 const set = JSON.parse(fs.readFileSync(process.argv[2] ?? path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'pictures/mara.json')));

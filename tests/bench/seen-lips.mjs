@@ -27,7 +27,7 @@ const { values: wanted, positionals: [name = 'samuel'] } = parseArgs({
 const [fps, lines, marked] = [Number(wanted.fps), Number(wanted.lines), wanted.markers];
 const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : wanted.points === '4' ? '' : `-${wanted.points}`}`);
 const models = path.join(folder, 'models');
-const faccia = path.join(root, 'build/server/app/faccia');
+const faccia = path.join(root, 'build/server/cli/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
 const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.', 'Mio padre beve il vino.', 'La pioggia batte sui vetri.',
   'Domani vado a Bologna.', 'Che bella giornata di maggio!', 'Il fiume scorre sotto il ponte.', 'Vorrei una tazza di latte.', 'Le mele cadono dagli alberi.', 'Papà compra pane e burro.'];

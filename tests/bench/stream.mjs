@@ -114,7 +114,7 @@ function lipErrors(decoded) {
   return decoded.frames.flatMap((values, k) => [...points.values()].map((axes) =>
     Math.hypot(...axes.map(({ n, mm }) => (values[n] - original.frames[k][n]) * mm))));
 }
-const faccia = (args, input) => spawnSync(path.join(build, 'server/app/faccia'), ['fap', ...args, '-'], { input, maxBuffer: 1 << 28 }).stdout;
+const faccia = (args, input) => spawnSync(path.join(build, 'server/cli/faccia'), ['fap', ...args, '-'], { input, maxBuffer: 1 << 28 }).stdout;
 const lossless = faccia(['encode', '--quality', '0'], ascii);
 // of the same frames: what is spoken anew for another answer is not the same to the last unit
 const errors = lipErrors(parseFap(String(faccia(['decode'], faccia(['encode'], ascii)))));

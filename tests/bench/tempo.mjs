@@ -22,7 +22,7 @@ const sounds = { person, voice };
 for (const [name, { pcm, rate }] of Object.entries(sounds)) {
   fs.writeFileSync(file(`${name}.wav`), wavOf(pcm, rate));
   fs.writeFileSync(file(`${name}.txt`), texts[name]);
-  const { stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['align', file(`${name}.wav`), '--text', file(`${name}.txt`), '-l', 'it', '--json', file(`${name}.timing.json`)]);
+  const { stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['align', file(`${name}.wav`), '--text', file(`${name}.txt`), '-l', 'it', '--json', file(`${name}.timing.json`)]);
   if (`${stderr}`) console.log(`${name}: ${`${stderr}`.trim().split('\n').length} remarks of the alignment`);
 }
 fs.writeFileSync(file('config.json'), JSON.stringify({ recording: { folder, seconds: 300 } }));

@@ -87,7 +87,7 @@ fs.writeFileSync(text, prose(seconds));
 fs.writeFileSync(latin, prose(seconds).replace(/[’‘]/g, "'"), 'latin1');
 for (const [voice, program] of Object.entries(engines).filter(([voice]) => !chosen.length || chosen.includes(voice))) {
   const file = path.join(folder, 'faccia.wav');
-  const ours = await run([path.join(build, 'server/app/faccia'), 'say', '-l', 'it', '-v', voice, '--wav', file, '-f', text]);
+  const ours = await run([path.join(build, 'server/cli/faccia'), 'say', '-l', 'it', '-v', voice, '--wav', file, '-f', text]);
   const alone = await run(program(voice.startsWith('festival') ? latin : text));
   const audio = await firstAudio(daemon, voice);
   const name = path.basename(program(text)[0]);

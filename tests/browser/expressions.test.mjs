@@ -12,7 +12,7 @@ import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { label, reduce } from '../lib/sheet.mjs';
 
-const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), ['expressions', ...args]).toString();
+const faccia = (...args) => execFileSync(path.join(build, 'server/cli/faccia'), ['expressions', ...args]).toString();
 const all = JSON.parse(faccia('--json')).expressions;
 const affects = all.filter((e) => e.kind === 'affect').map((e) => e.name);
 const basics = all.filter((e) => e.basic).map((e) => e.name);

@@ -147,7 +147,7 @@ after(async () => {
 function spoken(text) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'foreign-'));
   const [fap, json] = ['a.fap', 'a.json'].map((file) => path.join(folder, file));
-  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'it', '--fps', '50', '--still', '--fap', fap, '--json', json, text], { stdio: 'ignore' });
+  execFileSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', 'it', '--fps', '50', '--still', '--fap', fap, '--json', json, text], { stdio: 'ignore' });
   const out = { ...parseFap(fs.readFileSync(fap, 'utf8')), phones: JSON.parse(fs.readFileSync(json)).phones };
   fs.rmSync(folder, { recursive: true });
   return out;

@@ -230,7 +230,7 @@ test('an announcement on a screen that nobody has touched was not heard, as facc
   await said('idle');
   await said('sound blocked'); // before anything is said: who announces something is told in time
   const say = async () => {
-    const child = spawn(path.join(build, 'server/doors/faccia-say'), ['--url', daemon.url, '--room', 'atrio', '--lang', 'it', '--wait', 'La cena è pronta.']);
+    const child = spawn(path.join(build, 'server/bridges/faccia-say'), ['--url', daemon.url, '--room', 'atrio', '--lang', 'it', '--wait', 'La cena è pronta.']);
     let told = '';
     child.stderr.setEncoding('utf8').on('data', (text) => (told += text));
     const [status] = await once(child, 'close');

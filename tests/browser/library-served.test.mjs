@@ -23,7 +23,7 @@ before(async () => {
   fs.mkdirSync(path.join(folder, 'texts'));
   fs.writeFileSync(path.join(folder, 'texts/mare.xml'), tei);
   fs.writeFileSync(path.join(folder, 'texts/zitto.md'), `---\ntitle: Zitto\nlang: it\n---\n${recorded}\n`);
-  execFileSync(path.join(ordinary, 'server/app/faccia'), ['say', '--lang', 'it', '--voice', 'espeak:it', '--wav', path.join(folder, 'texts/zitto.wav'), recorded]);
+  execFileSync(path.join(ordinary, 'server/cli/faccia'), ['say', '--lang', 'it', '--voice', 'espeak:it', '--wav', path.join(folder, 'texts/zitto.wav'), recorded]);
   daemon = await Daemon.start(['--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index')]);
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
   browser = await launch({ webgl: false });

@@ -20,7 +20,7 @@ let daemon, browser, painter, screen, spoken;
 
 before(async () => {
   const file = (name) => path.join(folder, name);
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', 'it', '-v', VOICE, '--wav', file('a.wav'), '--json', file('a.json'), SENTENCE]);
+  const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '-l', 'it', '-v', VOICE, '--wav', file('a.wav'), '--json', file('a.json'), SENTENCE]);
   assert.equal(status, 0, String(stderr));
   const data = fs.readFileSync(file('a.wav')), rate = data.readUInt32LE(24), samples = new Int16Array(data.buffer.slice(data.byteOffset + 44));
   spoken = { rate, samples, phones: JSON.parse(fs.readFileSync(file('a.json'))).phones };

@@ -83,7 +83,7 @@ async function posed(page, faps, name) {
 function spoken(text) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'pictures-'));
   const [fap, json] = ['a.fap', 'a.json'].map((file) => path.join(folder, file));
-  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'it', '--fps', '100', '--still', '--fap', fap, '--json', json, text], { stdio: 'ignore' });
+  execFileSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', 'it', '--fps', '100', '--still', '--fap', fap, '--json', json, text], { stdio: 'ignore' });
   const out = { ...parseFap(fs.readFileSync(fap, 'utf8')), phones: JSON.parse(fs.readFileSync(json)).phones };
   fs.rmSync(folder, { recursive: true });
   return out;

@@ -86,7 +86,7 @@ test('nothing answers; something else answers; the address is none', async () =>
 
 test('a server that wants a token says so before anybody speaks, and is content with one', async () => {
   const locked = await Daemon.start(['--secret-file', secrets]);
-  const token = spawnSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna'], { encoding: 'utf8' }).stdout.trim();
+  const token = spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna'], { encoding: 'utf8' }).stdout.trim();
   server.files['/'] = fiveLines(locked.url, 'lang="en"');
   const { page, error, message } = await open(server.url, 'token');
   assert.equal(error.code, 'token-needed');

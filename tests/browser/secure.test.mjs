@@ -19,7 +19,7 @@ before(async () => {
   const secret = path.join(folder, 'secret');
   fs.writeFileSync(secret, 'a secret that is long enough for tokens\n', { mode: 0o600 });
   daemon = await Daemon.start(['--host', '*', '--remote', '--secret-file', secret, '--tls-self-signed', own]);
-  token = execFileSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secret, '--subject', 'tablet', '--rights', 'listen,speak', '--expires', '1h'], { encoding: 'utf8' }).trim();
+  token = execFileSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secret, '--subject', 'tablet', '--rights', 'listen,speak', '--expires', '1h'], { encoding: 'utf8' }).trim();
   origin = `https://${address}:${daemon.port}`;
   // the tablet's own store of authorities
   const store = path.join(folder, '.pki/nssdb');

@@ -12,7 +12,7 @@ import { build, Daemon } from '../lib/daemon.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-token-'));
 const secrets = path.join(folder, 'secrets');
 fs.writeFileSync(secrets, 'x'.repeat(40));
-const token = (...options) => spawnSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', ...options], { encoding: 'utf8' }).stdout.trim();
+const token = (...options) => spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', ...options], { encoding: 'utf8' }).stdout.trim();
 
 let daemon, browser, page;
 before(async () => {

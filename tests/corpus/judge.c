@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the readers say of files: on each line of standard input a kind and a path, on each line of standard
  * output "ok", or code, place and message with tabs between them. */
-#include "server/align/times.h"
 #include "server/api/heads.h"
-#include "server/app/settings_internal.h"
 #include "server/base/mem.h"
+#include "server/daemon/settings_internal.h"
 #include "server/expression/gestures.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_pack_internal.h"
 #include "server/face/packs/spelling.h"
+#include "server/library/align/times.h"
 #include "server/normalize/normalizers.h"
 #include "server/plugins/command/command_config.h"
 #include "server/voice/boundary_table.h"

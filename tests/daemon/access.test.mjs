@@ -17,7 +17,7 @@ fs.writeFileSync(otherFile, 'another secret, which the daemon does not know\n');
 
 const token = (options = [], file = secretFile) => {
   const args = ['token', '--secret-file', file, '--subject', 'anna', ...options];
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { encoding: 'utf8' });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), args, { encoding: 'utf8' });
   assert.equal(status, 0, stderr);
   return stdout.trim();
 };

@@ -13,7 +13,7 @@ import { alignedPhones, closures, loudness, madeOf, prompts } from '../lib/promp
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
-const faccia = path.join(ordinary, 'server/app/faccia');
+const faccia = path.join(ordinary, 'server/cli/faccia');
 const all = prompts();
 const named = (...names) => names.map((name) => all.find((p) => p.name === name));
 

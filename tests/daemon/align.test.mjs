@@ -148,7 +148,7 @@ test('a second channel that is the first one inverted, and files whose recorder 
     dead.writeUInt32LE(length, 4);
     dead.writeUInt32LE(length, 40);
     assert.deepEqual(words(aligned(write('dead.wav', dead), short, { from: ordinary })), first, `${length}`);
-    const heard = spawnSync(path.join(ordinary, 'server/app/faccia'), ['hear', '--fap', file('dead.fap'), file('dead.wav')], { encoding: 'utf8' });
+    const heard = spawnSync(path.join(ordinary, 'server/cli/faccia'), ['hear', '--fap', file('dead.fap'), file('dead.wav')], { encoding: 'utf8' });
     assert.equal(heard.status, 0, heard.stderr);
     assert.ok(fs.statSync(file('dead.fap')).size > 1000);
   }
@@ -286,7 +286,7 @@ test('a chapter of eleven minutes, in the memory of a short one', further, async
   const sound = wav('chapter.wav', truth.pcm, truth.rate), seconds = truth.pcm.length / truth.rate;
   assert.ok(seconds > 660, `${seconds} s`);
   const most = async (sound, text) => {
-    const child = spawn(path.join(ordinary, 'server/app/faccia'),
+    const child = spawn(path.join(ordinary, 'server/cli/faccia'),
       ['align', sound, '--text', write('chapter.txt', text), '--gender', 'male', '--json', file('chapter.json'), '--fap', file('chapter.fap')]);
     let peak = 0;
     const timer = setInterval(() => {

@@ -16,7 +16,7 @@ const kept = path.join(folder, 'index.voices');
 const options = (percent) => ['--library', path.relative(process.cwd(), works), '--library-index', path.join(folder, 'index'), '--library-align', String(percent)];
 const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
 const work = (text) => `---\ntitle: Prova\nlang: it\n---\n${text}\n`;
-const say = (name, text) => execFileSync(path.join(ordinary, 'server/app/faccia'), ['say', '--lang', 'it', '--wav', path.join(works, `${name}.wav`), text]);
+const say = (name, text) => execFileSync(path.join(ordinary, 'server/cli/faccia'), ['say', '--lang', 'it', '--wav', path.join(works, `${name}.wav`), text]);
 const ajv = new Ajv({ strict: false });
 ajv.addSchema(JSON.parse(fs.readFileSync(path.join(root, 'protocol/schema/library.json'))), 'library');
 const valid = (name, value) => {
@@ -121,7 +121,7 @@ test('begun again; what is not read and what is not written is told by passages,
 test('what is known is not found again; another text or sound is; what is only touched is not', async () => {
   const times = path.join(kept, 'detto.timing.json');
   const made = fs.statSync(times).mtimeMs;
-  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/app/facciad') }); // the rest takes minutes with the sanitizers
+  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/daemon/facciad') }); // the rest takes minutes with the sanitizers
   const known = await eventually(async () => { const now = await list(); return now.alignment.aligned === 2 && now.alignment; }, 'what is known');
   assert.deepEqual([known.failed, known.waiting], [1, 0]);
   assert.doesNotMatch(daemon.log, /is being aligned/);
@@ -156,9 +156,9 @@ test('what is known is not found again; another text or sound is; what is only t
 test('times that lie beside a recording are taken as they are: a TextGrid', async () => {
   const at = (ending) => path.join(works, `griglia.${ending}`);
   put('griglia.md', work(`${MONTE}\n\n${NOTTE}`));
-  execFileSync(path.join(ordinary, 'server/app/faccia'), ['say', '--lang', 'it', '--wav', at('wav'), '--textgrid', at('TextGrid'), '--json', path.join(folder, 'griglia.json'), `${MONTE} ${NOTTE}`]);
+  execFileSync(path.join(ordinary, 'server/cli/faccia'), ['say', '--lang', 'it', '--wav', at('wav'), '--textgrid', at('TextGrid'), '--json', path.join(folder, 'griglia.json'), `${MONTE} ${NOTTE}`]);
   const said = JSON.parse(fs.readFileSync(path.join(folder, 'griglia.json'))).words;
-  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/app/facciad') });
+  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/daemon/facciad') });
   await until('griglia', 'aligned');
   const { words } = await (await daemon.get('/v1/speech?passage=griglia:1:p1&voice=recording&format=json')).json();
   assert.equal(words.length, 11);

@@ -23,7 +23,7 @@ after(async () => {
 
 /** Runs it; gives its status and what it wrote on standard error. */
 async function run(options, { input, url = daemon.url, env = {} } = {}) {
-  const child = spawn(path.join(build, 'server/doors/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
+  const child = spawn(path.join(build, 'server/bridges/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
   let stderr = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text));
   child.stdout.resume();
@@ -108,7 +108,7 @@ test('a token is shown to a daemon that wants one', async () => {
   const [secret, token] = ['secret', 'token'].map((name) => path.join(folder, name));
   fs.writeFileSync(secret, `${'s'.repeat(40)}\n`, { mode: 0o600 });
   const own = await Daemon.start(['--secret-file', secret, '--hold', '60']);
-  const signed = spawn(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secret, '-s', 'cron'], { stdio: ['ignore', fs.openSync(token, 'w'), 'inherit'] });
+  const signed = spawn(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secret, '-s', 'cron'], { stdio: ['ignore', fs.openSync(token, 'w'), 'inherit'] });
   await once(signed, 'close');
   const refused = await run([...kitchen, 'Ciao.'], { url: own.url });
   assert.equal(refused.status, 1);

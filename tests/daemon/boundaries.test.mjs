@@ -13,7 +13,7 @@ after(() => fs.rmSync(models, { recursive: true }));
 for (const name of ['speech', 'normalization', 'expressions.json']) fs.symlinkSync(path.join(root, 'models', name), path.join(models, name));
 const table = (value) => fs.writeFileSync(path.join(models, 'boundaries.json'), value);
 const fap = path.join(models, 'said.fap');
-const say = (...args) => spawnSync(path.join(build, 'server/app/faccia'), [...args, 'say', '--voice', 'espeak:it', '--json', '-', '--fap', fap, 'La pasta bolle.'],
+const say = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), [...args, 'say', '--voice', 'espeak:it', '--json', '-', '--fap', fap, 'La pasta bolle.'],
   { encoding: 'utf8', maxBuffer: 1 << 28, env: { ...process.env, FACCIA_MODELS: models } });
 const said = (...args) => ({ ...JSON.parse(say(...args).stdout), face: fs.readFileSync(fap, 'utf8') });
 const rule = (ms) => JSON.stringify({ sounds: { vowel: 'aeo', p: 'p' }, voices: { 'espeak:it': [{ before: 'vowel', after: 'p', ms }], 'espeak:tr': [{ before: 'p', after: 'vowel', ms: -20 }] } });

@@ -156,7 +156,7 @@ test(`all doors open, seed ${seed}`, () => chaos(seconds * 0.7));
 test(`tokens and small limits, seed ${seed}`, async () => {
   const secrets = path.join(folder, 'secrets');
   writeFileSync(secrets, 'a secret that is long enough for the daemon\n', { mode: 0o600 });
-  const { stdout } = spawnSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', '--rights', 'listen,speak'], { encoding: 'utf8' });
+  const { stdout } = spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', '--rights', 'listen,speak'], { encoding: 'utf8' });
   const limits = { connections: 12, rooms: 2, queue: 3, text: 2000, message: 5000, play: 2048, 'per-address': 10 };
   const options = Object.entries(limits).flatMap(([name, limit]) => [`--max-${name}`, String(limit)]);
   await chaos(seconds * 0.3, { options: ['--secret-file', secrets, '--send-bytes', '4096', '--send-bytes-max', '65536', ...options], token: stdout.trim(), statuses: [200, 429, 503] });

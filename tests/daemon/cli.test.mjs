@@ -114,7 +114,7 @@ test('the help names each option that protocol/messages.json declares, and compl
   assert.ok(options.length > 10);
   for (const name of options) assert.match(stdout, new RegExp(`^ +(-[a-z], )?--${name}\\b`, 'm'), name);
   const complete = (...line) => execFileSync('bash', ['-c', 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); compopt() { :; }; _faccia "$1"; echo "${COMPREPLY[*]}"',
-    'bash', path.join(root, 'server/deploy/completion/faccia'), path.join(build, 'server/app/faccia'), ...line], { encoding: 'utf8' }).trim().split(' ');
+    'bash', path.join(root, 'server/packaging/completion/faccia'), path.join(build, 'server/cli/faccia'), ...line], { encoding: 'utf8' }).trim().split(' ');
   assert.deepEqual(complete('say', '--contacts', ''), members.contacts.words);
   assert.deepEqual(complete('say', '--markup', 's'), ['ssml']);
   const offered = complete('say', '--');

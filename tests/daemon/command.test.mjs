@@ -133,7 +133,7 @@ for (const [config, message] of mistakes)
   test(`a mistake in the configuration is named: ${message.source}`, () => {
     const file = path.join(folder, 'mistake.json');
     fs.writeFileSync(file, JSON.stringify(config));
-    const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['voices', '-l', 'it'], { env: { ...process.env, FACCIA_VOICE_CONFIG: file } });
+    const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['voices', '-l', 'it'], { env: { ...process.env, FACCIA_VOICE_CONFIG: file } });
     assert.match(String(stderr), message);
     assert.equal(status, 0, 'the other voices are there');
   });
@@ -143,8 +143,8 @@ for (const [text, message] of [['{', /bad\.json/], ['[]', /an object/], ['{"espe
     const file = path.join(folder, 'bad.json');
     fs.rmSync(file, { force: true });
     if (text !== null) fs.writeFileSync(file, text);
-    for (const [program, ...args] of [['facciad', '--port', '0', '--voice-config', file], ['faccia', 'voices']]) {
-      const { status, stderr } = spawnSync(path.join(build, 'server/app', program), args, { timeout: 20000, env: { ...process.env, FACCIA_VOICE_CONFIG: file } });
+    for (const [program, ...args] of [['daemon/facciad', '--port', '0', '--voice-config', file], ['cli/faccia', 'voices']]) {
+      const { status, stderr } = spawnSync(path.join(build, 'server', program), args, { timeout: 20000, env: { ...process.env, FACCIA_VOICE_CONFIG: file } });
       assert.match(String(stderr), message);
       assert.ok(status > 0);
     }

@@ -14,7 +14,7 @@ after(() => fs.rmSync(folder, { recursive: true }));
 const sources = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../../server');
 
 /** All executables below a folder of the build. */
-const programs = ['app', 'doors', 'voice'].flatMap((part) => {
+const programs = ['daemon', 'cli', 'library/align', 'bridges', 'voice'].flatMap((part) => {
   const under = path.join(build, 'server', part);
   return fs.readdirSync(under).map((name) => path.join(under, name))
     .filter((file) => fs.statSync(file).isFile() && fs.statSync(file).mode & 0o100 && fs.readFileSync(file).subarray(1, 4).toString() === 'ELF' && !file.endsWith('.so'));
@@ -45,7 +45,7 @@ for (const file of programs) {
 
 test('long-running programs: standard descriptors are open, no signal is blocked, SIGPIPE and SIGXFSZ are ignored', async () => {
   const bit = (n) => 1n << BigInt(n - 1);
-  for (const [name, ...options] of [['doors/faccia-wyoming', '--listen', '0'], ['doors/faccia-lva', '--assistant', 'ws://127.0.0.1:1'], ['doors/faccia-mqtt', '--broker', '127.0.0.1:1'], ['app/facciad', '--port', '0']]) {
+  for (const [name, ...options] of [['bridges/faccia-wyoming', '--listen', '0'], ['bridges/faccia-lva', '--assistant', 'ws://127.0.0.1:1'], ['bridges/faccia-mqtt', '--broker', '127.0.0.1:1'], ['daemon/facciad', '--port', '0']]) {
     const file = path.join(build, 'server', name);
     if (!fs.existsSync(file)) continue;
     const child = spawn('env', ['--block-signal=TERM', '--ignore-signal=CHLD', 'bash', '-c', 'exec "$@" <&- >&- 2>&-', 'bash', file, ...options], { stdio: 'ignore' });
@@ -66,7 +66,7 @@ test('an index that reaches the limit of files is told; the daemon goes on', asy
   const works = path.join(folder, 'works');
   fs.mkdirSync(works);
   fs.writeFileSync(path.join(works, 'b.txt'), Array.from({ length: 20000 }, (_, i) => `amore parola numero ${i} che parla piano`).join('\n\n'));
-  const child = spawn('bash', ['-c', 'ulimit -f 1024; exec "$@"', 'bash', path.join(build, 'server/app/facciad'), '--port', '0', '--library', works, '--library-index', path.join(folder, 'i.db')], { stdio: ['ignore', 'ignore', 'pipe'] });
+  const child = spawn('bash', ['-c', 'ulimit -f 1024; exec "$@"', 'bash', path.join(build, 'server/daemon/facciad'), '--port', '0', '--library', works, '--library-index', path.join(folder, 'i.db')], { stdio: ['ignore', 'ignore', 'pipe'] });
   let log = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (log += text));
   const ended = once(child, 'exit');

@@ -35,7 +35,7 @@ after(async () => {
 
 /** Runs faccia; gives what it wrote into those formats. */
 function faccia(args, formats, text) {
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), [...args, ...formats.flatMap((format) => [`--${format}`, file(format)])],
+  const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), [...args, ...formats.flatMap((format) => [`--${format}`, file(format)])],
     { input: text, encoding: 'utf8' });
   assert.equal(status, 0, stderr);
   return formats.map((format) => fs.readFileSync(file(format), 'utf8'));
@@ -234,7 +234,7 @@ test('a puppet gets the same weights by OSC, each when its time has come', async
   const packets = [];
   socket.on('message', (bytes) => packets.push(bytes));
   const { port } = socket.address();
-  const child = spawn(path.join(build, 'server/app/faccia'), ['say', '-l', 'it', '--still', '--osc', `127.0.0.1:${port}`, '--arkit-ndjson', file('osc'), 'La mamma parla piano, e poi se ne va.'],
+  const child = spawn(path.join(build, 'server/cli/faccia'), ['say', '-l', 'it', '--still', '--osc', `127.0.0.1:${port}`, '--arkit-ndjson', file('osc'), 'La mamma parla piano, e poi se ne va.'],
     { stdio: ['ignore', 'ignore', 'inherit'] });
   const begun = performance.now();
   const [status] = await once(child, 'close');
@@ -278,7 +278,7 @@ test('a puppet gets the same weights by OSC, each when its time has come', async
 
 test('an address that is none is told', () => {
   for (const target of ['nowhere', ':1', 'localhost:', 'no such host:1', '127.0.0.1:port']) {
-    const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', 'it', '--osc', target, 'a'], { encoding: 'utf8' });
+    const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '-l', 'it', '--osc', target, 'a'], { encoding: 'utf8' });
     assert.equal(status, 2, target);
     assert.match(stderr, /--osc: no address like/);
   }

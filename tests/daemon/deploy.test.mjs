@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What server/deploy has for clusters: each metric that an alert or the dashboard asks for is one that a daemon has, and the
+// What server/packaging has for clusters: each metric that an alert or the dashboard asks for is one that a daemon has, and the
 // containers of the Kubernetes manifests start with their own arguments and answer their own probes.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -12,7 +12,7 @@ import { Redis } from '../lib/redis.mjs';
 import { Worker } from '../lib/worker.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-deploy-'));
-const read = (name) => fs.readFileSync(path.join(root, 'server/deploy', name), 'utf8');
+const read = (name) => fs.readFileSync(path.join(root, 'server/packaging', name), 'utf8');
 const manifests = read('kubernetes.yaml').split('\n---\n').map((text) => parseYaml(text));
 const named = (kind, name) => manifests.find((one) => one.kind === kind && one.metadata.name === name);
 const container = (name) => named('Deployment', name).spec.template.spec.containers[0];

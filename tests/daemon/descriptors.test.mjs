@@ -15,9 +15,9 @@ after(() => fs.rmSync(folder, { recursive: true }));
 
 /** A daemon under these limits of its process. */
 async function start(t, limits, ...options) {
-  const program = path.join(folder, 'build', 'server/app/facciad');
+  const program = path.join(folder, 'build', 'server/daemon/facciad');
   fs.mkdirSync(path.dirname(program), { recursive: true });
-  fs.writeFileSync(program, `#!/bin/sh\nexec prlimit --nofile=${limits} "${path.join(build, 'server/app/facciad')}" "$@"\n`, { mode: 0o755 });
+  fs.writeFileSync(program, `#!/bin/sh\nexec prlimit --nofile=${limits} "${path.join(build, 'server/daemon/facciad')}" "$@"\n`, { mode: 0o755 });
   const daemon = await Daemon.start(options, {}, { program });
   t.after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
   return daemon;
@@ -35,7 +35,7 @@ test('the limit is raised to what the connections need', async (t) => {
   const daemon = await start(t, '256:20000', '--max-connections', '5000');
   assert.ok(softLimit(daemon.process.pid) >= 5050, `${softLimit(daemon.process.pid)}`);
   assert.doesNotMatch(daemon.log, /too few/);
-  assert.match(fs.readFileSync(path.join(root, 'server/app/facciad.service.in'), 'utf8'), /^LimitNOFILE=\d+$/m);
+  assert.match(fs.readFileSync(path.join(root, 'server/daemon/facciad.service.in'), 'utf8'), /^LimitNOFILE=\d+$/m);
 });
 
 test('where it may not be raised there are fewer connections, it is said, and a worker can still be started', async (t) => {

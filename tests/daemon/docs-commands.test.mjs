@@ -40,7 +40,7 @@ function tree(page) {
 const here = (code) =>
   code
     .replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`)
-    .replace(/^sh server\/run\.sh(.*)$/gm, (_, options) => `build/server/app/facciad ${options} --print-config >config.json`);
+    .replace(/^sh server\/run\.sh(.*)$/gm, (_, options) => `build/server/daemon/facciad ${options} --print-config >config.json`);
 
 async function run(code, at) {
   const child = spawn('sh', ['-ec', code], { cwd: at, env: { ...process.env, FACCIA_MODELS: path.join(ordinary, 'models'), FACCIA_URL: daemon.url }, stdio: ['ignore', 'pipe', 'pipe'] });

@@ -17,7 +17,7 @@ const fresh = () => {
   fs.mkdirSync(own);
   return (name) => path.join(own, name);
 };
-const program = path.join(build, 'server/app/faccia');
+const program = path.join(build, 'server/cli/faccia');
 const faccia = (args, env = {}) => spawnSync(program, args, { encoding: 'utf8', env: { ...process.env, ...env } });
 
 // a voice whose program speaks the first sentence only, or none

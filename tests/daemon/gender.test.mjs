@@ -6,7 +6,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
 
-const faccia = path.join(build, 'server/app/faccia');
+const faccia = path.join(build, 'server/cli/faccia');
 let daemon, voices;
 before(async () => {
   daemon = await Daemon.start();

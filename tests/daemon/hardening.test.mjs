@@ -25,7 +25,7 @@ const files = built(path.join(ordinary, 'server'));
 const read = (file, ...options) => execFileSync('readelf', ['-W', ...options, file], { encoding: 'utf8', maxBuffer: 1 << 26 });
 const x86 = process.arch === 'x64';
 
-test('the daemon, its workers, the doors and the plugins are there', () => {
+test('the daemon, its workers, the bridges and the plugins are there', () => {
   const names = files.map((file) => path.basename(file));
   for (const name of ['facciad', 'faccia', 'faccia-say', 'faccia-worker']) assert.ok(names.includes(name), `${name} among ${names}`);
   assert.ok(files.some((file) => file.endsWith('.so')), 'plugins');

@@ -124,7 +124,7 @@ test('one piece or many, a file or standard input: the same to the last bit', ()
   assert.ok(whole.length > 10000);
   assert.equal(hear(['--raw', String(rate), '--ndjson', '-', '-'], raw).stdout, whole);
   fs.writeFileSync(file('raw'), raw);
-  const slow = spawnSync('sh', ['-c', 'dd if="$1" bs=997 status=none | "$0" hear --raw "$2" -', path.join(build, 'server/app/faccia'), file('raw'), String(rate)], { maxBuffer: 1 << 28 });
+  const slow = spawnSync('sh', ['-c', 'dd if="$1" bs=997 status=none | "$0" hear --raw "$2" -', path.join(build, 'server/cli/faccia'), file('raw'), String(rate)], { maxBuffer: 1 << 28 });
   assert.equal(String(slow.stdout), whole);
 });
 

@@ -128,7 +128,7 @@ test('every parameter is decoded, wherever it stands, whatever is before it', as
   const secrets = path.join(folder, 'secrets');
   fs.writeFileSync(secrets, `${'a secret'.repeat(5)}\n`);
   const guarded = await Daemon.start(['--secret-file', secrets]);
-  const token = execFileSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', '--room', 'hall'], { encoding: 'utf8' }).trim();
+  const token = execFileSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', '--room', 'hall'], { encoding: 'utf8' }).trim();
   // a JSON Web Token may hold claims of others: this one has none, so an unknown parameter makes up its length
   const long = await RawSocket.open(guarded.port, {}, `/v1/stream?x-note=${'n'.repeat(2000)}&token=${token}&r%6Fom=h%61ll&lang=it`);
   await long.message({ type: 'joined', room: 'hall', may_speak: true });

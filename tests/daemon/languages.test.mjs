@@ -19,7 +19,7 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   fs.rmSync(folder, { recursive: true });
 });
-const faccia = (args) => spawnSync(path.join(build, 'server/app/faccia'), args, { maxBuffer: 1 << 28 });
+const faccia = (args) => spawnSync(path.join(build, 'server/cli/faccia'), args, { maxBuffer: 1 << 28 });
 
 test('there is a sample for each of its languages', async () => {
   const { voices } = await (await daemon.get('/v1/voices')).json();

@@ -13,7 +13,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-export-'));
 const works = path.join(folder, 'works');
 const made = path.join(folder, 'made');
 const file = (name) => path.join(made, name);
-const program = path.join(build, 'server/app/faccia');
+const program = path.join(build, 'server/cli/faccia');
 const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
 const faccia = (...args) => spawnSync(program, args, { encoding: 'utf8', env: { ...process.env, XDG_CACHE_HOME: folder } });
 const written = (work, ...options) => {

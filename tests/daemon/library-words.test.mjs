@@ -13,7 +13,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-words-'));
 const works = path.join(folder, 'works');
 const bounds = path.join(folder, 'bounds'); // not of the daemon's: reading alone is quick
 const secret = path.join(folder, 'secret.txt');
-const program = path.join(build, 'server/app/faccia');
+const program = path.join(build, 'server/cli/faccia');
 const header = (inner) => `<teiHeader><fileDesc>${inner}</fileDesc></teiHeader>`;
 const tei = (body, { attributes = '', head = '', doctype = '' } = {}) =>
   `<?xml version="1.0"?>${doctype}<TEI xmlns="http://www.tei-c.org/ns/1.0">${head}<text xml:lang="it" ${attributes}><body><div>${body}</div></body></text></TEI>`;

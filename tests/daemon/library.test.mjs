@@ -18,7 +18,7 @@ const works = path.join(folder, 'works');
 const index = path.join(folder, 'works.index');
 const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
 const tei = (body, doctype = '') => `<?xml version="1.0"?>\n${doctype}<TEI xml:lang="it"><text><body>${body}</body></text></TEI>`;
-const program = path.join(build, 'server/app/faccia');
+const program = path.join(build, 'server/cli/faccia');
 const ajv = new Ajv({ strict: false });
 const schema = JSON.parse(fs.readFileSync(path.join(root, 'protocol/schema/library.json')));
 ajv.addSchema(schema, 'library');

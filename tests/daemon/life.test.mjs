@@ -10,7 +10,7 @@ import { build } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const env = { ...process.env, FACCIA_MODELS: path.join(build, 'models'), FACCIA_PLUGINS: path.join(build, 'server/plugins'), FACCIA_WORKER: path.join(build, 'server/voice/faccia-voice') };
-const life = (...args) => spawnSync(path.join(build, 'server/app/faccia'), ['life', ...args], { env, encoding: 'utf8' });
+const life = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), ['life', ...args], { env, encoding: 'utf8' });
 const figure = (run, name) => Number(run.stdout.match(new RegExp(`^${name} +([\\d.]+)`, 'm'))[1]);
 
 test('idling is measured and written, the same for the same seed', () => {

@@ -9,7 +9,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build } from '../lib/daemon.mjs';
 
-const facciad = path.join(build, 'server/app/facciad');
+const facciad = path.join(build, 'server/daemon/facciad');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-listen-'));
 const secrets = path.join(folder, 'secrets');
 fs.writeFileSync(secrets, `${'a secret'.repeat(5)}\n`);

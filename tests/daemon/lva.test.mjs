@@ -13,7 +13,7 @@ import { build, Daemon, eventually } from '../lib/daemon.mjs';
 
 let daemon, kiosk, assistant, door, told;
 const start = (...options) => {
-  const child = spawn(path.join(build, 'server/doors/faccia-lva'), options);
+  const child = spawn(path.join(build, 'server/bridges/faccia-lva'), options);
   child.text = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (child.text += text));
   child.stdout.resume();

@@ -6,7 +6,7 @@ import path from 'node:path';
 import { test } from 'node:test';
 import { build, Daemon, Stream, eventually } from '../lib/daemon.mjs';
 
-const sanitized = fs.readFileSync(path.join(build, 'server/app/facciad')).includes('__asan_init');
+const sanitized = fs.readFileSync(path.join(build, 'server/daemon/facciad')).includes('__asan_init');
 const skip = sanitized && 'the sanitizer has an allocator of its own, which keeps what was freed; tests/run.sh runs it in the ordinary build, too ("limits")';
 const CONNECTIONS = 40, MB = 1 << 20;
 

@@ -15,11 +15,11 @@ import { sign } from '../lib/tokens.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const file = (name) => path.join(folder, name);
-const program = path.join(build, 'server/doors/faccia-live');
+const program = path.join(build, 'server/bridges/faccia-live');
 
 let daemon, kiosk, spoken;
 before(async () => {
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.']);
+  const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.']);
   assert.equal(status, 0, String(stderr));
   const data = fs.readFileSync(file('es.wav'));
   spoken = { rate: data.readUInt32LE(24), raw: data.subarray(44), samples: new Int16Array(data.buffer.slice(data.byteOffset + 44)), phones: JSON.parse(fs.readFileSync(file('es.json'))).phones };

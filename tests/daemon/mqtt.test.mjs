@@ -74,7 +74,7 @@ before(async () => {
   await startBroker();
   kiosk = await daemon.stream('?lang=it&room=kitchen');
   await kiosk.wait({ type: 'joined' });
-  bridge = start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', 'kitchen', '--room', 'hall', '--broker', `127.0.0.1:${port}`, '--url', daemon.url]);
+  bridge = start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', 'kitchen', '--room', 'hall', '--broker', `127.0.0.1:${port}`, '--url', daemon.url]);
   await listen();
   await saidOn('homeassistant/device/faccia_kitchen/config');
   await saidOn('faccia/kitchen/now/available', 'online');
@@ -248,7 +248,7 @@ test('the daemon goes in the middle of a word: it is told, and what comes meanwh
   const own = String(await freePort());
   const first = await Daemon.start(['--port', own]);
   const listener = await first.stream('?lang=it&room=attic');
-  const second = start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', 'attic', '--client', 'second', '--base', 'two', '--discovery', 'none', '--broker', `127.0.0.1:${port}`, '--url', first.url]);
+  const second = start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', 'attic', '--client', 'second', '--base', 'two', '--discovery', 'none', '--broker', `127.0.0.1:${port}`, '--url', first.url]);
   await saidOn('two/attic/now/available', 'online');
   await publish('two/attic/say', { id: 'cut', text: 'Una frase lunga che il demone non potrà finire, perché se ne va prima della fine.', lang: 'it' });
   await listener.wait({ type: 'begin', id: 'cut' });
@@ -266,7 +266,7 @@ test('the daemon goes in the middle of a word: it is told, and what comes meanwh
 
 /** A bridge of a room of its own. */
 const bridgeOf = (room, broker, options = [], env = {}) =>
-  start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', room, '--client', room, '--base', room, '--discovery', 'none', '--broker', `127.0.0.1:${broker}`, '--url', daemon.url, ...options], env);
+  start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', room, '--client', room, '--base', room, '--discovery', 'none', '--broker', `127.0.0.1:${broker}`, '--url', daemon.url, ...options], env);
 
 test('TLS and a password: who has both is let in, and whoever lacks one says so', async () => {
   const ca = (name) => ['--ca-file', path.join(folder, `${name}.crt`), '--user', 'casa'];
@@ -315,7 +315,7 @@ test('a broker that lies, or stops in the middle of a frame, is left and tried a
 });
 
 test('options that are wrong are told', async () => {
-  const run = (...options) => start(path.join(build, 'server/doors/faccia-mqtt'), options);
+  const run = (...options) => start(path.join(build, 'server/bridges/faccia-mqtt'), options);
   for (const options of [['--room', 'no spaces'], ['--broker', 'x:0'], ['--base', 'a/#'], ['--nothing'], ['x']]) assert.equal(await run(...options).exited, 2, String(options));
   assert.equal(await run('--url', 'kitchen').exited, 1);
   assert.equal(await run('--ca-file', '/nowhere').exited, 1);

@@ -321,7 +321,7 @@ test('the same over HTTP: a body is spoken in a room while it is written', async
 });
 
 test('faccia say speaks standard input while it is written', async () => {
-  const say = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', '--lang', 'it', '--ndjson', '-', '-']);
+  const say = spawn(path.join(build, 'server/cli/faccia'), ['say', '--open', '--lang', 'it', '--ndjson', '-', '-']);
   let out = '';
   const heard = (text) => new Promise((resolve) => say.stdout.on('data', () => out.includes(`"text":"${text}"`) && resolve()));
   say.stdout.setEncoding('utf8').on('data', (piece) => (out += piece));
@@ -332,6 +332,6 @@ test('faccia say speaks standard input while it is written', async () => {
   assert.equal(await new Promise((resolve) => say.on('close', resolve)), 0, out);
   const words = out.trim().split('\n').map((line) => JSON.parse(line)).filter((line) => line.type === 'word');
   assert.deepEqual(words.map((word) => [word.start, word.text]), [[0, 'Prima'], [6, 'frase'], [13, 'Seconda'], [21, 'frase']]);
-  const wrong = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', 'Ciao.']);
+  const wrong = spawn(path.join(build, 'server/cli/faccia'), ['say', '--open', 'Ciao.']);
   assert.equal(await new Promise((resolve) => wrong.on('close', resolve)), 2);
 });

@@ -9,7 +9,7 @@ import { after, test } from 'node:test';
 import { build, Daemon, eventually } from '../lib/daemon.mjs';
 
 const facciad = (args) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/facciad'), args, { timeout: 20000 });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), args, { timeout: 20000 });
   return { status, stdout: String(stdout), stderr: String(stderr) };
 };
 
@@ -116,7 +116,7 @@ const file = (name, content) => {
 
 test('settings: the file, then the environment, then the options', () => {
   const config = file('a.json', { limits: { text_bytes: 1000, queue: 5, connections: 7 }, access: { origins: ['https://a.example'] } });
-  const { status, stdout } = spawnSync(path.join(build, 'server/app/facciad'), ['--print-config', '--config', config, '--max-connections', '9'], {
+  const { status, stdout } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--print-config', '--config', config, '--max-connections', '9'], {
     encoding: 'utf8',
     env: { ...process.env, FACCIA_MAX_QUEUE: '6', FACCIA_MAX_CONNECTIONS: '8' },
   });
@@ -162,7 +162,7 @@ for (const [content, message] of wrongFiles)
 
 test('a file that is not there, and a wrong variable', () => {
   assert.match(facciad(['--config', '/nowhere.json']).stderr, /\/nowhere\.json/);
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/facciad'), [], { encoding: 'utf8', env: { ...process.env, FACCIA_PORT: 'x' } });
+  const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), [], { encoding: 'utf8', env: { ...process.env, FACCIA_PORT: 'x' } });
   assert.equal(status, 2);
   assert.match(stderr, /FACCIA_PORT: 'x'/);
 });
@@ -259,6 +259,6 @@ child.terminate()
 wait('STOPPING=1')
 print(child.wait())
 `;
-  const { stdout, stderr } = spawnSync('python3', ['-c', script, folder, path.join(build, 'server/app/facciad')], { encoding: 'utf8', timeout: 60000 });
+  const { stdout, stderr } = spawnSync('python3', ['-c', script, folder, path.join(build, 'server/daemon/facciad')], { encoding: 'utf8', timeout: 60000 });
   assert.equal(stdout, '200\n0\n', stderr);
 });

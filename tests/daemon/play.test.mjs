@@ -15,7 +15,7 @@ import { wavOf } from '../lib/wav.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-play-'));
 const media = path.join(folder, 'media');
 const file = (name) => path.join(media, name);
-const faccia = (...args) => spawnSync(path.join(build, 'server/app/faccia'), args, { encoding: 'utf8', maxBuffer: 1 << 26 });
+const faccia = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), args, { encoding: 'utf8', maxBuffer: 1 << 26 });
 
 /** A .fap of so many frames: FAP 3 counts them. */
 const fap = (frames, fps = 25, value = (k) => k) => {

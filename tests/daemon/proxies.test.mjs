@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two daemons behind nginx, and behind HAProxy, with the files of server/deploy and TLS: all of a room is at one daemon, whoever comes and however;
+// Two daemons behind nginx, and behind HAProxy, with the files of server/packaging and TLS: all of a room is at one daemon, whoever comes and however;
 // when that daemon is gone, the room goes on at the other.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
@@ -15,7 +15,7 @@ import { Daemon, eventually, root } from '../lib/daemon.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-proxies-'));
 fs.chmodSync(folder, 0o755);
 const at = (name) => path.join(folder, name);
-const read = (name) => fs.readFileSync(path.join(root, 'server/deploy', name), 'utf8');
+const read = (name) => fs.readFileSync(path.join(root, 'server/packaging', name), 'utf8');
 const rooms = ['cucina', 'sala', 'camera', 'bagno', 'studio', 'portico', 'giardino', 'soffitta'];
 let daemons = [];
 

@@ -22,7 +22,7 @@ const running = new Set();
 let daemon, said, bypassed;
 
 const door = (name, ...options) => {
-  const child = spawn(name.includes('/') ? name : path.join(build, 'server/doors', name), options);
+  const child = spawn(name.includes('/') ? name : path.join(build, 'server/bridges', name), options);
   running.add(child);
   child.text = '';
   for (const out of [child.stderr, child.stdout]) out.on('data', (text) => (child.text += text));

@@ -34,7 +34,7 @@ const revoke = async (daemon, body, by = master) => {
   const answer = await response.json();
   return response.status < 300 ? answer : `${response.status} ${answer.code} ${answer.field ?? ''}`.trim();
 };
-const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['token', ...words], { encoding: 'utf8' });
+const faccia = (...words) => spawnSync(path.join(build, 'server/cli/faccia'), ['token', ...words], { encoding: 'utf8' });
 const hup = async (daemon) => {
   const before = daemon.log.split('settings read anew').length;
   daemon.process.kill('SIGHUP');
@@ -117,7 +117,7 @@ test('what cannot be taken back is told', async () => {
     await eventually(() => /revoked:2:1|must be 'token UNTIL JTI'[^]*settings stay as they were/.test(daemon.log.slice(log)), line);
   }
   fs.chmodSync(path.join(folder, 'revoked'), 0o666);
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', '--revoked-file', path.join(folder, 'revoked')], { encoding: 'utf8', timeout: 20000 });
+  const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', '--revoked-file', path.join(folder, 'revoked')], { encoding: 'utf8', timeout: 20000 });
   assert.equal(status, 1);
   assert.match(stderr, /revoked: others than its owner may write it/);
   fs.chmodSync(path.join(folder, 'revoked'), 0o600);

@@ -186,7 +186,7 @@ test('with tokens: listeners listen, speakers speak, each in his room', async ()
   const secrets = path.join(folder, 'secrets');
   fs.writeFileSync(secrets, 'x'.repeat(40));
   const token = (...options) =>
-    spawnSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'a', ...options], { encoding: 'utf8' }).stdout.trim();
+    spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'a', ...options], { encoding: 'utf8' }).stdout.trim();
   const guarded = await Daemon.start(['--secret-file', secrets]);
   const with_ = (text) => ({ headers: { authorization: `Bearer ${text}` } });
   const speaker = await enter('hall', guarded, with_(token('--room', 'hall', '--rights', 'listen,speak')));

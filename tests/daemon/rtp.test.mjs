@@ -21,7 +21,7 @@ const sender = dgram.createSocket('udp4');
 let daemon, kiosk, spoken;
 
 before(async () => {
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.']);
+  const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.']);
   assert.equal(status, 0, String(stderr));
   // the clocks find each other before it begins
   assert.equal(spawnSync('sox', [file('es.wav'), file('padded.wav'), 'pad', '1.5']).status, 0);
@@ -61,7 +61,7 @@ const codecs = {
 /** Has the line hear what `send` sends to its port; what the room heard of it. */
 async function through(codec, send) {
   const port = await freePort(), from = kiosk.messages.length;
-  const text = codecs[codec](line).replace('port=5004', `address=127.0.0.1 port=${port}`).replace('faccia-live', path.join(build, 'server/doors/faccia-live'));
+  const text = codecs[codec](line).replace('port=5004', `address=127.0.0.1 port=${port}`).replace('faccia-live', path.join(build, 'server/bridges/faccia-live'));
   assert.ok(codec === 'PCMU' || text.includes(codec.toUpperCase()), text);
   const child = spawn('sh', ['-c', text], { detached: true, stdio: ['ignore', 'ignore', 'pipe'], env: { ...process.env, FACCIA_URL: daemon.url } });
   let said = '';

@@ -25,7 +25,7 @@ async function run(program, args, stdin) {
   const child = spawn(program, args, {
     cwd: folder,
     // faccia as built; wscat from npm; python3 is Debian's, as its package with the library is
-    env: { ...process.env, PATH: `${path.join(build, 'server/app')}:${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
+    env: { ...process.env, PATH: `${path.join(build, 'server/cli')}:${path.join(build, 'server/daemon')}:${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
   });
   if (stdin) child.stdin.end(stdin === 'text' ? 'La mamma parla.\nIl papà no.\n' : '');
   let out = '', complaints = '';

@@ -8,7 +8,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
 
-const unit = path.join(build, 'server/app/facciad.service');
+const unit = path.join(build, 'server/daemon/facciad.service');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-service-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const analyze = (...args) => {
@@ -66,7 +66,7 @@ for name in open('${list}').read().split():
     if number >= 0:
         seccomp.seccomp_rule_add_array(found, ALLOW, number, 0, None)
 assert seccomp.seccomp_load(found) == 0
-os.execv('${path.join(build, 'server/app/facciad')}', ['facciad'] + sys.argv[1:])
+os.execv('${path.join(build, 'server/daemon/facciad')}', ['facciad'] + sys.argv[1:])
 `, { mode: 0o755 });
   // the leak detector would need ptrace
   const daemon = await Daemon.start([], { ASAN_OPTIONS: `${process.env.ASAN_OPTIONS ?? ''}:detect_leaks=0` }, { program: script });

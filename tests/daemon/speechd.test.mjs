@@ -10,7 +10,7 @@ import { after, before, test } from 'node:test';
 import { build, Daemon, eventually } from '../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
-const program = path.join(build, 'server/doors/sd_faccia');
+const program = path.join(build, 'server/bridges/sd_faccia');
 const config = path.join(folder, 'modules/faccia.conf');
 const running = new Set();
 let daemon;

@@ -133,7 +133,7 @@ child.stderr.read()
 print(child.wait())
 `;
   fs.rmSync(gate, { force: true });
-  const daemon = path.join(build, 'server/app/facciad');
+  const daemon = path.join(build, 'server/daemon/facciad');
   const args = ['-c', script, folder, gate, daemon, '--port', '0', '--plugins', plugins, '--voice-config', config];
   const { stdout, stderr } = spawnSync('python3', args, { encoding: 'utf8', timeout: 60000 });
   assert.equal(stdout, 'nothing yet\nREADY=1\n0\n', stderr);

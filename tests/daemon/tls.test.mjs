@@ -232,7 +232,7 @@ test('what is no certificate, no key, not its key, or a key for everybody is ref
     [['--tls-self-signed', file('a/b/c')], /--tls-self-signed: .*No such file/],
     [['--tls-self-signed', own, '--tls-cert', file('good.pem'), '--tls-key', file('good.key')], /--tls-self-signed: .*already/],
   ]) {
-    const { status, stderr } = spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], { encoding: 'utf8', timeout: 60000 });
+    const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', ...options], { encoding: 'utf8', timeout: 60000 });
     assert.notEqual(status, 0, options.join(' '));
     assert.match(stderr, pattern);
     assert.doesNotMatch(stderr, /Sanitizer/);

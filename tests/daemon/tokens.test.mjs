@@ -187,7 +187,7 @@ test('SIGHUP: a daemon that wants tokens from now on asks clients that are there
   assert.equal((await own.stop()).code, 0);
 });
 
-const start = (where) => spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', '--secret-file', where], { encoding: 'utf8', timeout: 20000 });
+const start = (where) => spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', '--secret-file', where], { encoding: 'utf8', timeout: 20000 });
 
 test('a file of secrets that others may write, or replace, is refused', () => {
   for (const mode of [0o620, 0o602, 0o666]) {

@@ -18,7 +18,7 @@ import { wavOf } from '../lib/wav.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const file = (name) => path.join(folder, name);
 const faccia = (...args) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { maxBuffer: 1 << 28 });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), args, { maxBuffer: 1 << 28 });
   assert.equal(status, 0, String(stderr));
   return String(stdout);
 };

@@ -30,7 +30,7 @@ for (const [lang, file, voices] of lists)
     test(`${lang}: every phone of ${voice} is known`, () => {
       const chosen = words(file);
       assert.ok(chosen.length > 1000, `${chosen.length} words in ${file}`);
-      const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '--lang', lang, '--voice', voice, '-'], {
+      const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', lang, '--voice', voice, '-'], {
         input: chosen.join(', ') + '.', maxBuffer: 1 << 30,
       });
       assert.equal(status, 0, String(stderr).slice(0, 500));

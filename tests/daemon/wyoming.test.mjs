@@ -12,7 +12,7 @@ let daemon;
 const running = new Set();
 
 async function start(...options) {
-  const child = spawn(path.join(build, 'server/doors/faccia-wyoming'), ['--listen', '0', '--url', daemon.url, ...options]);
+  const child = spawn(path.join(build, 'server/bridges/faccia-wyoming'), ['--listen', '0', '--url', daemon.url, ...options]);
   running.add(child);
   child.text = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (child.text += text));
@@ -313,7 +313,7 @@ test('clients that leave in the middle of the sound leave the others', async () 
 
 test('options that are wrong are told', async () => {
   const run = async (...options) => {
-    const child = spawn(path.join(build, 'server/doors/faccia-wyoming'), options);
+    const child = spawn(path.join(build, 'server/bridges/faccia-wyoming'), options);
     child.stdout.resume();
     child.stderr.resume();
     return (await once(child, 'exit'))[0];

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What comes from Redis, which anybody may have written: sentences and answers of the work queue, messages of
  * the bus, packed sound. The first byte says which. */
-#include "server/cluster/sound_pack.h"
-#include "server/cluster/work_pack.h"
+#include "server/cluster/redis_internal.h"
 #include "server/rooms/shared/packet.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What faccia fit and faccia eval --recording read of a person: the first line that is "---" divides the
  * curves from the phones. What can be read is compared with another person's: itself, a little later. */
-#include "server/app/fit_read.h"
-#include "server/eval/person.h"
+#include "server/research/fit_read.h"
+#include "server/research/person.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Headers of pictures: a size is read from within the bytes, by its kind's signature, and bytes that follow
  * do not change it. */
-#include "server/base/picture_size.h"
+#include "server/rooms/picture_size.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Replies of a Redis server. What is let through, hiredis reads without an error and to the same end; it is
  * let through in pieces as in one. The first byte says how long the pieces are. */
 #include "server/base/buf.h"
-#include "server/cluster/reply_check.h"
+#include "server/cluster/redis_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <hiredis/hiredis.h>
 #include <stdlib.h>

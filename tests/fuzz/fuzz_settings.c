@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults
  * (json_edit.c), or one setting's number and its text. What was taken is printed and read again. */
-#include "server/app/settings_internal.h"
 #include "server/base/utf8.h"
+#include "server/daemon/settings_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sound files, by everything that reads them. Byte 0 says who; the rest is the file. */
-#include "server/align/sound_file.h"
 #include "server/base/mem.h"
+#include "server/library/align/sound_file.h"
 #include "server/plugins/command/command_sound.h"
-#include "server/synthesis/recording_internal.h"
+#include "server/synthesis/recording.h"
 #include "server/voice/sentence.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -3,9 +3,9 @@
  * messages, each with its size (2 bytes) before it, on their way to a face. PCM in other pieces is the same.
  */
 #include "server/face/packs/speech_pack.h"
-#include "server/hear/lip_recogniser.h"
-#include "server/synthesis/jitter_buffer.h"
-#include "server/synthesis/live_voice.h"
+#include "server/live/jitter_buffer.h"
+#include "server/live/lip_recogniser.h"
+#include "server/live/live_voice.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

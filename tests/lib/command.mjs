@@ -14,6 +14,6 @@ export const saidBy = (stderr) => String(stderr).replace(/^==\d+==Unable to get 
  * @returns {{status: number, stdout: string, stderr: string, bytes: Buffer}} bytes: stdout as it is
  */
 export function faccia(args, { input, env = {}, from = build } = {}) {
-  const { status, stdout, stderr } = spawnSync(path.join(from, 'server/app/faccia'), args, { input, env: { ...process.env, ...env }, maxBuffer: 1 << 30 });
+  const { status, stdout, stderr } = spawnSync(path.join(from, 'server/cli/faccia'), args, { input, env: { ...process.env, ...env }, maxBuffer: 1 << 30 });
   return { status, stdout: String(stdout), stderr: saidBy(stderr), bytes: stdout };
 }

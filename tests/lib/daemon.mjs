@@ -37,7 +37,7 @@ export class Daemon {
    * @param {string[]} options of facciad; env: further variables; program: another one that becomes it;
    *   voices: false = does not wait for the voices
    */
-  static async start(options = [], env = {}, { voices = true, program = path.join(build, 'server/app/facciad') } = {}) {
+  static async start(options = [], env = {}, { voices = true, program = path.join(build, 'server/daemon/facciad') } = {}) {
     const daemon = new Daemon();
     daemon.log = '';
     daemon.process = spawn(program, ['--port', '0', ...options], {

@@ -24,7 +24,7 @@ function speak(text) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
     const [wav, json] = [path.join(folder, 'wav'), path.join(folder, 'json')];
     const { FACCIA_VOICE_CONFIG: _, ...env } = process.env;
-    spawnSync(path.join(build, 'server/app/faccia'), ['say', '--still', '-l', 'it', '-v', 'espeak:it', '--wav', wav, '--json', json, '-'], { input: text, env });
+    spawnSync(path.join(build, 'server/cli/faccia'), ['say', '--still', '-l', 'it', '-v', 'espeak:it', '--wav', wav, '--json', json, '-'], { input: text, env });
     // durations are whole milliseconds; a long consonant is one phone
     const list = [];
     let end = 0;

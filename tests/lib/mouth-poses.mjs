@@ -7,7 +7,7 @@ import path from 'node:path';
 import { build } from './daemon.mjs';
 import { parseFap } from './fapfile.mjs';
 
-const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), args, { stdio: ['ignore', 'pipe', 'ignore'] }).toString();
+const faccia = (...args) => execFileSync(path.join(build, 'server/cli/faccia'), args, { stdio: ['ignore', 'pipe', 'ignore'] }).toString();
 
 /** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
 export const LANGUAGES = {

@@ -13,7 +13,7 @@ export class Worker {
   static async start(options) {
     const worker = new Worker();
     worker.log = '';
-    worker.process = spawn(path.join(build, 'server/app/faccia-worker'), options, {
+    worker.process = spawn(path.join(build, 'server/daemon/faccia-worker'), options, {
       stdio: ['ignore', 'ignore', 'pipe'],
       env: { FACCIA_STOP_SECONDS: '0', ...process.env },
     });

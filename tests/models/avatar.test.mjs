@@ -117,13 +117,13 @@ test('a head whose texture is small as a file and gigabytes as a picture is refu
 });
 
 test('faccia head export writes it, and says what there is not', () => {
-  const faccia = (...args) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...args]);
+  const faccia = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), ['--models', models, 'head', ...args]);
   const [glb, vrm] = ['mara.glb', 'mara.vrm'].map((name) => path.join(folder, name));
   const { status, stderr } = faccia('export', 'mara', '--glb', glb, '--vrm', vrm);
   assert.equal(status, 0, String(stderr));
   const bytes = fs.readFileSync(file('mara', 'glb'));
   assert.ok(fs.readFileSync(glb).equals(bytes) && fs.readFileSync(vrm).equals(bytes));
-  assert.equal(spawnSync('sh', ['-c', '"$0" --models "$1" head export mara | cmp - "$1/heads/mara.glb"', path.join(build, 'server/app/faccia'), models]).status, 0);
+  assert.equal(spawnSync('sh', ['-c', '"$0" --models "$1" head export mara | cmp - "$1/heads/mara.glb"', path.join(build, 'server/cli/faccia'), models]).status, 0);
   for (const [args, code, what] of [
     [['export', 'nobody'], 1, /no head model 'nobody'/],
     [['export', '../speech/it'], 1, /no head model/],

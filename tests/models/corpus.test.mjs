@@ -12,7 +12,7 @@ import { build, root } from '../lib/daemon.mjs';
 import { agrees, corpus, json, schema } from '../lib/verdicts.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 
-const facciad = (...args) => spawnSync(path.join(build, 'server/app/facciad'), args, { encoding: 'utf8' }).stdout;
+const facciad = (...args) => spawnSync(path.join(build, 'server/daemon/facciad'), args, { encoding: 'utf8' }).stdout;
 
 /** only: the places that the reader looks at; it passes over the others. */
 const kinds = {

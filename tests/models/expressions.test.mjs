@@ -19,7 +19,7 @@ const faccia = (file, ...args) => command(file, ['expressions', ...args]);
 function command(file, args, input) {
   const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   fs.writeFileSync(path.join(models, 'expressions.json'), JSON.stringify(file));
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, env: { ...process.env, FACCIA_MODELS: models } });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), args, { input, env: { ...process.env, FACCIA_MODELS: models } });
   fs.rmSync(models, { recursive: true });
   return { status, stdout: String(stdout), stderr: String(stderr) };
 }

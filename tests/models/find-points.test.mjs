@@ -21,7 +21,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-find-'));
 const at = (name) => path.join(folder, name);
 const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
 const ours = (name) => load(path.join(models, `heads/${name}.json`));
-const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
+const faccia = (...words) => spawnSync(path.join(build, 'server/cli/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
 after(() => fs.rmSync(folder, { recursive: true }));
 
 const MOUTH = ['2.2', '2.3', '2.4', '2.5', '2.6', '2.7', '2.8', '2.9', '8.1', '8.3', '8.4', '9.15'];

@@ -27,7 +27,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-import-'));
 const at = (name) => path.join(folder, name);
 const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
 const mara = load(path.join(models, 'heads/mara.json'));
-const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
+const faccia = (...words) => spawnSync(path.join(build, 'server/cli/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
 
 function imported(out, ...words) {
   const { status, stdout, stderr } = faccia('import', ...words, '-o', at(out));

@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 import { moods, visemes } from '../../models/tools/avatar/make-shapes.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const program = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'server/app/faccia');
+const program = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'server/cli/faccia');
 const read = (name) => JSON.parse(fs.readFileSync(path.join(root, 'models', name)));
 const { faps: table } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/fap-table.json')));
 const { shapes } = read('shapes/arkit.json');

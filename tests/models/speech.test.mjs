@@ -40,7 +40,7 @@ test('what is broken in a file of a language is named with its place by the prog
   const table = read('visemes/pt.json');
   delete table.groups.i.class;
   fs.writeFileSync(path.join(models, 'speech/visemes/pt.json'), JSON.stringify(table));
-  const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', 'a'], { env: { ...process.env, FACCIA_MODELS: models } });
+  const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', 'a'], { env: { ...process.env, FACCIA_MODELS: models } });
   fs.rmSync(models, { recursive: true });
   assert.equal(status, 1);
   assert.match(String(stderr), /visemes: "pt": groups\.i\.class/);
@@ -53,7 +53,7 @@ test('a new language is a file', () => {
   const spanish = { tag: 'es', name: 'español', inherits: 'it', sources: ['a test'], voices: ['espeak:es'], abbreviations: ['sr'], phones: { x: { sampa: 'x', like: 'k' }, θ: { sampa: 'T', like: 'θ' } } };
   assert.ok(validate(spanish), JSON.stringify(validate.errors?.slice(0, 3)));
   fs.writeFileSync(path.join(models, 'speech/es.json'), JSON.stringify(spanish));
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'es', 'El hijo come jamón.'], { env: { ...process.env, FACCIA_MODELS: models } });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', 'es', 'El hijo come jamón.'], { env: { ...process.env, FACCIA_MODELS: models } });
   fs.rmSync(models, { recursive: true });
   assert.equal(status, 0, String(stderr));
   assert.equal(JSON.parse(stdout).lang, 'es');

@@ -20,7 +20,7 @@ const at = (name) => path.join(folder, name);
 const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
 const mara = load(path.join(models, 'heads/mara.json'));
 const landmarks = JSON.parse(fs.readFileSync(path.join(web, 'face-points.json'), 'utf8')).mara.at;
-const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
+const faccia = (...words) => spawnSync(path.join(build, 'server/cli/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
 /** The 68 of 300-W by the face mesh, as published elsewhere than in our table: where both have a jaw they differ along it. */
 const IBUG = '127 234 93 58 172 136 149 148 152 377 378 365 397 288 323 454 356 70 63 105 66 107 336 296 334 293 300 168 197 5 4 75 97 2 326 305 33 160 158 133 153 144 362 385 387 263 373 380 61 39 37 0 267 269 291 405 314 17 84 181 78 82 13 312 308 317 14 87'.split(' ').map(Number);
 

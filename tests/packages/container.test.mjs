@@ -21,7 +21,7 @@ before(() => {
   const base = buildah('from', 'scratch');
   buildah('add', base, freshArchive(path.join(packages, 'debian.tar')), '/');
   buildah('commit', '--rm', base, 'localhost/debian');
-  buildah('build', '--format', 'docker', '--pull-never', '--build-arg', 'BASE=localhost/debian', '-t', 'localhost/faccia', '-f', path.join(root, 'server/deploy/Containerfile'), packages);
+  buildah('build', '--format', 'docker', '--pull-never', '--build-arg', 'BASE=localhost/debian', '-t', 'localhost/faccia', '-f', path.join(root, 'server/packaging/Containerfile'), packages);
   container = buildah('from', 'localhost/faccia');
   mounted = buildah('mount', container);
 });
@@ -36,7 +36,7 @@ test('it is small: 150 MB at most', () => {
 });
 
 test('its bill of materials names every package that is in it, in its version', () => {
-  execFileSync('node', [path.join(root, 'server/deploy/sbom-container.mjs'), mounted, packages]);
+  execFileSync('node', [path.join(root, 'server/packaging/sbom-container.mjs'), mounted, packages]);
   const bom = JSON.parse(fs.readFileSync(path.join(packages, fs.readdirSync(packages).find((name) => /^faccia-container_.*\.cdx\.json$/.test(name))), 'utf8'));
   checkBill(bom);
   const debs = bom.components.filter((one) => one.purl.startsWith('pkg:deb/'));

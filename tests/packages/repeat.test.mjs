@@ -49,7 +49,7 @@ test('the npm packages', () => {
 });
 
 test('the Debian packages and their bill of materials', () => {
-  const [, other] = WAYS, at = run(other, 'sh "$1" packages', path.resolve(web, '../server/deploy/package.sh'));
+  const [, other] = WAYS, at = run(other, 'sh "$1" packages', path.resolve(web, '../server/packaging/package.sh'));
   const kept = (folder) => Object.entries(all(folder)).filter(([name]) => /\.deb$|^faccia_.*\.cdx\.json$/.test(name)); // not the container's, which another test makes
   const packages = kept(process.env.FACCIA_PACKAGES);
   assert.ok(packages.length > 5);

@@ -6,7 +6,7 @@ import path from 'node:path';
 import { test } from 'node:test';
 import { sources } from '../lib/sources.mjs';
 
-// From below to above: a stage includes those below it, and itself.
+// From below to above: a room includes those below it, and itself. A folder within a room may have an order of its own.
 const BELOW = {
   protocol: [],
   base: [],
@@ -17,23 +17,24 @@ const BELOW = {
   expression: ['markup', 'protocol', 'base'],
   voice: ['cluster', 'markup', 'base'],
   face: ['voice', 'expression', 'markup', 'protocol', 'base'],
-  hear: ['face', 'voice', 'protocol', 'base'],
-  synthesis: ['hear', 'face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
+  synthesis: ['face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   stream: ['synthesis', 'face', 'voice', 'expression', 'markup', 'protocol', 'base'],
   codec: ['stream', 'protocol', 'base'],
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
-  library: ['base'],
-  publish: ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
   rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],
-  api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
-  align: ['face', 'voice', 'markup', 'base'],
-  fit: ['face', 'voice', 'protocol', 'base'],
-  eval: ['fit', 'face', 'voice', 'expression', 'protocol', 'base'],
-  doors: ['http', 'base'],
-  plugins: ['align', 'face', 'voice', 'markup', 'base'],
+  api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
+  // beside the core
+  live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
+  library: ['base'],
+  'library/align': ['library', 'face', 'voice', 'markup', 'protocol', 'base'],
+  'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
+  research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
+  bridges: ['http', 'base'],
+  plugins: ['library/align', 'face', 'voice', 'markup', 'base'],
 };
-BELOW.app = Object.keys(BELOW);
+BELOW.daemon = Object.keys(BELOW);
+BELOW.cli = Object.keys(BELOW);
 
 /** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
 const HIDDEN = { rooms: ['face', 'voice', 'normalize'], api: ['face', 'voice', 'normalize'] };
@@ -44,7 +45,12 @@ const isTable = ({ name, code }) => {
   return /table|model/.test(path.basename(name)) && rows > code.split('\n').length / 2;
 };
 
-const stageOf = (name) => (name.startsWith('protocol/') ? 'protocol' : name.split('/')[1]);
+const stageOf = (name) => {
+  if (name.startsWith('protocol/')) return 'protocol';
+  if (/^server\/(live|library|research)\/.*\bfaccia_\w+\.c$/.test(name)) return 'cli'; // a command lies beside what it runs
+  const [, room, folder] = name.split('/');
+  return `${room}/${folder}` in BELOW ? `${room}/${folder}` : room;
+};
 /** x.c, x.h and x_internal.h are one. */
 const unitOf = (name) => name.replace(/(_internal)?\.[ch]$/, '');
 
@@ -167,7 +173,7 @@ test('no setting is read but by the settings', () => {
   );
   // PATH and HOME are the system's; a voice's worker tells what it loads, in its own process: libraries to be silent, a plugin that speaks
   // with a second voice whether that is confined; programs beside the daemon have their own
-  const others = asked.filter((line) => !/^server\/app\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/doors\/|^server\/(?:voice\/worker_main|align\/reference)\.c: "FACCIA_SANDBOX"$/.test(line));
+  const others = asked.filter((line) => !/^server\/daemon\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/bridges\/|^server\/(?:voice\/worker_main|library\/align\/reference)\.c: "FACCIA_SANDBOX"$/.test(line));
   assert.deepEqual(others, []);
 });
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/align/align.h"
+#include "server/library/align/align.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What daemons share: addresses of Redis, and sound that comes back as it was. */
 #include "server/base/mem.h"
-#include "server/cluster/redis_address.h"
-#include "server/cluster/sound_pack.h"
-#include "server/cluster/work_pack.h"
+#include "server/cluster/redis_internal.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

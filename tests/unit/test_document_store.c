@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A folder of documents: nobody loses what another has saved, and no name leaves the folder. */
-#include "server/base/document_store.h"
+#include "server/api/document_store.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

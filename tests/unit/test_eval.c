@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures of faces whose values are known. */
 #include "server/base/mem.h"
-#include "server/eval/eval.h"
-#include "server/eval/plot.h"
 #include "server/face/engines/contact.h"
 #include "server/face/track.h"
+#include "server/research/eval.h"
+#include "server/research/plot.h"
 #include "tests/unit/pack_fixture.h"
 #include <math.h>
 #include <setjmp.h>

@@ -3,7 +3,7 @@
  * noise: the fit must find curves that are nearer to the true ones than the noise, and nearer than the
  * function of Cohen and Massaro can come. */
 #include "server/base/mem.h"
-#include "server/fit/fit.h"
+#include "server/research/fit.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

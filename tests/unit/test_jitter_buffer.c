@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/jitter_buffer.h"
+#include "server/live/jitter_buffer.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/eval/life_statistics.h"
 #include "server/face/life/life.h"
 #include "server/face/life/life_prosody.h"
+#include "server/research/life_statistics.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>

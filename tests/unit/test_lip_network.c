@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/hear/lip_features.h"
-#include "server/hear/lip_network.h"
-#include "server/hear/lip_recogniser.h"
+#include "server/live/lip_features.h"
+#include "server/live/lip_network.h"
+#include "server/live/lip_recogniser.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/hear/lip_recogniser.h"
+#include "server/live/lip_recogniser.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/eval/noise.h"
+#include "server/research/noise.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

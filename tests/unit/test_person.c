@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Curves beside recordings whose answers are known exactly. */
 #include "server/base/mem.h"
-#include "server/eval/person.h"
-#include "server/fit/measured_speech.h"
+#include "server/research/measured_speech.h"
+#include "server/research/person.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sizes of pictures by their headers; each header cut short at every byte is copied to a block of exactly
  * that size, so that AddressSanitizer sees a byte too far. */
-#include "server/base/picture_size.h"
+#include "server/rooms/picture_size.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

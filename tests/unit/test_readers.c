@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The readers of marked-up text: what documents alone (tests/documents) do not show. */
 #include "server/base/buf.h"
-#include "server/base/lines.h"
 #include "server/base/sampa.h"
+#include "server/base/utf8.h"
 #include "server/markup/affects.h"
 #include "server/markup/markup.h"
-#include "server/markup/markup_prosody.h"
-#include "server/markup/sayas.h"
+#include "server/markup/styles.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>

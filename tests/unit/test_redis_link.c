@@ -2,7 +2,7 @@
 /* Who judges that Redis is silent: not a loop that was away itself, nor one that always has something to
  * send. */
 #include "server/base/mem.h"
-#include "server/cluster/redis_link.h"
+#include "server/cluster/redis_internal.h"
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>

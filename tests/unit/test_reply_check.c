@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a Redis server may send, and what it may not. */
 #include "server/base/buf.h"
-#include "server/cluster/reply_check.h"
+#include "server/cluster/redis_internal.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

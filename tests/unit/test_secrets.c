@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Who may write a file of secrets; what a token's header and dates say; by which names one may ask. */
-#include "server/access/host.h"
+#include "server/access/origin.h"
 #include "server/access/token.h"
 #include <fcntl.h>
 #include <jwt.h>

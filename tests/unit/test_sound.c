@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What every reader of sound shares: channels mixed to one, and WAV files whose recorder died. */
-#include "server/align/sound_file.h"
 #include "server/base/mixdown.h"
 #include "server/base/wav_file.h"
+#include "server/library/align/sound_file.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

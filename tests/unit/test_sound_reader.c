@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sound that a process of its own decodes: the same samples as in this one, and whatever the process does is
  * an error with its reason. */
-#include "server/base/sound_reader.h"
+#include "server/voice/sound_reader.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -19,7 +19,7 @@
 
 enum { SAMPLES = 200000, RATE = 16000 };
 
-static const struct reader apart = {.program = BUILD_ROOT "/server/app/faccia-reader"};
+static const struct reader apart = {.program = BUILD_ROOT "/server/daemon/faccia-reader"};
 static char folder[] = "/tmp/faccia-sound-XXXXXX";
 static char path[64], program[64], noise[64];
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/align/text_words.h"
+#include "server/library/align/text_words.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

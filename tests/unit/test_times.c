@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files of times, whole and broken. */
-#include "server/align/times.h"
 #include "server/face/packs/speech_pack.h"
+#include "server/library/align/times.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The window over a long recording: bounded, without the middle of pauses, and every sample knows its place.
  */
-#include "server/align/window.h"
+#include "server/library/align/window.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

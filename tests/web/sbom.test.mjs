@@ -18,7 +18,7 @@ const locked = JSON.parse(fs.readFileSync(path.join(root, 'web/package-lock.json
 function made(name, script, ...more) {
   const packed = path.join(folder, name);
   execFileSync('node', [path.join(root, script), packed, ...more]);
-  execFileSync('node', [path.join(root, 'server/deploy/sbom-npm.mjs'), packed, path.join(folder, `${name}.cdx.json`)]);
+  execFileSync('node', [path.join(root, 'server/packaging/sbom-npm.mjs'), packed, path.join(folder, `${name}.cdx.json`)]);
   const bom = JSON.parse(fs.readFileSync(path.join(folder, `${name}.cdx.json`), 'utf8'));
   checkBill(bom);
   const { files } = JSON.parse(execFileSync('npm', ['pack', '--dry-run', '--json'], { cwd: packed, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }))[0];

@@ -29,7 +29,7 @@ export const included = {
   'heads/pictures': { from: 'protocol/pictures.md' },
   'heads/arkit': { from: 'protocol/arkit.md' },
   'heads/visemes': { from: 'protocol/visemes.md' },
-  'operating/cluster': { from: 'server/deploy/cluster.md' },
+  'operating/cluster': { from: 'server/packaging/cluster.md' },
   'operating/security': { from: 'SECURITY.md' },
   'start/scripting': { from: 'protocol/scripting.md' },
   'protocol/index': { from: protocol, sections: [null, 'Terms'], title: 'The protocol' },

@@ -4,7 +4,7 @@
  * articulatory parameters in mm, as floats, on standard output. Usage: hear-curves PACK FRAMES */
 #include "server/base/mem.h"
 #include "server/face/track.h"
-#include "server/hear/lip_network.h"
+#include "server/live/lip_network.h"
 #include <stdio.h>
 #include <stdlib.h>
 

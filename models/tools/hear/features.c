@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The features that the server hears by, for the training: 16 bit mono sound on standard input, frames of
  * floats on standard output. Usage: hear-features RATE */
-#include "server/hear/lip_features.h"
+#include "server/live/lip_features.h"
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -17,7 +17,7 @@ from train import CLASSES, DELAYS, load
 
 KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ]', {3, 11, 13})}
 SLACK, FIRST = 0.04, 0.0075
-# As server/hear/lip_recogniser.c has them; closures count wherever the lips are.
+# As server/live/lip_recogniser.c has them; closures count wherever the lips are.
 DECODER = {'closed': 1.4, 'apart': 99.0, 'teeth': 2.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
 SCALES = [0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.87, 1, 1.15, 1.35, 1.6, 2, 2.6, 3.5, 5]
 

@@ -106,7 +106,7 @@ def main():
     parser.add_argument('out')
     options = parser.parse_args()
     torch.set_num_threads(1)
-    model, program, delay = load(options.network), f'{options.build}/server/hear/hear-features', DELAYS[-1]
+    model, program, delay = load(options.network), f'{options.build}/server/live/hear-features', DELAYS[-1]
     items = [i for source in (klettres(options.place), ktuberling(options.place), stamps(options.place)) for i in source if i['speaker'] not in HELD]
 
     def heard(item):

@@ -2,7 +2,7 @@
 """Speech with known phones, as features: synthetic voices say words from Debian's lists, and microphones of all kinds hear it.
 
 python3 make_data.py BUILD OUT.npz [--minutes N] [--people FILE.npz] [--times N]
-FILE.npz: of people.py. BUILD: where faccia was built, with server/hear/hear-features and server/hear/hear-curves. Wants python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
+FILE.npz: of people.py. BUILD: where faccia was built, with server/live/hear-features and server/live/hear-curves. Wants python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
 """
 import argparse
 import json
@@ -62,7 +62,7 @@ def spoken(build, voice, lang, text, rng, folder):
     wav, out = os.path.join(folder, 'a.wav'), os.path.join(folder, 'a.json')
     rate, pitch = str(int(rng.uniform(115, 230))), f'{rng.uniform(0.7, 1.4):.2f}'
     done = subprocess.run(
-        [f'{build}/server/app/faccia', 'say', '-l', lang, '-v', voice, '-r', rate, '--pitch', pitch, '--wav', wav, '--json', out, text],
+        [f'{build}/server/cli/faccia', 'say', '-l', lang, '-v', voice, '-r', rate, '--pitch', pitch, '--wav', wav, '--json', out, text],
         capture_output=True, check=False,
     )
     if done.returncode == 2 or not os.path.exists(out):
@@ -83,7 +83,7 @@ def frames_of(program, sound):
 def curves_of(build, classes):
     """What a mouth does meanwhile, mm: pieces x frames x parameters."""
     pack = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../../speech/it.json')
-    done = subprocess.run([f'{build}/server/hear/hear-curves', pack, str(classes.shape[1])], input=classes.tobytes(), capture_output=True, check=True)
+    done = subprocess.run([f'{build}/server/live/hear-curves', pack, str(classes.shape[1])], input=classes.tobytes(), capture_output=True, check=True)
     return np.frombuffer(done.stdout, '<f4').reshape(*classes.shape, -1).astype(np.float16)
 
 
@@ -164,7 +164,7 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    collected = Collected(rng, f'{options.build}/server/hear/hear-features', options.times, options.keep, options.later)
+    collected = Collected(rng, f'{options.build}/server/live/hear-features', options.times, options.keep, options.later)
     if options.minutes:
         synthetic(options, rng, collected)
     nobody(rng, collected, options.nobody)

@@ -63,7 +63,7 @@ def said(build, folder, letter, lang, text, rate):
     wav, out, config = (os.path.join(folder, n) for n in ('a.wav', 'a.json', 'voices.json'))
     with open(config, 'w', encoding='utf-8') as file:
         json.dump({'kokoro': {'data': folder, 'threads': 1}}, file)
-    command = [f'{build}/server/app/faccia', '--voice-config', config, '--deadline-base', '600', '--voice-start', '60', 'say']
+    command = [f'{build}/server/cli/faccia', '--voice-config', config, '--deadline-base', '600', '--voice-start', '60', 'say']
     command += ['-l', lang, '-v', f'kokoro:{letter}f_mixed', '-r', str(rate)]
     done = subprocess.run([*command, '--wav', wav, '--json', out, text], capture_output=True, check=False)
     if done.returncode or not os.path.exists(out):

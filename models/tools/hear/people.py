@@ -49,7 +49,7 @@ def kal(build):
     for k, text in enumerate(SAID):
         with tempfile.TemporaryDirectory() as folder:
             wav, out = os.path.join(folder, f'kal-{k}.wav'), os.path.join(folder, 'a.json')
-            subprocess.run([f'{build}/server/app/faccia', 'say', '-l', 'en', '-v', 'festival:kal', '--wav', wav, '--json', out, text], capture_output=True, check=True)
+            subprocess.run([f'{build}/server/cli/faccia', 'say', '-l', 'en', '-v', 'festival:kal', '--wav', wav, '--json', out, text], capture_output=True, check=True)
             with open(out, encoding='utf-8') as file:
                 yield {'speaker': 'kal', 'sound': wav, 'phones': json.load(file)['phones'], 'heard': read(wav)}
 
@@ -112,7 +112,7 @@ def aligned(build, item):
         text, out = os.path.join(folder, 'a.txt'), os.path.join(folder, 'a.json')
         with open(text, 'w', encoding='utf-8') as file:
             file.write(re.sub(r'[“”«»„"*_]', ' ', item['text']))
-        subprocess.run([f'{build}/server/app/faccia', 'align', '-q', item['sound'], '--text', text, '-l', item['lang'], '--json', out], capture_output=True, check=False)
+        subprocess.run([f'{build}/server/cli/faccia', 'align', '-q', item['sound'], '--text', text, '-l', item['lang'], '--json', out], capture_output=True, check=False)
         if not os.path.exists(out) or not os.path.getsize(out):
             return None
         with open(out, encoding='utf-8') as file:

@@ -8,7 +8,7 @@ from scipy import signal
 
 RATE = 16000
 
-# A class, and the phones (IPA) that look like it. The order is that of server/hear/lip_recogniser.c.
+# A class, and the phones (IPA) that look like it. The order is that of server/live/lip_recogniser.c.
 CLASSES = [
     ('silence', ''),
     ('closed', 'pbmɓ'),

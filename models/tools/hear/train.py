@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Trains the network of server/hear/lip_network.h and writes it with what it answers to a piece of its data.
+"""Trains the network of server/live/lip_network.h and writes it with what it answers to a piece of its data.
 
 python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--steps N | --minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
 SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds: N steps from the same files give the same network; how far it

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Aligns the library's recordings to their texts in the background, one after the other. Each is aligned
- * by a process of its own (server/app/aligner.c), watched by the thread that started it. */
+ * by a process of its own (server/library/align/aligner.c), watched by the thread that started it. */
 #ifndef FACCIA_LIBRARY_RECORDINGS_ALIGNMENTS_H
 #define FACCIA_LIBRARY_RECORDINGS_ALIGNMENTS_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/recordings/library_voices.h"
+#include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/open_below.h"
 #include "server/library/library_files.h"
 #include "server/library/work.h"
 #include <dirent.h>

@@ -3,7 +3,7 @@
 #ifndef FACCIA_PLUGINS_COMMAND_COMMAND_CONFIG_H
 #define FACCIA_PLUGINS_COMMAND_COMMAND_CONFIG_H
 
-#include "server/align/times.h"
+#include "server/library/align/times.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 

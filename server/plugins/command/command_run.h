@@ -3,9 +3,9 @@
 #ifndef FACCIA_COMMAND_COMMAND_RUN_H
 #define FACCIA_COMMAND_COMMAND_RUN_H
 
-#include "server/align/reference.h"
-#include "server/align/times.h"
 #include "server/base/buf.h"
+#include "server/library/align/reference.h"
+#include "server/library/align/times.h"
 #include "server/plugins/command/command_config.h"
 #include "server/plugins/command/command_sound.h"
 #include "server/voice/faccia-voice.h"

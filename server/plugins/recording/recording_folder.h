@@ -5,8 +5,8 @@
 #ifndef FACCIA_RECORDING_RECORDING_FOLDER_H
 #define FACCIA_RECORDING_RECORDING_FOLDER_H
 
-#include "server/align/aligned_recording.h"
 #include "server/face/packs/speech_pack.h"
+#include "server/library/align/aligned_recording.h"
 #include "server/voice/faccia-voice.h"
 
 struct match {

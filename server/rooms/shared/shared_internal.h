@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rooms shared by several daemons. One daemon speaks in a room: it is the leader, and holds a lease on the
- * room (cluster/bus.h). Every other daemon with followers of the room is a replica.
+ * room (cluster/cluster.h). Every other daemon with followers of the room is a replica.
  *
  * Every daemon that has the room claims its lease repeatedly: the leader to keep it, replicas to take it
  * over. A replica reports to its leader that it is there, and which media encodings it wants (`here`). The
@@ -23,7 +23,7 @@
 #define FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 
 #include "server/access/token.h"
-#include "server/cluster/bus.h"
+#include "server/cluster/cluster.h"
 #include "server/rooms/rooms_internal.h"
 #include "server/rooms/shared/forward.h"
 #include "server/rooms/shared/packet.h"

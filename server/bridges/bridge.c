@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/bridges/bridge.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include <errno.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+
+static void on_signal(uv_signal_t *signal, int number) {
+    (void)number;
+    uv_stop(signal->loop);
+}
+
+void bridge_loop_open(struct bridge_loop *e, uv_loop_t *loop) {
+    static const int numbers[2] = {SIGINT, SIGTERM};
+    for (int i = 0; i < 2; i++) {
+        uv_signal_init(loop, &e->signals[i]);
+        uv_signal_start(&e->signals[i], on_signal, numbers[i]);
+    }
+}
+
+void bridge_loop_run(struct bridge_loop *e) {
+    for (int i = 0; i < 2; i++)
+        if (!uv_is_closing((uv_handle_t *)&e->signals[i]))
+            uv_close((uv_handle_t *)&e->signals[i], NULL);
+    uv_run(e->signals[0].loop, UV_RUN_DEFAULT);
+}
+
+void bridge_loop_close(struct bridge_loop *e) {
+    uv_loop_t *loop = e->signals[0].loop;
+    bridge_loop_run(e);
+    uv_loop_close(loop);
+}
+
+/* Three non-empty parts of base64url separated by dots (RFC 7515, 3.1). */
+static bool is_token(const char *text) {
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    for (int part = 0; part < 3; part++) {
+        size_t length = strspn(text, letters);
+        if (!length || text[length] != (part < 2 ? '.' : '\0'))
+            return false;
+        text += length + (part < 2);
+    }
+    return true;
+}
+
+/* Does not quote the value: it may be a secret. */
+static void complain(const char *where, const char *text) {
+    size_t length = strlen(text), dots = 0;
+    for (const char *c = text; *c; c++)
+        dots += *c == '.';
+    log_error("%s: no token is in it, but %zu characters with %zu dots%s. A token has three parts with dots "
+              "between; 'faccia token --secret-file FILE --subject NAME' makes one of the daemon's secret",
+              where, length, dots, dots ? "" : ", perhaps the secret that signs tokens, which goes nowhere");
+}
+
+void daemon_address_open(struct daemon_address *p) {
+    const char *url = getenv("FACCIA_URL"), *token = getenv("FACCIA_TOKEN");
+    bool has = token && *token, good = has && is_token(token);
+    if (has && !good)
+        complain("FACCIA_TOKEN", token);
+    *p = (struct daemon_address){.url = url ? url : "http://127.0.0.1:8080",
+                                 .token = good ? mem_strdup(token) : NULL};
+}
+
+void daemon_address_close(struct daemon_address *p) {
+    free(p->token);
+}
+
+int daemon_address_read_token(struct daemon_address *p, const char *file) {
+    char line[4096] = "";
+    errno = 0;
+    FILE *f = fopen(file, "r");
+    if (f) {
+        if (!fgets(line, sizeof line, f) && !errno)
+            errno = ENODATA;
+        fclose(f);
+    }
+    line[strcspn(line, "\r\n")] = '\0';
+    if (!*line) {
+        log_error("%s: no token is in it: %s", file, strerror(errno ? errno : ENODATA));
+        return -1;
+    }
+    if (!is_token(line)) {
+        complain(file, line);
+        return -1;
+    }
+    free(p->token);
+    p->token = mem_strdup(line);
+    return 0;
+}
+
+void daemon_address_make_id(char *id, size_t cap) {
+    unsigned long long number = 0;
+    if (getrandom(&number, sizeof number, 0) != sizeof number)
+        number = uv_hrtime();
+    snprintf(id, cap, "say-%016llx", number);
+}

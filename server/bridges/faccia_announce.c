@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia-say: speaks an announcement in a room, from a shell script or timer, and reports whether it was
+ * heard. */
+#include "server/base/mem.h"
+#include "server/base/program.h"
+#include "server/bridges/bridge.h"
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: faccia-say [OPTION]... TEXT...\n"
+    "Has a face say the text in a room of a running facciad. TEXT - is standard input.\n"
+    "\n"
+    "  -r, --room NAME       the room (FACCIA_ROOM, else home)\n"
+    "  -u, --url URL         the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
+    "      --token-file FILE its token (else FACCIA_TOKEN)\n"
+    "  -w, --wait            go on when it has been heard, and tell by the exit status\n"
+    "  -q, --if-quiet        only when nothing is said there\n"
+    "  -p, --priority WORD   background, chat (default) or alarm\n"
+    "  -t, --topic NAME      what it is about: takes the place of those that wait with the same\n"
+    "  -l, --lang TAG, -v, --voice ID, --rate N, --markup NAME\n"
+    "                        as of faccia say\n"
+    "  -h, --help            print this and exit\n"
+    "      --version         print the version and exit\n"
+    "Exit status: 0 accepted, and with --wait heard to its end; 1 failed; 2 wrong usage; 3 nobody is there "
+    "to hear it;\n"
+    "4 something is being said (--if-quiet); 5 it was cut short; 6 nobody can have heard it: the browsers "
+    "there\n"
+    "play no sound until somebody touches them (--wait).\n";
+
+enum {
+    EXIT_HEARD = 0,
+    EXIT_FAILED = 1,
+    EXIT_USAGE = 2,
+    EXIT_NOBODY = 3,
+    EXIT_BUSY = 4,
+    EXIT_CUT = 5,
+    EXIT_BLOCKED = 6
+};
+enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* clients play media within that time */ };
+
+enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
+
+struct announcement {
+    uv_loop_t loop;
+    struct remote *remote;
+    struct remote_member members[MEMBERS + 1];
+    struct buf text;
+    char id[40];
+    uv_timer_t last; /* runs until the end has been played */
+    bool wait, said;
+    int status;
+};
+
+static void leave(struct announcement *a, int status) {
+    a->status = status;
+    uv_stop(&a->loop);
+}
+
+/* An error of the room about this text. */
+static void note_error(struct announcement *a, const json_t *error) {
+    const char *why = json_string_value(json_object_get(error, "message"));
+    const char *code = json_string_value(json_object_get(error, "code"));
+    fprintf(stderr, "faccia-say: %s\n", why ? why : "it is refused");
+    a->status = code && !strcmp(code, "unheard") ? EXIT_NOBODY
+                : code && !strcmp(code, "busy")  ? EXIT_BUSY
+                                                 : EXIT_FAILED;
+}
+
+static void on_answer(void *ctx, const struct remote_answer *answer) {
+    struct announcement *a = ctx;
+    bool held = json_object_get(answer->body, "held");
+    const json_t *refused = json_object_get(answer->body, "refused");
+    if (answer->status == 409) {
+        leave(a, EXIT_BUSY);
+    } else if (answer->status != 202) {
+        fprintf(stderr, "faccia-say: %s\n", answer->why);
+        leave(a, EXIT_FAILED);
+    } else if (!a->wait && refused) { /* else the room's events tell */
+        note_error(a, refused);
+        leave(a, a->status);
+    } else if (!held && !json_integer_value(json_object_get(answer->body, "listeners"))) {
+        leave(a, EXIT_NOBODY);
+    } else if (!a->wait) {
+        leave(a, EXIT_HEARD);
+    }
+}
+
+static void say(struct announcement *a) {
+    if (!a->said)
+        remote_ask(a->remote, "/v1/say", a->members, "text/plain", (char *)a->text.data, on_answer, a);
+    a->said = true;
+}
+
+static void on_heard(uv_timer_t *timer) {
+    leave(timer->data, EXIT_HEARD);
+}
+
+static void on_event(void *ctx, const char *type, const json_t *message) {
+    struct announcement *a = ctx;
+    const char *id = json_string_value(json_object_get(message, "id"));
+    const char *reason = json_string_value(json_object_get(message, "reason"));
+    if (!id || strcmp(id, a->id))
+        return;
+    if (!strcmp(type, "error")) {
+        note_error(a, message);
+    } else if (!strcmp(type, "end") && reason && !strcmp(reason, "done")) {
+        if (json_is_true(json_object_get(message, "blocked"))) {
+            fputs("faccia-say: it was not heard: the browsers in the room play no sound until somebody "
+                  "touches them\n",
+                  stderr);
+            leave(a, EXIT_BLOCKED);
+            return;
+        }
+        uv_timer_start(&a->last, on_heard, LEAD_MS, 0);
+    } else if (!strcmp(type, "end")) {
+        leave(a, reason && !strcmp(reason, "stopped") ? EXIT_CUT : a->status ? a->status : EXIT_FAILED);
+    }
+}
+
+static void on_following(void *ctx, const char *why) {
+    struct announcement *a = ctx;
+    if (!why) {
+        say(a);
+        return;
+    }
+    fprintf(stderr, "faccia-say: the room cannot be followed: %s\n", why);
+    leave(a, EXIT_FAILED);
+}
+
+static int announce(struct announcement *a, const struct daemon_address *place) {
+    static const struct remote_events events = {on_event, on_following};
+    uv_loop_init(&a->loop);
+    a->remote = remote_new(&a->loop, place->url, place->token);
+    if (!a->remote) {
+        uv_loop_close(&a->loop);
+        return EXIT_USAGE;
+    }
+    uv_timer_init(&a->loop, &a->last);
+    a->last.data = a;
+    if (a->wait)
+        remote_follow(a->remote, a->members[ROOM].value, &events, a);
+    else
+        say(a);
+    uv_run(&a->loop, UV_RUN_DEFAULT);
+    remote_free(a->remote);
+    uv_close((uv_handle_t *)&a->last, NULL);
+    uv_run(&a->loop, UV_RUN_DEFAULT);
+    uv_loop_close(&a->loop);
+    return a->status;
+}
+
+/* Joins the words, or reads standard input. -1 after a message. */
+static int read_text(struct buf *text, int count, char **words) {
+    if (count == 1 && !strcmp(words[0], "-")) {
+        for (size_t got = 1; got && text->size <= TEXT_MOST;) {
+            got = fread(buf_reserve(text, 4096), 1, 4096, stdin);
+            text->size += got;
+        }
+    } else {
+        for (int i = 0; i < count; i++)
+            buf_printf(text, "%s%s", i ? " " : "", words[i]);
+    }
+    bool whole = !memchr(text->size ? (char *)text->data : "", 0, text->size);
+    buf_add(text, "", 1);
+    if (whole && text->size > 1 && text->size <= TEXT_MOST)
+        return 0;
+    fprintf(stderr, "faccia-say: %s\n",
+            whole ? "the text must have 1 byte to 1 MiB" : "the text holds a NUL character");
+    return -1;
+}
+
+static int read_options(struct announcement *a, struct daemon_address *place, int argc, char **argv) {
+    enum { TOKEN_FILE = 256, OPT_RATE, OPT_MARKUP };
+    static const struct option options[] = {{"room", 1, NULL, 'r'},
+                                            {"url", 1, NULL, 'u'},
+                                            {"token-file", 1, NULL, TOKEN_FILE},
+                                            {"wait", 0, NULL, 'w'},
+                                            {"if-quiet", 0, NULL, 'q'},
+                                            {"priority", 1, NULL, 'p'},
+                                            {"topic", 1, NULL, 't'},
+                                            {"lang", 1, NULL, 'l'},
+                                            {"voice", 1, NULL, 'v'},
+                                            {"rate", 1, NULL, OPT_RATE},
+                                            {"markup", 1, NULL, OPT_MARKUP},
+                                            {"help", 0, NULL, 'h'},
+                                            {"version", 0, NULL, 'V'},
+                                            {0}};
+    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:l:v:h", options, NULL)) != -1;) {
+        enum member member = c == 'r'          ? ROOM
+                             : c == 'p'        ? PRIORITY
+                             : c == 't'        ? TOPIC
+                             : c == 'l'        ? LANG
+                             : c == 'v'        ? VOICE
+                             : c == OPT_RATE   ? RATE
+                             : c == OPT_MARKUP ? MARKUP
+                                               : MEMBERS;
+        if (member < MEMBERS)
+            a->members[member].value = optarg;
+        else if (c == 'u')
+            place->url = optarg;
+        else if (c == TOKEN_FILE && daemon_address_read_token(place, optarg))
+            return EXIT_FAILED;
+        else if (c == 'w')
+            a->wait = true;
+        else if (c == 'q')
+            a->members[MODE].value = "quiet";
+        else if (c == 'h')
+            return fputs(usage, stdout), EXIT_HEARD;
+        else if (c == 'V')
+            return puts("faccia-say " FACCIA_VERSION), EXIT_HEARD;
+        else if (c == '?')
+            return fputs("Try 'faccia-say --help'.\n", stderr), EXIT_USAGE;
+    }
+    if (optind < argc)
+        return -1;
+    fputs(usage, stderr);
+    return EXIT_USAGE;
+}
+
+int main(int argc, char **argv) {
+    static const char *const names[MEMBERS] = {"room", "lang",     "voice", "rate", "markup",
+                                               "mode", "priority", "topic", "id"};
+    struct announcement a = {0};
+    struct daemon_address place;
+    const char *room = getenv("FACCIA_ROOM");
+    program_begin();
+    daemon_address_open(&place);
+    for (int i = 0; i < MEMBERS; i++)
+        a.members[i].name = names[i];
+    a.members[ROOM].value = room ? room : "home";
+    daemon_address_make_id(a.id, sizeof a.id);
+    a.members[ID].value = a.id;
+    int status = read_options(&a, &place, argc, argv);
+    if (status < 0)
+        status = read_text(&a.text, argc - optind, argv + optind) ? EXIT_USAGE : announce(&a, &place);
+    buf_free(&a.text);
+    daemon_address_close(&place);
+    return status;
+}

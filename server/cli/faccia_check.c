@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia check: reports what in a text has no effect. */
+#include "server/base/utf8.h"
+#include "server/cli/cli.h"
+#include "server/expression/expressions.h"
+#include "server/markup/markup.h"
+#include "server/markup/score_dump.h"
+#include "server/normalize/normalizers.h"
+#include <getopt.h>
+#include <stdlib.h>
+
+static const char usage[] =
+    "Usage: faccia check [OPTION]... FILE...\n"
+    "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
+    "wrong or is not acted on:\n"
+    "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
+    "\n"
+    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the "
+    "root element\n"
+    "      --lexicon FILE how to say words (W3C PLS); may be repeated: its faults are told too\n"
+    "  -s, --score        also write what was understood\n";
+
+struct check {
+    const struct markup_kind *kind;
+    bool score;
+    const struct expressions *expressions;
+    const char *const *lexicons; /* names that texts may give */
+};
+
+static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
+    struct lines lines = {0};
+    size_t line = e->line, column = e->column, size = text->size;
+    if (e->place != PLACE_LINE)
+        lines_place(&lines, (const char *)text->data, e->place == PLACE_BYTE && e->byte < size ? e->byte : 0,
+                    &line, &column);
+    printf("%s:%zu:%zu: %s: %s\n", path, line, column, severity, e->message);
+}
+
+/* Decodes the text to UTF-8, in place. */
+static int decode(struct buf *text, struct error *e) {
+    char *decoded;
+    size_t size;
+    if (markup_decode((const char *)text->data, text->size, &decoded, &size, e))
+        return -1;
+    if (decoded) {
+        buf_free(text);
+        *text = (struct buf){(uint8_t *)decoded, size, size};
+    }
+    return 0;
+}
+
+static int by_place(const void *a, const void *b) {
+    const struct error *x = a, *y = b;
+    if (x->line != y->line)
+        return x->line < y->line ? -1 : 1;
+    return (x->column > y->column) - (x->column < y->column);
+}
+
+/* Warns of unknown expressions and of what cannot be spoken, in order with the other warnings. */
+static void look_further(const struct check *c, struct score *score) {
+    expressions_direct(c->expressions, score);
+    normalize_warn_unspoken(score);
+    if (score->warning_count)
+        qsort(score->warnings, score->warning_count, sizeof *score->warnings, by_place);
+}
+
+static int check(const struct check *c, const char *path) {
+    struct buf text = {0}, dump = {0};
+    struct score *document = NULL, *score = NULL;
+    struct error e;
+    buf_reserve(&text, 1);
+    if (cli_read(path, &text)) {
+        buf_free(&text);
+        return -1;
+    }
+    bool read = !decode(&text, &e);
+    /* A stream speaks malformed markup as plain text; an author wants its errors. */
+    const struct markup_kind *kind =
+        read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
+    if (kind == markup_by_name("plain"))
+        kind = c->kind;
+    struct markup_rules rules = {.affects = expressions_affects(c->expressions), .lexicons = c->lexicons};
+    if (read)
+        document = markup_read(kind, (const char *)text.data, text.size, &rules, &e);
+    if (!document)
+        report(path, "error", &e, &text);
+    if (document && c->score)
+        score_dump(document, &dump);
+    if (document)
+        look_further(c, score = score_script(document));
+    for (size_t i = 0; score && i < score->warning_count; i++)
+        report(path, "warning", &score->warnings[i], &text);
+    if (dump.size)
+        fwrite(dump.data, 1, dump.size, stdout);
+    int failed = document ? 0 : -1;
+    score_free(score);
+    score_free(document);
+    buf_free(&dump);
+    buf_free(&text);
+    return failed;
+}
+
+static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struct settings *settings) {
+    enum { HELP = 256 };
+    static const struct option options[] = {{"markup", 1, NULL, 'm'},
+                                            {"score", 0, NULL, 's'},
+                                            {"lexicon", 1, NULL, 'X'},
+                                            {"help", 0, NULL, HELP},
+                                            {0}};
+    struct check c = {.kind = markup_by_name("auto")};
+    int most = cli_option_count(argc, argv, "m:sh", options);
+    for (int o; (o = getopt_long(most, argv, "m:sh", options, NULL)) != -1;) {
+        switch (o) {
+        case 'm':
+            c.kind = markup_by_name(optarg);
+            if (c.kind)
+                break;
+            cli_complain("markup: no markup '%s'", optarg);
+            return EXIT_USAGE;
+        case 's':
+            c.score = true;
+            break;
+        case 'X':
+            cli_lexicons_add(lexicons, optarg);
+            break;
+        case 'h':
+        case HELP:
+            fputs(usage, stdout);
+            return EXIT_DONE;
+        default:
+            return EXIT_USAGE;
+        }
+    }
+    if (optind == argc) {
+        cli_complain("a file is needed, or - for standard input");
+        return EXIT_USAGE;
+    }
+    struct components components;
+    if (cli_load(&components, cli_lexicons_with(lexicons, settings),
+                 COMPONENTS_EXPRESSIONS | COMPONENTS_NORMALIZATION, NULL)) {
+        components_free(&components);
+        return EXIT_FAILED;
+    }
+    c.expressions = components.pipeline.expressions;
+    c.lexicons = components.named_lexicons.names;
+    struct cli_file out = {.file = stdout, .path = "standard output"};
+    int result = EXIT_DONE;
+    for (int i = optind; i < argc; i++)
+        if (check(&c, argv[i]))
+            result = EXIT_FAILED;
+    components_free(&components);
+    return cli_finish(&out, true) ? EXIT_FAILED : result;
+}
+
+int check_main(int argc, char **argv, const struct settings *settings) {
+    struct cli_lexicons lexicons = {0};
+    int result = run(&lexicons, argc, argv, settings);
+    cli_lexicons_free(&lexicons);
+    return result;
+}

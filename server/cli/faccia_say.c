@@ -1,0 +1,488 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "protocol/say_options.h"
+#include "server/base/buf.h"
+#include "server/base/mem.h"
+#include "server/cli/cli.h"
+#include "server/codec/arkit_weights.h"
+#include "server/codec/osc.h"
+#include "server/export/export.h"
+#include "server/synthesis/synthesis.h"
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <netdb.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <uv.h>
+
+/* ---- standard input, spoken while it is being written ---- */
+
+struct cli_written {
+    uv_poll_t poll;
+    struct synthesis *synthesis; /* NULL: released, or never begun */
+    bool watches, failed;        /* failed: after a message */
+};
+
+/* ---- plays the face to a puppet: sends frames as OSC datagrams (codec/osc.h) when they are due ---- */
+
+struct osc_play;
+
+static void finish(struct cli_written *w) {
+    if (w->watches)
+        uv_poll_stop(&w->poll);
+    synthesis_close(w->synthesis);
+}
+
+/* False at the end. */
+static bool take(struct cli_written *w) {
+    char bytes[65536], text[400];
+    struct error e;
+    ssize_t size = read(STDIN_FILENO, bytes, sizeof bytes);
+    if (size < 0 && (errno == EINTR || errno == EAGAIN))
+        return true;
+    if (size < 0)
+        cli_complain("-: %s", strerror(errno));
+    bool wrong = size > 0 && synthesis_write(w->synthesis, bytes, (size_t)size, SIZE_MAX, &e);
+    if (wrong)
+        cli_complain("%s", error_text(&e, text, sizeof text));
+    w->failed |= size < 0 || wrong;
+    if (size > 0 && !wrong)
+        return true;
+    finish(w);
+    return false;
+}
+
+static void on_poll(uv_poll_t *poll, int status, int events) {
+    (void)status;
+    (void)events;
+    take(poll->data);
+}
+
+/* Feeds standard input to the open synthesis, and closes it at the end. */
+static void cli_written_begin(struct cli_written *w, uv_loop_t *loop, struct synthesis *synthesis) {
+    w->synthesis = synthesis;
+    w->poll.data = w;
+    w->watches = !uv_poll_init(loop, &w->poll, STDIN_FILENO);
+    if (w->watches && !uv_poll_start(&w->poll, UV_READABLE, on_poll))
+        return;
+    while (take(w)) /* a regular file cannot be polled: read all of it */
+        ;
+}
+
+/* Call before the synthesis is freed; the loop has to run once more. */
+static void cli_written_end(struct cli_written *w) {
+    if (w->watches)
+        uv_close((uv_handle_t *)&w->poll, NULL);
+    w->watches = false;
+}
+
+struct osc_play {
+    uv_udp_t socket;
+    uv_timer_t timer;
+    struct sockaddr_storage target;
+    struct export export; /* its output: the weights of the queued frames */
+    struct osc_packets packets;
+    double fps;
+    uint64_t start; /* loop time of frame 0 in us; 0 = nothing received yet */
+    uint64_t shown; /* number of frames */
+    int open;       /* open handles */
+    bool ended;
+};
+
+enum { FRAME_BYTES = ARKIT_SHAPES * sizeof(double) };
+
+static void piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    uint32_t end = export_frames_until(x, segment, to);
+    for (; x->frames < end; x->frames++) {
+        struct fap_frame frame;
+        export_frame(x, segment, x->frames, &frame);
+        arkit_weights(x->coder, &frame, buf_reserve(&x->out, FRAME_BYTES));
+        x->out.size += FRAME_BYTES;
+    }
+}
+
+static const struct export_format weights_format = {
+    .name = "weights", .piece = piece, .free = export_arkit_free};
+
+static int find(const char *target, struct sockaddr_storage *out) {
+    const char *colon = strrchr(target, ':');
+    bool bracketed = target[0] == '[' && colon && colon > target && colon[-1] == ']';
+    if (!colon || colon == target || !colon[1])
+        return -1;
+    char *host = mem_strndup(target + bracketed, (size_t)(colon - target) - (bracketed ? 2 : 0));
+    struct addrinfo hints = {.ai_socktype = SOCK_DGRAM, .ai_flags = AI_NUMERICSERV}, *found = NULL;
+    int result = getaddrinfo(host, colon + 1, &hints, &found);
+    free(host);
+    if (result)
+        return -1;
+    memcpy(out, found->ai_addr, found->ai_addrlen);
+    freeaddrinfo(found);
+    return 0;
+}
+
+/* Target "HOST:PORT" or "[ADDRESS]:PORT". NULL after a message. */
+static struct osc_play *osc_play_open(uv_loop_t *loop, const char *target,
+                                      const struct export_source *source) {
+    struct sockaddr_storage address;
+    if (find(target, &address)) {
+        cli_complain("--osc: no address like '%s': HOST:PORT is wanted", target);
+        return NULL;
+    }
+    struct osc_play *p = mem_alloc(sizeof *p);
+    p->target = address;
+    p->fps = source->fps;
+    export_begin(&p->export, &weights_format, source);
+    p->export.coder = arkit_solver_new();
+    uv_udp_init(loop, &p->socket);
+    uv_timer_init(loop, &p->timer);
+    p->socket.data = p->timer.data = p;
+    p->open = 2;
+    return p;
+}
+
+/* Ignores errors: no receiver may be listening. */
+static void send_frame(struct osc_play *p, const double *weights) {
+    osc_frame(weights, &p->packets);
+    for (size_t i = 0, from = 0; i < p->packets.count; from = p->packets.ends[i++]) {
+        uv_buf_t bytes =
+            uv_buf_init((char *)p->packets.bytes.data + from, (unsigned)(p->packets.ends[i] - from));
+        uv_udp_try_send(&p->socket, &bytes, 1, (const struct sockaddr *)&p->target);
+    }
+}
+
+static uint64_t waiting(const struct osc_play *p) {
+    return p->export.out.size / FRAME_BYTES;
+}
+
+static void on_time(uv_timer_t *timer);
+
+static void wait_for_next(struct osc_play *p) {
+    uint64_t due = p->start + (uint64_t)((double)p->shown / p->fps * 1e6), now = uv_hrtime() / 1000;
+    uv_timer_start(&p->timer, on_time, due > now ? (due - now + 999) / 1000 : 0, 0);
+}
+
+/* Skips late frames except the last. */
+static void on_time(uv_timer_t *timer) {
+    struct osc_play *p = timer->data;
+    uint64_t now = uv_hrtime() / 1000;
+    double late = (double)(now - p->start) / 1e6 * p->fps - (double)p->shown;
+    uint64_t skip = late > 1 ? (uint64_t)late : 0, most = waiting(p) - 1;
+    skip = skip < most ? skip : most;
+    double weights[ARKIT_SHAPES];
+    memcpy(weights, p->export.out.data + skip * FRAME_BYTES, sizeof weights);
+    buf_consume(&p->export.out, (skip + 1) * FRAME_BYTES);
+    p->shown += skip + 1;
+    send_frame(p, weights);
+    if (waiting(p))
+        wait_for_next(p);
+}
+
+/* Queues a segment's frames; the first frame of all is sent at once. */
+static void osc_play_add(struct osc_play *p, const struct media_segment *segment) {
+    bool idle = !waiting(p);
+    export_segment(&p->export, segment);
+    if (!idle || !waiting(p))
+        return;
+    /* A late segment is shown now, and delays all that follow. */
+    uint64_t now = uv_hrtime() / 1000, since = (uint64_t)((double)p->shown / p->fps * 1e6);
+    if (!p->start || p->start + since < now)
+        p->start = now - since;
+    wait_for_next(p);
+}
+
+/* Marks the end of the frames. */
+static void osc_play_end(struct osc_play *p) {
+    p->ended = true;
+}
+
+/* True while frames are queued. */
+static bool osc_play_busy(const struct osc_play *p) {
+    return !p->ended || waiting(p);
+}
+
+static void on_close(uv_handle_t *handle) {
+    struct osc_play *p = handle->data;
+    if (--p->open)
+        return;
+    export_free(&p->export);
+    osc_packets_free(&p->packets);
+    free(p);
+}
+
+/* Run the loop afterwards until it is empty. */
+static void osc_play_free(struct osc_play *p) {
+    if (!p)
+        return;
+    uv_close((uv_handle_t *)&p->socket, on_close);
+    uv_close((uv_handle_t *)&p->timer, on_close);
+}
+
+/* faccia say: speaks a text to files. */
+
+static const char usage[] =
+    "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
+    "Speaks TEXT, a file, or standard input (-). Without FILE the timing is told.\n"
+    "\n" SPEAK_HELP /* made of protocol/messages.json */
+    "  -f, --file FILE      the text\n"
+    "      --voice-file FILE  somebody's recorded voice in place of a text, as 'faccia hear FILE'\n"
+    "      --open           speak standard input (-) while it is written\n"
+    "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
+    "      --lexicon FILE   how to say words (W3C PLS); may be repeated\n"
+    "      --wav FILE       the sound, mono 16 bit\n"
+    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --fapc FILE      the same at a few kilobits a second\n"
+    "      --ogg FILE       the sound as Opus in Ogg\n"
+    "      --ndjson FILE    a line for each event and each frame\n"
+    "      --json FILE      phones, words and marks with their times\n"
+    "      --arkit FILE     the face as weights of ARKit's 52 shapes, in Live Link Face's columns (CSV)\n"
+    "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
+    "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
+    "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
+    "      --osc HOST:PORT  the face, as it goes on, to a puppet of the VMC protocol\n"
+    "  -h, --help           print this and exit\n"
+    "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
+
+/* An output file. */
+struct output {
+    const char *path; /* NULL = not requested, or it cannot be written */
+    struct cli_file file;
+    struct export export;
+};
+
+enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, OUTPUTS };
+enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
+enum { HEARD = -2 };          /* exit code of parse: play a recording instead */
+
+struct say {
+    struct cli cli;
+    struct synthesis *synthesis;
+    struct output outputs[OUTPUTS];
+    const char *sounds, *puppet; /* NULL = none */
+    struct cli_lexicons lexicons;
+    struct osc_play *osc;
+    struct cli_written written; /* of an open text */
+    bool failed, finished, spoken;
+};
+
+static int flush(struct say *s, struct output *o) {
+    struct buf *out = &o->export.out;
+    if (!out->size || (fwrite(out->data, 1, out->size, o->file.file) == out->size && !fflush(o->file.file))) {
+        out->size = 0;
+        return 0;
+    }
+    cli_complain("%s: %s", o->path, strerror(errno));
+    s->failed = true;
+    o->path = NULL; /* reports the failure once */
+    return -1;
+}
+
+static void on_segment(void *ctx, struct media_segment segment) {
+    struct say *s = ctx;
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        if (!o->path)
+            continue;
+        o->export.source.text = synthesis_request(s->synthesis)->text; /* it may have grown */
+        export_segment(&o->export, &segment);
+        if (o->export.format->streams)
+            flush(s, o);
+    }
+    if (s->osc)
+        osc_play_add(s->osc, &segment);
+    media_segment_free(&segment);
+    synthesis_release(s->synthesis);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    struct say *s = ctx;
+    char text[400];
+    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    s->failed |= !warning;
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++)
+        if (o->path)
+            export_warning(&o->export, e);
+}
+
+/* Sets the true length of a seekable WAV file; in a pipe it stays "unknown". */
+static void finish_wav(struct output *o) {
+    uint8_t header[WAV_HEADER_BYTES];
+    if (!o->export.sample_rate || fseek(o->file.file, 0, SEEK_SET))
+        return;
+    wav_header(header, o->export.sample_rate, o->export.samples);
+    fwrite(header, 1, sizeof header, o->file.file);
+}
+
+static void on_finished(void *ctx, size_t spoken) {
+    struct say *s = ctx;
+    s->finished = true;
+    s->failed |= !spoken;
+    s->spoken = spoken;
+    if (s->osc)
+        osc_play_end(s->osc);
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        if (!o->path)
+            continue;
+        export_end(&o->export);
+        flush(s, o);
+        if (o == &s->outputs[WAV])
+            finish_wav(o);
+    }
+}
+
+static int open_outputs(struct say *s) {
+    const struct export_source source = export_source_of(s->synthesis);
+    static const char *const names[OUTPUTS] = {"wav",   "fap",          "json",    "ogg", "ndjson",  "fapc",
+                                               "arkit", "arkit-ndjson", "visemes", "vtt", "textgrid"};
+    int standard = 0;
+    bool asked = false;
+    for (int i = 0; i < OUTPUTS; i++)
+        asked |= s->outputs[i].path != NULL;
+    if (s->puppet && !(s->osc = osc_play_open(&s->cli.loop, s->puppet, &source)))
+        return EXIT_USAGE;
+    if (!asked && !s->puppet)
+        s->outputs[JSON].path = "-";
+    for (int i = 0; i < OUTPUTS; i++) {
+        struct output *o = &s->outputs[i];
+        if (!o->path)
+            continue;
+        standard += !strcmp(o->path, "-");
+        if (cli_create(&o->file, o->path))
+            return EXIT_FAILED;
+        export_begin(&o->export, export_by_name(names[i]), &source);
+    }
+    if (standard > 1) {
+        cli_complain("only one file can go to standard output");
+        return EXIT_USAGE;
+    }
+    return EXIT_DONE;
+}
+
+/* A failed sentence does not fail the file. Files without speech or with write errors are discarded. */
+static void close_outputs(struct say *s) {
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        s->failed |= cli_finish(&o->file, s->spoken && o->path) != 0;
+        export_free(&o->export);
+    }
+}
+
+/* Returns an exit code, -1 to continue, or HEARD. */
+static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
+    static const struct option options[] = {
+        SPEAK_OPTIONS{"file", 1, NULL, 'f'},
+        {"wav", 1, NULL, OUTPUT_OPTION + WAV},
+        {"fap", 1, NULL, OUTPUT_OPTION + FAP},
+        {"json", 1, NULL, OUTPUT_OPTION + JSON},
+        {"audio", 1, NULL, 'A'},
+        {"ogg", 1, NULL, OUTPUT_OPTION + OGG},
+        {"ndjson", 1, NULL, OUTPUT_OPTION + NDJSON},
+        {"fapc", 1, NULL, OUTPUT_OPTION + FAPC},
+        {"arkit", 1, NULL, OUTPUT_OPTION + ARKIT},
+        {"arkit-ndjson", 1, NULL, OUTPUT_OPTION + ARKIT_NDJSON},
+        {"visemes", 1, NULL, OUTPUT_OPTION + VISEMES},
+        {"vtt", 1, NULL, OUTPUT_OPTION + VTT},
+        {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
+        {"osc", 1, NULL, 'P'},
+        {"lexicon", 1, NULL, 'X'},
+        {"voice-file", 1, NULL, 'S'},
+        {"help", 0, NULL, 'h'},
+        {0},
+    };
+    const char *path = NULL;
+    struct error e;
+    char message[400];
+    int most = cli_option_count(argc, argv, SPEAK_LETTERS "f:h", options);
+    for (int c, at; (at = -1, c = getopt_long(most, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
+        for (int i = 0; at < 0 && options[i].name; i++)
+            at = options[i].val == c ? i : -1;
+        if (c >= OUTPUT_OPTION) {
+            s->outputs[c - OUTPUT_OPTION].path = optarg;
+            continue;
+        }
+        if (c == 'f' || c == 'A' || c == 'P') {
+            *(c == 'f' ? &path : c == 'A' ? &s->sounds : &s->puppet) = optarg;
+            continue;
+        }
+        switch (c) {
+        case 'X':
+            cli_lexicons_add(&s->lexicons, optarg);
+            break;
+        case 'S':
+            return HEARD;
+        case 'h':
+            fputs(usage, stdout);
+            return EXIT_DONE;
+        case '?':
+            fputs("Try 'faccia say --help'.\n", stderr);
+            return EXIT_USAGE;
+        default: {
+            const char *word = optarg ? optarg : "true";
+            struct request_value value = {REQUEST_WORD, word, strlen(word), 0};
+            if (request_set(request, options[at].name, value, &e)) {
+                cli_complain("--%s", error_text(&e, message, sizeof message));
+                return EXIT_USAGE;
+            }
+        }
+        }
+    }
+    if (request->open && (path || optind + 1 != argc || strcmp(argv[optind], "-"))) {
+        cli_complain("--open is for standard input (-)");
+        return EXIT_USAGE;
+    }
+    if (request->open)
+        return -1;
+    int status = cli_text(argc, argv, path, text);
+    if (status >= 0)
+        return status;
+    request_set(request, "text",
+                (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
+                &e);
+    return -1;
+}
+
+static int speak(struct say *s, const struct speech_request *request) {
+    static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
+    struct error e;
+    char message[400];
+    s->cli.components.pipeline.sounds = s->sounds ? s->sounds : s->cli.components.pipeline.sounds;
+    s->synthesis = synthesis_open(&s->cli.components.pipeline, request, &callbacks, s, &e);
+    if (!s->synthesis) {
+        cli_complain("%s", error_text(&e, message, sizeof message));
+        return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
+    }
+    int status = open_outputs(s);
+    if (!status) {
+        synthesis_start(s->synthesis);
+        if (request->open)
+            cli_written_begin(&s->written, &s->cli.loop, s->synthesis);
+        while ((!s->finished || (s->osc && osc_play_busy(s->osc))) && uv_run(&s->cli.loop, UV_RUN_ONCE))
+            ;
+    }
+    close_outputs(s);
+    osc_play_free(s->osc);
+    s->failed |= s->written.failed;
+    cli_written_end(&s->written);
+    synthesis_free(s->synthesis);
+    return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+int say_main(int argc, char **argv, const struct settings *settings) {
+    struct say s = {0};
+    struct speech_request request;
+    struct buf text = {0};
+    request_init(&request);
+    int status = parse(argc, argv, &s, &request, &text);
+    if (status == HEARD) {
+        optind = 0; /* restarts the scan */
+        status = hear_main(argc, argv, settings);
+    } else if (status < 0) {
+        status =
+            cli_open(&s.cli, cli_lexicons_with(&s.lexicons, settings)) ? EXIT_FAILED : speak(&s, &request);
+        cli_close(&s.cli);
+    }
+    cli_lexicons_free(&s.lexicons);
+    request_free(&request);
+    buf_free(&text);
+    return status;
+}

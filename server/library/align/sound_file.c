@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/align/sound_file.h"
+#include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
+#include <math.h>
+#include <sndfile.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 };
+
+#define CODE ERROR_BAD_SOUND
+
+struct sound_file {
+    SNDFILE *file;
+    unsigned channels;
+    struct mixdown mixdown;
+    uint64_t at; /* next frame to read */
+    struct sound_source source;
+    float frames[FRAMES * CHANNELS_MAX];
+};
+
+static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) {
+    struct sound_file *s = ctx;
+    size_t done = 0;
+    if (from != s->at && sf_seek(s->file, (sf_count_t)from, SEEK_SET) < 0)
+        return 0;
+    s->at = from;
+    while (done < count) {
+        size_t want = count - done < FRAMES ? count - done : FRAMES;
+        /* reading floats as shorts would first scan the whole file to scale them */
+        sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)want);
+        for (sf_count_t i = 0; i < got; i++) {
+            double mono =
+                32768 * mixdown_frame(&s->mixdown, s->frames + (size_t)i * s->channels, s->channels);
+            out[done++] = (int16_t)lrint(fmax(-32768, fmin(32767, mono)));
+        }
+        s->at += got > 0 ? (uint64_t)got : 0;
+        if (got < (sf_count_t)want)
+            break;
+    }
+    return done;
+}
+
+struct sound_file *sound_open(const char *path, struct error *e) {
+    struct sound_file *s = mem_alloc(sizeof *s);
+    SF_INFO info = {0};
+    s->file = wav_file_open(path, &info);
+    if (!s->file)
+        error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
+    else if (info.channels < 1 || info.channels > CHANNELS_MAX)
+        error_set(e, CODE, "%.160s: %d channels, at most %d can be read", path, info.channels, CHANNELS_MAX);
+    else if (info.samplerate < RATE_MIN || info.samplerate > RATE_MAX)
+        error_set(e, CODE, "%.160s: %d samples a second, from %d to %d can be read", path, info.samplerate,
+                  RATE_MIN, RATE_MAX);
+    else if (info.frames < 1 || !info.seekable)
+        error_set(e, CODE, "%.160s: there is no sound in it", path);
+    else {
+        s->channels = (unsigned)info.channels;
+        s->source = (struct sound_source){read_frames, s, (uint32_t)info.samplerate, (uint64_t)info.frames};
+        return s;
+    }
+    sound_close(s);
+    return NULL;
+}
+
+void sound_close(struct sound_file *s) {
+    if (s && s->file)
+        sf_close(s->file);
+    free(s);
+}
+
+const struct sound_source *sound_source(const struct sound_file *s) {
+    return &s->source;
+}
+
+static size_t read_memory(void *ctx, uint64_t from, int16_t *out, size_t count) {
+    const struct sound_memory *m = ctx;
+    size_t left = from < m->samples ? m->samples - (size_t)from : 0;
+    if (count > left)
+        count = left;
+    if (count)
+        memcpy(out, m->pcm + from, count * sizeof *out);
+    return count;
+}
+
+struct sound_source sound_in_memory(struct sound_memory *memory, uint32_t rate) {
+    return (struct sound_source){read_memory, memory, rate, memory->samples};
+}

@@ -1,0 +1,437 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
+#include "server/cli/cli.h"
+#include "server/daemon/library_setup.h"
+#include "server/export/export.h"
+#include "server/library/library_files.h"
+#include "server/library/publish/epub_book.h"
+#include "server/library/work.h"
+#include <errno.h>
+#include <getopt.h>
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- faccia library export: output files, written in one pass ---- */
+
+enum { EXPORT_WAV, EXPORT_OGG, EXPORT_FAP, EXPORT_VTT, EXPORT_TEXTGRID, EXPORT_OUTPUTS };
+
+/* The caller sets the paths. */
+struct library_export_files {
+    const char *epub; /* NULL = not requested */
+    struct epub_book *book;
+    struct library_export_output {
+        const char *path; /* NULL = not requested */
+        struct cli_file file;
+        struct export export;
+    } outputs[EXPORT_OUTPUTS];
+};
+
+static bool library_export_wanted(const struct library_export_files *files) {
+    bool wanted = files->epub != NULL;
+    for (size_t i = 0; i < EXPORT_OUTPUTS; i++)
+        wanted |= files->outputs[i].path != NULL;
+    return wanted;
+}
+
+static int complain(const char *path) {
+    cli_complain("%s: %s", path, strerror(errno));
+    return -1;
+}
+
+/* This and the functions below return nonzero after a message. */
+static int library_export_open(struct library_export_files *files, const struct work_meta *meta,
+                               const char *hash, double fps) {
+    static const char *const names[EXPORT_OUTPUTS] = {"wav", "ogg", "fap", "vtt", "textgrid"};
+    const struct export_source source = {.lang = meta->lang, .fps = fps};
+    if (files->epub && !(files->book = epub_book_open(files->epub, meta, hash)))
+        return complain(files->epub);
+    for (size_t i = 0; i < EXPORT_OUTPUTS; i++) {
+        struct library_export_output *o = &files->outputs[i];
+        if (o->path && cli_create(&o->file, o->path))
+            return -1;
+        if (o->path)
+            export_begin(&o->export, export_by_name(names[i]), &source);
+    }
+    return 0;
+}
+
+static int flush(struct library_export_output *o) {
+    struct buf *out = &o->export.out;
+    bool well = !out->size || fwrite(out->data, 1, out->size, o->file.file) == out->size;
+    out->size = 0;
+    return well ? 0 : complain(o->path);
+}
+
+static int library_export_segment(struct library_export_files *files, const struct narration *narration,
+                                  const struct media_segment *segment, const char *text, const char *markup) {
+    if (narration->samples + segment->audio->samples >= UINT32_MAX) {
+        cli_complain("this takes more than %.0f hours", (double)UINT32_MAX / narration->rate / 3600);
+        return -1;
+    }
+    if (files->book && epub_book_sound(files->book, segment->audio))
+        return complain(files->epub);
+    for (size_t i = 0; i < EXPORT_OUTPUTS; i++) {
+        struct library_export_output *o = &files->outputs[i];
+        if (!o->path)
+            continue;
+        o->export.source.text = text;
+        o->export.source.markup = markup;
+        export_segment(&o->export, segment);
+        if (o->export.format->streams && flush(o))
+            return -1;
+    }
+    return 0;
+}
+
+static int library_export_section(struct library_export_files *files, const struct section *section,
+                                  const struct narration_part *part, uint32_t rate) {
+    return files->book && epub_book_section(files->book, section, part, rate) ? complain(files->epub) : 0;
+}
+
+/* Sets the true length of a seekable file. */
+static void finish_wav(struct library_export_output *o) {
+    uint8_t header[WAV_HEADER_BYTES];
+    if (!o->export.sample_rate || fseek(o->file.file, 0, SEEK_SET))
+        return;
+    wav_header(header, o->export.sample_rate, o->export.samples);
+    fwrite(header, 1, sizeof header, o->file.file);
+}
+
+/* Completes the files, or discards them unless `well`. */
+static int library_export_close(struct library_export_files *files, const struct narration *narration,
+                                bool well) {
+    char why[200];
+    int result = well ? 0 : -1;
+    for (size_t i = 0; i < EXPORT_OUTPUTS; i++) {
+        struct library_export_output *o = &files->outputs[i];
+        bool spoken = well && o->file.file;
+        if (spoken) {
+            export_end(&o->export);
+            spoken = !flush(o);
+        }
+        if (spoken && i == EXPORT_WAV)
+            finish_wav(o);
+        if (cli_finish(&o->file, spoken) && well)
+            result = -1;
+        export_free(&o->export);
+    }
+    if (!well) {
+        epub_book_free(files->book);
+    } else if (files->book && epub_book_close(files->book, narration->voice, why)) {
+        cli_complain("%s: %s", files->epub, why);
+        result = -1;
+    }
+    files->book = NULL;
+    return result;
+}
+
+static const char usage[] =
+    "Usage: faccia library export [OPTION]... DIR WORK\n"
+    "Speaks a work of the folder DIR, and writes it down. WORK is its id, as 'faccia library DIR' tells it, "
+    "or "
+    "its file.\n"
+    "\n"
+    "      --epub FILE      a book that is heard and marked while it is read (EPUB 3 with media overlays)\n"
+    "      --vtt FILE       captions with the times of their words (WebVTT)\n"
+    "      --textgrid FILE  sentences, words and phones, for Praat\n"
+    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --wav FILE       the sound, mono 16 bit\n"
+    "      --ogg FILE       the sound as Opus in Ogg\n"
+    "  -v, --voice ID       a voice that 'faccia voices' lists, or 'recording': the one beside the work\n"
+    "  -r, --rate WPM       words per minute, 40 to 500\n"
+    "      --fps N          FAP frames per second, 1 to 120 (25)\n"
+    "      --sentences      the book marks sentences and lines, not words\n"
+    "      --silent         the book has no sound\n"
+    "      --progress       tells on standard error how far it is\n"
+    "  -h, --help           print this and exit\n"
+    "Exit status: 0 done, 1 something could not be spoken or written, 2 wrong usage.\n";
+
+struct exporting {
+    struct library_export_files files;
+    struct narration narration;
+    struct speech_request request;
+    const char *folder, *work, *voice;
+    bool silent, progress, failed;
+    char *file, name[64], hash[65];
+    struct work_meta meta;
+    unsigned sections, done;
+};
+
+static int on_segment(void *ctx, const struct media_segment *segment, const char *text, const char *markup) {
+    struct exporting *x = ctx;
+    return library_export_segment(&x->files, &x->narration, segment, text, markup);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    struct exporting *x = ctx;
+    char text[400];
+    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    x->failed |= !warning;
+}
+
+static int on_section(void *ctx, const struct section *section) {
+    struct exporting *x = ctx;
+    struct narration_part part = {0};
+    if (!x->silent)
+        narration_section(&x->narration, section, &part);
+    int stop = x->narration.stopped || library_export_section(&x->files, section, &part, x->narration.rate);
+    narration_part_free(&part);
+    x->done++;
+    if (x->progress)
+        fprintf(stderr, "%u of %u sections, %.0f s\n", x->done, x->sections,
+                x->narration.rate ? (double)x->narration.samples / x->narration.rate : 0);
+    return stop;
+}
+
+static int count_section(void *ctx, const struct section *section) {
+    (void)section;
+    ((struct exporting *)ctx)->sections++;
+    return 0;
+}
+
+static void pass_over(void *ctx, const struct error *e, bool serious) {
+    (void)ctx;
+    (void)e;
+    (void)serious;
+}
+
+static void tell(void *ctx, const struct error *e, bool serious) {
+    struct exporting *x = ctx;
+    if (e->place == PLACE_LINE)
+        cli_complain("%s:%zu:%zu: %s (%s)", x->file, e->line, e->column, e->message, error_name(e->code));
+    else
+        cli_complain("%s: %s (%s)", x->file, e->message, error_name(e->code));
+    x->failed |= serious;
+}
+
+/* First pass: reads metadata and length of the work. -1 after a message. */
+static int look(struct exporting *x, const struct settings *settings) {
+    const struct work_sink sink = {x, count_section, tell};
+    struct library_files files = {0};
+    struct error e;
+    if (library_files_list(&files, x->folder, &e)) {
+        cli_complain_of(&e);
+        library_files_free(&files);
+        return -1;
+    }
+    for (size_t i = 0; i < files.count && !x->file; i++) {
+        char name[64];
+        library_file_name(files.list[i].path, false, name);
+        if (!strcmp(name, x->work) || !strcmp(files.list[i].path, x->work)) {
+            x->file = mem_strdup(files.list[i].path);
+            memcpy(x->name, name, sizeof name);
+        }
+    }
+    library_files_free(&files);
+    if (!x->file) {
+        cli_complain("there is no work '%s' in %s", x->work, x->folder);
+        return -1;
+    }
+    x->meta.lang = mem_strdup(settings->lang);
+    if (work_read(x->folder, x->file, &x->meta, &sink, &e)) {
+        tell(x, &e, true);
+        return -1;
+    }
+    if (!x->meta.title)
+        x->meta.title = mem_strdup(x->name);
+    return library_file_hash(x->folder, x->file, x->hash) ? 0 : -1;
+}
+
+/* Makes the recording a voice, and waits for its alignment. NULL after a message. Free it. */
+static char *with_recording(struct exporting *x, const struct settings *settings) {
+    struct settings of_library = *settings;
+    struct error e;
+    char *config = NULL, *text = NULL;
+    of_library.library = x->folder;
+    if (!library_file_has_sound(x->folder, x->file)) {
+        cli_complain("%s: there is no recording beside it", x->file);
+        return NULL;
+    }
+    if (library_setup_voices(&of_library, &config, &e)) {
+        cli_complain_of(&e);
+        return NULL;
+    }
+    json_t *all = config ? json_loads(config, 0, NULL) : NULL;
+    if (all && !json_object_set_new(json_object_get(all, "recording"), "seconds", json_integer(3600)))
+        text = json_dumps(all, JSON_COMPACT);
+    json_decref(all);
+    free(config);
+    if (!text)
+        cli_complain("the plugin 'recording' is set up for another folder");
+    return text;
+}
+
+static int speak(struct exporting *x, const struct settings *settings) {
+    const struct work_sink sink = {x, on_section, pass_over};
+    struct settings own = *settings;
+    struct cli cli = {0};
+    struct error e;
+    char *config = NULL, voice[80];
+    bool recorded = x->voice && !strcmp(x->voice, "recording");
+    if (recorded && !(config = with_recording(x, settings)))
+        return EXIT_FAILED;
+    if (config) {
+        own.voices.config = config;
+        snprintf(voice, sizeof voice, "recording:%s", x->name);
+    }
+    if (x->voice)
+        x->request.voice = mem_strdup(recorded ? voice : x->voice);
+    x->failed |= !x->silent && cli_open(&cli, &own);
+    if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
+        x->narration = (struct narration){.pipeline = &cli.components.pipeline,
+                                          .request = &x->request,
+                                          .lang = x->meta.lang,
+                                          .any_lang = recorded,
+                                          .sentences = x->narration.sentences,
+                                          .segment = on_segment,
+                                          .problem = on_problem,
+                                          .ctx = x};
+        struct work_meta again = {.lang = mem_strdup(settings->lang)};
+        if (work_read(x->folder, x->file, &again, &sink, &e))
+            x->failed = true;
+        work_meta_free(&again);
+        if (!x->silent && !x->narration.samples) {
+            cli_complain("%s: nothing of it could be spoken", x->file);
+            x->failed = true;
+        }
+        x->failed |= library_export_close(&x->files, &x->narration, x->silent || x->narration.samples) != 0;
+    } else {
+        x->failed = true;
+        library_export_close(&x->files, &x->narration, false);
+    }
+    if (!x->silent)
+        cli_close(&cli);
+    free(config);
+    return x->failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+/* faccia library export: writes a work with its sound to files. argv[0] is "export". Returns an exit code. */
+static int library_export_main(int argc, char **argv, const struct settings *settings) {
+    struct exporting x = {0};
+    double rate = 0, fps = 25;
+    const struct cli_option options[] = {
+        {.name = "epub", .kind = CLI_TEXT, .out = &x.files.epub},
+        {.name = "vtt", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_VTT].path},
+        {.name = "textgrid", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_TEXTGRID].path},
+        {.name = "fap", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_FAP].path},
+        {.name = "wav", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_WAV].path},
+        {.name = "ogg", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_OGG].path},
+        {.name = "voice", .letter = 'v', .kind = CLI_TEXT, .out = &x.voice},
+        {.name = "rate", .letter = 'r', .kind = CLI_NUMBER, .out = &rate, .min = 40, .max = 500},
+        {.name = "fps", .kind = CLI_NUMBER, .out = &fps, .min = 1, .max = 120},
+        {.name = "sentences", .kind = CLI_FLAG, .out = &x.narration.sentences},
+        {.name = "silent", .kind = CLI_FLAG, .out = &x.silent},
+        {.name = "progress", .kind = CLI_FLAG, .out = &x.progress},
+        {0}};
+    int status = cli_options(argc, argv, usage, options, NULL);
+    if (status >= 0)
+        return status;
+    request_init(&x.request);
+    x.request.rate = rate;
+    x.request.fps = fps;
+    x.folder = argc - optind == 2 ? argv[optind] : NULL;
+    x.work = x.folder ? argv[optind + 1] : NULL;
+    if (!x.folder) {
+        cli_complain("library export: a folder and a work are needed");
+        status = EXIT_USAGE;
+    } else if (!library_export_wanted(&x.files) || (x.silent && !x.files.epub)) {
+        cli_complain("library export: say what is to be written, for example --epub FILE");
+        status = EXIT_USAGE;
+    } else {
+        status = look(&x, settings) ? EXIT_FAILED : speak(&x, settings);
+    }
+    work_meta_free(&x.meta);
+    request_free(&x.request);
+    free(x.file);
+    return status;
+}
+
+/* faccia library: reads a folder of works as the daemon would, and reports the result. */
+
+struct checking {
+    const char *path;
+    size_t sections, passages, characters, serious, light;
+};
+
+static int add_section(void *ctx, const struct section *section) {
+    struct checking *c = ctx;
+    c->sections++;
+    c->passages += section->passages;
+    c->characters += section->characters;
+    return 0;
+}
+
+/* FILE:LINE:COLUMN: message (code), as compilers print it. */
+static void print_problem(const char *path, const struct error *e) {
+    if (e->place == PLACE_LINE)
+        printf("%s:%zu:%zu: %s (%s)\n", path, e->line, e->column, e->message, error_name(e->code));
+    else
+        printf("%s: %s (%s)\n", path, e->message, error_name(e->code));
+}
+
+static void report_problem(void *ctx, const struct error *e, bool serious) {
+    struct checking *c = ctx;
+    c->serious += serious;
+    c->light += !serious;
+    print_problem(c->path, e);
+}
+
+static void check(struct checking *all, const char *folder, const char *path, const char *lang) {
+    struct checking c = {.path = path};
+    const struct work_sink sink = {&c, add_section, report_problem};
+    struct work_meta meta = {.lang = mem_strdup(lang)};
+    struct error e;
+    char name[64];
+    if (work_read(folder, path, &meta, &sink, &e)) {
+        c.serious++;
+        print_problem(path, &e);
+    }
+    library_file_name(path, false, name);
+    if (c.sections)
+        printf("%-24s %-6s %-8s %4zu sections %6zu passages %9zu bytes%s  %s%s%s\n", name, meta.lang,
+               meta.format, c.sections, c.passages, c.characters,
+               library_file_has_sound(folder, path) ? "  recorded" : "", meta.author ? meta.author : "",
+               meta.author ? ": " : "", meta.title ? meta.title : path);
+    all->sections += c.sections > 0;
+    all->passages += c.passages;
+    all->characters += c.characters;
+    all->serious += c.serious;
+    all->light += c.light;
+    work_meta_free(&meta);
+}
+
+int library_main(int argc, char **argv, const struct settings *settings) {
+    static const char usage[] =
+        "Usage: faccia library DIR\n"
+        "       faccia library export [OPTION]... DIR WORK\n"
+        "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML) and tells what is in them "
+        "and\n"
+        "what is wrong, with file, line and column. Exits with 1 when something could not be read.\n"
+        "export writes a work down as a book that is heard, captions, and more: faccia library export "
+        "--help\n";
+    static const struct cli_option options[] = {{0}};
+    struct library_files files = {0};
+    struct checking all = {0};
+    struct error e;
+    if (argc > 1 && !strcmp(argv[1], "export"))
+        return library_export_main(argc - 1, argv + 1, settings);
+    int status = cli_options(argc, argv, usage, options, NULL);
+    if (status >= 0)
+        return status;
+    if (argc - optind != 1) {
+        cli_complain("library: a folder is needed");
+        return EXIT_USAGE;
+    }
+    if (library_files_list(&files, argv[optind], &e)) {
+        cli_complain_of(&e);
+        library_files_free(&files);
+        return EXIT_FAILED;
+    }
+    for (size_t i = 0; i < files.count; i++)
+        check(&all, argv[optind], files.list[i].path, settings->lang);
+    printf("%zu works, %zu passages, %zu bytes; %zu problems, %zu hints\n", all.sections, all.passages,
+           all.characters, all.serious, all.light);
+    library_files_free(&files);
+    return all.serious ? EXIT_FAILED : EXIT_DONE;
+}

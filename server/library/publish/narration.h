@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Speaks a section of a work and records when each stretch of its blocks is heard. Sound and face are
+ * passed on sentence by sentence, and not kept. */
+#ifndef FACCIA_LIBRARY_PUBLISH_NARRATION_H
+#define FACCIA_LIBRARY_PUBLISH_NARRATION_H
+
+#include "server/library/work.h"
+#include "server/synthesis/synthesis.h"
+
+/* Highlighted together during playback: a word, or the part of a sentence within one line of verse. */
+struct narration_unit {
+    size_t block;    /* index in the section */
+    size_t from, to; /* bytes of the block's text */
+    uint64_t start;  /* samples from the start of the section; ascending */
+};
+
+/* Units of a section. Zeroed: nothing was spoken. */
+struct narration_part {
+    struct narration_unit *units;
+    size_t count, cap;
+    uint64_t samples;
+};
+
+struct narration {
+    const struct pipeline *pipeline;
+    struct speech_request *request; /* voice: for text in `lang`; borrowed */
+    const char *lang;               /* of the work */
+    bool any_lang;                  /* the voice speaks every language, as a recording does */
+    bool sentences;                 /* units are sentences instead of words */
+    /* Receives a sentence, with its start in samples of the work. Byte offsets refer to text, which is in
+     * that markup. All segments have the same rate. Nonzero: stop. */
+    int (*segment)(void *ctx, const struct media_segment *segment, const char *text, const char *markup);
+    void (*problem)(void *ctx, const struct error *e, bool warning);
+    void *ctx;
+    uint32_t rate;    /* Hz; 0 = nothing spoken yet */
+    uint64_t samples; /* of the work so far */
+    char voice[80];   /* the first voice used */
+    bool stopped;
+};
+
+enum { NARRATION_RATE_MAX = 48000 }; /* Hz: higher rates are converted */
+
+/* Speaks headings, paragraphs and verse of the section. Runs the pipeline's loop until that is done. A
+ * passage that fails is reported, and the rest continues. */
+void narration_section(struct narration *narration, const struct section *section,
+                       struct narration_part *part);
+void narration_part_free(struct narration_part *part);
+
+#endif

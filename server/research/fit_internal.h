@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Coefficients as unknowns without limits: x, from which the solver may step anywhere, is how far a value
+ * lies from the one that the pack has, and stands for a value inside the limits of anatomy and of a speech
+ * pack. */
+#ifndef FACCIA_RESEARCH_FIT_INTERNAL_H
+#define FACCIA_RESEARCH_FIT_INTERNAL_H
+
+#include "server/face/engines/targets.h"
+#include "server/research/fit.h"
+
+/* Of one segment: all but k, which the curve shows only by passing DOMINANCE_RESISTANT, so that it has no
+ * slope. The original function has no shape and one c. */
+enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS_LOOK_AHEAD };
+
+/* The first ones, t and T, which a phone has of its own in each context; the rest it shares with its group.
+ */
+enum { UNKNOWNS_TARGET = 2, UNKNOWNS_T = 1 };
+
+/* One articulatory parameter, fitted to all recordings together. */
+
+enum { TASK_FOLDS = 8, FOLD_NONE = 255 };
+
+/* A recording of the parameter being fitted. */
+struct fit_track {
+    const struct measured_speech *recording;
+    struct phone_segments segments;
+    bool *uses;     /* by entry */
+    uint8_t *folds; /* by frame: its fold, or FOLD_NONE if it does not count */
+};
+
+/* An entry with the pack's original values. */
+struct task_slot {
+    const struct fit_entry *entry;
+    size_t group;
+    struct coefficients plain, stressed;
+};
+
+/* State of a fit. */
+struct task {
+    const struct speech_pack *pack;
+    const struct fit_options *options;
+    int param;
+    struct fit *fit;
+    struct fit_track *tracks;
+    size_t track_count;
+    struct task_slot *slots; /* by entry */
+    const struct speech_group **groups;
+    size_t group_count, per_block, frames;
+    enum fit_level level;
+    size_t *moving; /* unknowns that may change */
+    size_t moving_count;
+    double *all; /* all unknowns, while some of them are improved */
+    double strength;
+    int held; /* fold that is held out, or -1 */
+};
+
+void task_open(struct task *task);
+void task_close(struct task *task);
+
+/* Fits the parameter from the pack's values: chooses level and strength, then the coefficients. */
+void task_fit(struct task *task, void (*choose)(struct task *task));
+
+/* Improves x (all unknowns, of which the chosen ones change) with the current strength, without the
+ * held-out fold. Applies x to the pack. */
+void task_improve(struct task *task, double *x, int iterations);
+
+/* Converts a fit x to the result: the requested part of the way, at the best scale. */
+void task_finish(struct task *task, double *x);
+
+/* Sum of squares over the frames of a fold (-1 = all) for the pack's current values, and their number.
+ * Each recording's level comes from the frames that are not held out. */
+double task_error(const struct task *task, int fold, size_t *frames);
+
+/* The same over all frames with a free scale for each recording: error of the shape alone. */
+double task_shape_error(const struct task *task, size_t *frames);
+
+/* Which part of the data each frame belongs to, while parts are held out: whole recordings where there are
+ * TASK_FOLDS of them or more. Otherwise sounds: all that a phone lasts, wherever it comes, so that what
+ * foretells it was learnt from other sounds. Stretches of time would be foretold by the same words' other
+ * phones, and by a fit that knows no more than this sentence. */
+
+/* Makes the folds of all tracks, which own them. Pauses count only if rest_known. */
+void folds_make(struct fit_track *tracks, size_t count, bool rest_known);
+
+/* What may move in a fit, from what all sounds share down to each of them, and what the moves make of a pack.
+ * All unknowns together: the logarithm of the scale of all movements; a block for the consonants and one for
+ * the vowels, which move as wholes; one for each viseme group; and for each entry its target. A phone's
+ * coefficients are moved by the sum of its blocks, and its target is multiplied by the scale. */
+
+/* Number of unknowns, and selection of those that may change at a level (into task->moving). */
+size_t moves_count(const struct task *task);
+void moves_choose(struct task *task, enum fit_level level);
+
+#endif
