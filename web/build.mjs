@@ -2,7 +2,7 @@
 // Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
-import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
@@ -122,29 +122,30 @@ const kit = await build({
 });
 note(kit.metafile);
 copyFileSync(path.join(here, 'node_modules/uplot/dist/uPlot.min.css'), path.join(out, 'plot.css'));
-for (const file of readdirSync(path.join(here, 'page'))) {
-  inputs.add(path.join(here, 'page', file));
-  copyFileSync(path.join(here, 'page', file), path.join(out, file));
-}
-// The page of texts is to be readable within a second on a slow phone: one file in place of one after the other, and
-// before it a small one that asks for the text.
-for (const [name, external] of [['library.js', ['./talking-head.js', './library-early.js']], ['library-early.js', ['./library.js']]]) {
-  const reader = await build({
-    ...common,
-    entryPoints: [path.join(here, 'page', name)],
-    outfile: path.join(out, name),
-    external,
-    banner: { js: '/* faccia, MIT. */' },
-    metafile: true,
-  });
-  note(reader.metafile);
-}
-// What the page of a room needs to show itself, for its worker to keep.
-const room = await build({
-  ...common, entryPoints: [path.join(here, 'page/room.js')], write: false, outdir: out, external: ['./talking-head.js'], metafile: true,
+// Each page is one script, whose address is that of the page with .js: a browser fetches it at once, not one module after the
+// other. The library has a second, small one, which asks for the text before the first has come.
+const pages = path.join(here, 'pages');
+const scripts = readdirSync(pages).filter((name) => existsSync(path.join(pages, name, `${name}.js`))).map((name) => `${name}/${name}.js`);
+const bundled = await build({
+  ...common,
+  entryPoints: [...scripts, 'library/library-early.js'].map((file) => path.join(pages, file)),
+  outdir: out,
+  entryNames: '[name]',
+  external: ['talking-head', 'player-kit', 'portrait', 'library', 'library-early'].map((name) => `./${name}.js`),
+  banner: { js: '/* faccia, MIT. */' },
+  metafile: true,
 });
-const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js',
-  ...Object.keys(room.metafile.inputs).map((file) => path.basename(file))];
+note(bundled.metafile);
+// All else is served as it lies in its folder: pages, styles, workers, and scripts that no page imports.
+const served = ['library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
+for (const file of readdirSync(pages, { recursive: true })) {
+  const name = path.basename(file);
+  if (!/\.(html|css|svg|webmanifest)$/.test(name) && !served.includes(name)) continue;
+  inputs.add(path.join(pages, file));
+  copyFileSync(path.join(pages, file), path.join(out, name));
+}
+// The worker of the room's page keeps all that the page needs to show itself.
+const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js'];
 const version = createHash('sha256');
 for (const file of shell) version.update(readFileSync(path.join(out, file)));
 const worker = path.join(out, 'room-worker.js');

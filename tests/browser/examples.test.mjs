@@ -9,7 +9,7 @@ import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { sign } from '../lib/tokens.mjs';
-import { stories } from '../../web/page/examples-stories.js';
+import { stories } from '../../web/pages/examples/stories.js';
 
 let daemon, browser, page;
 before(async () => {

@@ -8,6 +8,7 @@ import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
+import { serveModule } from '../lib/module.mjs';
 
 let daemon, browser;
 before(async () => {
@@ -88,8 +89,9 @@ test('what a stream has just spoken is handed on from the first page, with its s
   await page.waitForURL('**/player.html#last');
   await page.waitForSelector('[data-plot="curves"]');
   assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'phones', 'curves']);
+  await serveModule(page, 'pages/shared/take.js', '/take.js');
   const take = await page.evaluate(async () => {
-    const { fps, frames, rate, pcm, words, phones } = await (await import('./player-take.js')).lastTake();
+    const { fps, frames, rate, pcm, words, phones } = await (await import('/take.js')).lastTake();
     const loud = (from, to) => pcm.slice(from * rate, to * rate).reduce((sum, x) => sum + x * x, 0) / (rate * (to - from));
     const m = phones.find(({ ipa }) => ipa === 'm'), a = phones.find(({ ipa }) => ipa.startsWith('a'));
     const lips = (phone) => frames[Math.round(((phone.start + phone.end) / 2) * fps)].slice(4, 6); // upper and lower lip

@@ -7,6 +7,7 @@ import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { answerLibrary, answers, section } from '../lib/library-answers.mjs';
+import { serveModule } from '../lib/module.mjs';
 import { servePages } from '../lib/page-server.mjs';
 
 let daemon, browser, portal;
@@ -203,6 +204,7 @@ test('without a library it says so', async () => {
 
 test('a stage direction counts in the text that it stands in; marks in each other are drawn as far as they can be seen', async () => {
   const page = await open();
+  await serveModule(page, 'pages/library/text.js', '/library-text.js');
   const [words, drawn] = await page.evaluate(async () => {
     const { rangeIn, showText } = await import('/library-text.js');
     const text = 'Vieni (lo chiama) qui.';

@@ -2,8 +2,8 @@
 // The markup editor without a page: marks that go along with their words, and what is written, read again.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { moved, sentenceAt, wholeWords, withMark, within } from '../../web/page/editor-marks.js';
-import { MARKUPS, read, write } from '../../web/page/editor-markup.js';
+import { moved, sentenceAt, wholeWords, withMark, within } from '../../web/pages/editor/marks.js';
+import { MARKUPS, read, write } from '../../web/pages/editor/markup.js';
 
 const text = 'Buongiorno! Che bella <sorpresa> & gioia.';
 const over = (words, kind, value) => ({ kind, value, from: text.indexOf(words), to: text.indexOf(words) + words.length });

@@ -2,8 +2,8 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { layOut, markupOf, mixAt, pointOf, spread } from '../../web/page/emotion-disc.js';
-import { words } from '../../web/page/emotion-words.js';
+import { layOut, markupOf, mixAt, pointOf, spread } from '../../web/pages/shared/emotion-disc.js';
+import { words } from '../../web/pages/emotion/words.js';
 
 const affect = (name, activation, evaluation, basic = true) => ({ name, activation, evaluation, basic });
 const affects = [

@@ -7,10 +7,10 @@ import { fileURLToPath } from 'node:url';
 import { parse as parseVue, compileScript } from 'vue/compiler-sfc';
 import { compile as compileSvelte } from 'svelte/compiler';
 import ts from 'typescript';
-import { controlOf, RANGES } from '../../web/page/examples-controls.js';
-import { inAWord } from '../../web/page/examples-log.js';
-import { KINDS, source } from '../../web/page/examples-source.js';
-import { stories } from '../../web/page/examples-stories.js';
+import { controlOf, RANGES } from '../../web/pages/examples/controls.js';
+import { inAWord } from '../../web/pages/examples/log.js';
+import { KINDS, source } from '../../web/pages/examples/source.js';
+import { stories } from '../../web/pages/examples/stories.js';
 import { manifest } from '../../web/package/manifest.mjs';
 
 const web = fileURLToPath(new URL('../../web/', import.meta.url));

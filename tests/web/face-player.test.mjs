@@ -4,9 +4,9 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
 import { FapcDecoder, FapcEncoder, fapcFrame } from '../../protocol/fapc.mjs';
-import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../web/page/player-curve.js';
-import { gestureText, makeGesture } from '../../web/page/player-gesture.js';
-import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../web/page/player-file.js';
+import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../web/pages/player/curve.js';
+import { gestureText, makeGesture } from '../../web/pages/player/gesture.js';
+import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../web/pages/player/file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../protocol/fap-table.json', import.meta.url))).faps;
 

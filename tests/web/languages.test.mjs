@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { FIRST, listed, ownName, pageLanguage, spokenLanguage } from '../../web/page/languages.js';
+import { FIRST, listed, ownName, pageLanguage, spokenLanguage } from '../../web/pages/shared/languages.js';
 
 test('the words of a page are in the first language of the browser that they exist in', () => {
   const known = ['it', 'pt', 'tr', 'en'];

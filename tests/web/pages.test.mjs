@@ -3,25 +3,25 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { words as avatarWords } from '../../web/page/avatar-words.js';
-import { words as editorWords } from '../../web/page/editor-words.js';
-import { words as emotionWords } from '../../web/page/emotion-words.js';
-import { errorWords } from '../../web/page/error-words.js';
-import { words as libraryWords } from '../../web/page/library-words.js';
-import { makeLink, readLink } from '../../web/page/link.js';
-import { words as operatorWords } from '../../web/page/operator-words.js';
-import { words as pageWords } from '../../web/page/page-words.js';
-import { words as playerWords } from '../../web/page/player-words.js';
-import { placeIn, placeOf } from '../../web/page/problem.js';
-import { isWithin, readHours, readWish } from '../../web/page/room-wish.js';
-import { words as roomWords } from '../../web/page/room-words.js';
-import { readCsv, readScene, writeCsv } from '../../web/page/scene.js';
-import { sharedWords } from '../../web/page/shared-words.js';
-import { voicesOf } from '../../web/page/voice-choice.js';
-import { words as voicesWords } from '../../web/page/voices-words.js';
+import { words as avatarWords } from '../../web/pages/avatar/words.js';
+import { words as editorWords } from '../../web/pages/editor/words.js';
+import { words as emotionWords } from '../../web/pages/emotion/words.js';
+import { errorWords } from '../../web/pages/shared/error-words.js';
+import { words as libraryWords } from '../../web/pages/library/words.js';
+import { makeLink, readLink } from '../../web/pages/speak/link.js';
+import { words as operatorWords } from '../../web/pages/operator/words.js';
+import { words as pageWords } from '../../web/pages/speak/words.js';
+import { words as playerWords } from '../../web/pages/player/words.js';
+import { placeIn, placeOf } from '../../web/pages/shared/problem.js';
+import { isWithin, readHours, readWish } from '../../web/pages/room/wish.js';
+import { words as roomWords } from '../../web/pages/room/words.js';
+import { readCsv, readScene, writeCsv } from '../../web/pages/operator/scene.js';
+import { sharedWords } from '../../web/pages/shared/words.js';
+import { voicesOf } from '../../web/pages/shared/voice-choice.js';
+import { words as voicesWords } from '../../web/pages/voices/words.js';
 
-const folder = new URL('../../web/page/', import.meta.url);
-const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
+const folder = new URL('../../web/pages/', import.meta.url);
+const html = (name) => fs.readFileSync(new URL(name === 'index' ? 'speak/index.html' : `${name}/${name}.html`, folder), 'utf8');
 const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords, avatar: avatarWords };
 const all = { ...framed, operator: operatorWords, room: roomWords, library: libraryWords, player: playerWords, editor: editorWords };
 
@@ -43,7 +43,7 @@ test('the pages ask for no word that is not there, and share their frame', () =>
 
 test('nothing in the pages is inline', () => {
   for (const name of [...Object.keys(all), 'examples']) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
-  for (const name of fs.readdirSync(folder).filter((file) => file.endsWith('.js')))
+  for (const name of fs.readdirSync(folder, { recursive: true }).filter((file) => file.endsWith('.js')))
     assert.doesNotMatch(fs.readFileSync(new URL(name, folder), 'utf8'), /innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b/, name);
 });
 

