@@ -7,7 +7,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
-import { framed } from '../../web/src/head/framing.mjs';
+import { framed } from '../../web/element/head/framing.mjs';
 import { launch } from '../lib/browser.mjs';
 import { heads as models } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';

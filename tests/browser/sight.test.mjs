@@ -10,10 +10,10 @@ import { heads as models } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 
 const script = `
-import { View } from './src/head/view.mjs';
-import { Head } from './src/head/head.mjs';
-import { readModel } from './src/head/model.mjs';
-import { LEVELS } from './src/head/quality.mjs';
+import { View } from './element/head/view.mjs';
+import { Head } from './element/head/head.mjs';
+import { readModel } from './element/head/model/model.mjs';
+import { LEVELS } from './element/head/quality.mjs';
 const canvas = document.querySelector('canvas');
 const view = new View(canvas);
 view.resize(640, 480);

@@ -7,10 +7,10 @@ import os from 'node:os';
 import path from 'node:path';
 import test, { after, before } from 'node:test';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
-import { align } from '../../web/src/portrait/align.mjs';
-import { fitShape } from '../../web/src/portrait/fit.mjs';
-import { asProfile } from '../../web/src/portrait/portrait.mjs';
-import { outlinesOf, withProfiles } from '../../web/src/portrait/profile.mjs';
+import { align } from '../../web/portrait/align.mjs';
+import { fitShape } from '../../web/portrait/fit.mjs';
+import { asProfile } from '../../web/portrait/portrait.mjs';
+import { outlinesOf, withProfiles } from '../../web/portrait/profile.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { photograph, writePng } from '../lib/drawn-photographs.mjs';
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { HeardClock, PositionMap } from '../../web/src/audio/clock.mjs';
-import { mono } from '../../web/src/audio/mixdown.mjs';
-import { PlayoutBuffer } from '../../web/src/audio/playout-buffer.mjs';
-import { Resampler } from '../../web/src/audio/resampler.mjs';
-import { Ring } from '../../web/src/audio/ring.mjs';
+import { HeardClock, PositionMap } from '../../web/element/audio/clock.mjs';
+import { mono } from '../../web/element/audio/mixdown.mjs';
+import { PlayoutBuffer } from '../../web/element/audio/playout-buffer.mjs';
+import { Resampler } from '../../web/element/audio/resampler.mjs';
+import { Ring } from '../../web/element/audio/ring.mjs';
 
 const ramp = (from, count) => Float32Array.from({ length: count }, (_, i) => from + i);
 

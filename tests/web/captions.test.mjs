@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { PlainText } from '../../web/src/plain-text.mjs';
-import { CaptionTrack, cutCaption, GivenCaptions, HeardCaptions } from '../../web/src/captions.mjs';
+import { PlainText } from '../../web/element/captions/plain-text.mjs';
+import { CaptionTrack, cutCaption, GivenCaptions, HeardCaptions } from '../../web/element/captions/captions.mjs';
 
 const place = (text, part, from = 0) => {
   const start = text.indexOf(part, from);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Backoff } from '../../web/src/backoff.mjs';
-import { Connection } from '../../web/src/connection.mjs';
+import { Backoff } from '../../web/element/stream/backoff.mjs';
+import { Connection } from '../../web/element/stream/connection.mjs';
 
 /** A connection in a world where time passes when it is told to. */
 function rig() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Contexts } from '../../web/src/contexts.mjs';
+import { Contexts } from '../../web/element/stage/contexts.mjs';
 
 function rig(most, count) {
   let due = [];

@@ -4,8 +4,8 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { OpusDecoder } from '../../web/node_modules/opus-decoder/index.js';
 import { encodeChunk } from '../../protocol/chunk.mjs';
-import { Demuxer } from '../../web/src/demuxer.mjs';
-import { OpusSound } from '../../web/src/audio/opus.mjs';
+import { Demuxer } from '../../web/element/stream/demuxer.mjs';
+import { OpusSound } from '../../web/element/audio/opus.mjs';
 
 /** A compact chunk: position always told, Opus packets, no frames. */
 const compact = (utterance, start, samples, firstPacket, packets) => {

@@ -14,7 +14,7 @@ import { stories } from '../../web/pages/examples/stories.js';
 import { manifest } from '../../web/package/manifest.mjs';
 
 const web = fileURLToPath(new URL('../../web/', import.meta.url));
-const [element] = manifest(path.join(web, 'src/talking-head.d.ts'), path.join(web, 'docs/element/reference.md'), 'talking-head.js').modules[0].declarations;
+const [element] = manifest(path.join(web, 'element/talking-head.d.ts'), path.join(web, 'docs/element/reference.md'), 'talking-head.js').modules[0].declarations;
 const server = 'http://127.0.0.1:8080';
 
 test('every attribute, property, method, event, part, custom property and slot has an example, and no example shows what is not there', () => {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { FaceMixer, faceValues } from '../../web/src/face-mixer.mjs';
-import { FaceTrack, FAP_VALUES } from '../../web/src/face-track.mjs';
+import { FaceMixer, faceValues } from '../../web/element/face/face-mixer.mjs';
+import { FaceTrack, FAP_VALUES } from '../../web/element/face/face-track.mjs';
 
 const frame = (faps) => Int32Array.from(faceValues(faps));
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { FramePacer } from '../../web/src/frame-pacer.mjs';
+import { FramePacer } from '../../web/element/stage/frame-pacer.mjs';
 
 const BEAT = 1000 / 60;
 

@@ -6,7 +6,7 @@ import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
-import { framed } from '../../web/src/head/framing.mjs';
+import { framed } from '../../web/element/head/framing.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { deform } from '../../web/src/head/deform.mjs';
-import { Drive, influencesOf, packInfluences, turned, WHOLE_HEAD } from '../../web/src/head/influences.mjs';
-import { httpBase, ModelAssembler } from '../../web/src/head/loader.mjs';
-import { ModelError, readModel } from '../../web/src/head/model.mjs';
-import { Normals } from '../../web/src/head/normals.mjs';
-import { bakeOcclusion, throughHair } from '../../web/src/head/occlusion.mjs';
-import { Governor, LEVELS } from '../../web/src/head/quality.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { deform } from '../../web/element/head/mesh/deform.mjs';
+import { Drive, influencesOf, packInfluences, turned, WHOLE_HEAD } from '../../web/element/head/mesh/influences.mjs';
+import { httpBase, ModelAssembler } from '../../web/element/head/model/loader.mjs';
+import { ModelError, readModel } from '../../web/element/head/model/model.mjs';
+import { Normals } from '../../web/element/head/mesh/normals.mjs';
+import { bakeOcclusion, throughHair } from '../../web/element/head/shading/occlusion.mjs';
+import { Governor, LEVELS } from '../../web/element/head/quality.mjs';
 
 const base64 = (array) => Buffer.from(array.buffer).toString('base64');
 const near = (actual, expected, tolerance = 1e-3) =>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { readMix } from '../../web/src/expression.mjs';
-import { FaceMixer } from '../../web/src/face-mixer.mjs';
-import { FAP_VALUES } from '../../web/src/face-track.mjs';
-import { IdleFace } from '../../web/src/idle.mjs';
-import { IdleController } from '../../web/src/idle-controller.mjs';
+import { readMix } from '../../web/element/face/expression.mjs';
+import { FaceMixer } from '../../web/element/face/face-mixer.mjs';
+import { FAP_VALUES } from '../../web/element/face/face-track.mjs';
+import { IdleFace } from '../../web/element/face/idle.mjs';
+import { IdleController } from '../../web/element/face/idle-controller.mjs';
 
 const RATE = 8000;
 const CHUNK = 0.12;

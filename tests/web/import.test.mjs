@@ -15,7 +15,7 @@ const scripts = (folder) =>
 
 test('each module of the element can be imported without a page', async () => {
   // one is for the audio thread; those in packed/ have WebAssembly in them, which only what bundles them can bring
-  const files = scripts(path.join(web, 'src')).filter((file) => !file.endsWith('worklet.mjs') && path.basename(path.dirname(file)) !== 'packed');
+  const files = [...scripts(path.join(web, 'element')), ...scripts(path.join(web, 'portrait'))].filter((file) => !file.endsWith('worklet.mjs') && path.basename(path.dirname(file)) !== 'packed');
   assert.ok(files.length > 30);
   for (const file of files) await assert.doesNotReject(import(pathToFileURL(file)), file);
 });
@@ -37,7 +37,7 @@ test('where there are elements it is defined once, however often the script is l
     },
   };
   t.after(() => delete globalThis.customElements);
-  const script = new URL('../../web/src/talking-head.mjs', import.meta.url).href;
+  const script = new URL('../../web/element/talking-head.mjs', import.meta.url).href;
   const [first, second] = [await import(`${script}?a`), await import(`${script}?b`)];
   assert.equal(defined.get('talking-head'), first.TalkingHead);
   assert.equal(second.TalkingHead, first.TalkingHead);

@@ -2,7 +2,7 @@
 // Fewer triangles: what is left stays near what was there, in every pose, and keeps its outline.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { lean, neighboursFirst, renumbered } from '../../web/src/head/lean.mjs';
+import { lean, neighboursFirst, renumbered } from '../../web/element/head/mesh/simplify.mjs';
 
 const N = 30;
 

@@ -5,9 +5,9 @@ import fs from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { lidsAt, lidsOf } from '../../web/src/head/lids.mjs';
-import { readModel } from '../../web/src/head/model.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { lidsAt, lidsOf } from '../../web/element/head/shading/lids.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 import { heads as folder } from '../lib/built-heads.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));

@@ -2,7 +2,7 @@
 // What is said when there is no way to the server, and when it is said.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Link } from '../../web/src/link.mjs';
+import { Link } from '../../web/element/stream/link.mjs';
 
 /** A link in a page, with a browser played by the test. */
 function rig(t, { src = 'ws://there/v1/stream', token = null, refuses = null, fetches = () => Promise.reject(new TypeError()), https = false } = {}) {

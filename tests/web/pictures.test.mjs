@@ -3,15 +3,15 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { maskOf } from '../../web/src/pictures/mask.mjs';
-import { Region } from '../../web/src/pictures/morph.mjs';
-import { multiquadric } from '../../web/src/pictures/multiquadric.mjs';
-import { nearest } from '../../web/src/pictures/nearest.mjs';
-import { pictureSize } from '../../web/src/picture-size.mjs';
-import { readPictures } from '../../web/src/pictures/set.mjs';
-import { readPicture } from '../../web/src/portrait/page.mjs';
-import { openingOf, spaceOf } from '../../web/src/pictures/space.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { maskOf } from '../../web/element/pictures/mask.mjs';
+import { Region } from '../../web/element/pictures/morph.mjs';
+import { multiquadric } from '../../web/element/pictures/multiquadric.mjs';
+import { nearest } from '../../web/element/pictures/nearest.mjs';
+import { pictureSize } from '../../web/element/head/model/picture-size.mjs';
+import { readPictures } from '../../web/element/pictures/set.mjs';
+import { readPicture } from '../../web/portrait/page.mjs';
+import { openingOf, spaceOf } from '../../web/element/pictures/space.mjs';
 
 const ANCHORS = [[20, 40], [60, 40], [40, 30], [40, 52], [40, 75]];
 const box = (inset, width, height) => [[inset, inset], [width - 1 - inset, inset], [width - 1 - inset, height - 1 - inset], [inset, height - 1 - inset]];

@@ -2,7 +2,7 @@
 // What becomes of speech where the browser refuses sound, or has nothing to sound on.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Player } from '../../web/src/audio/player.mjs';
+import { Player } from '../../web/element/audio/player.mjs';
 
 const RATE = 1000;
 

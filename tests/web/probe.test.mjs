@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { streamAddress, withEvents } from '../../web/src/link.mjs';
-import { reasonOf, serverOf, wantsToken } from '../../web/src/probe.mjs';
+import { streamAddress, withEvents } from '../../web/element/stream/link.mjs';
+import { reasonOf, serverOf, wantsToken } from '../../web/element/stream/probe.mjs';
 
 const page = new EventTarget();
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { addProperties, upgradeProperties } from '../../web/src/properties.mjs';
+import { addProperties, upgradeProperties } from '../../web/element/properties.mjs';
 
 class Element {
   attributes = new Map();

@@ -2,7 +2,7 @@
 // Warps by radial basis functions: they meet their points, are affine where the points are, and say what is wrong.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { MOST_POINTS, rbf, WarpError } from '../../web/src/head/rbf.mjs';
+import { MOST_POINTS, rbf, WarpError } from '../../web/element/head/model/rbf.mjs';
 
 let seed = 7;
 const random = () => ((seed = (seed * 16807) % 2147483647) / 2147483647) * 2 - 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { fingerprint, shared } from '../../web/src/head/shared.mjs';
-import { outsideFirst } from '../../web/src/head/surfaces.mjs';
+import { fingerprint, shared } from '../../web/element/head/model/shared.mjs';
+import { outsideFirst } from '../../web/element/head/shading/surfaces.mjs';
 
 test('what is the same is made once, what is not is not', () => {
   let made = 0;

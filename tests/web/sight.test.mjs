@@ -2,7 +2,7 @@
 // What can be seen of a head from the front: neither what lies behind something nor what turns its back on the viewer.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { shut, sight, within } from '../../web/src/head/sight.mjs';
+import { shut, sight, within } from '../../web/element/head/mesh/visibility.mjs';
 
 /** Squares of 4 mm in a plane across the view, `half` to each side of the middle. */
 function plate(half, z, more = {}) {

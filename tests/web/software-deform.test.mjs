@@ -2,12 +2,12 @@
 // The deformation without a graphics processor against the plain one, on parts that move in every way.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { deform } from '../../web/src/head/deform.mjs';
-import { framed } from '../../web/src/head/framing.mjs';
-import { Drive, influencesOf } from '../../web/src/head/influences.mjs';
-import { readModel } from '../../web/src/head/model.mjs';
-import { SoftwareDeform } from '../../web/src/head/software-deform.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { deform } from '../../web/element/head/mesh/deform.mjs';
+import { framed } from '../../web/element/head/framing.mjs';
+import { Drive, influencesOf } from '../../web/element/head/mesh/influences.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
+import { SoftwareDeform } from '../../web/element/head/mesh/software-deform.mjs';
 
 const base64 = (array) => Buffer.from(array.buffer).toString('base64');
 const weights = (...list) => ({ vertices: base64(Uint16Array.from(list.map((_, i) => i))), weights: base64(Uint8Array.from(list)) });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { ModelSource } from '../../web/src/head/source.mjs';
+import { ModelSource } from '../../web/element/head/model/source.mjs';
 
 const stream = 'ws://example.org/x/v1/stream?room=a';
 const hello = { models: [{ name: 'mara', bytes: 12 }, { name: 'other' }] };

@@ -2,8 +2,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { decodeChunk, encodeChunk } from '../../protocol/chunk.mjs';
-import { Speech } from '../../web/src/speech.mjs';
-import { Turns } from '../../web/src/turns.mjs';
+import { Speech } from '../../web/element/speech/speech.mjs';
+import { Turns } from '../../web/element/speech/turns.mjs';
 
 const RATE = 1000;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { sliced } from '../../web/src/head/slices.mjs';
-import { strands } from '../../web/src/head/strands.mjs';
+import { sliced } from '../../web/element/head/mesh/slices.mjs';
+import { strands } from '../../web/element/head/mesh/strands.mjs';
 
 test('strands that are narrower than a point are told from locks, however long both are', () => {
   const strip = (x, width, length) => [x, 0, 0, x + width, 0, 0, x, length, 0, x + width, length, 0];

@@ -2,7 +2,7 @@
 // Two faces of a page that show the same head: it comes, is read and is worked out once.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { readOnce, together, workedOut } from '../../web/src/head/together.mjs';
+import { readOnce, together, workedOut } from '../../web/element/head/model/cache.mjs';
 
 const never = () => new AbortController().signal;
 const nothing = () => {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Turns } from '../../web/src/turns.mjs';
+import { Turns } from '../../web/element/speech/turns.mjs';
 
 function rig() {
   const turns = new Turns();

@@ -7,9 +7,9 @@ import path from 'node:path';
 import test from 'node:test';
 import { fileURLToPath } from 'node:url';
 import ts from 'typescript';
-import { TalkingHead } from '../../web/src/element.mjs';
+import { TalkingHead } from '../../web/element/element.mjs';
 
-const types = fileURLToPath(new URL('../../web/src/talking-head.d.ts', import.meta.url));
+const types = fileURLToPath(new URL('../../web/element/talking-head.d.ts', import.meta.url));
 
 const right = `import './talking-head.js';
 import type { Expression, TalkingHead } from './talking-head.js';

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from '../../web/src/head/wrinkles.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from '../../web/element/head/shading/wrinkles.mjs';
 
 const at = (faps) => wrinklesOf(faceValues(faps));
 

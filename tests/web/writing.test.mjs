@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Speech } from '../../web/src/speech.mjs';
-import { PlainText } from '../../web/src/plain-text.mjs';
+import { Speech } from '../../web/element/speech/speech.mjs';
+import { PlainText } from '../../web/element/captions/plain-text.mjs';
 
 /** A speech whose server is played by the test. */
 function rig(linked = true) {

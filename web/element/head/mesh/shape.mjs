@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Vector3 } from 'three';
+import { fringeOf } from './fringe.mjs';
+import { neighboursFirst, renumbered } from './simplify.mjs';
+import { SoftwareDeform } from './software-deform.mjs';
+import { fibres, kindOf, outsideFirst, THIN } from '../shading/surfaces.mjs';
+
+/** The values of some vertices, one after the other. */
+function gather(values, each, kept) {
+  const out = new values.constructor(each * kept.length);
+  kept.forEach((v, i) => {
+    for (let k = 0; k < each; k++) out[each * i + k] = values[each * v + k];
+  });
+  return out;
+}
+
+const hides = ({ name }) => kindOf(name) === 'hair' && !THIN.includes(name);
+
+/** A part as it is drawn: its geometry, and what moves it where there is no graphics processor. */
+export class Shape {
+  /**
+   * @param {import('../model/model.mjs').Part} part @param {ReturnType<import('./influences.mjs').influencesOf>} influences
+   * @param {{normals: Float32Array, fibre?: Float32Array, reach?: Uint8Array, lowered?: Float32Array}} look of each vertex:
+   *   its normal as drawn, the direction of hair, how much light reaches it; of skin how far it comes down with the lids
+   * @param {import('./influences.mjs').Drive|null} drive null: the graphics processor moves it
+   * @param {boolean} [whole] of software-deform.mjs
+   */
+  constructor(part, influences, { normals, fibre, reach, lowered }, drive, whole) {
+    Object.assign(this, { part, influences, front: Infinity, fringe: null });
+    const hair = kindOf(part.name) === 'hair';
+    const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
+    const geometry = (this.geometry = new BufferGeometry());
+    const set = (name, values, each, shares) => geometry.setAttribute(name, new BufferAttribute(values, each, shares));
+    set('position', soft ? soft.position : part.position, 3);
+    set('normal', soft ? soft.normal : normals, 3);
+    set('uv', part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices), 2);
+    if (soft && !hair) set('rest', part.position, 3);
+    if (lowered) set('lowered', lowered, 1);
+    if (hair) set('fibre', fibre ?? fibres(part), 3);
+    set('reach', reach ?? new Uint8Array(4 * part.vertices).fill(255), 4, true);
+    geometry.setIndex(new BufferAttribute(hides(part) && !drive ? outsideFirst(part, part.index) : part.index, 1));
+    if (soft?.acts) for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
+  }
+
+  /** Moves it, where no graphics processor does. @param {import('./influences.mjs').Drive} drive with the FAPs set */
+  update(drive) {
+    if (!this.soft?.acts || !this.soft.update(drive)) return;
+    for (const name of ['position', 'normal']) this.geometry.attributes[name].needsUpdate = true;
+  }
+
+  /**
+   * Where its vertices are in a pose.
+   * @param {import('./influences.mjs').Drive} drive with that set @param {import('three').Matrix4} head how it turns the head
+   */
+  placed(drive, head) {
+    if (!this.soft) return this.part.position;
+    this.soft.update(drive);
+    const position = this.soft.position.slice();
+    if (!this.soft.whole) return position;
+    const p = new Vector3();
+    for (let i = 0; i < position.length; i += 3) p.fromArray(position, i).applyMatrix4(head).toArray(position, i);
+    return position;
+  }
+
+  /** @param {Uint8Array} seen not 0 for triangles that can be seen from the front: they come first from now on */
+  sort(seen) {
+    const { index } = this.part;
+    const [front, rest] = [1, 0].map((kind) => index.filter((_, i) => Number(seen[(i - (i % 3)) / 3] > 0) === kind));
+    index.set(front);
+    index.set(rest, front.length);
+    this.front = front.length;
+    this.geometry.index.needsUpdate = true;
+  }
+
+  /** Makes a geometry of what ends softly. @param {(u: number, v: number) => number} alpha of its texture */
+  divide(alpha) {
+    const { index, before } = fringeOf(this.part.index, this.geometry.attributes.uv.array, alpha);
+    const geometry = new BufferGeometry();
+    for (const [name, attribute] of Object.entries(this.geometry.attributes)) geometry.setAttribute(name, attribute);
+    geometry.setIndex(new BufferAttribute(index, 1));
+    this.fringe = { geometry, front: before(this.front) };
+  }
+
+  /** @param {boolean} front whether it is seen from there @param {boolean} any whether anything of it is seen, then */
+  show(front, any) {
+    const sorted = this.front < Infinity;
+    const of = (count) => (front && sorted ? Number(any) * count : Infinity);
+    this.geometry.setDrawRange(0, of(this.front));
+    this.fringe?.geometry.setDrawRange(0, of(this.fringe.front));
+  }
+
+  /**
+   * The same with these triangles only, in the order in which they are drawn fastest.
+   * @param {Uint16Array} triangles of its vertices @param {import('./influences.mjs').Drive} drive @returns {Shape}
+   */
+  with(triangles, drive) {
+    const { part, influences, geometry } = this;
+    const ordered = neighboursFirst(triangles, part.vertices);
+    const { index, kept } = renumbered(hides(part) ? outsideFirst(part, ordered) : ordered);
+    const pick = (list) => Array.from(kept, (v) => list[v]);
+    const fewer = {
+      ...part, index, vertices: kept.length, smooth: null,
+      position: gather(part.position, 3, kept),
+      uv: part.uv && gather(part.uv, 2, kept),
+    };
+    const { rest } = this.soft;
+    return new Shape(
+      fewer,
+      { normals: gather(influences.normals, 3, kept), moves: pick(influences.moves), turns: pick(influences.turns) },
+      {
+        normals: gather(rest.normal, 3, kept),
+        fibre: geometry.attributes.fibre && gather(geometry.attributes.fibre.array, 3, kept),
+        reach: gather(geometry.attributes.reach.array, 4, kept),
+        lowered: geometry.attributes.lowered && gather(geometry.attributes.lowered.array, 1, kept),
+      },
+      drive,
+      this.soft.whole,
+    );
+  }
+
+  dispose() {
+    this.geometry.dispose();
+    this.fringe?.geometry.dispose();
+  }
+}
+
+/** How the head is turned. @param {import('./influences.mjs').Drive} drive @returns {Matrix4} */
+export function headTurnOf(drive) {
+  const origin = new Vector3(...drive.withHead([0, 0, 0]));
+  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...drive.withHead(axis)).sub(origin));
+  return new Matrix4().makeBasis(...axes).setPosition(origin);
+}

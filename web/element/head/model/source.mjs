@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+import { fetchModel, httpBase, ModelAssembler } from './loader.mjs';
+import { together } from './cache.mjs';
+
+/**
+ * Brings the head: by HTTP, where caches help; where that way is closed (another origin that does not allow it, say), through
+ * the stream.
+ */
+export class ModelSource {
+  #assembler = new ModelAssembler();
+  #aborter = null;
+  #address = null; // of the model that is here or on its way
+  #asked = false; // for it to come through the stream, with which it is lost
+
+  /** @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here */
+  constructor(ports) {
+    this.ports = ports;
+  }
+
+  /** Forgets what is here or on its way. */
+  close() {
+    this.#aborter?.abort();
+    this.#assembler = new ModelAssembler();
+    this.#address = null;
+  }
+
+  /**
+   * The stream is there, once more perhaps.
+   * @param {string} stream its address
+   * @param {object} hello the server's
+   * @param {string|null} wish the name of a model; null: the server's first
+   * @param {boolean} [pictures] whether its pictures take its place, where it has some
+   */
+  async open(stream, hello, wish, pictures = false) {
+    const name = wish ?? hello.models?.[0]?.name;
+    const known = hello.models?.find((model) => model.name === name);
+    const drawn = !(pictures && known?.pictures);
+    const version = known?.hash ? `?v=${known.hash}` : ''; // an address whose answer never changes: caches need not ask again
+    const address = drawn ? `models/${encodeURIComponent(name)}${version}` : known.pictures;
+    if (!name || (address === this.#address && !this.#asked)) return;
+    this.#aborter?.abort(); // what is on its way is wanted no more
+    this.#address = address;
+    this.#asked = false;
+    this.#aborter = new AbortController();
+    const { signal } = this.#aborter;
+    const size = drawn ? known?.bytes : undefined;
+    const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
+    let json;
+    try {
+      const whole = httpBase(stream) + address;
+      const load = (...how) => fetchModel(whole, size, ...how);
+      json = await (drawn && version ? together(whole, load, progress, signal) : load(progress, signal));
+    } catch {
+      if (signal.aborted) return;
+      this.#asked = true;
+      this.ports.ask({ type: 'model', name });
+      return;
+    }
+    this.#show(json);
+  }
+
+  /** @param {object} message of type `model` */
+  take(message) {
+    const { index, count } = message;
+    this.ports.progress({ loaded: index + 1, total: count, ratio: (index + 1) / count });
+    const json = this.#assembler.take(message);
+    if (json) this.#show(json);
+  }
+
+  #show(json) {
+    this.#asked = false;
+    this.ports.show(json);
+  }
+}
