@@ -3,38 +3,28 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { words as avatarWords } from '../../web/pages/avatar/words.js';
-import { words as editorWords } from '../../web/pages/editor/words.js';
-import { words as emotionWords } from '../../web/pages/emotion/words.js';
-import { errorWords } from '../../web/pages/shared/error-words.js';
-import { words as libraryWords } from '../../web/pages/library/words.js';
+import * as texts from '../../web/pages/texts/texts.js';
 import { makeLink, readLink } from '../../web/pages/speak/link.js';
-import { words as operatorWords } from '../../web/pages/operator/words.js';
-import { words as pageWords } from '../../web/pages/speak/words.js';
-import { words as playerWords } from '../../web/pages/player/words.js';
 import { placeIn, placeOf } from '../../web/pages/shared/problem.js';
 import { isWithin, readHours, readWish } from '../../web/pages/room/wish.js';
-import { words as roomWords } from '../../web/pages/room/words.js';
 import { readCsv, readScene, writeCsv } from '../../web/pages/operator/scene.js';
-import { sharedWords } from '../../web/pages/shared/words.js';
 import { voicesOf } from '../../web/pages/shared/voice-choice.js';
-import { words as voicesWords } from '../../web/pages/voices/words.js';
 
 const folder = new URL('../../web/pages/', import.meta.url);
-const html = (name) => fs.readFileSync(new URL(name === 'index' ? 'speak/index.html' : `${name}/${name}.html`, folder), 'utf8');
-const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords, avatar: avatarWords };
-const all = { ...framed, operator: operatorWords, room: roomWords, library: libraryWords, player: playerWords, editor: editorWords };
+const html = (name) => fs.readFileSync(new URL(name === 'speak' ? 'speak/index.html' : `${name}/${name}.html`, folder), 'utf8');
+const { shared, errors, ...all } = texts;
+const framed = ['speak', 'emotion', 'voices', 'avatar'];
 
 test('every word is there in every language', () => {
-  for (const words of [...Object.values(all), sharedWords, errorWords])
+  for (const words of Object.values(texts))
     for (const lang of ['it', 'pt', 'tr']) assert.deepEqual(Object.keys(words[lang]).sort(), Object.keys(words.en).sort(), lang);
 });
 
 test('the pages ask for no word that is not there, and share their frame', () => {
   for (const name of Object.keys(all))
     for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
-      assert.equal(typeof (all[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
-  const frames = Object.keys(framed).map((name) => {
+      assert.equal(typeof (all[name].en[word] ?? shared.en[word]), 'string', `${name}: ${word}`);
+  const frames = framed.map((name) => {
     const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
     return frame.join('').replace(/ aria-current="page"/, '');
   });
@@ -59,8 +49,8 @@ test('the errors that a page can meet have words', () => {
   const codes = [...rows.matchAll(/`([a-z0-9-]+)`/g)].map(([, code]) => code).filter((code) => !others.includes(code));
   assert.ok(codes.length >= 30, `${codes.length}`);
   for (const code of ['token-needed', 'expired-token', 'voice-crashed', 'bad-xml', 'connection-lost', 'no-connection'])
-    assert.ok(errorWords.tr[code], code);
-  assert.deepEqual(codes.filter((code) => !errorWords.it[code]), []);
+    assert.ok(errors.tr[code], code);
+  assert.deepEqual(codes.filter((code) => !errors.it[code]), []);
 });
 
 test('places are told, and found in the text', () => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
-import { words } from './words.js';
+import { avatar as words } from '../texts/texts.js';
 import { PictureBox } from './picture.js';
 import { Poses } from './poses.js';
 import { ProfileBox } from './profile.js';

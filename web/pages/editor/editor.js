@@ -2,7 +2,7 @@
 // The markup editor: words are selected, what holds for them is chosen and heard; APML, JSML and SSML come out.
 import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from './marks.js';
 import { read, write } from './markup.js';
-import { samples, words } from './words.js';
+import { editor as words } from '../texts/texts.js';
 import { Frame } from '../shared/frame.js';
 import { Keep } from '../shared/keep.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
@@ -268,7 +268,7 @@ frame.onTranslate(() => {
   $('kind').replaceChildren(...kinds.map((kind) => new Option(say(kind), kind)));
   $('kind').value = chosen || 'affect';
   fill($('lang'), FIRST, { page: frame.lang, others: say('otherLanguages'), chosen: $('lang').value || spokenLanguage(navigator.languages, FIRST) });
-  if (!text.value || Object.values(samples).includes(text.value)) text.value = before = samples[primary($('lang').value)];
+  if (!text.value || Object.values(words).some(({ sample }) => sample === text.value)) text.value = before = words[primary($('lang').value)]?.sample ?? '';
   text.lang = $('lang').value;
   fillValues();
   show();

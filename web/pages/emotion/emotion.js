@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { copy } from '../shared/copy.js';
 import { markupOf } from '../shared/emotion-disc.js';
-import { words } from './words.js';
+import { emotion as words } from '../texts/texts.js';
 import { Frame } from '../shared/frame.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
 import { MoodDisc } from '../shared/mood-disc.js';

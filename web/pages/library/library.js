@@ -11,7 +11,7 @@ import { canKeep, forget, keep, kept, KeptSpeech, startWorker } from './offline.
 import { Recording } from './recording.js';
 import { Search } from './search.js';
 import { showText } from './text.js';
-import { words } from './words.js';
+import { library as words } from '../texts/texts.js';
 
 const $ = (id) => document.getElementById(id);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The desk of somebody who speaks through the face of a room: prepared lines, free text, answers, moods, and a log of it all.
-import { words as emotionWords } from '../emotion/words.js';
 import { Frame } from '../shared/frame.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
 import { Log } from './log.js';
@@ -9,7 +8,7 @@ import { RoomMood } from './mood.js';
 import { People } from './people.js';
 import { Waiting } from './queue.js';
 import { Study } from './study.js';
-import { scenes, words } from './words.js';
+import { emotion, operator as words } from '../texts/texts.js';
 import { SceneShelf } from './scene-shelf.js';
 import { readCsv, readScene, writeCsv, writeTable } from './scene.js';
 import { forGood } from '../shared/storage.js';
@@ -28,7 +27,7 @@ const shelf = new SceneShelf(() => frame.access.token);
 const people = new People({ rooms: $('rooms'), shown: $('listeners') }, { head, log, say, load: (address) => frame.load(address) });
 const mood = new RoomMood({ svg: $('disc'), choice: $('mood'), shown: $('mix') }, {
   send: (mix, options) => head.express(mix, options), log: (what, more) => log.add('mood', what, more), say,
-  called: (name) => emotionWords[frame.lang].affects[name] ?? name, self: () => me,
+  called: (name) => emotion[frame.lang].affects[name] ?? name, self: () => me,
 });
 const study = new Study({ text: $('consent-text'), ask: $('ask-consent'), end: $('end-study'), shown: $('consent') }, { send: (...what) => head.room && head.consent(...what), log, say });
 const how = { rate: null, volume: 1 };
@@ -143,7 +142,7 @@ function firstScene() {
   try {
     scene = readScene(JSON.parse(forGood.get(KEY)));
   } catch {
-    scene = readCsv(writeTable([['id', 'text', 'variants', 'mood', 'choices'], ...scenes[frame.lang]]));
+    scene = readCsv(writeTable([['id', 'text', 'variants', 'mood', 'choices'], ...words[frame.lang].sampleScene]));
   }
   showScene();
 }

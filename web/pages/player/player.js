@@ -8,7 +8,7 @@ import { FapcDecoder, mono } from './player-kit.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
 import { lastTake } from '../shared/take.js';
-import { sample, words } from './words.js';
+import { player as words } from '../texts/texts.js';
 
 const $ = (id) => document.getElementById(id);
 const NEAR = 0.02; // of a curve's span: how near its keys follow it
@@ -290,7 +290,7 @@ document.addEventListener('keydown', (event) => {
   back(event.shiftKey ? history.redo() : history.undo());
 });
 frame.onTranslate(() => {
-  if (Object.values(sample).includes($('text').value) || !$('text').value) $('text').value = sample[frame.lang];
+  if (Object.values(words).some(({ sample }) => sample === $('text').value) || !$('text').value) $('text').value = say('sample');
   fill($('lang'), FIRST, { page: frame.lang, others: say('otherLanguages'), chosen: $('lang').value || spokenLanguage(navigator.languages, FIRST) });
   showPlay();
   if (take) fillGroups();

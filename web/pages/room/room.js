@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A face for a room: it says what is said there, shows what it is doing, offers answers, sleeps at night.
 import { Access } from '../shared/access.js';
-import { errorWords } from '../shared/error-words.js';
 import { pageLanguage } from '../shared/languages.js';
 import { keepShell } from './offline.js';
 import { Consent } from './consent.js';
 import { isWithin, readWish } from './wish.js';
-import { words } from './words.js';
-import { sharedWords } from '../shared/words.js';
+import { errors, room as words, shared } from '../texts/texts.js';
 
 const AWAKE_MS = 60000; // so long it stays awake at night after the last that happened
 const ANSWERED_MS = 6000; // so long the answer can be read
@@ -18,7 +16,7 @@ const SHIFTS = [[0, 0], [6, 2], [4, -5], [-3, -6], [-6, 3]];
 const $ = (id) => document.getElementById(id);
 const wish = readWish(location.href);
 const lang = pageLanguage(wish.lang ? [wish.lang, ...navigator.languages] : navigator.languages, Object.keys(words));
-const say = (name, values = {}) => (words[lang][name] ?? sharedWords[lang][name]).replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');
+const say = (name, values = {}) => (words[lang][name] ?? shared[lang][name]).replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');
 const head = $('head');
 const now = { connection: 'connecting', told: 'idle', heard: '', utterances: 0, sound: 'on', offered: null };
 const consent = new Consent(head, say, {
@@ -150,7 +148,7 @@ head.addEventListener('chosen', ({ detail }) => {
 });
 head.addEventListener('error', ({ detail }) => {
   if (access.concerns(detail.code)) return;
-  const text = errorWords[lang][detail.code] ?? detail.message;
+  const text = errors[lang][detail.code] ?? detail.message;
   clearTimeout(telling);
   if (now.connection === 'open') tell(text, TROUBLE_MS);
   else $('news').textContent = trouble = text;
@@ -178,7 +176,7 @@ for (const element of document.querySelectorAll('[data-label]')) element.setAttr
 $('clock').hidden = !wish.clock;
 head.setAttribute('view', wish.view);
 if (wish.head) head.setAttribute('model', wish.head);
-const access = new Access($('access'), head, (code) => errorWords[lang][code], () => showState());
+const access = new Access($('access'), head, (code) => errors[lang][code], () => showState());
 if (wish.room) head.setAttribute('room', wish.room);
 else $('news').textContent = say('noRoom');
 showState();

@@ -2,10 +2,9 @@
 // What all pages share: words in the reader's language, the connection's state, the token, errors, captions.
 import { Access } from './access.js';
 import { openCaptionChoice } from './caption-choice.js';
-import { errorWords } from './error-words.js';
 import { fill, ownName, pageLanguage } from './languages.js';
 import { Problem } from './problem.js';
-import { sharedWords } from './words.js';
+import { errors, shared } from '../texts/texts.js';
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.language';
@@ -38,7 +37,7 @@ export class Frame {
 
   /** @param {string} name of what is to be said @param {object} [values] of what stands in braces there */
   say(name, values = {}) {
-    const text = this.words[this.lang][name] ?? sharedWords[this.lang][name];
+    const text = this.words[this.lang][name] ?? shared[this.lang][name];
     return text.replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');
   }
 
@@ -96,7 +95,7 @@ export class Frame {
   }
 
   #error(code) {
-    return errorWords[this.lang][code];
+    return errors[this.lang][code];
   }
 
   #follow() {

@@ -5,7 +5,7 @@ import { Frame } from '../shared/frame.js';
 import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
 import { makeLink, readLink } from './link.js';
-import { samples, words } from './words.js';
+import { speak as words } from '../texts/texts.js';
 import { handOn, Recorder } from '../shared/take.js';
 import { Transcript } from './transcript.js';
 import { fillVoices } from '../shared/voice-choice.js';
@@ -38,8 +38,8 @@ function offer(tags, usual) {
 /** Has the fields follow the language that is spoken. */
 function showLanguage() {
   text.lang = lang.value;
-  const untouched = !text.value.trim() || Object.values(samples).includes(text.value);
-  if (untouched) text.value = samples[primary(lang.value)] ?? '';
+  const untouched = !text.value.trim() || Object.values(words).some(({ sample }) => sample === text.value);
+  if (untouched) text.value = words[primary(lang.value)]?.sample ?? '';
   showVoices();
 }
 

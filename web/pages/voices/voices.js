@@ -2,7 +2,7 @@
 // All voices of the server on one face: one sentence, spoken by each.
 import { Frame } from '../shared/frame.js';
 import { fill, primary, spokenLanguage } from '../shared/languages.js';
-import { samples, words } from './words.js';
+import { voices as words } from '../texts/texts.js';
 
 const $ = (id) => document.getElementById(id);
 const [form, text, lang, list] = ['form', 'text', 'lang', 'voices'].map($);
@@ -39,7 +39,7 @@ function item(voice) {
 
 function show() {
   text.lang = lang.value;
-  if (Object.values(samples).includes(text.value) || !text.value.trim()) text.value = samples[lang.value] ?? '';
+  if (Object.values(words).some(({ sample }) => sample === text.value) || !text.value.trim()) text.value = words[lang.value]?.sample ?? '';
   list.replaceChildren(...chosen().map(item));
 }
 
