@@ -9,7 +9,7 @@ import * as check from '../../models/tools/lib/check.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { calibrate } from '../../web/element/head/model/calibrate.mjs';
-import { ModelError } from '../../web/element/head/model/model-check.mjs';
+import { ModelError } from '../../web/element/head/model/check.mjs';
 import { readModel } from '../../web/element/head/model/model.mjs';
 import { models } from '../lib/built-heads.mjs';
 

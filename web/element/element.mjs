@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { applyStyles } from './stylesheet.mjs';
+import { applyStyles, parts, styles } from './template.mjs';
 import { Controls } from './controls.mjs';
 import { Ears } from './speech/voice-inputs.mjs';
 import { readMix } from './face/expression.mjs';
@@ -11,7 +11,6 @@ import { Reader } from './reading/reader.mjs';
 import { Session } from './session.mjs';
 import { SPEAK_ATTRIBUTES } from './speak-attributes.mjs';
 import { Speech } from './speech/speech.mjs';
-import { parts, styles } from './template.mjs';
 import { Turns } from './speech/turns.mjs';
 
 const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { httpBase } from './head/model/loader.mjs';
+import { httpBase } from './head/model/source.mjs';
 
 /** The picture that stands in for the head: until it has come, and where it cannot be drawn. */
 export class Poster {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { CaptionView } from './captions/view.mjs';
 import { FaceMixer, faceValues } from './face/face-mixer.mjs';
-import { IdleController } from './face/idle-controller.mjs';
+import { IdleController } from './face/idle.mjs';
 import { Orbit } from './orbit.mjs';
 import { Stage } from './stage/stage.mjs';
 import { Visibility } from './visibility.mjs';

@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { calibrate } from '../../../web/element/head/model/calibrate.mjs';
-import { ModelError } from '../../../web/element/head/model/model-error.mjs';
+import { ModelError } from '../../../web/element/head/model/check.mjs';
 import { readModel } from '../../../web/element/head/model/model.mjs';
 import { unpack } from '../lib/deform.mjs';
 import { FileError } from './file-error.mjs';

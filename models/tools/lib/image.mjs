@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Reading, recolouring and writing images as plain RGBA numbers. */
 import sharp from 'sharp';
-import { ModelError } from '../../../web/element/head/model/model-error.mjs';
+import { ModelError } from '../../../web/element/head/model/check.mjs';
 import { MOST_PIXELS, pictureTrouble } from '../../../web/element/head/model/picture-size.mjs';
 import { hex, luma, ramp } from './color.mjs';
 

@@ -3,9 +3,8 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { HeardClock, PositionMap } from '../../../web/element/audio/clock.mjs';
 import { mono } from '../../../web/element/audio/mixdown.mjs';
-import { PlayoutBuffer } from '../../../web/element/audio/playout-buffer.mjs';
+import { PlayoutBuffer, Ring } from '../../../web/element/audio/playout-buffer.mjs';
 import { Resampler } from '../../../web/element/audio/resampler.mjs';
-import { Ring } from '../../../web/element/audio/ring.mjs';
 
 const ramp = (from, count) => Float32Array.from({ length: count }, (_, i) => from + i);
 

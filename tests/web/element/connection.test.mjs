@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Backoff } from '../../../web/element/stream/backoff.mjs';
-import { Connection } from '../../../web/element/stream/connection.mjs';
+import { Backoff, Connection } from '../../../web/element/stream/connection.mjs';
 
 /** A connection in a world where time passes when it is told to. */
 function rig() {

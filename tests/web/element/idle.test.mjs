@@ -4,8 +4,7 @@ import test from 'node:test';
 import { readMix } from '../../../web/element/face/expression.mjs';
 import { FaceMixer } from '../../../web/element/face/face-mixer.mjs';
 import { FAP_VALUES } from '../../../web/element/face/face-track.mjs';
-import { IdleFace } from '../../../web/element/face/idle.mjs';
-import { IdleController } from '../../../web/element/face/idle-controller.mjs';
+import { IdleController, IdleFace } from '../../../web/element/face/idle.mjs';
 
 const RATE = 8000;
 const CHUNK = 0.12;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-import { AmbientLight, DirectionalLight, Euler, Group, Matrix4, Quaternion, Vector3 } from 'three';
+import { AmbientLight, DirectionalLight, Euler, Group, Matrix4, Quaternion, SRGBColorSpace, Vector3 } from 'three';
 import { faceValues } from '../face/face-mixer.mjs';
+import { View } from '../head/view.mjs';
 import { BoneTurn, JAW_RADIANS } from './rig.mjs';
 
 const AU = 1e-5; // radians
@@ -144,4 +145,36 @@ function lamp([colour, strength, place]) {
 function viewOf({ chin, upper }, eyes) {
   const size = Math.max(0.7, -upper[1] / 62, eyes / 64);
   return { target: [0, -22 * size, 0], distance: Math.max(620 * size, -chin[1] * 5.6), fov: 26 };
+}
+
+const FADE = 'linear-gradient(#000 87%, transparent)'; // where a bust ends
+const CLOSE = ['face', 'mouth']; // views that end in the skin
+
+/** A View whose colours are light until the last step, as materials of glTF want it. */
+export class AvatarView extends View {
+  targetOptions = { colorSpace: SRGBColorSpace };
+  smooths = false;
+
+  /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
+  constructor(canvas) {
+    super(canvas);
+    this.canvas = canvas;
+    this.copy.fragmentShader = `uniform sampler2D picture;
+      void main() {
+        vec4 light = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+        vec3 own = light.rgb / max(light.a, 1e-4);
+        gl_FragColor = vec4(sRGBTransferOETF(vec4(own, 1.0)).rgb * light.a, light.a);
+      }`;
+    this.framing = null;
+  }
+
+  set framing(name) {
+    super.framing = name;
+    if (this.canvas) this.canvas.style.maskImage = CLOSE.includes(name) ? '' : FADE;
+  }
+
+  dispose() {
+    super.dispose();
+    this.canvas.style.maskImage = '';
+  }
 }

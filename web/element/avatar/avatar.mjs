@@ -3,8 +3,7 @@
 // avatar: with it comes three.js as GLTFLoader needs it.
 import { Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
-import { AvatarHead } from './avatar-head.mjs';
-import { AvatarView } from './avatar-view.mjs';
+import { AvatarHead, AvatarView } from './avatar-head.mjs';
 import { controlsOf, meshesIn, namesIn, swapSides } from './controls.mjs';
 import { facingOf } from './facing.mjs';
 import { fetched } from './fetched.mjs';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { fetchModel } from '../head/model/loader.mjs';
+import { fetchModel } from '../head/model/source.mjs';
 import { readPictures } from './set.mjs';
 
 /** Brings the set of pictures that the page names. */

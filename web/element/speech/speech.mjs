@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { HeardCaptions } from '../captions/captions.mjs';
 import { OwnVoice } from './own-voice.mjs';
-import { Timeline } from './timeline.mjs';
+import { Timeline, Utterance } from './utterance.mjs';
 import { Turns } from './turns.mjs';
-import { Utterance } from './utterance.mjs';
 import { Writing } from './writing.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection

@@ -2,7 +2,7 @@
 import { contexts } from './contexts.mjs';
 import { engineOf } from './engines.mjs';
 import { calibrate } from '../head/model/calibrate.mjs';
-import { checkCalibration } from '../head/model/calibration-check.mjs';
+import { checkCalibration } from '../head/model/check.mjs';
 import { readModel } from '../head/model/model.mjs';
 import { Governor } from '../head/quality.mjs';
 import { FramePacer } from './frame-pacer.mjs';
@@ -135,7 +135,7 @@ export class Stage {
    * The head takes the feature points of somebody: protocol/head-model.md.
    * @param {object|null} calibration of this head and those that follow; null: they are as they came
    * @param {'page'|'server'} [by] whose: the page's goes over the server's
-   * @throws {import('../head/model/model-check.mjs').ModelError} with the field that is wrong; then all stays as it is
+   * @throws {import('../head/model/check.mjs').ModelError} with the field that is wrong; then all stays as it is
    */
   async calibrate(calibration, by = 'page') {
     if (calibration) checkCalibration(calibration);

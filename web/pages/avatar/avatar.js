@@ -1,12 +1,33 @@
 // SPDX-License-Identifier: MIT
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
+import { Frame } from '../shared/frame.js';
+import { fill, primary, spokenLanguage } from '../shared/languages.js';
 import { avatar as words } from '../texts/texts.js';
 import { PictureBox } from './picture.js';
 import { Poses } from './poses.js';
 import { ProfileBox } from './profile.js';
-import { takeTurn } from './turn.js';
-import { Frame } from '../shared/frame.js';
-import { fill, primary, spokenLanguage } from '../shared/languages.js';
+
+const LOOKS_MAX = 120; // a user who has not turned by then gives up
+
+/**
+ * Takes the sharpest pictures from the front and from either side while the user turns before the camera. They stay in the
+ * page.
+ * @param {HTMLVideoElement} video @param {{readPicture: Function, find: Function, TurnPicker: Function, table: object}} tools
+ * @param {{signal: AbortSignal, wants: (side: string|null) => void}} page wants: which side to turn to; null: any that was seen
+ * @returns {Promise<{picture: ImageData, landmarks: number[][]}[]>} the front first
+ */
+async function takeTurn(video, { readPicture, find, TurnPicker, table }, { signal, wants }) {
+  const picker = new TurnPicker(Object.values(table)[0]);
+  for (let look = 0; look < LOOKS_MAX && !picker.done && !signal.aborted; look++) {
+    wants(picker.missing[0] ?? null);
+    await new Promise((resolve) => setTimeout(resolve)); // the page is seen, and heard
+    if (signal.aborted) break;
+    const picture = await readPicture(video);
+    const landmarks = await find(picture).catch(() => null); // no face just now
+    if (landmarks) picker.take({ picture, landmarks });
+  }
+  return picker.views;
+}
 
 const $ = (id) => document.getElementById(id);
 const [form, text, lang, state, making] = ['form', 'text', 'lang', 'state', 'making'].map($);

@@ -4,7 +4,7 @@ import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from '
 import { read, write } from './markup.js';
 import { editor as words } from '../texts/texts.js';
 import { Frame } from '../shared/frame.js';
-import { Keep } from '../shared/keep.js';
+import { DocumentStore } from '../shared/document-store.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
 import { placeIn, placeOf } from '../shared/problem.js';
 
@@ -175,11 +175,11 @@ function save() {
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-const works = new Keep('v1/library/files', frame.access);
+const works = new DocumentStore('v1/library/files', frame.access);
 
 /** The field knows the works that can be opened here. */
 async function showWorks() {
-  const names = (await works.list()) ?? [];
+  const names = ((await works.list()) ?? []).map(({ name }) => name);
   $('work-names').replaceChildren(...names.filter((each) => /\.(apml|jsml|ssml)$/.test(each)).map((each) => new Option(each, each)));
 }
 

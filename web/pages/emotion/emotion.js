@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 import { copy } from '../shared/copy.js';
-import { markupOf } from '../shared/emotion-disc.js';
+import { markupOf, MoodDisc } from '../shared/mood-disc.js';
 import { emotion as words } from '../texts/texts.js';
 import { Frame } from '../shared/frame.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
-import { MoodDisc } from '../shared/mood-disc.js';
 
 const EASE = 0.25; // s, while the point is dragged
 const FAPS_EVERY_MS = 150;

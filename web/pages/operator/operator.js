@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The desk of somebody who speaks through the face of a room: prepared lines, free text, answers, moods, and a log of it all.
+import { DocumentStore } from '../shared/document-store.js';
 import { Frame } from '../shared/frame.js';
-import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
+import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
+import { forGood } from '../shared/storage.js';
+import { emotion, operator as words } from '../texts/texts.js';
 import { Log } from './log.js';
-import { download, preview } from './files.js';
 import { RoomMood } from './mood.js';
 import { People } from './people.js';
 import { Waiting } from './queue.js';
-import { Study } from './study.js';
-import { emotion, operator as words } from '../texts/texts.js';
-import { SceneShelf } from './scene-shelf.js';
 import { readCsv, readScene, writeCsv, writeTable } from './scene.js';
-import { forGood } from '../shared/storage.js';
+import { Study } from './study.js';
 
 const KEY = 'faccia.scene';
 const STATES = ['idle', 'listening', 'thinking', 'muted', 'asleep'];
@@ -23,7 +22,7 @@ const { head } = frame;
 const say = (name, values) => frame.say(name, values);
 const log = new Log($('said'), say);
 const waiting = new Waiting($('queue'), say, () => ($('empty').hidden = waiting.size > 0));
-const shelf = new SceneShelf(() => frame.access.token);
+const store = new DocumentStore('v1/scenes', frame.access, 'application/json');
 const people = new People({ rooms: $('rooms'), shown: $('listeners') }, { head, log, say, load: (address) => frame.load(address) });
 const mood = new RoomMood({ svg: $('disc'), choice: $('mood'), shown: $('mix') }, {
   send: (mix, options) => head.express(mix, options), log: (what, more) => log.add('mood', what, more), say,
@@ -116,10 +115,10 @@ function takeScene(source) {
   showScene();
 }
 
-/** Does something with the scene of that name on the server; what it refuses is told. */
-async function onShelf(act, done) {
+/** Runs a command on the stored scene whose name is in the field, and shows an error of the server. */
+async function onStoredScene(act, done) {
   const name = $('scene-name').value.trim();
-  if (!$('shelf').reportValidity()) return;
+  if (!$('stored').reportValidity()) return;
   try {
     await act(name);
     frame.problem.clear();
@@ -128,13 +127,13 @@ async function onShelf(act, done) {
   } catch (error) {
     frame.problem.show(error);
   }
-  await showShelf();
+  await showStored();
 }
 
-async function showShelf() {
-  const kept = await shelf.list().catch(() => null);
-  $('shelf').hidden = !kept;
-  $('kept').replaceChildren(...(kept ?? []).map(({ name }) => new Option(name)));
+async function showStored() {
+  const scenes = await store.list();
+  $('stored').hidden = !scenes;
+  $('kept').replaceChildren(...(scenes ?? []).map(({ name }) => new Option(name)));
 }
 
 /** The scene to begin with: the one that was here last, or an example in the reader's language. */
@@ -182,7 +181,7 @@ head.addEventListener('connection', ({ detail }) => {
 });
 head.addEventListener('authorized', ({ detail }) => (me = detail.subject || me));
 head.addEventListener('joined', ({ detail }) => {
-  showShelf(log.add('joined', detail.room));
+  showStored(log.add('joined', detail.room));
   study.joined();
 });
 head.addEventListener('desks', ({ detail }) => people.desks(detail.desks, me));
@@ -249,13 +248,13 @@ $('withdraw').addEventListener('click', () => head.room && offer([]));
 state.addEventListener('change', () => head.tell(state.value));
 for (const name of ['repeat', 'slower', 'faster', 'louder', 'softer']) $(name).addEventListener('click', () => change(name));
 $('take').addEventListener('click', () => takeScene($('source').value));
-$('shelf').addEventListener('submit', (event) => {
+$('stored').addEventListener('submit', (event) => {
   event.preventDefault();
-  onShelf(async (name) => takeScene(JSON.stringify(await shelf.read(name))), 'sceneTaken');
+  onStoredScene(async (name) => takeScene(await store.read(name)), 'sceneTaken');
 });
-$('keep-scene').addEventListener('click', () => onShelf((name) => shelf.save(name, scene), 'sceneKept'));
-$('drop-scene').addEventListener('click', () => onShelf((name) => shelf.remove(name), 'sceneDropped'));
-$('scene-name').addEventListener('focus', showShelf);
+$('keep-scene').addEventListener('click', () => onStoredScene((name) => store.save(name, JSON.stringify(scene, null, 1)), 'sceneKept'));
+$('drop-scene').addEventListener('click', () => onStoredScene((name) => store.remove(name), 'sceneDropped'));
+$('scene-name').addEventListener('focus', showStored);
 $('file').addEventListener('change', async ({ target }) => target.files[0] && takeScene(await target.files[0].text()));
 $('save-csv').addEventListener('click', () => download('scene.csv', writeCsv(scene), 'text/csv'));
 $('save-json').addEventListener('click', () => download('scene.json', JSON.stringify(scene, null, 2), 'application/json'));
@@ -285,3 +284,29 @@ if (wished) {
   enter();
 }
 people.follow();
+
+/** Offers a file for download. */
+function download(name, what, type) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([what], { type }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+/**
+ * Plays a text as the head would say it, to the operator alone.
+ * @param {string} text @param {{lang: string, token: string|null}} how @throws {{code: string}}
+ */
+async function preview(text, { lang, token }) {
+  const answer = await fetch(`v1/speech?format=ogg&lang=${encodeURIComponent(lang)}`, {
+    method: 'POST', body: text,
+    headers: { 'content-type': 'text/plain', ...(token ? { authorization: `Bearer ${token}` } : {}) },
+  });
+  if (!answer.ok) throw await answer.json();
+  const sound = new AudioContext(), source = sound.createBufferSource();
+  source.buffer = await sound.decodeAudioData(await answer.arrayBuffer());
+  source.connect(sound.destination);
+  source.onended = () => sound.close();
+  source.start();
+}

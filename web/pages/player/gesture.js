@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A stretch of the Face Player as a named gesture: a file that the daemon reads (models/gestures/README.md).
 
-import { Keep } from '../shared/keep.js';
+import { DocumentStore } from '../shared/document-store.js';
 
 const SECONDS = 10;
 const FEWEST = 3;
@@ -60,7 +60,7 @@ export function openGestureForm(state, table, frame) {
     stretch.from = Math.min(stretch.to, stretch.from);
     show();
   });
-  const server = new Keep('v1/gestures', frame.access);
+  const server = new DocumentStore('v1/gestures', frame.access);
   $('gesture').addEventListener('submit', async (event) => {
     event.preventDefault();
     frame.problem.clear();

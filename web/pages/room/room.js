@@ -2,10 +2,25 @@
 // A face for a room: it says what is said there, shows what it is doing, offers answers, sleeps at night.
 import { Access } from '../shared/access.js';
 import { pageLanguage } from '../shared/languages.js';
-import { keepShell } from './offline.js';
+import { errors, room as words, shared } from '../texts/texts.js';
 import { Consent } from './consent.js';
 import { isWithin, readWish } from './wish.js';
-import { errors, room as words, shared } from '../texts/texts.js';
+
+const WORKER = 'room-worker.js';
+
+/**
+ * Registers the service worker, which lets the page start without a network. Browsers allow one over HTTPS and on localhost
+ * only.
+ */
+async function keepShell() {
+  if (globalThis.origin === 'null' || !('serviceWorker' in navigator)) return;
+  try {
+    const trusted = globalThis.trustedTypes?.createPolicy('faccia-room-worker', { createScriptURL: () => WORKER });
+    await navigator.serviceWorker.register(trusted?.createScriptURL('') ?? WORKER, { scope: 'room.html' }); // the library's has the rest
+  } catch (error) {
+    console.info('faccia: the page is not kept for when there is no network:', error.message);
+  }
+}
 
 const AWAKE_MS = 60000; // so long it stays awake at night after the last that happened
 const ANSWERED_MS = 6000; // so long the answer can be read

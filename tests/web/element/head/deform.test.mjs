@@ -3,11 +3,10 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { faceValues } from '../../../../web/element/face/face-mixer.mjs';
-import { deform } from '../../../../web/element/head/mesh/deform.mjs';
+import { deform, SoftwareDeform } from '../../../../web/element/head/mesh/deform.mjs';
 import { framed } from '../../../../web/element/head/framing.mjs';
 import { Drive, influencesOf } from '../../../../web/element/head/mesh/influences.mjs';
 import { readModel } from '../../../../web/element/head/model/model.mjs';
-import { SoftwareDeform } from '../../../../web/element/head/mesh/software-deform.mjs';
 
 const base64 = (array) => Buffer.from(array.buffer).toString('base64');
 const weights = (...list) => ({ vertices: base64(Uint16Array.from(list.map((_, i) => i))), weights: base64(Uint8Array.from(list)) });

@@ -4,7 +4,7 @@ import test from 'node:test';
 import { faceValues } from '../../../../web/element/face/face-mixer.mjs';
 import { deform } from '../../../../web/element/head/mesh/deform.mjs';
 import { Drive, influencesOf, packInfluences, turned, WHOLE_HEAD } from '../../../../web/element/head/mesh/influences.mjs';
-import { httpBase, ModelAssembler } from '../../../../web/element/head/model/loader.mjs';
+import { httpBase, ModelAssembler } from '../../../../web/element/head/model/source.mjs';
 import { ModelError, readModel } from '../../../../web/element/head/model/model.mjs';
 import { Normals } from '../../../../web/element/head/mesh/normals.mjs';
 import { bakeOcclusion, throughHair } from '../../../../web/element/head/shading/occlusion.mjs';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { fingerprint, shared } from '../../../../web/element/head/model/shared.mjs';
+import { fingerprint, shared } from '../../../../web/element/head/model/cache.mjs';
 import { outsideFirst } from '../../../../web/element/head/shading/surfaces.mjs';
 
 test('what is the same is made once, what is not is not', () => {

@@ -3,8 +3,7 @@
 // back of the teeth) costs as much as what is seen where no graphics processor draws: the colour of a point is worked out
 // before its depth is asked for.
 import { faceValues } from '../../face/face-mixer.mjs';
-import { across } from '../shading/occlusion.mjs';
-import { scan } from './raster.mjs';
+import { across, scan } from '../shading/occlusion.mjs';
 
 const POINT_MM = 1.5; // of the pictures that are looked at
 const NEAR_MM = 0.5; // what lies that close behind counts as seen

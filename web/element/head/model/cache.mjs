@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What several faces of a page have in common: a head that two of them show is fetched once, read once, and worked out once.
+// Shares work between the faces of a page: a head that two of them show is fetched once, read once, and prepared once.
 
 const coming = new Map(); // address -> {promise, aborter, told: Set of onprogress}
 const addresses = new WeakMap(); // JSON that has come -> its address
@@ -7,7 +7,7 @@ const models = new Map(); // address -> WeakRef of what was read from it
 const readings = new WeakMap(); // JSON, or what was read from it -> that
 const results = new WeakMap(); // model -> Map of promises
 
-const gone = new FinalizationRegistry((address) => {
+const unusedModels = new FinalizationRegistry((address) => {
   if (!models.get(address)?.deref()) models.delete(address);
 });
 
@@ -62,7 +62,7 @@ export function readOnce(json, read) {
   readings.set(json, model);
   readings.set(model, model);
   models.set(address, new WeakRef(model));
-  gone.register(model, address);
+  unusedModels.register(model, address);
   return model;
 }
 
@@ -75,4 +75,38 @@ export function workedOut(model, what, make) {
   const known = results.get(model) ?? results.set(model, new Map()).get(model);
   if (!known.has(what)) known.set(what, make());
   return known.get(what);
+}
+
+// Data that two heads have in common (the mesh of a mouth, the texture of teeth) is kept once while both are loaded.
+
+const sharedData = new Map(); // key -> WeakRef
+const unusedData = new FinalizationRegistry((key) => {
+  if (!sharedData.get(key)?.deref()) sharedData.delete(key);
+});
+
+/** 53 bits of a text (two multiplicative hashes); the length counts, too. @param {string} text @returns {string} */
+export function fingerprint(text) {
+  let [a, b] = [0xdeadbeef, 0x41c6ce57];
+  for (let i = 0; i < text.length; i++) {
+    const code = text.charCodeAt(i);
+    a = Math.imul(a ^ code, 2654435761);
+    b = Math.imul(b ^ code, 1597334677);
+  }
+  a = Math.imul(a ^ (a >>> 16), 2246822507) ^ Math.imul(b ^ (b >>> 13), 3266489909);
+  b = Math.imul(b ^ (b >>> 16), 2246822507) ^ Math.imul(a ^ (a >>> 13), 3266489909);
+  return `${text.length}.${(4294967296 * (2097151 & b) + (a >>> 0)).toString(36)}`;
+}
+
+/**
+ * @template {object} T
+ * @param {string} kind what is made of the text @param {string} text @param {() => T} make @returns {T} never to be changed
+ */
+export function shared(kind, text, make) {
+  const key = `${kind} ${fingerprint(text)}`;
+  const there = sharedData.get(key)?.deref();
+  if (there) return there;
+  const made = make();
+  sharedData.set(key, new WeakRef(made));
+  unusedData.register(made, key);
+  return made;
 }

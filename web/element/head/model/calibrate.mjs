@@ -3,9 +3,8 @@
 // Space is warped so that the head's own points get there. What an action does is warped along with it, so that what met
 // before meets afterwards; then it is scaled so that its feature point follows the FAP exactly, in the units of the new face.
 import { faps } from '../../../../protocol/fap.mjs';
-import { checkCalibration } from './calibration-check.mjs';
+import { checkCalibration, ModelError } from './check.mjs';
 import { turned } from '../mesh/influences.mjs';
-import { ModelError } from './model-error.mjs';
 import { rbf, WarpError } from './rbf.mjs';
 
 const HOLDS_FROM = 60; // mm from all points that are given: there a point of the head stays

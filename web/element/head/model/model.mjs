@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { pictureTrouble } from './picture-size.mjs';
-import { checkModel, ModelError } from './model-check.mjs';
-import { shared } from './shared.mjs';
-import { readOnce } from './cache.mjs';
+import { checkModel, ModelError } from './check.mjs';
+import { readOnce, shared } from './cache.mjs';
 
 export { ModelError };
 
