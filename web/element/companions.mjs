@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where the files lie that the element fetches when it needs them: beside its script. Each address is written out as
+// Addresses of the files that the element fetches on demand: beside its script. Each address is written out as
 // `new URL('./NAME', import.meta.url)`, for that is what Vite, webpack and what is made of them look for: they copy the file
-// and write its new address there. It is asked for when it is used and not before: on a server there is no such address.
+// and write its new address there. It is evaluated on use only: on a server there is no such address.
 const BESIDE = {
   'talking-head-worklet.js': () => new URL('./talking-head-worklet.js', import.meta.url),
   'opus-decoder.js': () => new URL('./opus-decoder.js', import.meta.url),

@@ -3,7 +3,7 @@ import { strings } from './strings.mjs';
 
 const TOPICS = ['link', 'model', 'picture']; // what a message can be about; the first that has one is shown
 
-/** What stands around the face: a message over it, two buttons and a slider, in the language of the element. */
+/** Controls around the face: a message over it, two buttons and a slider, in the language of the element. */
 export class Controls {
   #lang = 'en';
   #said = new Map(); // topic -> {what, values}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { applyStyles, parts, styles } from './template.mjs';
 import { Controls } from './controls.mjs';
-import { Ears } from './speech/voice-inputs.mjs';
+import { VoiceInputs } from './speech/voice-inputs.mjs';
 import { readMix } from './face/expression.mjs';
 import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
@@ -15,11 +15,11 @@ import { Turns } from './speech/turns.mjs';
 
 const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
-const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
+const MOVE_MS = 100; // grace period outside the page before it closes: frameworks move elements
 
 const turns = new Turns(); // of all heads in the page
 
-/** `<talking-head>`: see web/docs/element. Where there is no page (on a server) it can be imported, but not made. */
+/** `<talking-head>`: see web/docs/element. Without a page (on a server) it can be imported, but not constructed. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
     ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'pictures', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
@@ -45,7 +45,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #presentation;
   #reader;
   #session;
-  #ears = new Ears({
+  #voiceInputs = new VoiceInputs({
     speak: (options) => {
       const voice = this.#speech.listen(options);
       this.#presentation.wake();
@@ -76,8 +76,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#session = new Session(this, { controls, poster, speech, presentation }, {
       emit: (type, detail) => {
         this.#emit(type, detail);
-        if (type === 'hello') this.#ears.linked();
-        if (type === 'joined') this.#player.open(); // who announces something there is to know before it is said whether it can be heard
+        if (type === 'hello') this.#voiceInputs.linked();
+        if (type === 'joined') this.#player.open(); // an announcer in the room must know beforehand whether it can be heard
         if (type === 'hello') {
           this.#blocked = false; // as the server takes it
           this.#tellSound(this.#player.sound);
@@ -181,9 +181,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Reads the element of the page aloud that `for` names, and marks its words as they are heard.
-   * @param {Range|StaticRange|Node} [from] where to begin
-   * @returns {Promise<{reason: string, code?: string}>} when the last word was heard, or it was stopped, or it failed
+   * Reads the element that `for` names aloud, and marks its words as they are heard.
+   * @param {Range|StaticRange|Node} [from] place to begin at
+   * @returns {Promise<{reason: string, code?: string}>} settles when the last word was heard, on stop, and on failure
    */
   read(from) {
     this.#player.open(); // while the user's gesture counts
@@ -191,15 +191,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Moves her lips to somebody's voice, without a text, until the stream ends or it is stopped.
-   * @param {MediaStream|MediaStreamTrack|null} [stream] a call's, say; without one the user's microphone, which may be asked
-   *   for while the user does something only
-   * @param {object} [options] members of the protocol's `voice` message; sound: false = she is not heard here; codec: 'pcm'
-   * @returns {{stop(): void, done: Promise<object>}} done: as of `speak`
+   * Moves the lips to a live voice, without a text, until the stream ends or is stopped.
+   * @param {MediaStream|MediaStreamTrack|null} [stream] of a call, for example; null: the user's microphone, which browsers
+   *   grant after a user gesture only
+   * @param {object} [options] members of the protocol's `voice` message; sound: false = muted on this page; codec: 'pcm'
+   * @returns {{stop(): void, done: Promise<object>}} done: as the result of `speak`
    */
   listen(stream = null, options = {}) {
     this.#player.open(); // while the user's gesture counts
-    return this.#ears.listen(stream, this.#speakOptions(options));
+    return this.#voiceInputs.listen(stream, this.#speakOptions(options));
   }
 
   /**
@@ -207,11 +207,11 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    * @param {HTMLMediaElement} media @param {object} [options] as of `listen` @returns {{stop(): void}}
    */
   follow(media, options = {}) {
-    return this.#ears.follow(media, this.#speakOptions(options));
+    return this.#voiceInputs.follow(media, this.#speakOptions(options));
   }
 
   #followFor() {
-    this.#ears.name(this.for && this.ownerDocument.getElementById(this.for), () => this.#speakOptions({}));
+    this.#voiceInputs.name(this.for && this.ownerDocument.getElementById(this.for), () => this.#speakOptions({}));
   }
 
   /** Silence at once; what is queued is forgotten. */
@@ -239,9 +239,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Holds the face in a pose, whatever is spoken, until it is called with null.
+   * Holds the face in a pose, even during speech, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number
-   * @param {{ease?: boolean}} [options] ease: go over to it smoothly, not at once
+   * @param {{ease?: boolean}} [options] ease: move there smoothly rather than at once
    */
   pose(faps, { ease = false } = {}) {
     this.#presentation.pose(faps, ease);
@@ -258,7 +258,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Offers answers to whoever is in the room; `chosen` tells which it was. None: what was offered is withdrawn.
+   * Offers answers to the people in the room; the event `chosen` reports their choice. An empty list withdraws the offer.
    * @param {string[]} choices up to 8 @param {{id?: string, question?: string}} [options]
    * @returns {boolean} whether it could be sent
    */
@@ -282,18 +282,18 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Asks whoever listens in the room whether a study may write down what happens, or answers for them; `consent` tells.
-   * @param {'asked'|'given'|'declined'|'none'} consent none: nothing is asked any more
-   * @param {string} [text] of what is asked: what is written down, for whom @returns {boolean} as `offer`
+   * Asks the room's listeners for their consent to be recorded by a study, or answers for them; the event `consent` reports it.
+   * @param {'asked'|'given'|'declined'|'none'} consent none: withdraws the question
+   * @param {string} [text] the question: what is recorded, and for whom @returns {boolean} as `offer`
    */
   consent(consent, text) {
     return this.#session.send({ type: 'consent', consent, ...(text ? { text } : {}) });
   }
 
   /**
-   * The head takes the feature points of somebody, and goes on speaking with that face.
-   * @param {import('./talking-head.d.ts').Calibration|null} calibration null: the head as it came
-   * @returns {Promise<void>} when it is drawn so; fails with the `place` of what is wrong, and leaves the face as it was
+   * Fits the head to the feature points of a person, even while it speaks.
+   * @param {import('./talking-head.d.ts').Calibration|null} calibration null: restores the original head
+   * @returns {Promise<void>} settles when it is drawn; rejects with the `place` of the error, and leaves the face unchanged
    */
   calibrate(calibration) {
     return this.#presentation.stage.calibrate(calibration);
@@ -325,7 +325,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     };
   }
 
-  /** What draws and what plays, for measurements that have to see each picture. */
+  /** Returns the stage and the player, for measurements of single frames. */
   debugParts() {
     return { stage: this.#presentation.stage, player: this.#player };
   }
@@ -356,7 +356,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#presentation.wake();
   }
 
-  /** Who speaks here is to know that nobody hears it. */
+  /** Tells the server whether the browser blocks the sound, so that speakers know that they are not heard. */
   #tellSound(sound) {
     const blocked = sound === 'blocked';
     if (blocked !== this.#blocked && this.#session.send({ type: 'media', blocked })) this.#blocked = blocked;
@@ -406,7 +406,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #close() {
     this.#opened = false;
     this.#reader.close();
-    this.#ears.close();
+    this.#voiceInputs.close();
     this.#speech.stop();
     this.#session.close();
     this.#player.close();

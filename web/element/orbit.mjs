@@ -12,8 +12,8 @@ const LAPSE_S = 0.1; // at most, between pictures
 const limit = (value, most) => Math.min(most, Math.max(-most, value));
 
 /**
- * Seeing the head from the side: by dragging the picture, or with the arrow keys on a slider that shows itself while it has the
- * focus. What has been let go turns back. Vertical swipes scroll the page.
+ * Turns the view of the head: by dragging, or with the arrow keys on a slider that is visible while it has the focus. The head
+ * turns back when it is released. Vertical swipes scroll the page.
  */
 export class Orbit {
   #goal = { yaw: 0, pitch: 0 }; // degrees; yaw: the face to the right of the picture, pitch: down

@@ -8,7 +8,7 @@ import { Visibility } from './visibility.mjs';
 
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 
-/** What is seen of a head: the face on its stage, as it speaks, idles or is posed, and the captions. */
+/** The visible side of a head: the face on its stage, speaking, idling or posed, and the captions. */
 export class Presentation {
   #ticking = 0; // timer
   #drawn = { seconds: null, at: 0 };
@@ -74,12 +74,12 @@ export class Presentation {
     if (!this.#mixer.pose) this.wake();
   }
 
-  /** Whether nothing moves but the lips; the mood is there all the same. */
+  /** Whether only the lips move; the mood is still shown. */
   get still() {
     return this.#mixer.still;
   }
 
-  /** What the page or the reader wishes of its motion may have changed. */
+  /** Applies changed wishes of the page or the user about motion. */
   motionChanged = () => {
     this.#mixer.still = this.element.still ?? this.#reducedMotion.matches;
     this.orbit.on = this.element.turn ?? !this.#mixer.still;
@@ -88,11 +88,11 @@ export class Presentation {
     this.wake();
   };
 
-  /** Has the face idle while there is somebody to see it; one that keeps still has its mood from that. */
+  /** Requests idle movement while the face is visible; a still face gets its mood with it. */
   idleChanged() {
     const { still } = this.#mixer;
     const wanted = this.visibility.seen && (!still || this.idle.moody);
-    // In a room the first one's way of idling is everybody's: others may move there.
+    // The first follower of a room decides how all idle: others may want motion.
     const life = still && !this.element.hasAttribute('room') ? 0 : this.element.life;
     this.idle.idle(wanted ? (life === null ? {} : { life }) : null);
     this.wake();
@@ -158,7 +158,7 @@ export class Presentation {
     const changing = this.#mixer.changing(now);
     const turning = this.orbit.update(now / 1000);
     const speaks = this.speech.busy || changing;
-    const held = this.#mixer.pose && !changing; // whatever is heard
+    const held = this.#mixer.pose && !changing; // overrides speech
     const more = changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
     return { values: this.#mixer.values, turned: this.orbit.turned, more, calm: !speaks && !turning };
   }

@@ -6,7 +6,7 @@ import { SPEAK_ATTRIBUTES } from './speak-attributes.mjs';
 
 const NO = ['off', 'false'];
 
-/** A switch that is on unless it says no. @param {string|null} text of the attribute @param {boolean} without there is none */
+/** Reads a switch: on unless its text says no. @param {string|null} text of the attribute @param {boolean} without default */
 export const isOn = (text, without) => (text === null ? without : !NO.includes(text.trim().toLowerCase()));
 
 const set = (element, name, text) => {

@@ -8,11 +8,11 @@ import { Link } from './stream/link.mjs';
 import { wantsPictures } from './pictures/choice.mjs';
 import { PicturesSource } from './pictures/source.mjs';
 
-/** What the page is told as it comes. */
+/** Messages that are passed to the page unchanged. */
 const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state', 'consent', 'desks', 'expressed'];
 const MERELY = ['', 'on', 'true', 'yes'];
 
-/** What goes on between a head and its server: the link, what comes through it, and the model that is asked for. */
+/** Joins a head to its server: the link, the messages that arrive, and the model that is requested. */
 export class Session {
   #opened = false;
   #reconnecting = false;
@@ -145,7 +145,7 @@ export class Session {
     return { ...(gender ? { gender } : {}), ...(pitch ? { pitch } : {}) };
   }
 
-  /** What is known of the head that is asked for. */
+  /** The server's description of the requested head. */
   get #model() {
     const { model } = this.element;
     const { models = [] } = this.#hello ?? {};
@@ -169,7 +169,7 @@ export class Session {
     if (name && !told) this.ports.fail(name, values);
   }
 
-  /** Sound that needs no decoder: where there is none, or it failed. */
+  /** Requests PCM when no decoder exists, or it failed. */
   #wantPlainSound(error) {
     console.warn('talking-head: Opus cannot be decoded here', error ?? '');
     this.#link.send({ type: 'media', audio: 'pcm_s16le' });
@@ -197,13 +197,13 @@ export class Session {
   /** Says who we are, and goes where we belong. */
   #enter() {
     const { token, room, watch } = this.element;
-    const as = watch && this.element.getAttribute('watch').trim(); // by what name others who look on know it
+    const as = watch && this.element.getAttribute('watch').trim(); // name that other observers see
     this.speech.adopts = Boolean(room);
     if (token) this.#link.send({ type: 'authorize', token });
     if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }), ...(as && !MERELY.includes(as.toLowerCase()) && { as: [...as].slice(0, 16).join('') }) });
   }
 
-  /** Where an avatar or pictures of the page's own are wanted and can be drawn, they take the place of the server's head. */
+  /** Shows the page's own avatar or pictures in place of the server's head, where they can be drawn. */
   #openOwn() {
     const { avatar, avatarMap, pictures, quality } = this.element;
     const drawn = !wantsPictures(quality);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** The element's own words. What stands in braces is filled in. */
+/** The element's texts by language. Names in braces are replaced by values. */
 export const strings = {
   en: {
     label: 'Talking head: {title}', sound: 'Tap to hear', captions: 'Captions', turn: 'Turn the head',

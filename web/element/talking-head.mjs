@@ -3,7 +3,7 @@ import { setCompanions } from './companions.mjs';
 import { TalkingHead } from './element.mjs';
 import { PlainText } from './captions/plain-text.mjs';
 
-// On a server there are no elements, and a page may load the script twice: the first one counts.
+// Servers have no custom elements, and a page may load the script twice: the first definition counts.
 if (globalThis.customElements && !customElements.get('talking-head')) customElements.define('talking-head', TalkingHead);
 
 export { PlainText, setCompanions, TalkingHead };

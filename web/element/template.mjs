@@ -77,7 +77,7 @@ function make(name, attributes = {}, children = [], namespace = 'http://www.w3.o
   return element;
 }
 
-/** What the element is made of. @returns {Node[]} */
+/** Makes the content of the shadow root. @returns {Node[]} */
 export function parts() {
   const waves = make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d: WAVES }, [], SVG)], SVG);
   const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));

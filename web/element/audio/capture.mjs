@@ -18,7 +18,7 @@ export class Capture {
   static async open(source, give) {
     const { context } = source;
     if (!context.audioWorklet) throw new globalThis.DOMException('The page has no audio worklets.', 'NotSupportedError');
-    context.resume().catch(() => {}); // one that was made before the user did anything stands still
+    context.resume().catch(() => {}); // a context made before a user gesture is suspended
     await loadWorklet(context);
     return new Capture(source, give);
   }

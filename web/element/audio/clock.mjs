@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** Which position of the speech is played at a frame of the audio clock, from the reports of a buffer. */
+/** Maps frames of the audio clock to positions in the speech, from the reports of a playout buffer. */
 export class PositionMap {
   constructor() {
     this.reports = [{ frame: -Infinity, position: 0, running: false }];
@@ -16,7 +16,7 @@ export class PositionMap {
     let i = this.reports.length - 1;
     while (i > 0 && this.reports[i].frame > frame) i--;
     if (i > 16) {
-      this.reports.splice(0, i - 1); // nobody asks for what lies long behind
+      this.reports.splice(0, i - 1); // queries never go back farther
       i = 1;
     }
     const { frame: start, position, running } = this.reports[i];

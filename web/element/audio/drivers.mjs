@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What pulls the samples out of a buffer: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
+// Drivers that pull samples out of a playout buffer: an audio worklet, a script node of the page, or a clock without a device.
 import { companion } from '../companions.mjs';
 import { PlayoutBuffer } from './playout-buffer.mjs';
 
-const WORKLET = 'talking-head-worklet.js'; // pages may forbid scripts that are no files
+const WORKLET = 'talking-head-worklet.js'; // a file, since a content security policy may forbid scripts from blob: and data:
 const loaded = new WeakMap(); // context -> promise of its worklet module
 
 /** @param {AudioContext} context @returns {Promise<void>} when it has the element's worklets */
@@ -51,7 +51,7 @@ class WorkletDriver {
   }
 }
 
-/** In the page, where there is no worklet: browsers offer it over HTTPS and on localhost only, and pages can forbid it. */
+/** Runs in the page without a worklet: browsers offer those over HTTPS and on localhost only, and a policy can forbid them. */
 class ScriptDriver {
   constructor(context, report) {
     this.buffer = new PlayoutBuffer(context.sampleRate, report);

@@ -42,7 +42,7 @@ export class Player {
     this.audio = null;
     this.held = false;
     this.complete = true; // nothing more is to come of what was written
-    this.resuming = null; // the context that is asked to
+    this.resuming = null; // the context that was asked to resume
     this.dead = false; // nothing to sound on, as far as is known
     this.look = { time: -1, at: 0, count: 0 }; // when the audio clock was seen to run
     this.#forget();
@@ -89,7 +89,7 @@ export class Player {
     this.resuming = context;
     const late = () => this.context === context && context.state !== 'running';
     const wait = (milliseconds) => new Promise((resolve) => this.platform.setTimeout(resolve, milliseconds));
-    context.resume().catch(() => {}); // where there is no device some promises are never kept
+    context.resume().catch(() => {}); // without a device some promises never settle
     await wait(RESUME_PATIENCE_MS);
     if (late() && this.platform.touched(gesture)) {
       await wait(DEVICE_PATIENCE_MS);
@@ -107,13 +107,13 @@ export class Player {
     this.driver.push(block);
   }
 
-  /** All that was to be said has been written. */
+  /** Marks the end of the speech: no more samples follow. */
   finish() {
     this.complete = true;
     this.driver?.finish();
   }
 
-  /** Silence, now. What was written but not heard counts as heard. */
+  /** Falls silent at once. Samples that were written but not heard count as heard. */
   flush() {
     this.complete = true;
     this.driver?.flush();
@@ -146,7 +146,7 @@ export class Player {
     if (this.audio) {
       frame = (this.clock.at(this.context, now) + ahead) * this.rate;
     } else {
-      if (this.sound !== 'off') this.silent.run(now / 1000); // it is known that there is no sound
+      if (this.sound !== 'off') this.silent.run(now / 1000); // the page already knows that there is no sound
       frame = (now / 1000 + ahead) * this.rate;
     }
     const { position, running } = this.map.at(frame);
@@ -191,7 +191,7 @@ export class Player {
     this.silent = new SilentDriver(this.rate, (report) => this.#report(this.silent, report));
     if (this.held) this.silent.hold();
     this.#forget(left);
-    if (left) this.silent.push(new Float32Array(left)); // nobody hears what they are
+    if (left) this.silent.push(new Float32Array(left)); // zeros do: they are not heard
     if (left && this.complete) this.silent.finish();
   }
 

@@ -54,7 +54,7 @@ const FADE_SECONDS = 0.005;
  * Plays samples out, quantum by quantum, and says when its output starts and stops running. Positions count the
  * samples of speech that were ever pushed; frames count those of the clock that pulls them. While it runs the two
  * advance together, so that one report for each start and stop tells the other side the position at any time.
- * When samples are late it waits (silence, position stands still) until a little more has come than the last time.
+ * When samples are late it plays silence at a fixed position, and waits until a little more has arrived than last time.
  *
  * Runs in the audio thread, and without one in the page.
  */
@@ -69,7 +69,7 @@ export class PlayoutBuffer {
     this.ring = new Ring(rate);
     this.position = 0;
     this.running = false;
-    this.complete = true; // all that belongs to the speech so far has come: do not wait for more
+    this.complete = true; // all samples of the speech so far have arrived: do not wait for more
     this.underruns = 0;
     this.preroll = Math.round(PREROLL_SECONDS * rate);
     this.fade = Math.round(FADE_SECONDS * rate);

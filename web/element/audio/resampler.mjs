@@ -35,12 +35,12 @@ export class Resampler {
     if (this.phases !== this.step) this.#makeTable();
   }
 
-  /** How many output samples there are to `samples` input samples. */
+  /** Returns the number of output samples for `samples` input samples. */
   outputLength(samples) {
     return Math.ceil((samples * this.phases) / this.step);
   }
 
-  /** @param {Int16Array|Float32Array} block 16 bit or -1..1; returns what can be said already @returns {Float32Array} */
+  /** @param {Int16Array|Float32Array} block 16 bit, or -1..1 @returns {Float32Array} output that is ready */
   push(block) {
     const scale = block instanceof Int16Array ? 1 / 32768 : 1;
     const joined = new Float32Array(this.input.length + block.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Samples of a voice to Opus packets, by the browser (WebCodecs). Where it cannot they go as they are.
+// Codes a voice as Opus with the browser's WebCodecs. Browsers without an encoder send PCM.
 import { CAPTURE_RATE } from './capture.mjs';
 
 const BITS = 32000; // a second: what comes back is coded once more

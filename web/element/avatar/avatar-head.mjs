@@ -8,7 +8,7 @@ const AU = 1e-5; // radians
 /** Degrees that a shape turns the eye by, as ARKit has it. */
 const LOOKS = { Up: [25, -1], Down: [25, 1], In: [30, 1], Out: [30, 1] };
 const EYES = [['Left', 23, 25, 1], ['Right', 24, 26, -1]];
-const TIP_AT_TEETH = 61; // FAP 45: so far forward the tongue's tip is at the teeth, and not out
+const TIP_AT_TEETH = 61; // FAP 45: up to this value the tip of the tongue is at the teeth, not out
 const TIP_OUT = 450; // and here wholly
 const PIVOT = [0, -30, -70]; // mm from the eyes: what a head without bones turns about
 const LIGHTS = [
@@ -141,7 +141,7 @@ function lamp([colour, strength, place]) {
   return light;
 }
 
-/** The portrait: as wide as a face is high, whatever its make; farther away where eyes are as far apart as drawn people's. */
+/** Frames the portrait by the height of the face; from farther away for the wide-set eyes of drawn characters. */
 function viewOf({ chin, upper }, eyes) {
   const size = Math.max(0.7, -upper[1] / 62, eyes / 64);
   return { target: [0, -22 * size, 0], distance: Math.max(620 * size, -chin[1] * 5.6), fov: 26 };
@@ -155,7 +155,7 @@ export class AvatarView extends View {
   targetOptions = { colorSpace: SRGBColorSpace };
   smooths = false;
 
-  /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
+  /** @param {HTMLCanvasElement} canvas @throws without WebGL 2 */
   constructor(canvas) {
     super(canvas);
     this.canvas = canvas;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Heads of others: a GLB or VRM becomes something that FAPs move. This is a script of its own, fetched when an element has an
+// Third-party avatars: makes a GLB or VRM that FAPs can move. This is a script of its own, fetched when an element has an
 // avatar: with it comes three.js as GLTFLoader needs it.
 import { Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -14,7 +14,7 @@ import { readMap } from './map.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { rigOf } from './rig.mjs';
 import { Solver } from './solver.mjs';
-import { tidy } from './sanitise.mjs';
+import { sanitise } from './sanitise.mjs';
 import { dracoOf, setUnpackers, unpacker } from './unpackers.mjs';
 
 const MOST_BYTES = 64 << 20;
@@ -58,7 +58,7 @@ export async function modelOf(bytes, map, file = 'avatar') {
     if (error instanceof AvatarProblem) throw error;
     throw new AvatarProblem('damaged', `it cannot be read: ${error.message}`);
   }
-  tidy(meshesIn(gltf.scene));
+  sanitise(meshesIn(gltf.scene));
   const head = headOf(gltf, map);
   const meta = json.extensions?.VRMC_vrm?.meta ?? json.extensions?.VRM?.meta ?? {};
   const text = (value) => (typeof value === 'string' && value ? value : null);
@@ -95,7 +95,7 @@ function headOf(gltf, map) {
 
 const SHOWN = 8;
 
-/** What it has, for who writes a mapping file. */
+/** Lists the names in the avatar, for authors of a mapping file. */
 function listed(names) {
   if (!names.length) return 'It has no morph targets';
   const more = names.length > SHOWN ? ` and ${names.length - SHOWN} more` : '';

@@ -62,7 +62,7 @@ export class BoxSquares {
     return false;
   }
 
-  /** What the free ones would be if nothing bounded them, the others staying where they are. Cholesky. */
+  /** Solves for the free variables without bounds, the others being fixed (Cholesky). */
   #solveFree(right, free) {
     const { gram, factor, wanted, at } = this;
     for (let i = 0; i < free.length; i++) {

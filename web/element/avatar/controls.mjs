@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of an avatar can be moved, and what is meant by it: morph targets by name, expressions of VRM, a mapping file, bones.
+// Finds the controls of an avatar and their meaning: morph targets by name, VRM expressions, a mapping file, bones.
 import { ARKIT, boneOf, BONE_NAMES, mirrored, presetOf, rowShapes, shapeOf, shapesAmong, VISEMES, VOWELS } from './names.mjs';
 import { AvatarProblem } from './problem.mjs';
 
@@ -8,7 +8,7 @@ import { AvatarProblem } from './problem.mjs';
  * @typedef {{name: string, binds: Bind[], bone?: import('three').Object3D}} Control binds at weight 1, or the jaw's bone
  */
 
-/** What opens the mouth, the best first. */
+/** Shapes that open the mouth, the best first. */
 export const OPENERS = ['jawOpen', 'mouthOpen', 'viseme_aa', 'vowel_aa', 'viseme_O', 'vowel_oh', 'viseme_E', 'vowel_ee'];
 const MOUTH = /^(jaw|mouth)/;
 const LEAST_ARKIT = 8; // of the mouth, beside jawOpen
@@ -49,8 +49,8 @@ function movingOf(targets) {
 }
 
 /**
- * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without
- * them, as FAPs mean it. What is no shape of the face stays as its maker left it.
+ * Resets the weights that a file sets for shapes of the face (glTF's mesh.weights and node.weights): the neutral face of FAPs
+ * has none. Other shapes keep theirs.
  * @param {Map<string, Bind[]>} targets @param {Map<string, Bind[]>} shapes
  */
 function toRest(targets, shapes) {
@@ -86,7 +86,7 @@ function expressionsOf(json, meshes, associations) {
   return out;
 }
 
-/** All shapes that the avatar has, from whatever says so: the mapping file first, then names, then expressions. */
+/** Collects the avatar's shapes: from the mapping file first, then from names, then from expressions. */
 function shapesOf(all, expressions, map) {
   const out = new Map();
   for (const [shape, weights] of map.shapes) {
@@ -122,7 +122,7 @@ function mouthOf(shapes) {
   return arkit.length || visemes.length ? [...arkit, ...visemes] : having(['mouthOpen', 'mouthSmile']);
 }
 
-/** Which bone is which: the mapping file, VRM, or the names say it. @returns {Record<string, import('three').Object3D>} */
+/** Identifies bones by the mapping file, VRM, or their names. @returns {Record<string, import('three').Object3D>} */
 function bonesOf(gltf, map) {
   const { json, associations } = gltf.parser;
   const bones = {};
@@ -149,7 +149,7 @@ function bonesOf(gltf, map) {
   return Object.fromEntries(Object.entries(bones).filter(([, bone]) => bone));
 }
 
-/** Left becomes right: of an avatar whose maker called them as whoever looks at it does. */
+/** Swaps left and right, for avatars that are named from the viewer's side. */
 export function swapSides(controls, rig) {
   for (const control of [...controls.face, ...controls.gaze.values()]) control.name = mirrored(control.name);
   controls.gaze = new Map([...controls.gaze.values()].map((control) => [control.name, control]));

@@ -4,7 +4,7 @@
 
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const PLACES = ['buffers', 'bufferViews', 'accessors', 'meshes'];
-const MULTIPLIES = 'EXT_mesh_gpu_instancing'; // the only one that makes more of a node
+const MULTIPLIES = 'EXT_mesh_gpu_instancing'; // the only one that multiplies a node
 const OLD_LOOK = 'KHR_materials_pbrSpecularGlossiness'; // of exporters before 2020
 /** Stand at primitives, and change neither places nor corners. */
 const MARKS = /^\w+_materials_|^CESIUM_|^EXT_(mesh_features|structural_metadata)$/;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Where an avatar's face is: which way is up, and which way it looks. glTF has y up and z forward, VRM 0 looks
-// back, and files are as they are. Its own shapes say it: what opens a mouth goes down, and lies before the middle of the head.
+// Finds the orientation of an avatar's face: up and forward. glTF has y up and z forward, VRM 0 looks back, and files may break
+// both. Its own shapes tell: those that open the mouth move down, and lie in front of the middle of the head.
 import { OPENERS } from './controls.mjs';
 
 const DOWN = 1.5; // times as far as along any other axis
 const BEFORE = 0.1; // of the width of what moves
-const ASIDE = Math.cos(0.1); // by less than 6 degrees sides may be unlike each other: the axis itself is meant
+const ASIDE = Math.cos(0.1); // within 6 degrees of an axis the axis itself is meant: the sides of a face may differ a little
 const [X, Y, Z] = [0, 1, 2];
 
 /** @typedef {{left: number[], up: number[], front: number[]}} Facing axes of the face, in the world's */
@@ -21,7 +21,7 @@ function axisOf(direction) {
   return [X, Y, Z].map((one) => (one === k ? Math.sign(direction[k]) : 0));
 }
 
-/** Where vertices are in the mean, each with its weight. @returns {number[]|null} */
+/** Returns the weighted mean position of vertices. @returns {number[]|null} */
 function middleOf(position, vertices, weightOf = () => 1) {
   const sum = [0, 0, 0];
   let all = 0;
@@ -38,7 +38,7 @@ const lengths = ({ deltas }) => {
   return Float64Array.from({ length: deltas.length / 3 }, (_, i) => far(3 * i));
 };
 
-/** From the right side's shapes to the left side's, as they are called. @returns {number[]} 0 where there are none */
+/** Returns the direction from the right side's shapes to the left side's. @returns {number[]} 0 without such shapes */
 function sidesOf({ position, fields }) {
   const sum = [0, 0, 0];
   for (const [name, left] of fields) {

@@ -4,7 +4,7 @@ import { AvatarProblem } from './problem.mjs';
 const MB = 1 << 20;
 
 /**
- * Fetches a file, as long as it is no larger than that.
+ * Fetches a file up to a size limit.
  * @param {string} address @param {number} most bytes @param {AbortSignal} signal
  * @param {(loaded: number, total: number|null) => void} [progress]
  * @returns {Promise<Uint8Array>}

@@ -8,7 +8,7 @@ const MAGIC = 0x46546c67; // glTF
 const JSON_CHUNK = 0x4e4f534a;
 const BINARY_CHUNK = 0x004e4942;
 
-/** What can be read. An avatar whose shapes are made by more is refused. */
+/** Supported extensions. An avatar that requires others for its shapes is refused. */
 const READ = [
   'EXT_meshopt_compression', 'KHR_draco_mesh_compression', 'KHR_texture_basisu', 'EXT_texture_webp', 'EXT_texture_avif', 'KHR_mesh_quantization', 'KHR_texture_transform', 'KHR_materials_unlit',
   'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_clearcoat', 'KHR_materials_sheen', 'KHR_materials_transmission',

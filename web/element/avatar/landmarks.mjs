@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The feature points of an avatar, found by what its own shapes move; and its FAPUs.
 import { OPENERS } from './controls.mjs';
-import { slitOf } from './lip-seam.mjs';
+import { lipSeamOf } from './lip-seam.mjs';
 
 const EYE_MOUTH = 65; // mm from the eyes' height to the mouth's, where an avatar is of no human size
-const OUTER = 1.14; // of the slit's width: FAPU MW goes to the outer corners
+const OUTER = 1.14; // of the seam's width: FAPU MW goes to the outer corners
 const HUMAN = [40, 100];
 const SIDES = [['L', 'Left', 1], ['R', 'Right', -1]];
 
@@ -88,8 +88,8 @@ export function landmarksOf(world, facing, bones) {
   const { position, fields } = rig;
   const opening = dense(fields.get(opener), position.length);
   rig.middle = median(moved(fields.get(opener), 0.5).map((v) => position[3 * v]));
-  const slit = slitOf(position, opening, rig.meshOf);
-  if (!slit.length) return null;
+  const seam = lipSeamOf(position, opening, rig.meshOf);
+  if (!seam.length) return null;
   const lids = {};
   for (const [letter, name, side] of SIDES) {
     const blink = fields.get(`eyeBlink${name}`) ?? fields.get('eyeBlink');
@@ -100,21 +100,21 @@ export function landmarksOf(world, facing, bones) {
     const bone = bones[`${name.toLowerCase()}Eye`];
     return bone ? turned(bone).map((value) => 1000 * value) : lids[letter]?.centre;
   });
-  const mouth = nearest(slit, rig.middle);
+  const mouth = nearest(seam, rig.middle);
   const height = position[3 * mouth.upper + 1];
-  const width = slit.at(-1).x - slit[0].x;
+  const width = seam.at(-1).x - seam[0].x;
   const guess = [rig.middle, height + 1.4 * width, position[3 * mouth.upper + 2] - 0.3 * width];
   const eyes = left && right ? left.map((value, k) => (value + right[k]) / 2) : guess;
   const eyeMouth = eyes[1] - height;
   const size = eyeMouth > HUMAN[0] && eyeMouth < HUMAN[1] ? 1 : EYE_MOUTH / eyeMouth;
   if (!(eyeMouth > 0)) return null;
-  const pairs = sidesOf(slit, rig.middle, width);
+  const pairs = sidesOf(seam, rig.middle, width);
   const points = { chin: [chinOf(rig, opening, mouth, width)] };
   for (const [letter, { upper, lower }] of Object.entries(pairs)) {
     points[`upper${letter}`] = [upper];
     points[`lower${letter}`] = [lower];
   }
-  Object.assign(points, { cornerL: cornerOf(rig, slit.at(-1), 1, width), cornerR: cornerOf(rig, slit[0], -1, width) });
+  Object.assign(points, { cornerL: cornerOf(rig, seam.at(-1), 1, width), cornerR: cornerOf(rig, seam[0], -1, width) });
   for (const [letter, { top, bottom }] of Object.entries(lids)) {
     points[`lidTop${letter}`] = [top];
     if (bottom >= 0) points[`lidBottom${letter}`] = [bottom];
@@ -131,17 +131,17 @@ export function landmarksOf(world, facing, bones) {
   };
   const place = { axes, scale: 1000 * size, origin: eyes.map((value) => value * size) };
   const face = scaled(rig, (p) => p, size);
-  return { place, points, slit, fapu, opener, lids: Object.keys(lids), rig: face, rest: restOf(face, points, place.origin) };
+  return { place, points, seam, fapu, opener, lids: Object.keys(lids), rig: face, rest: restOf(face, points, place.origin) };
 }
 
-const nearest = (slit, x) => slit.reduce((best, pair) => (Math.abs(pair.x - x) < Math.abs(best.x - x) ? pair : best));
+const nearest = (seam, x) => seam.reduce((best, pair) => (Math.abs(pair.x - x) < Math.abs(best.x - x) ? pair : best));
 
-/** The pairs in the middle of the slit, and half way to its ends: as far from the middle on the one side as on the other. */
-function sidesOf(slit, middle, width) {
-  const sides = { '': nearest(slit, middle), L: slit.at(-1), R: slit[0] };
+/** The pairs in the middle of the seam, and half way to its ends: as far from the middle on the one side as on the other. */
+function sidesOf(seam, middle, width) {
+  const sides = { '': nearest(seam, middle), L: seam.at(-1), R: seam[0] };
   let least = Infinity;
-  for (const l of slit)
-    for (const r of slit) {
+  for (const l of seam)
+    for (const r of seam) {
       const [left, right] = [l.x - middle, middle - r.x];
       const off = Math.abs(left - width / 4) + Math.abs(right - width / 4) + 2 * Math.abs(left - right);
       if (off >= least) continue;
@@ -170,7 +170,7 @@ function scaled({ position, meshOf, fields }, through, scale) {
 
 const median = (values) => values.sort((a, b) => a - b)[values.length >> 1] ?? 0;
 
-/** The slit ends inside the mouth: its corner is the skin before that end. @returns {number[]} */
+/** The seam ends inside the mouth: its corner is the skin before that end. @returns {number[]} */
 function cornerOf({ position, meshOf }, { upper, lower }, side, width) {
   const end = middle(position, [upper, lower]);
   let best = upper;
@@ -216,7 +216,7 @@ function upperFace({ position, fields, middle: x }) {
   return points;
 }
 
-/** Where the points are at rest, from the eyes' middle. @returns {Record<string, number[]>} */
+/** Returns the rest positions of the points, relative to the middle of the eyes. @returns {Record<string, number[]>} */
 function restOf({ position }, points, origin) {
   const from = (vertices) => middle(position, vertices).map((value, k) => value - origin[k]);
   return Object.fromEntries(Object.entries(points).map(([name, vertices]) => [name, from(vertices)]));

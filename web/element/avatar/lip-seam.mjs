@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where the lips of a mesh meet: the one place of a face where two points that touch go apart when the mouth opens. Skin that
-// holds together moves smoothly; so neighbours that part by a good share of the opening are the two sides of the slit. Of those
+// holds together moves smoothly; so neighbours that part by a good share of the opening are the two sides of the seam. Of those
 // behind one another (the lips have thickness, teeth and the mouth's lining lie behind) the foremost are what is seen.
 
 const PARTING = 0.15; // of the opening, between two that touch at rest
@@ -15,7 +15,7 @@ const FORE = 0.7; // mm apart that a mm farther to the front is worth
  * @param {Uint16Array} meshOf
  * @returns {{upper: number, lower: number, x: number}[]} pairs from the head's right to its left; none: it has no such place
  */
-export function slitOf(position, opening, meshOf) {
+export function lipSeamOf(position, opening, meshOf) {
   const most = opening.reduce((best, value) => Math.max(best, Math.abs(value)), 0);
   const moved = [];
   let [low, high, top, bottom, fore] = [Infinity, -Infinity, -Infinity, Infinity, -Infinity];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The mapping file of an avatar whose shapes nobody has heard of: protocol/schema/avatar-map.json.
+// The mapping file of an avatar with unknown names of shapes: protocol/schema/avatar-map.json.
 import { BONE_NAMES, SHAPES } from './names.mjs';
 import { AvatarProblem } from './problem.mjs';
 

@@ -25,7 +25,7 @@ const DRACO = 'KHR_draco_mesh_compression';
 const without = (one, names) =>
   Object.fromEntries(Object.entries(one).filter(([name, value]) => !(names.includes(name) && none(value))));
 
-/** As many numbers as there are targets; what is none of them counts as 0. */
+/** Returns one number per target; replaces NaN and missing values with 0. */
 function weightsOf(one, count) {
   if (one.weights === undefined) return one;
   const { weights, ...rest } = one;
@@ -34,7 +34,7 @@ function weightsOf(one, count) {
 }
 
 /**
- * @param {object} json of a GLB, whatever it is @returns {object} another, which checkReferences may look at
+ * @param {object} json of a GLB, possibly invalid @returns {object} a repaired copy for checkReferences
  */
 export function mended(json) {
   const out = { ...json };
@@ -90,7 +90,7 @@ function primitiveOf(primitive, accessors) {
   return out;
 }
 
-/** A file without a scene, or with one in which nothing stands, shows all that stands in nothing else. */
+/** Adds a scene of all root nodes to a file with no scene, or an empty one. */
 function withScene(json) {
   if (none(json.scene)) delete json.scene;
   const scenes = Array.isArray(json.scenes) ? json.scenes : [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What avatars call their shapes. A name says which shape is meant, never what it does: that is measured.
+// Names of shapes in avatars. A name identifies a shape; its effect is measured.
 
 // Names of shapes and bones as words: `Head_blendShape.mouthSmile_L` is head, blend, shape, mouth, smile, l.
 
@@ -37,7 +37,7 @@ const MORE = ['eyeBlink', 'mouthOpen', 'mouthSmile'];
 /** All that a mapping file may name. */
 export const SHAPES = [...ARKIT, ...VISEMES, ...VOWELS, ...MORE];
 
-/** What else they are called, without side. */
+/** Other names of the shapes, without their side. */
 const ALSO = {
   eyeBlink: ['eyesClosed', 'eyesClose', 'eyeClosed', 'eyeClose', 'closeEyes', 'closeEye', 'eyesBlink', 'blink', 'eyelidClose', 'lidClose', 'wink'],
   mouthSmile: ['smile'],
@@ -67,11 +67,11 @@ for (const stem of HALVED.keys())
 /** Words that say what a face does: what is beside a name and has one of them is another shape, or several at once. */
 const TELLING = new Set([...WHOLE.values()].flatMap(wordsOf).filter((word) => !['viseme', 'v', 'e', 'i', 'o', 'u', 'aa'].includes(word)));
 const PARTS = new Set(['mouth', 'jaw', 'eye', 'brow', 'cheek', 'nose', 'tongue']); // of a mesh, before the name
-/** What may stand behind a name: anything else makes it one of a series, a correction, or a mix. */
+/** Allowed suffixes of a name: any other marks one of a series, a correction, or a mix. */
 const BEHIND =
   /^(\d+|h|m|mesh|geo|geometry|shape|blendshape|bs|morph|target|key|ctrl|head|face|body|teeth|lashes|eyelashes|obj|object)$/;
 
-/** How a name was understood, and by how many words that say nothing. @typedef {{shape: string, extra: number}} Read */
+/** The meaning of a name, and the number of meaningless words in it. @typedef {{shape: string, extra: number}} Read */
 
 /** @param {string} name @returns {Read|null} */
 function read(name) {
@@ -100,7 +100,7 @@ function read(name) {
   return best;
 }
 
-/** @param {string} name of a morph target, as it is in the file @returns {string|null} */
+/** @param {string} name of a morph target in the file @returns {string|null} */
 export const shapeOf = (name) => read(name)?.shape ?? null;
 
 const LETTERS = { a: 'aa', i: 'ih', u: 'ou', e: 'ee', o: 'oh' };
@@ -139,7 +139,7 @@ export function rowShapes(names) {
 }
 
 /**
- * Of the names in one mesh those that mean a shape: where several mean the same, the plainest.
+ * Maps the names in one mesh to shapes; of several names for one shape the plainest counts.
  * @param {string[]} names @param {Map<string, string>} rows see rowShapes @returns {Map<string, string>} shape by name
  */
 export function shapesAmong(names, rows) {
@@ -153,7 +153,7 @@ export function shapesAmong(names, rows) {
   return new Map(kept.map(([name, { shape }]) => [name, shape]));
 }
 
-/** What VRM's expressions are called, in 1.0 and in 0. */
+/** Names of VRM's expressions, in 1.0 and in 0. */
 const PRESETS = new Map([
   ...VOWELS.map((name) => [name.slice(6), name]),
   ...Object.entries(LETTERS).map(([old, name]) => [old, `vowel_${name}`]),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** What keeps an avatar from being shown. */
+/** The reason why an avatar cannot be shown. */
 export class AvatarProblem extends Error {
   /** @param {'missing'|'too-large'|'not-glb'|'damaged'|'unsupported'|'no-face'|'bad-map'} reason @param {string} message */
   constructor(reason, message) {

@@ -43,7 +43,7 @@ function placed(meshes, into) {
   return into;
 }
 
-/** Where a control's morph targets take vertices. */
+/** Applies a control's morph targets to vertices. */
 function morphed({ binds }, offsets) {
   const sums = new Map(); // vertex -> shift in the world
   const [from, to, shift] = [new Vector3(), new Vector3(), new Vector3()];
@@ -68,7 +68,7 @@ function morphed({ binds }, offsets) {
   return { vertices: Uint32Array.from(sums.keys()), deltas: Float32Array.from([...sums.values()].flat()) };
 }
 
-/** Where the jaw's bone takes vertices. @param {Vector3} axis to the head's left */
+/** Applies the jaw's bone to vertices. @param {Vector3} axis to the head's left */
 function jawed({ bone }, axis, scene, meshes, rest) {
   const turn = new BoneTurn(bone);
   turn.set(new Quaternion().setFromAxisAngle(axis, JAW_RADIANS));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can be known of an avatar's numbers only when they are unpacked.
+// Checks an avatar's numbers that are known only after unpacking.
 import { AvatarProblem } from './problem.mjs';
 
 const damaged = (mesh, what) => new AvatarProblem('damaged', `mesh "${mesh.name}": ${what}`);
@@ -12,7 +12,7 @@ function largest(attribute) {
   return most;
 }
 
-/** Numbers that are none become 0. @returns {Set<number>} the elements that had some */
+/** Replaces NaN and infinity with 0. @returns {Set<number>} the elements that had some */
 function finite(attribute) {
   const bad = new Set();
   const { array } = attribute.isInterleavedBufferAttribute ? attribute.data : attribute;
@@ -31,7 +31,7 @@ function finite(attribute) {
  * of such places.
  * @param {import('three').Mesh[]} meshes @throws {AvatarProblem}
  */
-export function tidy(meshes) {
+export function sanitise(meshes) {
   for (const mesh of meshes) {
     const { geometry } = mesh;
     const { position, skinIndex } = geometry.attributes;

@@ -4,14 +4,14 @@
 import { BoxSquares } from './box-squares.mjs';
 import { mirrored } from './names.mjs';
 
-const FEW = 0.2; // mm that a control has to explain, so that of those that move alike few are taken
+const FEW = 0.2; // mm that a control must explain, so that few of several similar ones are used
 const FEW_RARE = 2.5;
 const RARE = /^(mouth(Left|Right|RollLower|RollUpper|ShrugLower|ShrugUpper|Dimple|Press)|cheekPuff|noseSneer)/;
 const RIDGE = 0.02; // mm^2 for a whole weight: where several answers are as good, the smallest
 const GAP_WEIGHT = 5; // of a mm between lips or lids, beside a mm of anything else
 const PRESSED = -0.5; // mm: farther than that lips are not pressed into each other
 const TOUCH = 0.02; // mm
-const TOUCHING = 0.018; // of the mouth's width: no farther apart at rest, two points of lips may be those that touch
+const TOUCHING = 0.018; // of the mouth's width: largest distance at rest of points of the lips that can touch
 const LIDS_MEET = 1024;
 const NEARLY_SHUT = 0.85;
 const PAIRS = [['', 4, 5], ['L', 8, 10], ['R', 9, 11]];
@@ -39,7 +39,7 @@ const ROWS = [
 ];
 
 /**
- * What a control does at each row, mm.
+ * Computes the effect of a control at each row, mm.
  * @param {{rig: object, points: Record<string, number[]>}} found @returns {Float64Array}
  */
 function effect({ vertices, deltas }, points, rows) {
@@ -49,7 +49,7 @@ function effect({ vertices, deltas }, points, rows) {
   return Float64Array.from(rows, ([, point, axis, sense]) => sense * mean(points[point], axis));
 }
 
-/** How far the lips are apart at rest, mm; the same on both sides. */
+/** Returns the distance of the lips at rest, mm; the same on both sides. */
 function apart(rest, letter, least) {
   const letters = letter ? ['L', 'R'] : [''];
   const gap = letters.reduce((sum, one) => sum + rest[`upper${one}`][Y] - rest[`lower${one}`][Y], 0) / letters.length;
@@ -144,7 +144,7 @@ export class Solver {
     this.right = new Float64Array(columns.length);
   }
 
-  /** Lids that are asked to go beyond where they meet would drag along whatever else moves them. */
+  /** Limits the lids to where they meet: beyond it they would drag along other controls. */
   #met(faps) {
     const met = Float64Array.from(faps);
     for (const { upper, lower } of this.blinks) {
@@ -181,7 +181,7 @@ export class Solver {
     return weights;
   }
 
-  /** Where the FAPs' lips touch and these do not yet, all that opens them gives way; the jaw stays open where it can. */
+  /** Closes lips that touch according to the FAPs: controls that open them give way, the jaw last. */
   #closeLips(faps, w) {
     const { gaps, jaw, close } = this;
     const touching = gaps.filter(({ upper, lower }) => faps[upper] + faps[lower] >= 0);
@@ -227,7 +227,7 @@ export class Solver {
     }
   }
 
-  /** How far apart the lips are left, mm: middle, left, right. */
+  /** The remaining distance of the lips, mm: middle, left, right. */
   get opened() {
     const { weights, jaw, close } = this;
     const unknown = (i) => {

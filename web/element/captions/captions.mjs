@@ -28,7 +28,7 @@ export function cutCaption(text, start, end, size = CAPTION_CHARACTERS) {
 }
 
 /**
- * The captions of one utterance. It is told what is heard as it is heard, and says what to show.
+ * Captions of one utterance: takes words as they are heard and returns the line to show.
  */
 export class CaptionTrack {
   /** @param {string} source as it was given to be spoken @param {string} [markup] what it is */
@@ -53,8 +53,8 @@ export class CaptionTrack {
   }
 
   /**
-   * What is on show: said already, being said, and to come. Null when there is nothing.
-   * @param {number} [size] how many characters there is room for
+   * Returns the line to show: its words before, at and after the current one, or null when there is none.
+   * @param {number} [size] characters that fit
    */
   lineOf(size = CAPTION_CHARACTERS) {
     if (this.cut.size !== size) this.cut = { size, pieces: cutCaption(this.text, this.heardOf.start, this.heardOf.end, size) };
@@ -72,7 +72,7 @@ export class CaptionTrack {
   }
 }
 
-/** Captions that come from elsewhere, of a voice whose words nobody here knows: the last of them that there is room for. */
+/** Captions that the caller supplies, for a voice without a text: shows the last characters that fit. */
 export class GivenCaptions {
   #text = null;
 

@@ -2,7 +2,7 @@
 
 const NAMED = { amp: '&', lt: '<', gt: '>', quot: '"', apos: "'" };
 const SILENT = /^(?:desc|metadata|lexicon|info)$/i; // elements whose content is not said
-/** Of Markdown, and emoji: not said. */
+/** Markdown's marks, and emoji: they are not spoken. */
 const MARKS = /^[#>]+ *|^[-*+] +|\*+|`+|~~|\p{Extended_Pictographic}[\u200D\uFE0F\p{Emoji_Modifier}]*/gmu;
 const TOKEN = new RegExp(
   [
@@ -26,8 +26,8 @@ function reference(name) {
 }
 
 /**
- * A marked-up text as it is to be read: without its tags, references resolved, white space as single spaces. It keeps
- * where each character came from, so that places in the one can be found in the other.
+ * A marked-up text for reading: without tags, with references resolved and white space collapsed. It keeps the source
+ * position of each character, so that positions can be mapped both ways.
  */
 export class PlainText {
   /**
@@ -59,7 +59,7 @@ export class PlainText {
     return low;
   }
 
-  /** What a model writes: the server leaves the same out. */
+  /** Leaves out the same Markdown as the server does. */
   #readMarkdown(source) {
     let done = 0;
     for (const { 0: mark, index } of source.matchAll(MARKS)) {

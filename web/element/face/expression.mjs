@@ -3,8 +3,8 @@
 const MOST = 4;
 
 /**
- * A mixture of affects as the protocol has it, from what a page may give: a list of {name, intensity}, an object
- * {joy: 0.6}, or a text "joy 0.6, surprise 0.2" (1 when there is no number).
+ * Converts a mixture of affects to the protocol's form. Takes a list of {name, intensity}, an object {joy: 0.6}, or a
+ * string "joy 0.6, surprise 0.2" (the default intensity is 1).
  * @returns {{name: string, intensity: number}[]} at most four, the strongest
  */
 export function readMix(mix) {

@@ -3,13 +3,13 @@ import { FAP_VALUES } from './face-track.mjs';
 
 const CHANGE_MS = 90; // of the mouth, from one source to the next: at rest within a tenth of a second after a stop
 const UPPER_CHANGE_MS = 250; // of head, eyes and brows
-const MOOD_MS = 400; // in which a face that keeps still takes on a mood: what moves faster is no mood
+const MOOD_MS = 400; // time in which a still face takes on a mood; slow enough to pass no other motion
 const STALL_MS = 160; // how long a face waits for late frames before it goes to rest
 
 /** The FAPs that speech moves also when the face is to keep still: jaw, lips and tongue. */
 const moving = (n) => (n >= 3 && n <= 18) || (n >= 43 && n <= 47) || (n >= 51 && n <= 60);
 
-/** Gaze, pupils and the head: they move while the face idles, and are no mood. */
+/** FAPs of gaze, pupils and head: idle movement, not mood. */
 const looking = (n) => (n >= 23 && n <= 30) || (n >= 48 && n <= 50);
 
 /** @param {Record<number, number>} faps by number @returns {Float32Array} all of them */
@@ -22,8 +22,8 @@ export function faceValues(faps) {
 const ease = (x) => x * x * (3 - 2 * x);
 
 /**
- * What the face shows: the track that is heard, else the idle one, else rest. Where the source changes (speech ends, is
- * stopped, stalls) it goes over smoothly from what it showed last.
+ * Chooses the FAPs to show: those of the speech that is heard, else of the idle track, else rest. When the source changes
+ * (speech ends, is stopped, stalls) it blends from the last values shown.
  */
 export class FaceMixer {
   #still = false;

@@ -43,9 +43,9 @@ export class FaceTrack {
   }
 
   /**
-   * The face at a time of the utterance.
+   * Interpolates the face at a time of the utterance.
    * @param {number} seconds @param {Float32Array} out FAP_VALUES of them
-   * @returns {boolean} false when there is no frame for it (yet)
+   * @returns {boolean} false before the first frame has come
    */
   sample(seconds, out) {
     const place = seconds * this.fps;

@@ -9,8 +9,8 @@ const LOST = 1; // seconds behind at which nothing is made up for
 /** @typedef {{track: FaceTrack, begin: number, end: number}} Stretch seconds of the idle clock */
 
 /**
- * The face while nobody speaks. Its media come on a clock of their own and are shown on the page's; they pause for an
- * utterance and go on after it where that ended.
+ * The face between utterances. Idle media have a clock of their own, which is mapped to the page's; they pause during an
+ * utterance and resume where it ended.
  */
 export class IdleFace {
   constructor() {
@@ -70,7 +70,7 @@ export class IdleFace {
     else this.shown = stretch;
   }
 
-  /** When all has been shown before more came, it goes on from there; small differences are worked off slowly. */
+  /** Continues from the last frame shown after an underrun; corrects small clock differences slowly. */
   #steer(begin, now) {
     this.base = Math.max(this.base, now - this.shown.end);
     this.base += DRIFT * (now - begin + AHEAD - this.base);
@@ -78,8 +78,7 @@ export class IdleFace {
 }
 
 /**
- * What the server is asked for beside speech: to have the face idle while that is wanted, and the mood. It remembers
- * both, and asks again when the link is new.
+ * Asks the server for idle movement and for a mood. It remembers both, and repeats them on a new connection.
  */
 export class IdleController {
   /** @param {(message: object) => boolean} send @param {() => void} [changed] there is a mood now, or none any more */
@@ -88,7 +87,7 @@ export class IdleController {
     this.changed = changed;
     this.face = new IdleFace();
     this.wanted = null; // what idling is to be: null, or further members of the message
-    this.asked = 'null'; // what the server was asked for
+    this.asked = 'null'; // the last request, as JSON
     this.mix = []; // what was wished here
     this.room = []; // what the server has told of the room
   }
@@ -125,7 +124,7 @@ export class IdleController {
     this.changed();
   }
 
-  /** The mood of the room, whoever made it so: what was wished here before does not come back with the next link. */
+  /** Takes the mood of the room. It replaces the mood requested here, which must not return with the next connection. */
   heard(mix) {
     if (this.mix.length) this.mix = mix;
     this.room = mix;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Edges made soft after drawing, where no graphics processor draws: four samples for each point double what a picture takes
-// there. What an edge is the depth says, so that nothing within a surface (pores, strands, the iris) is blurred. Along it,
+// there. Edges are found in the depth, so that nothing within a surface (pores, strands, the iris) is blurred. Along an edge,
 // colours are mixed as in FXAA (Lottes, NVIDIA 2009): in the direction in which they change least.
 import { DepthTexture, NoBlending, ShaderMaterial, UnsignedIntType, WebGLRenderTarget } from 'three';
 
@@ -31,7 +31,7 @@ vec4 mixed(ivec2 at, ivec2 before, ivec2 after, ivec2 most, vec4 own) {
 
 bool leaps(float one, float other) { return one * other > 0.0 && min(abs(one), abs(other)) > leap; }
 
-/** What is as thin as a point, or a gap as narrow, would be dots: it is half as strong, and joined. */
+/** Halves and joins shapes and gaps that are one pixel wide, which would appear as dots. */
 vec4 softened(vec4 sides, ivec2 at, ivec2 before, ivec2 after, ivec2 most, vec4 own) {
   bool thin = leaps(sides.x, sides.y);
   if (!thin && !leaps(sides.z, sides.w)) return mixed(at, before, after, most, own);
@@ -49,7 +49,7 @@ void main() {
   if (edge) gl_FragColor = softened(sides, at, before, after, most, gl_FragColor);
 }`;
 
-/** What draws a picture with soft edges, from one that has none. */
+/** Makes the material that draws a picture with soft edges. */
 export function edgesMaterial() {
   return new ShaderMaterial({
     uniforms: { picture: { value: null }, depth: { value: null }, leap: { value: 1 } },
@@ -61,7 +61,7 @@ export function edgesMaterial() {
   });
 }
 
-/** What is drawn into before: a picture and its depth. */
+/** Makes the render target for the picture and its depth. */
 export const edgesTarget = (width, height) =>
   new WebGLRenderTarget(width, height, { depthTexture: new DepthTexture(width, height, UnsignedIntType) });
 

@@ -9,7 +9,7 @@ const HALF_TURN = Math.PI / 180 / 2;
 const middle = (a, b) => a.map((value, k) => (value + b[k]) / 2);
 
 /**
- * Where the camera looks, and from how far.
+ * Places the camera: its target and distance.
  * @param {{view: {target: number[], distance: number, fov: number}, fdp: Record<string, number[]>,
  *   fapu: Record<string, number>}} model
  * @param {string|null} name `mouth` for lip readers, `face`, `bust`; else the portrait that the model asks for

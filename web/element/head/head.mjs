@@ -8,13 +8,13 @@ import { Drive, influencesOf, packInfluences } from './mesh/influences.mjs';
 import { grainTexture, loweredBy } from './shading/grain.mjs';
 import { lidsAt, lidsOf } from './shading/lids.mjs';
 import { mouthUniforms, openingOf } from './shading/mouth-light.mjs';
-import { bared, reachesOf } from './shading/ambient-light.mjs';
+import { uncovered, ambientLightOf } from './shading/ambient-light.mjs';
 import { headTurnOf, Shape } from './mesh/shape.mjs';
 import { shut, within } from './mesh/visibility.mjs';
 import { breath } from './mesh/slices.mjs';
 import { eyeNormals, kindOf, THIN, volumeNormals } from './shading/surfaces.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shading/shader-surface.mjs';
-import { workedOut } from './model/cache.mjs';
+import { prepareOnce } from './model/cache.mjs';
 import { Triangles } from './mesh/triangles.mjs';
 import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './shading/wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
@@ -39,7 +39,7 @@ export class Head {
 
   /**
    * @param {ReturnType<import('./model/model.mjs').readModel>} model
-   * @param {{software?: boolean}} [options] software: there is no graphics processor, so the vertices are moved here
+   * @param {{software?: boolean}} [options] software: no GPU, so the CPU moves the vertices
    */
   static async create(model, { software = false } = {}) {
     const head = new Head(model);
@@ -117,7 +117,7 @@ export class Head {
     this.#triangles.point = mm;
   }
 
-  /** Until only what can be seen is drawn; undefined before it is asked. */
+  /** Settles when hidden triangles are left out; undefined before that has begun. */
   get looking() {
     return this.#triangles.looking;
   }
@@ -128,7 +128,7 @@ export class Head {
     return kind === 'eye' ? eyeNormals(part, ...this.#eye(part)) : normals;
   }
 
-  /** What the eyeball turns about, and the radius of its iris in those of the ball. */
+  /** Returns the eyeball's pivot, and the radius of the iris in radii of the ball. */
   #eye({ turns, position }) {
     const { pivot } = this.model.turns[turns[0]?.turn] ?? { pivot: [0, 0, 0] };
     const radius = Math.hypot(...pivot.map((value, k) => position[k] - value));
@@ -148,12 +148,12 @@ export class Head {
     return { moist: { value: new Vector2(...moist) }, grain: { value: this.grain }, relief: { value: relief } };
   }
 
-  /** How much light reaches each vertex. */
+  /** Computes how much light reaches each vertex. */
   async #shade() {
-    const reaches = await workedOut(this.model, 'reach', () => reachesOf(this));
+    const reaches = await prepareOnce(this.model, 'reach', () => ambientLightOf(this));
     reaches.forEach((reach, i) => {
       const { part, geometry } = this.parts[i];
-      geometry.attributes.reach.array.set(kindOf(part.name) === 'eye' ? bared(reach, part, this.#eye(part)[0]) : reach);
+      geometry.attributes.reach.array.set(kindOf(part.name) === 'eye' ? uncovered(reach, part, this.#eye(part)[0]) : reach);
     });
   }
 
@@ -248,7 +248,7 @@ export class Head {
       if (!texture.isDataTexture) setTextureQuality(texture, best, best, anisotropy);
   }
 
-  /** Hair: with several samples alpha says how many of them it covers, so that one pass does. */
+  /** Chooses how hair is blended: with multisampling alpha sets its coverage, so that one pass suffices. */
   #soften(material, sampled) {
     if (material.alphaToCoverage !== sampled) material.needsUpdate = true;
     material.alphaToCoverage = sampled;
@@ -284,7 +284,7 @@ export class Head {
     for (const { shape } of this.parts) shape.show(front, inside || !INSIDE.test(shape.part.name));
   }
 
-  /** How many are drawn. */
+  /** The number of triangles drawn. */
   get triangles() {
     const drawn = ({ shape: { part, geometry } }) => Math.min(part.index.length, geometry.drawRange.count) / 3;
     return this.parts.reduce((sum, one) => sum + drawn(one), 0);

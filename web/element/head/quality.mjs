@@ -14,9 +14,9 @@ export const LEVELS = [
 
 const FIXED = { high: 0, low: 3 };
 
-const WINDOW = 20; // frames that a judgement rests on,
-const WINDOW_LEAST = 5; // or fewer when they take
-const WINDOW_MS = 1200; // so long together
+const WINDOW = 20; // frames per decision;
+const WINDOW_LEAST = 5; // fewer, down to this many, when they take
+const WINDOW_MS = 1200; // this long in total
 const SLOW_MS = 1000 / 28; // median above: one step down
 const VERY_SLOW_MS = 1000 / 14; // two steps
 const QUICK_MS = 1000 / 50; // below, for a while: one step up

@@ -20,9 +20,9 @@ export async function loadTexture(json, transparent) {
 
 /**
  * @param {Texture} texture
- * @param {boolean} linear whether its colours are linear when sampled, but where they are multiplied by alpha; else they come
- *   as they are stored, and the shader makes them linear: without a graphics processor once is cheaper than for each texel
- * @param {boolean} fine whether it goes over smoothly from one size to the next @param {number} anisotropy
+ * @param {boolean} linear whether sampling converts its colours to linear ones, unless they are multiplied by alpha; otherwise
+ *   the shader converts the result: without a GPU that is cheaper than converting each texel
+ * @param {boolean} fine whether mipmap levels are interpolated @param {number} anisotropy
  */
 export function setTextureQuality(texture, linear, fine, anisotropy) {
   const colorSpace = linear && !texture.userData.transparent ? SRGBColorSpace : NoColorSpace;

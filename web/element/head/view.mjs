@@ -19,7 +19,7 @@ export class View {
   targetOptions = {}; // of what is drawn into before it is shown
   smooths = true; // whether edges may be made soft after drawing, where samples are dear
 
-  /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
+  /** @param {HTMLCanvasElement} canvas @throws without WebGL 2 */
   constructor(canvas) {
     const context = canvas.getContext('webgl2', {
       alpha: true,
@@ -52,7 +52,7 @@ export class View {
     this.copyCamera = new OrthographicCamera();
   }
 
-  /** Whether there is no graphics processor behind it. */
+  /** Whether the CPU draws it. */
   get software() {
     return (this.#software ??= this.#named());
   }

@@ -12,7 +12,7 @@ function hasWebgl() {
 }
 
 /**
- * Whether pictures are to be shown, where there are some: when they are asked for, or a head cannot be drawn.
+ * Whether to prefer photographs over a head: on request, or without WebGL.
  * @param {string|null} quality the attribute
  */
 export const wantsPictures = (quality) => quality === 'pictures' || !hasWebgl();

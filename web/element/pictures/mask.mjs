@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 
 /**
- * How much of a region is its own picture: 1 within the inner contour, 0 outside the outer one, between them by the distances
- * to the two (Costa 2009, section 4.4.3).
+ * Makes the alpha mask of a region: 1 within the inner contour, 0 outside the outer one, graded by the distances to both
+ * between them (Costa 2009, section 4.4.3).
  * @param {{width: number, height: number, mask: {inner: number[][], outer: number[][]}}} region
  * @returns {Float32Array} by pixel
  */

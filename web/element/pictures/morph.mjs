@@ -14,8 +14,8 @@ const FINE = 1 << FINE_BITS;
 const STILL = 1 / 16; // pixels: less is not seen
 
 /**
- * A region of the face: its two nearest pictures, warped so that their anchors lie where the FAPs want them, and dissolved into
- * each other. What it makes has the mask as its alpha.
+ * A region of the face: warps its two nearest pictures so that their anchors lie where the FAPs put them, and cross-fades them.
+ * The mask is the alpha of the result.
  */
 export class Region {
   #shown = null; // the place that `output` shows, as text
@@ -39,7 +39,7 @@ export class Region {
         at: this.space(values),
         opening: opens ? openingOf(values) : null,
         anchors: anchors ?? null,
-        // Where the anchors would be at rest, by their FAPs: what is measured need not go where FAPs say.
+        // Anchors at rest according to their FAPs: measured anchors may lie elsewhere.
         rest: anchors?.map((point, i) => point.map((value, k) => value - moved[i][k])),
       };
     });
@@ -106,16 +106,16 @@ export class Region {
   }
 
   /**
-   * Where a run of pixels within a cell is fetched from, in fractions of FINE: column, row, and how they go on, for either
-   * picture.
-   * @returns {boolean} whether it is elsewhere at all
+   * Computes the source of a run of pixels within a cell, in fractions of FINE: column, row and their steps, for both
+   * pictures.
+   * @returns {boolean} whether the source differs from the target
    */
   #run(x, y, run) {
     const { grid, columns } = this;
     const column = Math.floor(x / CELL);
     const down = (y % CELL) / CELL;
     const i = 4 * (Math.floor(y / CELL) * columns + column);
-    const below = y % CELL ? i + 4 * columns : i; // at the last row there may be none
+    const below = y % CELL ? i + 4 * columns : i; // the last row may have no successor
     const right = column + 1 < columns ? 4 : 0;
     const across = x - column * CELL;
     let moved = false;
@@ -163,7 +163,7 @@ function fetched(output, source, run, k, at, count, width, height, share = 0) {
   }
 }
 
-/** Where each row of a mask begins and ends. */
+/** Returns the first and last column of each row of a mask. */
 function rowsOf(mask, width, height) {
   const rows = new Int32Array(2 * height);
   for (let y = 0; y < height; y++) {

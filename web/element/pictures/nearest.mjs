@@ -9,13 +9,12 @@ const smooth = (x) => {
 };
 
 /**
- * The two nearest pictures with their weights, which are those of Franke and Little (1980): the inverse of the distance, less
- * that of the third, so that a picture begins and ends with nothing while others take its place, and one that is met is shown
- * as it is.
- * Where lips are closed only pictures of closed lips count.
+ * Returns the two nearest pictures with the weights of Franke and Little (1980): the inverse distance minus that of the third
+ * nearest, so that pictures fade in from and out to zero, and an exact match is shown alone.
+ * For closed lips only pictures of closed lips count.
  * @param {number[]} at a place in the space of the pictures
  * @param {{at: number[], opening: number|null}[]} pictures opening: FAP units, null where nothing opens
- * @param {number|null} opening that is wanted
+ * @param {number|null} opening wanted
  * @returns {{index: number, weight: number}[]} one or two; the weights add up to 1
  */
 export function nearest(at, pictures, opening) {

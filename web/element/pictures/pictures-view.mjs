@@ -51,7 +51,7 @@ export class PicturesView {
     if (canvas.style.transform !== transform) canvas.style.transform = transform;
   }
 
-  /** What the head's turns do to the canvas, as it lies in its place. */
+  /** Returns the CSS transform of the canvas for the head's turns. */
   #turned() {
     const { width, height } = this.head.whole;
     const scale = Math.min(this.size.width / width, this.size.height / height);
@@ -63,7 +63,7 @@ export class PicturesView {
     return `translate(${(x * scale).toFixed(2)}px, ${(y * scale).toFixed(2)}px) rotate(${(-roll).toFixed(4)}rad)`;
   }
 
-  /** What is asked for is drawn. */
+  /** Records that the requested frame was drawn. */
   mark() {
     return () => true;
   }
@@ -129,7 +129,7 @@ export class Pictures {
     this.draw(context);
   }
 
-  /** What has changed. @param {CanvasRenderingContext2D} context */
+  /** Draws the regions that changed. @param {CanvasRenderingContext2D} context */
   draw(context) {
     if (!this.changed) return;
     this.changed = false;

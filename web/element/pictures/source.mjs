@@ -37,7 +37,7 @@ export class PicturesSource {
     try {
       const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
       const set = await fetchModel(new URL(address, document.baseURI).href, undefined, progress, signal);
-      readPictures(set); // what is damaged is told before anything is shown
+      readPictures(set); // reports a damaged set before anything is shown
       if (!signal.aborted) await this.ports.show(set);
     } catch (error) {
       if (signal.aborted) return;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Where FAPs lie in the space that pictures are compared in, and where they put the anchors.
+// Maps FAPs to the space in which pictures are compared, and to displacements of the anchors.
 
 const AJAR = 60; // FAP units of opening (MNS/1024): the smaller the opening, the more a difference counts
-const SEEN = 150; // of opening, from which on the tongue is seen whole
+const SEEN = 150; // opening at which the whole tongue is visible
 const clamp = (x) => Math.min(1, Math.max(0, x));
 
 /** FAP units between the lips; negative where they press. @param {ArrayLike<number>} faps by number */
 export const openingOf = (faps) => -(faps[4] + faps[5]);
 
 /**
- * The mouth: opening, its corners, the outer contour, jaw, protrusion, and, as far as it is seen, the tongue. Lengths in FAP
- * units of MNS; what shows more counts more.
+ * Coordinates of the mouth: opening, corners, outer contour, jaw, protrusion, and the visible share of the tongue. Lengths in
+ * FAP units of MNS, weighted by visibility.
  */
 function mouth(f) {
   const opening = Math.max(0, openingOf(f));
@@ -40,8 +40,7 @@ export const spaceOf = (region) => SPACES[region];
 export const isRegion = (name) => Object.hasOwn(SPACES, name);
 
 /**
- * How far the five anchors of a mouth (corners, right and left of the face, middle of the upper and of the lower lip, chin) go
- * from rest.
+ * Returns the displacements of a mouth's five anchors from rest: right and left corner, middle of upper and lower lip, chin.
  * @param {ArrayLike<number>} f FAPs by number @param {{MNS: number, MW: number}} fapu in pixels
  * @returns {number[][]} columns to the right, rows down
  */

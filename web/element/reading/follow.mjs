@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Scrolls along with what is read, and lets go as soon as the reader scrolls away, until what is read is in sight again.
 
-const OWN_MS = 900; // so long a smooth scroll of ours goes on
-const SETTLE_MS = 400; // so long the one goes on in which the reader chose where to begin
+const OWN_MS = 900; // duration of our own smooth scroll
+const SETTLE_MS = 400; // duration of the scroll by which the user chose the start
 
 export class Follow {
   #on = true;
@@ -48,7 +48,7 @@ export class Follow {
     (this.box ?? this.page.scrollingElement).scrollBy({ top: distance, behavior: this.calm.matches ? 'instant' : 'smooth' });
   }
 
-  /** What can be seen of what scrolls, without what sticks over it (scroll-padding says how much that is). */
+  /** Returns the visible area of the scroll container, without sticky content over it (given by scroll-padding). */
   #view() {
     const { innerHeight } = this.page.defaultView;
     const element = this.box ?? this.page.documentElement;

@@ -4,8 +4,8 @@ import { Follow } from './follow.mjs';
 import { openMarks } from './marks.mjs';
 import { findPlace, languageOf, markedUp, passagesOf, piecesOf, rangeOf } from './text.mjs';
 
-const AHEAD = 2; // requests that wait behind the one that is heard
-const FAILURES = 3; // so many in a row end it
+const AHEAD = 2; // requests queued behind the current one
+const FAILURES = 3; // consecutive failures that end the reading
 const OWN_USE = 'a[href], button, input, select, textarea, label, summary, [contenteditable]'; // what a click is for there
 const LOST = 'connection-lost';
 
@@ -16,7 +16,7 @@ export class Reader {
   #root = null;
   #pieces = [];
   #asked = new Map(); // id of a request -> { index, base, piece, plain }
-  #turn = 0; // counts beginnings: what was asked for before does not count any more
+  #turn = 0; // number of the current run: results of earlier runs are ignored
   #next = 0;
   #heard = null; // { id, index, start }: the word
   #failures = 0;
@@ -61,7 +61,7 @@ export class Reader {
     return promise;
   }
 
-  /** What is read has changed, or the head has gone. */
+  /** Ends the reading: its text has changed, or the head has gone. */
   close() {
     if (this.reading) this.ports.stop();
     this.#finish({ reason: 'stopped' });
@@ -90,7 +90,7 @@ export class Reader {
     this.#follow = new Follow(root);
   }
 
-  /** Speaks from a place on, and forgets what was asked for before. */
+  /** Starts speaking at a position, and drops earlier requests. */
   #begin({ index, start }, mode = 'replace') {
     this.#turn++;
     this.#asked.clear();
@@ -129,7 +129,7 @@ export class Reader {
     this.ports.speak(source, { ...options, id }).then((end) => turn === this.#turn && this.#ended(id, end));
   }
 
-  /** The element's voice speaks the language of the text; what is in another has a voice of its own. */
+  /** Returns the element's voice for its own language; passages in another language get their own voice. */
   #voice(lang) {
     const base = languageOf(this.#root) || this.head.getAttribute('lang') || '';
     const primary = (tag) => tag.split('-')[0].toLowerCase();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of an element of the page is read aloud, in which language, and where each character stands. Nothing is changed.
+// Extracts the text to read from an element of the page, with its language and the position of each character.
 
 const BLOCKS = new Set(`ADDRESS ARTICLE ASIDE BLOCKQUOTE BODY CAPTION DD DETAILS DIV DL DT FIELDSET FIGCAPTION FIGURE FOOTER FORM H1 H2 H3 H4 H5 H6
   HEADER HGROUP HR LI MAIN NAV OL P PRE SEARCH SECTION SUMMARY TABLE TBODY TD TFOOT TH THEAD TR UL`.split(/\s+/));
@@ -66,7 +66,7 @@ export function stretchesOf(root) {
   return found;
 }
 
-/** Where sentences begin and end. @param {string} text @param {string} lang @returns {[number, number][]} */
+/** Finds the bounds of sentences. @param {string} text @param {string} lang @returns {[number, number][]} */
 export function sentencesIn(text, lang) {
   const cuts = [];
   try {
@@ -79,7 +79,7 @@ export function sentencesIn(text, lang) {
   return cuts.flatMap((cut) => shorter(text, cut));
 }
 
-/** A sentence that goes on for long is asked for in pieces. */
+/** Splits a long sentence into pieces. */
 function shorter(text, [start, end]) {
   const pieces = [];
   while (end - start > LONGEST) {
@@ -104,7 +104,7 @@ const escape = (text) => text.replace(/[&<>"]/g, (sign) => ESCAPES[sign]);
  */
 
 /**
- * What has an id of the server's library (`data-passage`), each as a whole: of which there is a recording.
+ * Returns the passages with an id of the server's library (`data-passage`), which may have a recording.
  * @param {Element} root @returns {Piece[]}
  */
 export function passagesOf(root) {
@@ -129,7 +129,7 @@ export function piecesOf(root) {
   );
 }
 
-/** Where words begin; not beside figures, which may belong together (dates, sums). */
+/** Finds the starts of words, except beside figures, which may belong together (dates, sums). */
 function wordsIn(text) {
   const words = [];
   let figure = false;
@@ -163,9 +163,9 @@ export function rangeOf({ at }, start, end) {
 }
 
 /**
- * The word at a place of the page, or the next one that can be begun with.
+ * Finds the word at a position of the page, or the next one at which reading can start.
  * @param {Piece[]} pieces @param {Node} node @param {number} offset
- * @returns {{index: number, start: number}|null} the piece, and the place in it
+ * @returns {{index: number, start: number}|null} the piece, and the offset in it
  */
 export function findPlace(pieces, node, offset) {
   for (const [index, piece] of pieces.entries()) {

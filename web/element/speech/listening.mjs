@@ -7,7 +7,7 @@ import { acquireContext, releaseContext } from '../audio/shared-context.mjs';
 
 const sources = new WeakMap(); // media element -> {context, node}: there can be but one for each
 
-/** Only while the user has just done something: nobody is asked out of the blue. */
+/** Opens the microphone, after a user gesture only: a prompt must not come as a surprise. */
 async function microphone() {
   if (navigator.userActivation?.isActive === false)
     throw new globalThis.DOMException('The microphone is asked for when the user does something.', 'NotAllowedError');
@@ -15,7 +15,7 @@ async function microphone() {
   return navigator.mediaDevices.getUserMedia({ audio: { echoCancellation: true, channelCount: 1 } });
 }
 
-/** What the captions of a sound say just now: the cues of its `<track>`s that are not switched off. */
+/** Returns the current captions of a media element: the active cues of its enabled `<track>`s. */
 function cuesOf(media) {
   const tracks = [...(media.textTracks ?? [])].filter((track) => track.mode !== 'disabled' && ['captions', 'subtitles'].includes(track.kind));
   return tracks.flatMap((track) => [...(track.activeCues ?? [])].map((cue) => (cue.text ?? '').replace(/<[^>]*>/g, ''))).join(' ');
@@ -28,20 +28,20 @@ export class Listening {
   #voice = null;
   #stopped = false;
 
-  /** @type {Promise<object>} the `end` of what was said */
+  /** @type {Promise<object>} the `end` message of the voice */
   done;
 
   /**
    * @param {object} ports speak(options) -> OwnVoice
-   * @param {MediaStream|MediaStreamTrack|null} source null: the user's microphone, which is asked for
+   * @param {MediaStream|MediaStreamTrack|null} source null: the user's microphone
    * @param {object} options of `listen`
    */
   constructor(ports, source, options) {
     this.done = this.#run(ports, source, options);
-    this.done.catch(() => {}); // whoever waits for it is told
+    this.done.catch(() => {}); // callers handle it themselves
   }
 
-  /** @param {string|null} text that is said, by a recogniser, say: captions come from nowhere else */
+  /** @param {string|null} text being said, from a recogniser for example: the only source of captions */
   caption(text) {
     this.#captions.give(text);
   }
@@ -77,8 +77,8 @@ export class Listening {
 }
 
 /**
- * A sound of the page that the head speaks along with. It goes to the server, comes back with its face, and is heard then: so
- * lips and sound agree, and all is as much later. Where it cannot, the sound is heard as it always was.
+ * A media element that the head lip-syncs. Its sound goes to the server, returns with the face, and is played then, so that
+ * lips and sound agree at the cost of latency. On failure the element plays its own sound.
  */
 export class Following {
   #voice = null;
@@ -138,7 +138,7 @@ export class Following {
       this.ports.fail(error);
     }
     if (this.#voice !== voice) return;
-    this.#voice = null; // the connection was lost, or somebody has stopped her: what plays on is heard here
+    this.#voice = null; // connection lost or speech stopped: the element plays its own sound again
     this.#aloud(true);
   };
 
@@ -157,7 +157,7 @@ export class Following {
     this.#capture = await Capture.open(this.#node, (samples) => this.#voice?.write(samples));
   }
 
-  /** Whether it is heard as it is. */
+  /** Switches the element's own sound on or off. */
   #aloud(on) {
     if (!this.#node) return;
     const { destination } = this.#node.context;

@@ -2,10 +2,10 @@
 import { CAPTURE_RATE } from '../audio/capture.mjs';
 import { BYTES, VoiceCoder } from '../audio/voice-coder.mjs';
 
-/** What the server is told of one who speaks himself; all else is a matter of texts. */
+/** Members of `speak` that a `voice` message has too; the others concern texts. */
 const MEMBERS = ['id', 'lang', 'engine', 'fps', 'life', 'still', 'mode', 'priority', 'topic', 'lookahead'];
 
-/** Somebody's own voice, as the server hears it: what is said before its turn comes is passed over. */
+/** A live voice that is sent to the server. Sound that arrives before its turn is dropped. */
 export class OwnVoice {
   #coder = null; // of Opus, while there is something to code
   #hungUp = false;
@@ -14,8 +14,8 @@ export class OwnVoice {
    * @param {(message: object) => boolean} send
    * @param {(data: Int16Array|Uint8Array, bytesASecond: number) => boolean} sendSound
    * @param {(voice: OwnVoice) => void} cancel
-   * @param {{codec?: string, captions?: object, before?: () => void}} [more] a codec of the protocol that the browser can do;
-   *   captions from elsewhere; sees to it that nobody else speaks when this one begins
+   * @param {{codec?: string, captions?: object, before?: () => void}} [more] a codec of the protocol that the browser supports;
+   *   captions that the caller supplies; before: called before it begins, to end the voice before
    */
   constructor(send, sendSound, cancel, { codec = 'pcm_s16le', captions = null, before = () => {} } = {}) {
     this.send = send;
@@ -37,7 +37,7 @@ export class OwnVoice {
     else this.#give(samples);
   }
 
-  /** Nothing more is said. */
+  /** Ends the voice after the sound that was written. */
   close() {
     if (this.closed) return;
     this.closed = true;

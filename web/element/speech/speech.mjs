@@ -7,20 +7,20 @@ import { Writing } from './writing.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
 const ID_BYTES = 64; // most of an id
-const UNHEARD = ['blocked', 'none']; // the player's states in which the samples go by in silence
+const UNHEARD = ['blocked', 'none']; // states of the player in which samples are consumed in silence
 const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at once
 
 /**
- * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
- * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` and `phone` too; `error`, `warning`, `paused`,
- * `resumed`, `jumped`, `media` at once.
+ * The speech of one head: sends requests, queues media on the player, and emits events on the audio clock. `begin`, `word`,
+ * `mark`, `end`, `sentence` and `phone` come when they are heard; `error`, `warning`, `paused`, `resumed`, `jumped` and
+ * `media` at once.
  */
 export class Speech {
   #own = null; // who speaks himself, of those the last
 
   /**
    * @param {object} ports player; send(message), sendSound(sound, bytes) -> boolean; emit(type, detail); idle(chunk): media of
-   *   nobody's; state(): of the connection; turns that it takes with others; setTimeout of tests
+   *   no utterance; state(): of the connection; turns shared with other heads; setTimeout of tests
    */
   constructor({
     player, send, sendSound = () => false, emit, idle = () => {}, state = () => 'open', turns = new Turns(),
@@ -36,7 +36,7 @@ export class Speech {
     this.paused = false;
   }
 
-  /** Whether it takes its turn: what is said in a room has its order there. */
+  /** Whether it waits for other heads of the page. In a room the server keeps the order. */
   get polite() {
     return this.waits && !this.adopts;
   }
@@ -75,7 +75,7 @@ export class Speech {
     return writing;
   }
 
-  /** Has somebody speak himself. @param {object} options members of the `voice` message @returns {OwnVoice} */
+  /** Opens a live voice. @param {object} options members of the `voice` message @returns {OwnVoice} */
   listen({ codec, captions, ...options } = {}) {
     const voice = new OwnVoice(this.send, this.sendSound, (cancelled) => this.#cancel(cancelled), {
       codec,
@@ -90,7 +90,7 @@ export class Speech {
     return voice;
   }
 
-  /** It is the turn of what was asked for before. */
+  /** Sends an utterance whose turn has come. */
   grant(utterance) {
     if (this.state() !== 'connecting') this.#send(utterance);
   }
@@ -187,7 +187,7 @@ export class Speech {
       }
   }
 
-  /** What comes, before it is heard: for who keeps it. */
+  /** Emits media as they arrive, before they are heard, for pages that record them. */
   #tellMedia(utterance, { utterance: number, firstFrame, frames, start, sampleRate, audio, audioStart, audioRate }) {
     const { fps } = utterance.track;
     const sound = { start: audioStart ?? start, rate: audioRate ?? sampleRate, audio: audio ?? null };
@@ -202,8 +202,8 @@ export class Speech {
 
   /**
    * @param {number} now performance.now()
-   * @param {number} ahead what will be heard so many seconds later
-   * @returns {{utterance: Utterance, track: object, seconds: number, running: boolean}|null} what is heard
+   * @param {number} ahead seconds to look ahead
+   * @returns {{utterance: Utterance, track: object, seconds: number, running: boolean}|null} the utterance that is heard
    */
   heard(now, ahead = 0) {
     const { position, running } = this.player.heard(now, ahead);
@@ -214,7 +214,7 @@ export class Speech {
     return { utterance, track: utterance.track, seconds: found.seconds, running };
   }
 
-  /** What the server knows it by. In a room others hear it, who count as well: there it is the page's id, or nobody else's. */
+  /** Returns the id that the server is sent. In a room, where others count too, it is the page's own id or a unique one. */
   #key(id) {
     const own = `u${++this.count}`;
     if (!this.adopts) return own;
@@ -223,7 +223,7 @@ export class Speech {
     return `${own}-${Math.random().toString(36).slice(2, 10)}`;
   }
 
-  /** What somebody else in the room has asked for. */
+  /** Adds an utterance that another client of the room requested. */
   #adopt(message) {
     const utterance = new Utterance(null, '', message.id ? { id: message.id } : {}, new HeardCaptions(message.markup));
     utterance.sent = true;
@@ -250,7 +250,7 @@ export class Speech {
     this.turns.next();
   }
 
-  /** What has come and has not been heard will not be. */
+  /** Drops media that were received but not heard. */
   #forgetUnheard() {
     this.timeline.forgetAfter(this.player.heard(performance.now()).position);
     this.player.flush();
@@ -280,7 +280,7 @@ export class Speech {
     if (utterance.sent) clearTimeout(utterance.timer);
   }
 
-  /** What the server has sent to its end is only to be forgotten here. */
+  /** Cancels a text. One that the server has sent completely is dropped here only. */
   #cancel(writing) {
     const utterance = [...this.open].find((other) => other.writing === writing);
     if (!utterance) return;
@@ -299,7 +299,7 @@ export class Speech {
     utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
   }
 
-  /** The daemon that spoke is lost, and another speaks it again: it begins anew; that of somebody else, as another one. */
+  /** Handles the loss of the daemon that spoke: another daemon repeats the utterance, a foreign one as a new one. */
   #lose(utterance) {
     if (utterance.key === null) {
       this.#close(utterance, { type: 'end', reason: 'failed', code: 'room-away' });
@@ -322,7 +322,7 @@ export class Speech {
   #close(utterance, message) {
     utterance.answer = message;
     if (utterance.item && !utterance.cancelled && message.reason === 'stopped') {
-      this.#forgetUnheard(); // by somebody else, or by what was said instead
+      this.#forgetUnheard(); // stopped by another client, or replaced
       this.#end(utterance, message);
       return;
     }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 
 /**
- * Who speaks on this page: one head after the other, in the order in which they were asked to. Utterances of one head may
- * be on their way together; those of another wait until all of them were heard. A head that is paused, or that has no
- * connection, keeps nobody waiting.
+ * Orders the speech of the page's heads: one head after the other, first come, first served. Utterances of one head may be
+ * in flight together; those of another head wait until all of them were heard. A paused or disconnected head blocks no other.
  *
  * A speaker has `polite`, `paused`, `reachable`, and `grant(utterance)`.
  */

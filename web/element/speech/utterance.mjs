@@ -6,9 +6,9 @@ import { FaceTrack } from '../face/face-track.mjs';
 /** One `speak`, from the call to its end. */
 export class Utterance {
   /**
-   * @param {string|null} key what the server is told as its id; null = somebody else's
-   * @param {string} text @param {object} options of `speak` @param {object} [captions] where the text is not known
-   * @param {import('./writing.mjs').Writing} [writing] who writes the text, while it is spoken
+   * @param {string|null} key id sent to the server; null: another client's utterance
+   * @param {string} text @param {object} options of `speak` @param {object} [captions] for an unknown text
+   * @param {import('./writing.mjs').Writing} [writing] source of a text that is still being written
    */
   constructor(key, text, options, captions = null, writing = null) {
     this.key = key;
@@ -43,8 +43,8 @@ export class Utterance {
   }
 
   /**
-   * Takes a chunk in. @param {import('../../../protocol/chunk.mjs').Chunk} chunk; with `audioRate` and `audioStart` where the
-   *   sound runs on a clock of its own
+   * Takes a chunk. @param {import('../../../protocol/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if the sound
+   *   has a clock of its own
    * @returns {Float32Array} samples for the player
    */
   take(chunk) {
@@ -62,18 +62,18 @@ export class Utterance {
     return this.resampler.push(audio);
   }
 
-  /** What the resampler still holds, after the last chunk. */
+  /** Returns the samples left in the resampler after the last chunk. */
   rest() {
     return this.resampler?.finish() ?? new Float32Array(0);
   }
 }
 
 /**
- * What is on the player's stream of samples: one utterance after the other, each with the place where it begins, and
- * the messages that are due when a place is heard. Positions are samples of the player.
+ * The order of utterances on the player's stream of samples: the start of each, and the messages that are due when a
+ * position is heard. Positions are samples of the player.
  *
  * @typedef {Object} Item
- * @property {any} utterance whatever the caller gave
+ * @property {any} utterance as given by the caller
  * @property {number} start position of its first sample
  * @property {number} rate positions in a second
  * @property {{position: number, message: any, last: boolean}[]} due in the order of their positions; last: when the
@@ -101,8 +101,8 @@ export class Timeline {
   }
 
   /**
-   * Has `message` come up when all before `position` was heard: the utterance's end. What was due later comes up with it:
-   * words are told ahead of their sound, and no more sound comes. With `cut` it does not, for nobody hears those words.
+   * Schedules the utterance's end: `message` is due when all before `position` was heard. Messages due later come with it,
+   * since words are announced ahead of their sound and no more sound follows. With `cut` they are dropped as unheard.
    */
   close(item, position, message, cut = false) {
     if (cut) item.due = item.due.filter((entry) => entry.position < position);
@@ -111,7 +111,7 @@ export class Timeline {
   }
 
   /**
-   * Takes out what is due: [item, message] in their order. What begins at `position` is due when it is running.
+   * Removes the messages that are due and returns [item, message] in order. One at `position` itself is due while running.
    * @param {{position: number, running: boolean}} heard
    */
   take({ position, running }) {

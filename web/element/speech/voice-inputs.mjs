@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { Following, Listening } from './listening.mjs';
 
-/** The voices that a head lends its lips to: those that it was asked for, and the sound that its attribute `for` names. */
-export class Ears {
+/** Live voices that the head lip-syncs: those requested by calls, and the media element that the attribute `for` names. */
+export class VoiceInputs {
   #all = new Set(); // Listening, Following
   #named = null; // the Following of `for`
 
@@ -41,7 +41,7 @@ export class Ears {
 
   #add(one) {
     this.#all.add(one);
-    one.done?.finally(() => this.#all.delete(one)).catch(() => {}); // whoever waits for it is told
+    one.done?.finally(() => this.#all.delete(one)).catch(() => {}); // callers handle it themselves
     this.ports.wake();
     return one;
   }

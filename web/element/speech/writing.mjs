@@ -19,7 +19,7 @@ export class Writing {
     else this.text += text;
   }
 
-  /** What is written is spoken without waiting for more. */
+  /** Speaks the text written so far without waiting for more. */
   flush() {
     if (!this.closed && this.key) this.send({ type: 'flush', id: this.key });
   }

@@ -3,8 +3,8 @@
 const MOST = 8; // browsers have 8 (phones) or 16 for a page, and take the oldest away from a page that wants more
 
 /**
- * Who may have a context of the graphics processor: the faces that can be seen, up to a number, and others while there are
- * some left. One that comes into sight takes the place of one that is out of sight.
+ * Allots WebGL contexts: to visible faces up to a limit, and to others while some are left. A face that becomes visible takes
+ * the context of a hidden one.
  *
  * A stage has `visible`, `enter()`, `leave()`, and `refuse()`.
  */
@@ -12,7 +12,7 @@ export class Contexts {
   #most;
   #later;
   #in = new Set();
-  #out = new Set(); // in the order in which they have asked
+  #out = new Set(); // in the order of their requests
   #due = false;
 
   /** @param {number} most @param {(call: () => void) => void} later calls when all that are seen at once have said so */
@@ -44,7 +44,7 @@ export class Contexts {
     this.#fill();
   }
 
-  /** Lets in whom there is room for. */
+  /** Grants free contexts. */
   #fill() {
     for (const stage of this.#wanting()) if (this.#in.size < this.#most) this.#enter(stage);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can draw a face: heads of ours, and photographs. An avatar, whose script comes only where there is one, brings its own.
+// Engines that draw a face: our heads, and photographs. An avatar's engine is in a script that is loaded on demand.
 import { Head } from '../head/head.mjs';
 import { View } from '../head/view.mjs';
 import { wantsPictures } from '../pictures/choice.mjs';
@@ -20,8 +20,8 @@ const HEADS = { turns: true, view: (canvas) => new View(canvas), head: (model, o
 const PICTURES = { turns: false, view: (canvas) => new PicturesView(canvas), head: (model) => Pictures.create(model) };
 
 /**
- * @param {object|null} model what has come; null: nothing yet
- * @param {string|null} wish the quality that is asked for @returns {Engine}
+ * @param {object|null} model null: not loaded yet
+ * @param {string|null} wish the attribute `quality` @returns {Engine}
  */
 export function engineOf(model, wish) {
   if (!model) return wantsPictures(wish) ? PICTURES : HEADS;

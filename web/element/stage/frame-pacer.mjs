@@ -2,15 +2,14 @@
 
 const POLL_MS = 4; // as often as browsers let a timer come back
 const SURE_MS = 24; // a picture whose end is known less well teaches nothing: the page was busy, or hidden
-const GIVEN_UP_MS = 3000; // a picture of which no end is seen: a context that was lost and restored never tells it
+const GIVEN_UP_MS = 3000; // timeout of a frame whose end is never reported: a context was lost and restored
 const KEPT = 5; // pictures that the next one is judged by
 const SMOOTHING = 0.05;
 
 /**
- * When a picture will be seen that is begun now. Pictures are drawn one at a time: browsers take up to three at once, and
- * where drawing is slow (no graphics processor) the last of them is seen three times as late, a time that nobody can
- * foresee. A picture that waits for no other takes as long as those before it; it is on the display when drawing ends,
- * and with the next beat of the display at the earliest.
+ * Predicts when a frame that is begun now will be displayed. Frames are drawn one at a time: browsers queue up to three, and
+ * with slow drawing (no GPU) the last one is late by an unpredictable time. A frame that waits for no other takes as long as
+ * those before it; it is displayed when drawing ends, at the next refresh at the earliest.
  */
 export class FramePacer {
   /**
@@ -23,10 +22,10 @@ export class FramePacer {
     this.beat = 1000 / 60; // milliseconds from one beat of the display to the next
     this.last = -Infinity; // beat
     this.taken = { alone: [], beside: [] }; // milliseconds that the last pictures took: alone, and beside a changed page
-    this.picture = null; // the one that is being drawn
+    this.picture = null; // frame in progress
   }
 
-  /** The display's beat, on which a picture may be begun. @param {number} now the time of the animation frame */
+  /** Marks a refresh of the display, on which a frame may begin. @param {number} now the time of the animation frame */
   tick(now) {
     const since = now - this.last;
     if (since > 0 && since < 1.5 * this.beat) this.beat += SMOOTHING * (since - this.beat);
@@ -38,7 +37,7 @@ export class FramePacer {
     return this.picture !== null && this.#span('alone') > this.beat;
   }
 
-  /** How long a picture takes, in milliseconds: the median of the last ones. */
+  /** Returns the time that a frame takes, in ms: the median of the last ones. */
   #span(kind) {
     const taken = this.taken[kind].length ? this.taken[kind] : this.taken.alone;
     return [...taken].sort((a, b) => a - b)[taken.length >> 1] ?? this.beat;

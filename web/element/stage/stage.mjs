@@ -8,7 +8,7 @@ import { Governor } from '../head/quality.mjs';
 import { FramePacer } from './frame-pacer.mjs';
 import { isPictures, readPictures } from '../pictures/set.mjs';
 
-const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
+const PAUSE_MS = 3000; // longest gap between frames that counts as slow drawing: beyond it the page was hidden
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
 const LAPSE_MS = 250; // from a picture to the next: beyond, they do not follow each other
 const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
@@ -17,8 +17,8 @@ const RESTORE_MOST_MS = 60000;
 const DISSOLVE_MS = 240; // from one quality to the next
 
 /**
- * The canvas: draws the head when something has changed, at the display's rate while something moves, and finds the
- * quality that the machine can afford. Without WebGL it draws pictures, or, where there are none, nothing, and says so.
+ * The canvas: draws the head after a change, at the display's rate while something moves, and finds the quality that the
+ * machine can afford. Without WebGL it draws pictures; without pictures it shows a message.
  */
 export class Stage {
   /**
@@ -43,7 +43,7 @@ export class Stage {
     this.view = null;
     this.framed = null;
     this.read = null; // the model as it came
-    this.model = null; // as it is drawn
+    this.model = null; // drawn, after calibration
     this.calibrations = { server: null, page: null };
     this.opened = false;
     this.visible = false;
@@ -68,7 +68,7 @@ export class Stage {
     contexts.leave(this);
   }
 
-  /** Whether somebody can see it. */
+  /** Whether it is visible. */
   set seen(on) {
     this.visible = on;
     if (this.opened) contexts.ask(this);
@@ -103,12 +103,12 @@ export class Stage {
     this.request = 0;
     this.observer.disconnect();
     const { view } = this;
-    this.view = null; // first: whoever is told may want another picture
+    this.view = null; // first: the callback may request another frame
     if (view?.head) this.ports.drawn?.(false);
     view?.dispose();
   }
 
-  /** There is no context for it. */
+  /** Called when no context is free. */
   refuse() {
     this.ports.trouble('tooMany');
   }
@@ -132,10 +132,10 @@ export class Stage {
   }
 
   /**
-   * The head takes the feature points of somebody: protocol/head-model.md.
-   * @param {object|null} calibration of this head and those that follow; null: they are as they came
-   * @param {'page'|'server'} [by] whose: the page's goes over the server's
-   * @throws {import('../head/model/check.mjs').ModelError} with the field that is wrong; then all stays as it is
+   * Fits the head to feature points: protocol/head-model.md.
+   * @param {object|null} calibration of this head and later ones; null: none
+   * @param {'page'|'server'} [by] source: the page's overrides the server's
+   * @throws {import('../head/model/check.mjs').ModelError} with the invalid field; nothing changes then
    */
   async calibrate(calibration, by = 'page') {
     if (calibration) checkCalibration(calibration);
@@ -150,7 +150,7 @@ export class Stage {
     if (this.view && this.read) await this.#build();
   }
 
-  /** What is drawn, from what has come. @returns {{by: string, error: Error}|null} the first calibration that does not fit */
+  /** Applies the calibrations to the loaded model. @returns {{by: string, error: Error}|null} the first that does not fit */
   #fit() {
     const { read } = this;
     this.model = read;
@@ -165,7 +165,7 @@ export class Stage {
     return wrong;
   }
 
-  /** What draws it: what has come, or else is wanted. */
+  /** The engine for the loaded model, or for the one that is wanted. */
   get #engine() {
     return engineOf(this.model, this.wish);
   }
@@ -175,7 +175,7 @@ export class Stage {
     const engine = this.#engine;
     const head = await engine.head(model, { software: view.software });
     if (this.view !== view || this.model !== model) {
-      head.dispose(); // another has come meanwhile, or nobody wants it any more
+      head.dispose(); // replaced or no longer wanted
       return;
     }
     view.show(head);

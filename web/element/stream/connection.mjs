@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** How long to wait before the next attempt: doubling, up to a limit, with chance so that not all come back at once. */
+/** Exponential backoff with a limit and jitter, so that clients do not reconnect all at once. */
 export class Backoff {
   constructor({ first = 500, limit = 15000, random = Math.random } = {}) {
     Object.assign(this, { first, limit, random, attempt: 0 });
@@ -18,7 +18,7 @@ export class Backoff {
 }
 
 const PROTOCOL = 'faccia.v1';
-const STEADY_MS = 5000; // a connection that held so long was a good one
+const STEADY_MS = 5000; // a connection that lasted this long resets the backoff
 const PING_MS = 20000;
 const PONG_PATIENCE_MS = 10000;
 const SOUND_BEHIND = 1; // seconds of a voice

@@ -4,7 +4,7 @@ import { AUDIO_OPUS, CompactReader, isCompact, OPUS_PACKET_SAMPLES, OPUS_RATE, O
 import { OpusSound } from '../audio/opus.mjs';
 
 /**
- * What comes from the server, in its order, with the media decoded: texts wait for the sound that came before them.
+ * Decodes media from the server and keeps the order of arrival: messages wait until the sound before them is decoded.
  */
 export class Demuxer {
   /**

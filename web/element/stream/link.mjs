@@ -16,7 +16,7 @@ export function streamAddress(src, page, script = import.meta.url) {
 }
 
 /**
- * Events come with the media, unless the address says otherwise. By the room a proxy before many daemons knows which is meant.
+ * Requests events with the media, unless the address says otherwise. A proxy before several daemons routes by the room.
  * @param {string} address @param {string|null} [room]
  */
 export function withEvents(address, room = null) {
@@ -26,7 +26,7 @@ export function withEvents(address, room = null) {
   return url.href;
 }
 
-/** The way to the server: the connection, and what to say when there is none. */
+/** The link to the server: the connection, and the reason when there is none. */
 export class Link {
   #connection = null;
   #trouble = null;

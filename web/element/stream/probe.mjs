@@ -6,7 +6,7 @@ export const serverOf = (stream) => new URL(stream.replace(/^ws/, 'http')).origi
 
 function plain(stream) {
   const url = new URL(stream.replace(/^ws/, 'http'));
-  url.search = url.hash = ''; // no token goes where there may be nobody who knows it
+  url.search = url.hash = ''; // never sends a token to an unknown server
   return url;
 }
 
@@ -36,7 +36,7 @@ export async function reasonOf(stream, { fetch = globalThis.fetch, page = global
 }
 
 /**
- * Whether the server lets nobody in without a token, and none came along with this page's requests.
+ * Whether the server demands a token and this page's requests carried none.
  * @param {string} stream @param {object} [platform] fetch of tests
  */
 export async function wantsToken(stream, { fetch = globalThis.fetch } = {}) {

@@ -2,7 +2,7 @@
 // Fewer triangles: what is left stays near what was there, in every pose, and keeps its outline.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { lean, neighboursFirst, renumbered } from '../../../../web/element/head/mesh/simplify.mjs';
+import { simplify, neighboursFirst, renumbered } from '../../../../web/element/head/mesh/simplify.mjs';
 
 const N = 30;
 
@@ -50,7 +50,7 @@ const farthest = (part, index) => {
 
 test('many triangles go, few where the surface bends, and it stays where it was', () => {
   const part = sheet(hill);
-  const [some, fewer] = run(lean(part, { blocks: [part.position], places: 1 }, [0.1, 0.4]));
+  const [some, fewer] = run(simplify(part, { blocks: [part.position], places: 1 }, [0.1, 0.4]));
   assert.ok(some.length < 0.5 * part.index.length, `${some.length / 3} triangles`);
   assert.ok(fewer.length < 0.7 * some.length, `${fewer.length / 3} triangles`);
   assert.ok(farthest(part, some) < 0.2, `${farthest(part, some)} mm`);
@@ -60,10 +60,10 @@ test('many triangles go, few where the surface bends, and it stays where it was'
 
 test('what bends only in another pose, or differs only in light, is kept there', () => {
   const part = sheet(() => 0);
-  const flat = run(lean(part, { blocks: [part.position], places: 1 }, [0.2]))[0];
-  const posed = run(lean(part, { blocks: [part.position, sheet(hill).position], places: 2 }, [0.2]))[0];
+  const flat = run(simplify(part, { blocks: [part.position], places: 1 }, [0.2]))[0];
+  const posed = run(simplify(part, { blocks: [part.position, sheet(hill).position], places: 2 }, [0.2]))[0];
   const shade = Float32Array.from(sheet(hill).position, (value, i) => (i % 3 === 2 ? value : 0));
-  const lit = run(lean(part, { blocks: [part.position, shade], places: 1 }, [0.2]))[0];
+  const lit = run(simplify(part, { blocks: [part.position, shade], places: 1 }, [0.2]))[0];
   assert.ok(flat.length < 0.1 * part.index.length, `${flat.length / 3} triangles of a plane`);
   assert.ok(posed.length > 3 * flat.length, `${posed.length / 3} of one that will bend`);
   assert.ok(lit.length > 3 * flat.length, `${lit.length / 3} of one with a shadow on it`);
@@ -74,10 +74,10 @@ test('seams of the texture stay, and small parts are left alone', () => {
   const part = sheet(() => 0);
   const middle = (N / 2) * (N + 1) + N / 2;
   part.smooth = Uint16Array.from({ length: part.vertices }, (_, v) => (v === middle + 1 ? middle : v));
-  const [left] = run(lean(part, { blocks: [part.position], places: 1 }, [1]));
+  const [left] = run(simplify(part, { blocks: [part.position], places: 1 }, [1]));
   assert.ok(left.includes(middle) && left.includes(middle + 1));
   const small = { ...part, index: part.index.slice(0, 300) };
-  assert.deepEqual(run(lean(small, { blocks: [part.position], places: 1 }, [1, 2])), [small.index, small.index]);
+  assert.deepEqual(run(simplify(small, { blocks: [part.position], places: 1 }, [1, 2])), [small.index, small.index]);
 });
 
 const triangles = (index) => Array.from({ length: index.length / 3 }, (_, t) => {

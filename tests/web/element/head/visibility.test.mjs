@@ -2,7 +2,7 @@
 // What can be seen of a head from the front: neither what lies behind something nor what turns its back on the viewer.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { shut, sight, within } from '../../../../web/element/head/mesh/visibility.mjs';
+import { shut, visibleTriangles, within } from '../../../../web/element/head/mesh/visibility.mjs';
 
 /** Squares of 4 mm in a plane across the view, `half` to each side of the middle. */
 function plate(half, z, more = {}) {
@@ -23,7 +23,7 @@ function plate(half, z, more = {}) {
 }
 
 function seen(parts) {
-  const work = sight(parts, () => ({ positions: parts.map(({ position }) => position), turn: (direction) => direction }));
+  const work = visibleTriangles(parts, () => ({ positions: parts.map(({ position }) => position), turn: (direction) => direction }));
   for (;;) {
     const { done, value } = work.next();
     if (done) return value.map((list) => list.filter((one) => one).length / list.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures that are packed with Basis Universal in KTX2 (KHR_texture_basisu). A script of its own: most avatars do without.
+// Unpacks textures of Basis Universal in KTX2 (KHR_texture_basisu). A separate script: most avatars need none.
 import module from 'three/examples/jsm/libs/basis/basis_transcoder.js';
 import wasmBinary from 'three/examples/jsm/libs/basis/basis_transcoder.wasm';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes that are packed with Draco (KHR_draco_mesh_compression). A script of its own: most avatars do without.
+// Unpacks meshes of Draco (KHR_draco_mesh_compression). A separate script: most avatars need none.
 import module from 'three/examples/jsm/libs/draco/gltf/draco_wasm_wrapper.js';
 import wasmBinary from 'three/examples/jsm/libs/draco/gltf/draco_decoder.wasm';
 

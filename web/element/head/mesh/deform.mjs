@@ -41,8 +41,8 @@ export function deform(part, { normals, moves, turns }, { slotValues, angles, tu
 }
 
 /**
- * The deformation of protocol/head-model.md on the processor, for machines where the vertex shader runs there, too: a shader
- * has to ask each of a vertex's moves whether it counts; here only those that do are gone through.
+ * The deformation of protocol/head-model.md on the CPU, for machines without a GPU: a vertex shader has to test each move of a
+ * vertex, while this loop visits active moves only.
  */
 export class SoftwareDeform {
   #moves = new Map(); // slot -> {vertices, deltas (position and change of the normal: six numbers each)}

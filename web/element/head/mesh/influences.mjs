@@ -7,7 +7,7 @@ const TRIAL_RADIANS = 0.15;
 const LIDS = [19, 20]; // upper lids unfold as they come down: so their normals are right when they are down,
 const DOWN = 1024; // at this value
 const NOWHERE = [0, 0, 0];
-const LEAST_NORMAL_CHANGE = 0.004; // at the trial displacement: below, nobody sees it
+const LEAST_NORMAL_CHANGE = 0.004; // at the trial displacement: smaller changes are invisible
 
 /**
  * The numbers that the actions of a head are driven by. A *slot* is a FAP in one of its senses, in mm (or radians); a turn
@@ -47,7 +47,7 @@ export class Drive {
     return this;
   }
 
-  /** Where something that turns wholly with the head gets to. */
+  /** Applies the head's turns to a point that follows them wholly. */
   withHead(p) {
     for (let i = this.firstHeadTurn; i < this.turns.length; i++) p = turned(p, this.turns[i], this.angles[i]);
     return p;
@@ -68,7 +68,7 @@ export function turned(p, { pivot, axis }, angle) {
 }
 
 /**
- * What acts on each vertex of a part.
+ * Collects the moves and turns that act on each vertex of a part.
  * @typedef {{slot: number, delta: number[], normal: number[]}} VertexMove mm and change of the normal for one mm (radian)
  * @typedef {{turn: number, weight: number}} VertexTurn in the order of application
  * @param {import('../model/model.mjs').Part} part @param {Drive} drive
@@ -116,7 +116,7 @@ export function influencesOf(part, drive) {
     });
     const { fap, radians } = drive.turns[turn];
     if (!weights || turn >= drive.firstHeadTurn || !radians) continue;
-    // Where neighbours turn by different angles the skin shears, and turning the normal alone would not say so.
+    // Between neighbours that turn by different angles the skin shears, which turning the normal alone would miss.
     const angle = LIDS.includes(fap) ? DOWN * radians : (faps[fap].bidirectional ? 1 : Math.sign(radians)) * TRIAL_RADIANS;
     const axis = { ...drive.turns[turn], pivot: [0, 0, 0] };
     for (const v of list)
@@ -162,7 +162,7 @@ export function packInfluences({ moves, turns }, { firstHeadTurn, turns: all }) 
     vertices[4 * v + 2] = shared.get(key);
     vertices[4 * v + 3] = list.length - ofHead.length + 64 * (whole ? WHOLE_HEAD : ofHead.length);
   });
-  const width = 1024; // the shader knows it
+  const width = 1024; // as in the shader
   const height = Math.max(1, Math.ceil(texels.length / 4 / width));
   const data = new Float32Array(4 * width * height);
   data.set(texels);

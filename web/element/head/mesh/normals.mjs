@@ -15,7 +15,7 @@ export class Normals {
     for (let v = 0; v < vertices; v++) this.#write(this.rest, v, this.#at(position, this.shared[v]));
   }
 
-  /** Which triangles touch a place, and which vertices are at it: two flat lists each. */
+  /** Lists the triangles that touch each position, and the vertices at it, as flat lists. */
   #collect(vertices) {
     const flat = (count, keys) => {
       const start = new Uint32Array(vertices + 1);
@@ -58,8 +58,8 @@ export class Normals {
   }
 
   /**
-   * The normals near `vertices` when the part stands at `position`.
-   * @param {Iterable<number>} vertices those that have moved
+   * Computes the normals near `vertices` when the part is at `position`.
+   * @param {Iterable<number>} vertices that have moved
    * @param {Float32Array} position of all vertices
    * @returns {Map<number, number[]>} vertex -> normal, for every vertex whose triangles have moved
    */

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Where the parts with holes in their textures (hair, glasses) are there.
+// Opacity of parts whose textures have holes (hair, glasses).
 
 const SIZE = 256;
 const HALF = 128; // of 255
 
-/** How opaque a texture is. @param {ImageBitmap} image @returns {(u: number, v: number) => number} 0 to 255 */
+/** Reads the alpha of a texture. @param {ImageBitmap} image @returns {(u: number, v: number) => number} 0 to 255 */
 export function alphaOf(image) {
   const canvas = document.createElement('canvas');
   const size = (canvas.width = canvas.height = SIZE);
@@ -15,7 +15,7 @@ export function alphaOf(image) {
   return (u, v) => data[4 * (at(v) * size + at(u)) + 3];
 }
 
-/** How opaque a part of a head is, by the place on its texture (v from above); null: it has no holes. */
+/** Reads the alpha of a part by texture coordinates (v from above); null: it is opaque. */
 export function alphaOfPart({ model, textures }, part) {
   const { texture, alpha } = model.materials[part.material] ?? {};
   return texture && part.uv && (alpha === 'blend' || alpha === 'cutout') ? alphaOf(textures.get(texture).image) : null;

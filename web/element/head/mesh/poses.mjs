@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Poses in which a head is looked at before it is drawn.
+// Poses in which light, visibility and simplification are computed before a head is drawn.
 import { faceValues } from '../../face/face-mixer.mjs';
 
-/** Where shadows are taken: speaking, so that there is light between the lips. */
+/** The pose that casts shadows: speaking, so that light falls between the lips. */
 export const SHADOW_POSE = faceValues({
   3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400,
 });
 
-/** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
+/** The pose that receives light: the same with closed lids, whose folded skin would stay dark otherwise. */
 export const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
 
 /** Poses that fewer triangles have to be right in: at rest, open with the lids down, and with all that bends the skin most. */
-export const LEAN_POSES = [
+export const SIMPLIFY_POSES = [
   faceValues({}),
   LIT_POSE,
   faceValues({

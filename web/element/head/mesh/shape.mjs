@@ -15,14 +15,14 @@ function gather(values, each, kept) {
 
 const hides = ({ name }) => kindOf(name) === 'hair' && !THIN.includes(name);
 
-/** A part as it is drawn: its geometry, and what moves it where there is no graphics processor. */
+/** The drawable form of a part: its geometry, and its deformation on machines without a GPU. */
 export class Shape {
   /**
    * @param {import('../model/model.mjs').Part} part @param {ReturnType<import('./influences.mjs').influencesOf>} influences
    * @param {{normals: Float32Array, fibre?: Float32Array, reach?: Uint8Array, lowered?: Float32Array}} look of each vertex:
    *   its normal as drawn, the direction of hair, how much light reaches it; of skin how far it comes down with the lids
    * @param {import('./influences.mjs').Drive|null} drive null: the graphics processor moves it
-   * @param {boolean} [whole] of software-deform.mjs
+   * @param {boolean} [whole] of SoftwareDeform
    */
   constructor(part, influences, { normals, fibre, reach, lowered }, drive, whole) {
     Object.assign(this, { part, influences, front: Infinity, fringe: null });
@@ -48,7 +48,7 @@ export class Shape {
   }
 
   /**
-   * Where its vertices are in a pose.
+   * Computes the positions of its vertices in a pose.
    * @param {import('./influences.mjs').Drive} drive with that set @param {import('three').Matrix4} head how it turns the head
    */
   placed(drive, head) {
@@ -89,7 +89,7 @@ export class Shape {
   }
 
   /**
-   * The same with these triangles only, in the order in which they are drawn fastest.
+   * Makes a copy with these triangles only, in the order that draws fastest.
    * @param {Uint16Array} triangles of its vertices @param {import('./influences.mjs').Drive} drive @returns {Shape}
    */
   with(triangles, drive) {
@@ -123,7 +123,7 @@ export class Shape {
   }
 }
 
-/** How the head is turned. @param {import('./influences.mjs').Drive} drive @returns {Matrix4} */
+/** Returns the head's rotation. @param {import('./influences.mjs').Drive} drive @returns {Matrix4} */
 export function headTurnOf(drive) {
   const origin = new Vector3(...drive.withHead([0, 0, 0]));
   const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...drive.withHead(axis)).sub(origin));
@@ -134,10 +134,10 @@ const STEPS = 6; // along each side of a triangle, at which its alpha is looked 
 const [CLEAR, FULL] = [10, 240]; // of 255: what is all below or all above has no soft end
 
 /**
- * Which triangles end softly: hair is drawn as if it were opaque, and then its ends over what has been drawn.
+ * Finds the triangles with soft ends: hair is drawn as opaque first, then its ends are blended over it.
  * @param {Uint16Array} index @param {Float32Array} uv of each vertex @param {(u: number, v: number) => number} alpha 0 to 255
- * @returns {{index: Uint16Array, before: (count: number) => number}} those, in their order; before: how many numbers of theirs
- *   there are among the first so many of all
+ * @returns {{index: Uint16Array, before: (count: number) => number}} these triangles in order; before: the number of their
+ *   indices among the first `count` of all
  */
 export function fringeOf(index, uv, alpha) {
   const kept = [];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fewer triangles where the picture's points are too large to show the difference. Vertices are taken away one by one, each
-// into a neighbour, as long as what is drawn instead stays near what was there: in place, in every pose that is asked for,
-// in light, in its normal and on the texture. What is left keeps its vertices, and with them all that moves them.
+// into a neighbour, as long as the result stays near the original: in position, in every pose given, in light, in its
+// normal and on the texture. The remaining vertices are unchanged, and so are their moves.
 
 const STEPS = [0.1, 0.35, 1]; // of the tolerance: what costs least goes first
 const PASSES = 4; // of each step
@@ -9,11 +9,11 @@ const LEAST_PART = 300; // triangles: below there is nothing to win
 const FLIPPED = 0.2; // cosine between the normals of a triangle before and after
 
 /**
- * What is compared at a vertex, in mm: blocks of three numbers, one after the other.
+ * Features compared at a vertex, in mm: consecutive blocks of three numbers.
  * @typedef {{blocks: Float32Array[], places: number}} Features the first `places` blocks are positions, the rest pose first
  */
 
-/** Which triangles there are round each vertex, while they get fewer. */
+/** The triangles round each vertex, updated as vertices are removed. */
 class Mesh {
   /** @param {{index: Uint16Array, smooth: Uint16Array|null, vertices: number}} part */
   constructor({ index, smooth, vertices }) {
@@ -30,7 +30,7 @@ class Mesh {
     }
     this.gone = new Map(); // triangle -> the vertices that it stands for
     this.turn = 0; // of counting
-    this.counted = new Int32Array(vertices); // in which turn
+    this.counted = new Int32Array(vertices); // number of the pass
     this.common = new Uint8Array(vertices); // triangles that are shared with the vertex whose turn it was
   }
 
@@ -67,7 +67,7 @@ class Mesh {
     return this.round[u].flatMap((t) => this.gone.get(t) ?? []);
   }
 
-  /** Makes `u` into `v`. @param {(p: number) => number} home of a vertex that has gone: a triangle of those that are left */
+  /** Merges `u` into `v`. @param {(p: number) => number} home of a removed vertex: one of the remaining triangles */
   collapse(u, v, home) {
     const lost = [...this.lost(u), u];
     const homes = lost.map(home);
@@ -131,7 +131,7 @@ function apart(block, p, a, b, c, part) {
   return sum;
 }
 
-/** The normal of a triangle, as long as it is large. */
+/** Computes the normal of a triangle, with its area as the length. */
 function normalOf(places, a, b, c, out) {
   const [a3, b3, c3] = [3 * a, 3 * b, 3 * c];
   const [ux, uy, uz] = [places[b3] - places[a3], places[b3 + 1] - places[a3 + 1], places[b3 + 2] - places[a3 + 2]];
@@ -141,7 +141,7 @@ function normalOf(places, a, b, c, out) {
   out[2] = ux * vy - uy * vx;
 }
 
-/** How much it takes to make one vertex into another. */
+/** The error of merging one vertex into another. */
 class Cost {
   #part = [0, 0, 0];
   #least = [0, 0, 0];
@@ -167,7 +167,7 @@ class Cost {
     return worst >= most || this.#turnsOver(u, v) ? Infinity : worst;
   }
 
-  /** The triangle in which `p` is looked for when `u` is `v`. */
+  /** The triangle in which to look for `p` once `u` is merged into `v`. */
   home(p, u, v) {
     const [rest] = this.blocks;
     let [nearest, found] = [Infinity, -1];
@@ -225,7 +225,7 @@ class Cost {
  * @param {import('../model/model.mjs').Part} part @param {Features} features @param {number[]} tolerances mm, growing
  * @returns {Generator<void, Uint16Array[]>} for each tolerance the triangles that are left, of the same vertices
  */
-export function* lean(part, features, tolerances) {
+export function* simplify(part, features, tolerances) {
   if (part.index.length < 3 * LEAST_PART) return tolerances.map(() => part.index);
   const mesh = new Mesh(part);
   const cost = new Cost(mesh, features);
@@ -321,9 +321,9 @@ export function neighboursFirst(index, vertices) {
 }
 
 /**
- * The vertices that triangles use, in the order in which they use them.
+ * Renumbers vertices in the order of their first use, and drops unused ones.
  * @param {Uint16Array} index
- * @returns {{index: Uint16Array, kept: Uint16Array}} the triangles of the vertices that are kept; which ones those were
+ * @returns {{index: Uint16Array, kept: Uint16Array}} the renumbered triangles; old numbers of the vertices kept
  */
 export function renumbered(index) {
   const numbers = new Map();

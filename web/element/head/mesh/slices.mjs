@@ -8,10 +8,10 @@ const SLICE_MOST_MS = 160; // without a graphics processor a picture may hold up
 export const breath = () => new Promise((resolve) => setTimeout(resolve));
 
 /**
- * Goes through a generator a slice at a time.
- * @param {() => boolean} [over] whether nobody wants it any more
+ * Runs a generator in time slices.
+ * @param {() => boolean} [over] whether to cancel
  * @param {{now: () => number, rest: () => Promise<void>}} [clock] of tests
- * @returns {Promise<any>} what it returns; null: it is over
+ * @returns {Promise<any>} its return value; null: cancelled
  */
 export async function sliced(work, over, { now, rest } = { now: () => performance.now(), rest: breath }) {
   let slice = SLICE_MS;

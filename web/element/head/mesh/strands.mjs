@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 
 /**
- * Which vertices belong to loose strands, which at a distance are no line but dots.
+ * Finds the vertices of loose strands, which look like dots at a distance.
  * @param {{index: Uint16Array, position: Float32Array, vertices: number}} part
- * @param {number} mm that they are narrower than, in the mean
+ * @param {number} mm upper limit of their mean width
  * @returns {Uint8Array} by vertex
  */
 export function strands({ index, position, vertices }, mm) {
@@ -25,7 +25,7 @@ function areaOf(position, [a, b, c]) {
   return Math.hypot(y * w - z * v, z * u - x * w, x * v - y * u) / 2;
 }
 
-/** How long each island is, as the diagonal of its box. */
+/** Returns the length of each connected piece: the diagonal of its bounding box. */
 function lengths(position, vertices, root) {
   const least = new Float32Array(3 * vertices).fill(Infinity);
   const most = new Float32Array(3 * vertices).fill(-Infinity);

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
-// Which triangles of a head are drawn: fewer where its picture is small; without a graphics processor, what can be seen.
+// Chooses the triangles to draw: fewer when the picture is small; only visible ones without a GPU.
 import { Vector3 } from 'three';
 import { deform } from './deform.mjs';
-import { lean } from './simplify.mjs';
+import { simplify } from './simplify.mjs';
 import { alphaOfPart } from './opacity.mjs';
-import { LEAN_POSES } from './poses.mjs';
+import { SIMPLIFY_POSES } from './poses.mjs';
 import { headTurnOf } from './shape.mjs';
-import { sight } from './visibility.mjs';
+import { visibleTriangles } from './visibility.mjs';
 import { breath, sliced } from './slices.mjs';
 import { strands } from './strands.mjs';
 import { CLEAR, kindOf, THIN } from '../shading/surfaces.mjs';
-import { workedOut } from '../model/cache.mjs';
+import { prepareOnce } from '../model/cache.mjs';
 
 const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
-const LEAN_MM = [0.3, 0.42]; // what a vertex may be off by,
-const LEAN_SHARE = 0.55; // when that is no more of a point of the picture;
-/** and how many mm a change of its normal, of the share of light and of the place on the texture are worth. */
+const SIMPLIFY_MM = [0.3, 0.42]; // error of a vertex at each level
+const SIMPLIFY_SHARE = 0.55; // largest such error, in pixels
+/** Weights, in mm, of a change of the normal, of the share of light, and of the texture coordinates. */
 const WORTH = { normal: 2.5, reach: 2, texture: 100 };
 const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, where all is small and in the shade
 
-const STRAND = 6; // times as much: hair that is no wider is left out
+const STRAND = 6; // times that error: narrower hair is left out
 
-/** The shapes of a head's parts that are drawn, from among those that it has. */
+/** Selects the shape of each part that is drawn. */
 export class Triangles {
   #fewer = 0; // which of the shapes is drawn
   #looked = null; // for each number of triangles, a promise: see #look
@@ -33,15 +33,15 @@ export class Triangles {
   }
 
   /**
-   * Makes shapes of fewer triangles, for pictures whose points are so large that nobody sees which are missing.
-   * Where there is no graphics processor, triangles are what takes the time.
+   * Makes shapes with fewer triangles, for small pictures in which the difference is invisible. Without a GPU the number of
+   * triangles decides the frame rate.
    */
   async slim() {
     for (const [i, one] of this.head.parts.entries()) {
       if (this.head.gone) return;
       const [whole] = one.shapes;
-      const fewer = await workedOut(this.head.model, `fewer ${i}`, async () =>
-        this.#lines(one.part, await sliced(lean(one.part, await this.#features(one), LEAN_MM))));
+      const fewer = await prepareOnce(this.head.model, `fewer ${i}`, async () =>
+        this.#lines(one.part, await sliced(simplify(one.part, await this.#features(one), SIMPLIFY_MM))));
       one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.head.drive));
       this.choose();
       whole.dispose();
@@ -50,11 +50,11 @@ export class Triangles {
     this.choose();
   }
 
-  /** Without strands of hair that are no wider than a point. @param {Uint16Array[]} fewer */
+  /** Drops strands of hair that are narrower than a pixel. @param {Uint16Array[]} fewer */
   #lines(part, fewer) {
     if (kindOf(part.name) !== 'hair' || THIN.includes(part.name)) return fewer;
     return fewer.map((triangles, level) => {
-      const loose = strands(part, STRAND * LEAN_MM[level]);
+      const loose = strands(part, STRAND * SIMPLIFY_MM[level]);
       return triangles.filter((_, i) => !loose[triangles[i - (i % 3)]]);
     });
   }
@@ -72,14 +72,14 @@ export class Triangles {
       for (const shape of shapes) shape.soft.update(this.head.drive);
       return { positions, turn: (direction) => new Vector3(...direction).transformDirection(head).toArray() };
     };
-    const seen = await sliced(sight(parts, posed), () => this.head.gone);
+    const seen = await sliced(visibleTriangles(parts, posed), () => this.head.gone);
     shapes.forEach((shape, i) => seen && parts[i].asked && shape.sort(seen[i]));
     shapes.forEach((shape, i) => seen && parts[i].alpha && !THIN.includes(shape.part.name) && shape.divide(parts[i].alpha));
     this.choose();
     return true;
   }
 
-  /** What is asked of a part: see sight.mjs. @param {Shape} shape */
+  /** Makes the query of a part: see visibility.mjs. @param {Shape} shape */
   #asked({ part, geometry, influences }) {
     const { double_sided } = this.head.model.materials[part.material] ?? {};
     const asked = !WHOLE.test(part.name);
@@ -97,10 +97,10 @@ export class Triangles {
     };
   }
 
-  /** What may not change when triangles go: see lean.mjs. */
+  /** Collects the features that simplification must keep: see simplify.mjs. */
   async #features({ part, influences, geometry }) {
     const places = [];
-    for (const pose of LEAN_POSES) {
+    for (const pose of SIMPLIFY_POSES) {
       places.push(deform(part, influences, this.head.drive.set(pose)).position);
       this.head.drive.set(this.head.faps);
       await breath();
@@ -120,7 +120,7 @@ export class Triangles {
 
   /** @param {number} mm how large a point of the picture is where the face is */
   set point(mm) {
-    this.#fewer = LEAN_MM.filter((one) => one <= LEAN_SHARE * mm).length;
+    this.#fewer = SIMPLIFY_MM.filter((one) => one <= SIMPLIFY_SHARE * mm).length;
     this.choose();
   }
 
@@ -134,12 +134,12 @@ export class Triangles {
     return this.#sampled ? 0 : this.#fewer;
   }
 
-  /** Until only what can be seen is drawn; undefined before it is asked. */
+  /** Settles when hidden triangles are left out; undefined before that has begun. */
   get looking() {
     return this.#looked?.[this.#level];
   }
 
-  /** Draws those that are right now. */
+  /** Switches to the shapes that fit the current view. */
   choose() {
     if (this.#looked) this.#looked[this.#level] ??= this.#look();
     for (const one of this.head.parts) {

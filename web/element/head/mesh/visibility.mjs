@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What can be seen of a head that looks at the viewer, more or less. The rest (skin under hair and cloth, hair behind hair, the
-// back of the teeth) costs as much as what is seen where no graphics processor draws: the colour of a point is worked out
+// Finds the triangles that are visible while a head faces the viewer. The rest (skin under hair and cloth, hair behind hair,
+// the back of the teeth) costs as much as what is seen where no graphics processor draws: the colour of a point is worked out
 // before its depth is asked for.
 import { faceValues } from '../../face/face-mixer.mjs';
 import { across, scan } from '../shading/occlusion.mjs';
 
 const POINT_MM = 1.5; // of the pictures that are looked at
 const NEAR_MM = 0.5; // what lies that close behind counts as seen
-const HIDES = 230; // alpha from which hair hides what lies behind,
-const SHOWS = 26; // and up to which it cannot be seen itself
+const HIDES = 230; // alpha from which hair hides the surface behind it
+const SHOWS = 26; // alpha up to which hair is invisible
 
 const DEGREES = Math.PI / 180;
 const MOST = { pitch: 10, yaw: 14, roll: 12 }; // degrees that the head is turned from the viewer, and from the body
@@ -48,12 +48,12 @@ export function within(values, [x, y, z]) {
 export const shut = (values) => [[4, 5], [8, 10], [9, 11]].every(([upper, lower]) => values[upper] + values[lower] >= 0);
 
 /**
- * @typedef {object} Seen a part, of which it is asked what is seen
+ * @typedef {object} Seen a part whose visible triangles are wanted
  * @property {Uint16Array} index @property {number} vertices @property {Float32Array} uv
  * @property {boolean} double whether both sides of its triangles are drawn
- * @property {((u: number, v: number) => number)|null} alpha null: nothing shines through
- * @property {boolean} hides whether it hides what lies behind it @property {boolean} asked whether anybody wants to know
- * @property {Uint8Array|null} free vertices that are not 0 go where they like: what they belong to is always seen
+ * @property {((u: number, v: number) => number)|null} alpha null: opaque
+ * @property {boolean} hides whether it occludes others @property {boolean} asked whether its result is needed
+ * @property {Uint8Array|null} free not 0 for vertices that move by themselves: their triangles always count as visible
  */
 
 /** A picture of a head from far away: how near what hides is. */
@@ -116,7 +116,7 @@ class Sight {
       };
       scan(points, 3 * a, 3 * b, 3 * c, width, height, visible);
       if (asked) continue;
-      const at = (k) => (points[3 * a + k] + points[3 * b + k] + points[3 * c + k]) / 3; // too small to have a point of its own
+      const at = (k) => (points[3 * a + k] + points[3 * b + k] + points[3 * c + k]) / 3; // smaller than a pixel
       visible(Math.floor(at(1)) * width + Math.floor(at(0)), at(2), 1 / 3, 1 / 3);
     }
   }
@@ -133,14 +133,14 @@ function alphaAt(alpha, uv, a, b, c, wb, wc) {
   return alpha(wa * uv[2 * a] + wb * uv[2 * b] + wc * uv[2 * c], wa * uv[2 * a + 1] + wb * uv[2 * b + 1] + wc * uv[2 * c + 1]);
 }
 
-/** Which triangles have one of these vertices. @param {Uint16Array} index @param {Uint8Array|null} some not 0: one of these */
+/** Finds the triangles with a marked vertex. @param {Uint16Array} index @param {Uint8Array|null} some not 0: marked */
 function touching(index, some) {
   const out = new Uint8Array(index.length / 3);
   if (some) for (let i = 0; i < index.length; i++) out[(i - (i % 3)) / 3] |= some[index[i]];
   return out;
 }
 
-/** What has a corner in common with what is seen counts as seen. */
+/** Adds the neighbours of visible triangles, by common corners. */
 function grown({ index, vertices }, seen) {
   const touched = new Uint8Array(vertices);
   seen.forEach((one, t) => {
@@ -150,13 +150,13 @@ function grown({ index, vertices }, seen) {
 }
 
 /**
- * Which triangles of a head can be seen. A generator that yields after each part of a picture, so that the work can be spread.
+ * Finds the visible triangles of a head. A generator that yields after each part of a picture, so that the work can be spread.
  * @param {Seen[]} parts
- * @param {(pose: Float32Array) => {positions: Float32Array[], turn: (direction: number[]) => number[]}} posed where their
- *   vertices are in a pose, and how its head turns a direction
+ * @param {(pose: Float32Array) => {positions: Float32Array[], turn: (direction: number[]) => number[]}} posed returns the
+ *   positions of their vertices in a pose, and the rotation of its head
  * @returns {Generator<void, Uint8Array[]>} for each part a byte for each triangle, not 0 where it may be seen
  */
-export function* sight(parts, posed) {
+export function* visibleTriangles(parts, posed) {
   const seen = parts.map(({ index, free }) => touching(index, free));
   for (const pose of POSES) {
     const { positions, turn: turned } = posed(pose);

@@ -17,11 +17,11 @@ const unusedModels = new FinalizationRegistry((address) => {
  * @param {(...progress: number[]) => void} onprogress @param {AbortSignal} signal of this one alone: the others go on waiting
  * @returns {Promise<object>} the JSON, or what has been read from it already
  */
-export function together(address, load, onprogress, signal) {
+export function fetchOnce(address, load, onprogress, signal) {
   const model = models.get(address)?.deref();
   if (model) return Promise.resolve(model);
   const one = coming.get(address) ?? begin(address, load);
-  const tell = (...progress) => onprogress(...progress); // its own, whoever else has the same
+  const tell = (...progress) => onprogress(...progress); // a function of its own: two callers may pass the same one
   one.told.add(tell);
   return new Promise((resolve, reject) => {
     one.promise.then(resolve, reject);
@@ -30,7 +30,7 @@ export function together(address, load, onprogress, signal) {
       reject(signal.reason);
       if (one.told.size || coming.get(address) !== one) return;
       coming.delete(address);
-      one.aborter.abort(); // nobody waits any more
+      one.aborter.abort(); // the last waiter has gone
     });
   });
 }
@@ -50,7 +50,7 @@ function begin(address, load) {
 }
 
 /**
- * Reads what has come together() once only; what a page brings may have changed since.
+ * Reads a model that fetchOnce() fetched only once. A model from the page is read each time, as it may have changed.
  * @template T @param {object} json @param {(json: object) => T} read @returns {T}
  */
 export function readOnce(json, read) {
@@ -67,11 +67,11 @@ export function readOnce(json, read) {
 }
 
 /**
- * What is worked out of a model, for all heads that show it.
+ * Computes derived data of a model once for all heads that show it.
  * @template T @param {object} model @param {string} what
  * @param {() => Promise<T>} make @returns {Promise<T>} never to be changed
  */
-export function workedOut(model, what, make) {
+export function prepareOnce(model, what, make) {
   const known = results.get(model) ?? results.set(model, new Map()).get(model);
   if (!known.has(what)) known.set(what, make());
   return known.get(what);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Calibration: a head takes the feature points of somebody (ISO/IEC 14496-2, annex C: FDP), and its FAPs go on working.
+// Calibration: fits a head to the feature points of a person (ISO/IEC 14496-2, annex C: FDP) and keeps its FAPs working.
 // Space is warped so that the head's own points get there. What an action does is warped along with it, so that what met
 // before meets afterwards; then it is scaled so that its feature point follows the FAP exactly, in the units of the new face.
 import { faps } from '../../../../protocol/fap.mjs';
@@ -8,8 +8,8 @@ import { turned } from '../mesh/influences.mjs';
 import { rbf, WarpError } from './rbf.mjs';
 
 const HOLDS_FROM = 60; // mm from all points that are given: there a point of the head stays
-const ROUND_ABOUT = 0.2; // of the skin's box: so far outside it nothing is warped any more
-const WHOLE = { points: 8, share: 0.6 }; // so many points, over so much of the face, say how large the head is
+const ROUND_ABOUT = 0.2; // of the skin's box: distance outside it at which the warp ends
+const WHOLE = { points: 8, share: 0.6 }; // least number of points, and share of the face that they span, to scale the head
 const JAW = 3; // its FAP: it turns, and glides
 const LID_FAPS = [19, 20, 21, 22];
 const EYES = [
@@ -23,9 +23,9 @@ const IN_MOUTH = ['teeth_upper', 'teeth_lower', 'tongue'];
 const INSIDE = /^(6|9\.([89]|10|11))\b/; // feature points of tongue and teeth go with the mouth
 /** Points of the inner lips that touch on a neutral face: they are one. */
 const TOUCHING = [['2.2', '2.3'], ['2.6', '2.8'], ['2.7', '2.9']];
-const TRIAL = 4; // mm, or at the largest delta: so far an action is followed to see where it leads
+const TRIAL = 4; // mm, or the largest delta: displacement by which an action is sampled
 const TRIAL_FAP = 300; // of a FAP that turns: a usual value
-const RESCALED = [0.3, 3.3]; // by more an action is no more itself
+const RESCALED = [0.3, 3.3]; // bounds of an action's rescaling: beyond them it would be another action
 const DIRECTIONS = { up: [0, 1, 0], down: [0, -1, 0], left: [1, 0, 0], right: [-1, 0, 0], forward: [0, 0, 1] };
 
 const minus = (a, b) => a.map((value, k) => value - b[k]);
@@ -49,7 +49,7 @@ export function measureUnits(fdp) {
   };
 }
 
-/** Where the points that are given have to go: those that touch go together. */
+/** Returns the targets of the points given; touching points move together. */
 function targetsOf(fdp, given) {
   const to = Object.fromEntries(Object.entries(given).filter(([name]) => fdp[name]));
   for (const pair of TOUCHING) {
@@ -61,7 +61,7 @@ function targetsOf(fdp, given) {
   return to;
 }
 
-/** How the head as a whole changes: one scale and a shift, when the points tell. @returns {{scale: number, map: Function}} */
+/** Fits one scale and a shift of the whole head, if the points suffice. @returns {{scale: number, map: Function}} */
 function whole(fdp, to) {
   const names = Object.keys(to);
   const span = (list, k) => Math.max(...list.map((p) => p[k])) - Math.min(...list.map((p) => p[k]));
@@ -150,7 +150,7 @@ function withShells(warp, eyes) {
   };
 }
 
-/** What becomes of places: of the skin and what hangs on it, and of each part that keeps its form. */
+/** Makes the maps of positions: one for the skin and what is attached to it, one for each rigid part. */
 function mapsOf(model, calibration, prefix) {
   const to = targetsOf(model.fdp, calibration.featurePointsCoord);
   const all = whole(model.fdp, to);
@@ -185,7 +185,7 @@ function unitsOf(fdp, before, prefix) {
   return fapu;
 }
 
-/** Turns: about where their pivots get to; those that are measured in a length keep their feature point on its way. */
+/** Moves the pivots of turns; turns measured in a length keep the path of their feature point. */
 function newTurns(model, { soft, rigid, fdp }, fapu) {
   return model.turns.map((turn) => {
     const eye = EYES.find(({ faps: own }) => own.includes(turn.fap));
@@ -239,7 +239,7 @@ function movePart(part, model, turns, { soft, rigid }) {
   return { ...part, position, moves, turns: shares };
 }
 
-/** How far a FAP takes its feature point along its direction, for one mm of it; null: it is no vertex of the skin. */
+/** Returns how far a FAP moves its feature point along its direction, per mm; null: the point is no vertex of the skin. */
 function following(skin, fdp, fap, sign) {
   const direction = DIRECTIONS[faps[fap].direction];
   const point = fdp[faps[fap].fdp.split('/')[0]];
@@ -327,7 +327,7 @@ function texturePlaces(skin, fdp, textureCoord, prefix) {
  * @param {{featurePointsCoord: Record<string, number[]>, textureCoord?: Record<string, number[]>,
  *   texture?: {type: string, data: string}}} calibration protocol/head-model.md
  * @param {string} [prefix] of the places in errors
- * @returns {ReturnType<import('./model.mjs').readModel>} another one; the given one stays as it is
+ * @returns {ReturnType<import('./model.mjs').readModel>} a new model; the given one is unchanged
  * @throws {ModelError} with the place of what is wrong
  */
 export function calibrate(model, calibration, prefix = '') {

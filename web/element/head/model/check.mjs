@@ -10,7 +10,7 @@ export class ModelError extends Error {
   }
 }
 
-/** How many feature points each group of ISO/IEC 14496-2 has. */
+/** The number of feature points in each group of ISO/IEC 14496-2. */
 const GROUPS = { 2: 14, 3: 14, 4: 6, 5: 4, 6: 4, 7: 1, 8: 10, 9: 15, 10: 10, 11: 6 };
 const FARTHEST = 1000; // mm
 const MOST_PIXELS = 1 << 22; // of a texture, as server/rooms/notices.h has it

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** Calibrations that the server tells: one is drawn after the other, and of those that come meanwhile only the last. */
+/** Applies calibrations from the server one at a time; of those that arrive meanwhile only the last counts. */
 export class Fitting {
   #next = null; // a message
   #busy = false;
@@ -13,7 +13,7 @@ export class Fitting {
     this.ports = ports;
   }
 
-  /** Another connection: what stands there is told anew. */
+  /** Starts over on a new connection: its server sends the current calibration again. */
   begin() {
     this.#next = null;
     if (this.#taken) this.take({ reset: true });

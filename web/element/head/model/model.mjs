@@ -59,7 +59,7 @@ function part(json, turnNumbers) {
   };
 }
 
-/** What no schema can say: that the arrays of a part fit each other. @param {Part} part */
+/** Checks what a schema cannot: that the arrays of a part fit each other. @param {Part} part */
 function checkCounts({ vertices, position, uv, index, smooth, moves, turns }, i) {
   const wrong = (where, what) => {
     throw new ModelError(`parts[${i}].${where}`, what);
@@ -82,8 +82,7 @@ function checkCounts({ vertices, position, uv, index, smooth, moves, turns }, i)
 export const HEAD_FAPS = [48, 49, 50];
 
 /**
- * Unpacks a head model. Its turns are put in the order in which they are applied: `headTurns` says how many of them, at
- * the end, turn the head.
+ * Unpacks a head model. Sorts its turns into the order of application: the last `headTurns` of them turn the whole head.
  * @param {object} json see protocol/head-model.md
  * @throws {ModelError} with the place of what is wrong
  */

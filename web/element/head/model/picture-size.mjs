@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// How large a picture is, by its first bytes: one that is small as a file may be gigabytes when it is unpacked.
+// Reads the size of a picture from its header: a small file may unpack to gigabytes.
 
 export const MOST_PIXELS = 1 << 26; // of one picture of a head or an avatar: 8192 x 8192
 
 /**
- * What keeps a picture from being decoded.
+ * Returns the reason why a picture must not be decoded.
  * @param {Uint8Array} bytes @param {number} most pixels @param {string[]} [kinds] as their types are called
- * @returns {string|null} null: nothing
+ * @returns {string|null} null: none
  */
 export function pictureTrouble(bytes, most = MOST_PIXELS, kinds = ['png', 'jpeg', 'webp']) {
   const size = kinds.includes(pictureKind(bytes)) ? pictureSize(bytes) : null;
@@ -29,7 +29,7 @@ export function pictureKind(bytes) {
 
 /**
  * @param {Uint8Array} bytes of a PNG, JPEG, WebP, GIF, AVIF, BMP or KTX2
- * @returns {[number, number]|null} null: it is none of these, or says nothing
+ * @returns {[number, number]|null} null: another format, or no size in it
  */
 export function pictureSize(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);

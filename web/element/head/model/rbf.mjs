@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Warps of space by radial basis functions: what stands at some points goes where it is told, and what is between follows.
+// Warps of space by radial basis functions: given points move to given targets, and the space between follows.
 // The functions and why the system has a solution: Wendland, Scattered Data Approximation (2005), chapters 8 and 9.
 
 export class WarpError extends Error {
@@ -16,7 +16,7 @@ const LEAST_APART = 1e-9; // of the points' extent: nearer ones are one point
 const LEAST_PIVOT = 1e-12;
 
 /**
- * By distance (in extents of the points), each with the sign by which the system is positive on what an affine map leaves.
+ * Kernels of the distance (in extents of the points), signed so that the system is positive definite beside an affine map.
  * biharmonic: smoothest in 3D for its first derivatives, with a kink at each point; triharmonic: no kink, swings further out;
  * thin-plate: between them.
  */
@@ -78,16 +78,16 @@ function extent(points, count) {
 }
 
 /**
- * A warp that takes each point of `from` to the one of `to`, exactly (1e-6 of their extent) unless it is `smooth`.
+ * Makes a warp that moves each point of `from` to that of `to`, exactly (1e-6 of their extent) unless it is `smooth`.
  * @param {ArrayLike<number>} from three numbers a point, all different; not all in a plane when the warp is affine
  * @param {ArrayLike<number>} to as many
  * @param {{kernel?: 'biharmonic'|'thin-plate'|'triharmonic', affine?: boolean, smooth?: number, reach?: number}} [options]
- *   affine (true): far away, and where all points agree, it is an affine map; smooth (0 and more): how far the points may be
- *   missed for a calmer surface; reach: beyond it (in the unit of the points) nothing moves, whatever the kernel, and
- *   affine is false by itself
+ *   affine (true): far away, and where all points agree, it is an affine map; smooth (0 and more): tolerance at the
+ *   points in exchange for a smoother surface; reach: distance (in the unit of the points) beyond which nothing moves; it
+ *   implies that affine is false
  * @returns {{apply: (points: ArrayLike<number>, out?: Float32Array|Float64Array) => Float32Array|Float64Array,
  *   at: (point: ArrayLike<number>) => number[]}} apply: of many points, into `out` (which may be `points`)
- * @throws {WarpError} too few points, coincident points, points in one plane, what is no number
+ * @throws {WarpError} too few points, coincident points, points in one plane, values that are not numbers
  */
 export function rbf(from, to, { kernel = 'biharmonic', reach, affine = !reach, smooth = 0 } = {}) {
   if (!Object.hasOwn(KERNELS, kernel)) throw new WarpError(-1, `there is no kernel "${kernel}"`);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-import { together } from './cache.mjs';
+import { fetchOnce } from './cache.mjs';
 
-/** Where the HTTP side of a stream's server is: ws://host/x/v1/stream -> http://host/x/v1/ */
+/** Converts the address of a stream to that of its HTTP routes: ws://host/x/v1/stream -> http://host/x/v1/ */
 export function httpBase(stream) {
   const url = new URL(stream);
   url.protocol = url.protocol === 'wss:' ? 'https:' : 'http:';
@@ -48,7 +48,7 @@ export class ModelAssembler {
       this.model = { ...data, parts: [], textures: {} };
       this.seen = 0;
     }
-    if (!this.model || index !== this.seen) return null; // the rest of one that began before
+    if (!this.model || index !== this.seen) return null; // the rest of an earlier model
     this.seen++;
     if (kind === 'texture') this.model.textures[part] = data;
     else if (index > 0) this.model.parts.push(data);
@@ -64,7 +64,7 @@ export class ModelSource {
   #assembler = new ModelAssembler();
   #aborter = null;
   #address = null; // of the model that is here or on its way
-  #asked = false; // for it to come through the stream, with which it is lost
+  #asked = false; // whether it was requested through the stream; lost with the connection
 
   /** @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here */
   constructor(ports) {
@@ -103,7 +103,7 @@ export class ModelSource {
     try {
       const whole = httpBase(stream) + address;
       const load = (...how) => fetchModel(whole, size, ...how);
-      json = await (drawn && version ? together(whole, load, progress, signal) : load(progress, signal));
+      json = await (drawn && version ? fetchOnce(whole, load, progress, signal) : load(progress, signal));
     } catch {
       if (signal.aborted) return;
       this.#asked = true;

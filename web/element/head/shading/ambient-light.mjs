@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How much light reaches the vertices of a head: of the open sky and of each lamp.
+// Computes how much light of the open sky and of each lamp reaches the vertices of a head.
 import { deform } from '../mesh/deform.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { opaqueOfPart } from '../mesh/opacity.mjs';
@@ -8,7 +8,7 @@ import { sliced } from '../mesh/slices.mjs';
 import { CLEAR, isAiry } from './surfaces.mjs';
 
 /** @param {import('../head.mjs').Head} head @returns {Promise<Uint8Array[]>} for each part: see bakeOcclusion */
-export function reachesOf(head) {
+export function ambientLightOf(head) {
   const posed = (pose) => {
     head.drive.set(pose);
     return head.parts.map(({ part, influences }) => deform(part, influences, head.drive));
@@ -31,11 +31,10 @@ export function reachesOf(head) {
 const BARED = 0.85; // of what reaches the front of the eye, what reaches its underside when that is seen
 
 /**
- * What reaches an eye that looks ahead is dark where the lower lid covers it, and would be so when it looks up and that
- * is seen.
+ * Brightens the underside of an eye. It is baked looking ahead, where the lower lid darkens the part that an upward gaze shows.
  * @param {Uint8Array} reach four bytes a vertex @param {import('../model/model.mjs').Part} part @param {number[]} center
  */
-export function bared(reach, { position }, center) {
+export function uncovered(reach, { position }, center) {
   let front = 0;
   for (let v = 0; v < position.length; v += 3) if (position[v + 2] > position[front + 2]) front = v;
   const radius = position[front + 2] - center[2];

@@ -31,7 +31,7 @@ function bumps(u, v, cells) {
   return (at(0, 0) * (1 - s) + at(1, 0) * s) * (1 - t) + (at(0, 1) * (1 - s) + at(1, 1) * s) * t;
 }
 
-/** How deep a pore is here, 0..1. */
+/** Returns the depth of a pore, 0..1. */
 function pore(u, v) {
   const [x, y] = [u * PORES, v * PORES];
   let deep = 0;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Where the lids' margins are, for what they do to the eyeball: the shadow of the upper one, the wet edge of the lower one.
+// Locates the margins of the lids, for their effect on the eyeball: the shadow of the upper lid, the wet edge of the lower one.
 
 const BIN_MM = 2.5; // along the margins: there is a vertex on them in each
 const HALF_MM = 10; // to either side of the pupil: farther out the lids meet
 const OUTSIDE = [0.2, 4]; // mm before the eyeball: what lies deeper is the lids' inside
 const OWN = 0.5; // of the greatest weight: what belongs to the lid's margin
 
-const NONE = { upper: [9, 0, 0, 0], lower: [-9, 0, 0, 0] }; // so far away that nothing comes of it
+const NONE = { upper: [9, 0, 0, 0], lower: [-9, 0, 0, 0] }; // far enough to have no effect
 
 const POWERS = [0, 1, 2, 3];
 

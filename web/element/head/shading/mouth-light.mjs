@@ -19,7 +19,7 @@ export function openingOf({ fapu, fdp }, values) {
 }
 
 /**
- * What mouthLightGlsl does, for pictures that are drawn without it.
+ * Computes mouthLightGlsl on the CPU, for pictures that are drawn without a shader.
  * @param {object} model @param {number[]} opening from openingOf @param {number[]} place of the upright head
  * @returns {number[]} the share of the light that reaches it: ambient, key, fill, rim
  */

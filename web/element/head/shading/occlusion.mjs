@@ -30,7 +30,7 @@ export function scan(points, a, b, c, width, height, visit) {
 
 const SIZE = 192; // of a depth picture, in both directions
 const BIAS_MM = 2.5; // surfaces do not shade themselves
-const FOLD_MM = 4; // nor does what a lid is folded into while it is open shade it when it is down: so much more, at most
+const FOLD_MM = 4; // further tolerance for lids, so that the fold of an open lid does not shade the closed one
 const SKY_DIRECTIONS = 40;
 const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
 const LAMP_RADIUS = 0.2; // radians
@@ -42,7 +42,7 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
-/** The share of the light that comes through hair to what lies so many mm below it. */
+/** The share of light that passes through hair to a surface `mm` below it. */
 export const throughHair = (mm) => AIRY * Math.max(0, 1 - mm / AIRY_MM);
 
 /** Two directions at right angles to `d` and each other. */
@@ -62,7 +62,7 @@ function directions(count, axis, radius) {
   });
 }
 
-/** What is nearest, seen from a direction: a picture of heights along it, in millimetres. */
+/** A depth map seen from a direction: heights along it, in mm. */
 class DepthPicture {
   constructor(direction, radius, center) {
     [this.u, this.v] = across(direction);
@@ -104,8 +104,8 @@ class DepthPicture {
   }
 
   /**
-   * How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by four texels.
-   * @param {number} fold mm before it that take no light from it
+   * Returns the share of light that reaches a projected point, 0..1, by four texels; hair may stop all of it or a part.
+   * @param {number} fold mm before the point within which nothing shades it
    */
   reaches(points, i, stopped, fold) {
     const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
@@ -123,13 +123,13 @@ class DepthPicture {
 }
 
 /**
- * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
- * round it, and of the key, fill and rim light. A generator that yields after each direction, so that the work can be
- * spread; it returns the parts' lists.
+ * Computes the light that reaches each vertex of a head: of the open sky, and of the key, fill and rim light. Every part may
+ * shade every other. A generator that yields after each direction, so that the work can be spread; it returns a list for
+ * each part.
  * @param {{position: Float32Array, index: Uint16Array, shades: boolean, airy?: boolean, uv?: ArrayLike<number>,
  *   opaque?: ((u: number, v: number) => boolean)|null, seen: {position: Float32Array, normal: Float32Array}}[]} parts
- *   `position`: where it stands in the way, if it `shades` and is `opaque`; `airy`: it is hair; `seen`: where the light on
- *   it is asked for
+ *   `position`: the pose in which it casts shadows, if it `shades` and is `opaque`; `airy`: it is hair; `seen`: the pose in
+ *   which it receives light
  * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
  */
 export function* bakeOcclusion(parts) {
@@ -152,7 +152,7 @@ export function* bakeOcclusion(parts) {
       parts.forEach(({ seen, airy }, i) => {
         const points = picture.project(seen.position);
         for (let v = 0; v < points.length; v += 3) {
-          // What faces away from the sky's part gets nothing from it anyway.
+          // A surface that faces away from this part of the sky gets no light from it.
           const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
           if (facing <= 0) continue;
           sums[i][l][v / 3] += facing * picture.reaches(points, v, airy || light.stopped, folds[i][v / 3]);

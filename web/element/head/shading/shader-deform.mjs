@@ -6,7 +6,7 @@ import { WHOLE_HEAD } from '../mesh/influences.mjs';
 
 export const deformGlsl = /* glsl */ `
 #ifdef SOFTWARE
-// The vertices come as they are to stand: see software-deform.mjs. 2: but for the turns of the head.
+// SOFTWARE 1: the CPU has moved the vertices (SoftwareDeform). 2: except for the turns of the head.
 uniform mat4 headTurn;
 void deform(inout vec3 p, inout vec3 n) {
 #if SOFTWARE == 2

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
+// The fragment shader of a head's surfaces. KIND is the surface (skin, hair, eye, mouth, other), FINE the quality.
 import { grainGlsl } from './grain.mjs';
 import { lidFragmentGlsl, lidVertexGlsl } from './lids.mjs';
 import { lightGlsl } from './lights.mjs';
@@ -7,7 +7,7 @@ import { mouthLightGlsl } from './mouth-light.mjs';
 import { deformGlsl } from './shader-deform.mjs';
 import { wrinkleGlsl } from './wrinkles.mjs';
 
-// What a surface mirrors of the lamps and the room: skin, hair, eyes. KIND and FINE: see shader-surface.mjs.
+// Reflections of the lamps and the room on skin, hair and eyes.
 
 export const shineGlsl = /* glsl */ `
 /** Highlights of a rough surface under one light (GGX with a simple visibility term). */
@@ -56,7 +56,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
   color *= specular * 2.6;
 #if KIND == 1
-  color *= smoothstep(0.004, 0.02, dot(base.rgb, vec3(0.3, 0.6, 0.1))); // roots of hair are painted on skin, and are no skin
+  color *= smoothstep(0.004, 0.02, dot(base.rgb, vec3(0.3, 0.6, 0.1))); // roots of hair that are painted on the skin do not shine
 #endif
 #endif
   return color;
@@ -210,7 +210,7 @@ vec3 toDisplay(vec3 c) {
 #endif
 }
 
-/** Keeps colours as they are up to a bright tone, and bends what is brighter towards white. */
+/** Keeps colours up to a bright tone, and compresses brighter ones towards white. */
 vec3 filmic(vec3 c) {
   float peak = max(c.r, max(c.g, c.b));
   const float start = 0.7;

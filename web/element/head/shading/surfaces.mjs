@@ -3,13 +3,13 @@
 /** A few fibres on the skin: they hide nothing. */
 export const THIN = ['lashes', 'brows'];
 
-/** What takes no light from the rest: thin things, and lenses. */
+/** Parts that cast no shadow: thin ones, and lenses. */
 export const CLEAR = [...THIN, 'glasses'];
 
 /** Hairs beside each other, between which some light comes through to the skin. */
 export const isAiry = (name) => /^(hair|beard)/.test(name);
 
-/** What the name of a part says about the way it is drawn. */
+/** Derives the kind of surface from the name of a part. */
 export function kindOf(name) {
   if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';
   if (name.startsWith('eye')) return 'eye';
@@ -66,7 +66,7 @@ function lying({ uv, index, vertices }) {
 }
 
 /**
- * The direction in which the fibres run at each vertex: that of the texture's v, or of its u where a strip lies on it.
+ * Computes the direction of fibres at each vertex: that of the texture's v, or of its u for strips that lie along it.
  * @param {import('../model/model.mjs').Part} part
  */
 export function fibres({ name, position, uv, index, smooth, vertices }) {
@@ -119,7 +119,7 @@ const CORNEA = 1.5; // it is curved more than the ball it sits on
 const LIMBUS = 1.35; // where it has gone over into the ball, in radii of the iris
 
 /**
- * The normals of an eye, whatever the mesh of its iris looks like: a ball with a cornea, looking along z.
+ * Computes the normals of an eye as a ball with a cornea that looks along z, independent of the mesh of its iris.
  * @param {import('../model/model.mjs').Part} part @param {number[]} center
  * @param {number} iris its radius, in radii of the ball
  */

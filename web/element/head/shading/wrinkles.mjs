@@ -14,7 +14,7 @@ const STILL = 50; // of that: what speech does to the lips folds nothing
 const WRINKLED = 55; // nose, FAP 63
 
 /**
- * How deep the creases are, 0..1.
+ * Computes the depth of creases, 0..1.
  * @param {ArrayLike<number>} values by FAP number
  * @returns {number[]} forehead, between the brows, beside the left eye, beside the right eye
  */
@@ -26,8 +26,8 @@ export function wrinklesOf(values) {
 }
 
 /**
- * How deep the folds of cheeks and nose are, 0..1: what draws the corners of the mouth up and out, or the upper lip towards the
- * nose, makes them.
+ * Computes the depth of the folds of cheeks and nose, 0..1, from FAPs that draw the corners of the mouth up and out, or the
+ * upper lip towards the nose.
  * @param {ArrayLike<number>} values by FAP number
  * @returns {number[]} from nose to mouth on the left, on the right, across the nose
  */
@@ -40,9 +40,9 @@ export function foldsOf(values) {
 }
 
 /**
- * Where those lie.
+ * Locates the folds.
  * @param {Record<string, number[]>} fdp
- * @returns {number[]|null} x and y of the upper and the lower end, on the left; null: nothing is known of the head
+ * @returns {number[]|null} x and y of the upper and the lower end, on the left; null: the head has no such points
  */
 export function foldPlace(fdp) {
   const [wing, corner] = [fdp['9.1'], fdp['8.3']];
@@ -50,10 +50,10 @@ export function foldPlace(fdp) {
 }
 
 /**
- * Where they lie.
+ * Locates the creases.
  * @param {Record<string, number[]>} fdp @param {{ES: number, IRISD: number}} fapu
  * @returns {number[]|null} y of the brows, half the distance of their inner ends, x and y of the eyes' outer corners (of the
- *   left one; the right is its mirror); null: nothing is known of the head
+ *   left one; the right is its mirror); null: the head has no such points
  */
 export function wrinklePlace(fdp, fapu) {
   const [inner, outer, eye] = [fdp['4.1'], fdp['4.5'], fdp['3.5']];
