@@ -48,7 +48,7 @@ function tell(name, values) {
   state.textContent = name ? say(name, values) : '';
 }
 
-/** What was asked is done: an error is said, whatever it is. */
+/** Runs an action of the user and shows its error. */
 async function doing(act) {
   try {
     await act();
@@ -78,12 +78,12 @@ async function add(source) {
     tell('found');
   } catch (error) {
     if (error.code !== 'no_face') throw error;
-    put(all.asProfile(picture, all.table)); // or it is none, and says so
+    put(all.asProfile(picture, all.table)); // throws for anything but a profile
     tell('profile');
   }
 }
 
-/** A picture in which a face was found. */
+/** Adds a picture in which a face was found. */
 function put(view) {
   const box = new (view.landmarks ? PictureBox : ProfileBox)(view, tools, { say, remove: () => remove(box) });
   boxes.push(box);
@@ -114,7 +114,7 @@ const turn = () => before($('turn'), async (signal) => {
   tell(views.length === 3 ? 'found' : 'turn_few');
 });
 
-/** What poses are seen against: the base head that is chosen, and the picture from the front. */
+/** Returns the reference for poses: the chosen base head, and the picture from the front. */
 async function rest() {
   const { json, base } = await headOf($('like').value || $('like').dataset.nearest);
   const [view] = tools.inOrder(boxes.map((box) => box.view).filter(({ landmarks }) => landmarks), base);

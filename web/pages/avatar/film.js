@@ -31,10 +31,10 @@ function seek(video, seconds) {
 }
 
 /**
- * Goes through a video, picture by picture.
+ * Reads a video frame by frame.
  * @param {Blob} file
- * @param {(picture: HTMLCanvasElement, share: number) => Promise<void>} look at where it is, of the whole 0 to 1
- * @throws {Error} code no_video: it is none, or none that this browser plays
+ * @param {(picture: HTMLCanvasElement, share: number) => Promise<void>} look called for each frame; share: its position, 0 to 1
+ * @throws {Error} code no_video: not a video that this browser plays
  */
 export async function throughFilm(file, look) {
   const url = URL.createObjectURL(file);

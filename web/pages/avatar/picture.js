@@ -32,7 +32,7 @@ export class PictureBox {
     this.#place();
   }
 
-  /** @returns {{picture: ImageData, landmarks: number[][]}} as they are now */
+  /** @returns {{picture: ImageData, landmarks: number[][]}} with the user's corrections */
   get view() {
     return { picture: this.picture, landmarks: this.withMoved(this.found, this.#moved) };
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures of the reader who smiles, frowns, says A...: which pose each shows, whether it is fit, and what is learnt of them.
-// What takes seconds is done by a worker; nothing leaves the page.
+// A worker does what takes seconds; nothing leaves the page.
 import { throughFilm } from './film.js';
 
 const MOST = 40; // pictures
@@ -8,9 +8,9 @@ const LONGEST = 1600; // pixels of one
 const WIDE = 200; // pixels of the piece that is shown
 const AROUND = 0.25; // of the face's height, on each side
 const LOOKS = 6; // at the camera for a pose
-const READ_MS = 1500; // to read what is asked for
-const SHOWS = { strength: 0.3, like: 0.3 }; // of a pose that was asked for
-const PLAIN = 0.5; // of a pose that nobody has named: what a face goes through on its way is weaker
+const READ_MS = 1500; // time to read the request
+const SHOWS = { strength: 0.3, like: 0.3 }; // thresholds for a requested pose
+const PLAIN = 0.5; // threshold for a guessed pose: transitions between poses are weaker
 const WORKER = 'portrait-poses.js';
 
 /** Asks the worker one thing after the other. */
@@ -99,7 +99,7 @@ class PoseItem {
 export class Poses {
   #items = [];
   #learner = null;
-  #rest = null; // what the worker was told of the face at rest
+  #rest = null; // the face at rest, as sent to the worker
   #number = 0;
 
   /**
@@ -114,7 +114,7 @@ export class Poses {
     return this.#items.length;
   }
 
-  /** Pictures of which the pose is known. */
+  /** The pictures whose pose is known. */
   get named() {
     return this.#items.filter(({ name }) => name);
   }
@@ -155,7 +155,7 @@ export class Poses {
     else this.page.tell('pose_added');
   }
 
-  /** Of each pose that a video shows, the picture that shows it most. */
+  /** Adds, for each pose in a video, the frame that shows it best. */
   async #addFilm(file, tools, guess) {
     const best = new Map(); // pose -> {picture, strength}
     let faces = 0;
@@ -230,7 +230,7 @@ export class Poses {
   }
 
   /**
-   * What the pictures say of how the person moves, in a head that was made of the one at rest.
+   * Puts the person's movements, learnt from the pictures, into a head made from the face at rest.
    * @returns {Promise<{head: object, taken: number, actions: number}>}
    */
   async learn(head, rest) {

@@ -16,7 +16,7 @@ const FORM = [
 const LABELS = { url: 'Address of faccia', room: 'Room', entity: 'Entity whose state she shows', height: 'Height', view: 'View', model: 'Head', captions: 'Captions', token: 'Token' };
 const HEIGHT = 320, ROW = 50;
 
-/** What is wrong with a card's settings, for the dashboard to show. */
+/** Checks a card's settings; throws an error for the dashboard to show. */
 function check(config) {
   let address;
   try {

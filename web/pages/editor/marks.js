@@ -3,7 +3,7 @@
 
 /** Outer ones first: so they lie in each other when the text is written. */
 export const KINDS = ['voice', 'affect', 'gaze', 'emphasis'];
-/** What stands at a place. */
+/** Kinds of marks that stand at a position rather than over words. */
 export const POINTS = ['pause', 'gesture'];
 
 const isWord = (c) => c !== undefined && /[\p{L}\p{M}\p{N}'’]/u.test(c);
@@ -57,7 +57,7 @@ export function moved(marks, before, after) {
     .filter(({ kind, from, to }) => POINTS.includes(kind) || from < to);
 }
 
-/** What of the marks lies in a stretch, counted from its beginning. */
+/** Cuts the marks to a stretch, with positions relative to its start. */
 export function within(marks, from, to) {
   return marks
     .filter((mark) => (mark.from === mark.to ? mark.from >= from && mark.to <= to : mark.to > from && mark.from < to))

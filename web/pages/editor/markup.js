@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A text with its marks as APML, JSML and SSML, each as far as it can say it, and back. What each means: protocol/markup.md.
+// Converts a text with marks to APML, JSML and SSML, as far as each can express them, and back. See protocol/markup.md.
 import { KINDS } from './marks.js';
 
 const SSML = 'http://www.w3.org/2001/10/synthesis';
@@ -10,7 +10,7 @@ const LEVELS = { strong: 'strong', moderate: 'medium', reduced: 'weak' }; // as 
 
 const escaped = (text) => text.replace(/[&<>"]/g, (c) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[c]);
 
-/** How each says a mark: [before, after], or what stands at a place; null: it cannot. */
+/** The form of a mark in each markup: [before, after], or the text at a position; null: it has none. */
 const dialects = {
   apml: {
     open: (lang) => `<apml xml:lang="${escaped(lang)}"><performative type="inform">`,
@@ -94,7 +94,7 @@ const ATTRIBUTES = /(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*/.source;
 const TOKEN = new RegExp(String.raw`(<\?[^]*?\?>|<!--[^]*?-->|<![^>]*>)|<(\/?)([\w:.-]+)(${ATTRIBUTES})\s*(\/?)>|([^<]+|<)`, 'g');
 const ATTRIBUTE = /([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g;
 
-/** What an element asks for, in any of the three; null: nothing that the editor knows. */
+/** Reads an element of any of the three markups as a mark; null: unknown to the editor. */
 function asked(name, attributes) {
   const { level = 'moderate' } = attributes;
   const gesture = attributes.name ?? '';

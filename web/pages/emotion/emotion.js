@@ -16,7 +16,7 @@ const [choice, slider, markup] = ['affect', 'intensity', 'markup'].map($);
 const frame = new Frame(words);
 const { head } = frame;
 const say = (name, values) => frame.say(name, values);
-let ready = false; // the head, to be told
+let ready = false; // whether the head takes messages
 let offered = FIRST;
 let faps = []; // what they are
 
@@ -130,7 +130,7 @@ frame.onTranslate(() => {
   update({ tell: false });
 });
 
-// Who asks for less motion sees the emotions, which are what this page is for, without the signs of life.
+// With reduced motion the emotions, which are the subject of this page, are shown without signs of life.
 if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
   head.setAttribute('still', 'off');
   head.setAttribute('life', '0');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fields for attributes and custom properties, made of what custom-elements.json says of them.
 
-/** What the types do not say: the bounds of numbers and lengths, what a colour begins with. */
+/** Details that the types lack: bounds of numbers and lengths, initial colours. */
 export const RANGES = {
   rate: { min: 60, max: 400, step: 10 },
   life: { min: 0, max: 2, step: 0.1 },
@@ -28,7 +28,7 @@ export function controlOf({ name, type }) {
   return choices.length ? { kind: 'select', choices } : { kind: 'text' };
 }
 
-/** What the element has: of an attribute its text, of a custom property its value; null: nothing. */
+/** Returns the text of an attribute, or the value of a custom property; null: not set. */
 export const valueOf = (head, name) => (name.startsWith('--') ? head.style.getPropertyValue(name).trim() || null : head.getAttribute(name));
 
 export function setValue(head, name, value) {
@@ -53,7 +53,7 @@ function input(head, { fieldName }, { kind, choices, unit = '', ...range }) {
   return field;
 }
 
-/** What the field has, for the element. */
+/** Reads a field as a value for the element. */
 function read(field, name) {
   if (field.type === 'checkbox') return field.checked === (field.dataset.without === 'true') ? null : field.checked ? 'on' : 'off';
   if (field.type === 'range') return field.value + field.dataset.unit;

@@ -19,7 +19,7 @@ const log = new EventLog($('log'));
 const ALWAYS = ['error', 'warning'];
 let story, head, fields, watcher;
 
-/** The attributes of the element as it is now, in the order of the manifest. The page's own token is nobody's. */
+/** Returns the current attributes of the element in the order of the manifest, without the page's own token. */
 function given() {
   const told = [['src', `${server.replace(/^http/, 'ws')}/v1/stream`]];
   for (const { name } of about.attributes)
@@ -46,7 +46,7 @@ const made = (tag, attributes, text = '') => {
 
 const suggestions = { poster: ['off'] };
 
-/** What the server offers, once it has said so. */
+/** Takes the offers of the server from its `hello`. */
 function learn({ detail: { languages = [], models = [], expressions = [] } }) {
   suggestions.lang = languages.map(({ tag }) => tag);
   suggestions.model = models.map(({ name }) => name);
@@ -101,7 +101,7 @@ function begin(next) {
   }));
   $('actions').hidden = !$('actions').childElementCount;
   makeFields();
-  // whoever changes it: a field, a button of the example, one of the element's own
+  // a field, a button of the example, or one of the element's own buttons may change it
   watcher = new MutationObserver(() => {
     fields.refresh();
     write();

@@ -3,7 +3,7 @@
 
 const MOST = 100;
 
-/** What an event says, in a line: no samples, no frames, no long texts. */
+/** Describes an event in a line, without samples, frames and long texts. */
 export function inAWord(detail) {
   return JSON.stringify(detail, (key, value) => {
     if (ArrayBuffer.isView(value)) return `${value.length} values`;

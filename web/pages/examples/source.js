@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An example as it is written in a page, and in React, Vue and Svelte. No page needed: tests/web compiles all of them.
+// Writes an example as HTML, React, Vue and Svelte source. It needs no page: tests compile all of them.
 
 export const KINDS = { html: 'HTML', react: 'React', vue: 'Vue', svelte: 'Svelte' };
 
@@ -16,7 +16,7 @@ function attributes(given, kind) {
 
 const element = ([name, given, text], kind) => `<${name}${attributes(given, kind)}>${escape(text)}</${name}>`;
 
-/** What a button does, as it stands in the script of the examples. */
+/** Indents the source of a button's function. */
 const indented = (line, i) => (i ? line.replace(/^ {6}/, '  ') : line);
 const code = (act) => act.toString().split('\n').map(indented).join('\n');
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The examples of the element: what each shows, and what its buttons do. What a button does is shown as it stands here, so each
-// function says all of it. No page needed: tests/web reads this.
+// The examples of the element, with the functions of their buttons. The page shows the source of these functions, so each one
+// is complete in itself. It needs no page: tests read it.
 
 /**
  * @typedef {object} Story
@@ -125,7 +125,7 @@ const speechStories = [
   },
 ];
 
-// Examples of how the element looks: the face, its mood and pose, other faces, its parts, the captions.
+// The look of the element: the face, its mood and pose, other faces, its parts, the captions.
 
 const face = 'The face';
 const looks = 'Looks';

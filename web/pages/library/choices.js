@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How it is read and how it looks: voice, speed, sleep, the mouth alone, her face, size and contrast of the text.
+// The reader's choices: voice, speed, sleep timer, mouth only, the face, size and contrast of the text.
 import { applyLooks, keepLooks, keptLooks } from './looks.js';
 import { voicesOf } from '../shared/voice-choice.js';
 
@@ -62,7 +62,7 @@ export class Choices {
     this.#setSpeed();
   }
 
-  /** A voice is so much faster or slower than it speaks by itself, a recording than it was read. */
+  /** Sets the speed, relative to the usual rate of a voice or of a recording. */
   #setSpeed() {
     const speed = Number($('speed').value);
     const { value } = $('voice');

@@ -7,9 +7,9 @@ const WRITES = 'input:not([type="checkbox"], [type="range"]), textarea, select';
 const PRESSES = 'button, a, summary, [tabindex="0"]';
 
 /**
- * @param {HTMLInputElement} on @param {HTMLElement} list where they are told
+ * @param {HTMLInputElement} on @param {HTMLElement} list that shows the keys
  * @param {{key: string, shown?: string, word: string, act: () => void}[]} keys
- * @returns {(say: (name: string) => string) => void} tells them in the page's language
+ * @returns {(say: (name: string) => string) => void} shows the keys in the page's language
  */
 export function openKeys(on, list, keys) {
   on.checked = forGood.get(KEY) !== 'off';

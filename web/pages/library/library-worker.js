@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeps the library's page, what was read of it, and the speech that the reader wants kept, for when there is no network.
+// The service worker of the library: caches its page, the texts that were read, and speech saved by the user, for use offline.
 const PAGE = 'faccia-page';
 const WORKS = 'faccia-works';
 const SPEECH = 'faccia-speech';
@@ -16,7 +16,7 @@ self.addEventListener('install', (event) => {
 
 self.addEventListener('activate', (event) => event.waitUntil(self.clients.claim()));
 
-/** Where an answer is kept; null: nowhere. */
+/** Returns the name of the cache for a request; null: not cached. */
 function placeOf({ pathname, searchParams }) {
   const path = pathname.slice(new URL(self.registration.scope).pathname.length);
   if (path.startsWith('v1/library') && !path.endsWith('/search')) return WORKS;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of the library is kept on this device, and speech without a network: sound files with the times of their words.
+// Works saved on this device, and speech without a network: sound files with the times of their words.
 import { rangeIn } from './text.js';
 
 const SPEECH = 'faccia-speech';
@@ -17,7 +17,7 @@ export async function startWorker() {
     await navigator.serviceWorker.register(trusted?.createScriptURL('') ?? WORKER);
     return true;
   } catch {
-    return false; // the page is not secure, or the reader does not want it
+    return false; // the page is not secure, or the user forbids it
   }
 }
 

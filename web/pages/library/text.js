@@ -7,7 +7,7 @@ const make = (name, properties = {}, ...children) => {
   return element;
 };
 
-/** What stands in the text and is not said. */
+/** Whether an element of the text is not spoken. */
 const unread = (element) => {
   element.setAttribute('data-unread', '');
   return element;
@@ -130,7 +130,7 @@ export function marked(text, marks) {
 const said = (node) =>
   node.nodeType === 1 && node.matches('[data-unread], [role="doc-noteref"]') ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT;
 
-/** Where characters of a passage's text are. @param {HTMLElement} passage @param {number} start @param {number} end */
+/** Makes the DOM range of characters of a passage. @param {HTMLElement} passage @param {number} start @param {number} end */
 export function rangeIn(passage, start, end) {
   const walker = document.createTreeWalker(passage, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT, said);
   const range = document.createRange();

@@ -6,7 +6,7 @@ const MOST = 100000; // a day of work
 
 export class Log {
   #entries = [];
-  #listeners = new WeakSet(); // those that tell something of the listener
+  #listeners = new WeakSet(); // entries about a listener
   silent = false; // of the listener nothing is written down
 
   /** @param {HTMLElement} list newest last @param {(what: string) => string} say its words */
@@ -16,7 +16,7 @@ export class Log {
 
   /**
    * @param {string} what happened, one word @param {string} [text]
-   * @param {object} [more] for the file alone; listener: it tells something of whoever listens
+   * @param {object} [more] for the file alone; listener: the entry is about a listener
    */
   add(what, text = '', { listener = false, ...more } = {}) {
     const entry = { time: new Date().toISOString(), what, text, ...more };

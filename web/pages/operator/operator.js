@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The desk of somebody who speaks through the face of a room: prepared lines, free text, answers, moods, and a log of it all.
+// The page of an operator who speaks through the face of a room: prepared lines, free text, answers, moods, and a log.
 import { DocumentStore } from '../shared/document-store.js';
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
@@ -35,7 +35,7 @@ const turn = new Map(); // which variant of a line comes next, by its id
 let scene = { title: '', lines: [] };
 let expected = null; // the line that is likely next
 let offered = null; // the choices of a line: {id, choices}
-let last = null; // what was said last: {text, options}
+let last = null; // the last text spoken: {text, options}
 let count = 0;
 let me = new URLSearchParams(location.search).get('name')?.slice(0, 16) || `desk-${Math.random().toString(36).slice(2, 6)}`;
 let stopping = false; // at this desk: the end that follows tells nothing of the listener
@@ -136,7 +136,7 @@ async function showStored() {
   $('kept').replaceChildren(...(scenes ?? []).map(({ name }) => new Option(name)));
 }
 
-/** The scene to begin with: the one that was here last, or an example in the reader's language. */
+/** Loads the first scene: the last one used here, or an example in the user's language. */
 function firstScene() {
   try {
     scene = readScene(JSON.parse(forGood.get(KEY)));

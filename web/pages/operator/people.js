@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which rooms there are, who listens in this one, and who else is at a desk of it.
+// Lists the rooms, the listeners in this one, and its other operators.
 const LOOK_MS = 3000;
 
 export class People {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the operator means to say next: it waits here, where it can still be changed, until she has finished.
+// The operator's queue: texts that can still be changed while the head speaks.
 
 export class Waiting {
   #items = []; // {text, options}

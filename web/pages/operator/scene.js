@@ -90,7 +90,7 @@ export const writeCsv = ({ lines }) => writeTable([COLUMNS, ...lines.map((line) 
   line.choices.map(({ text, next }) => (next === undefined ? text : `${text} > ${next}`)).join(' | '), line.next ?? '',
 ])]);
 
-/** @param {string} text of a table whose first row names its columns; `text` is the only one that must be there */
+/** @param {string} text of a table whose first row names its columns; `text` is required */
 export function readCsv(text) {
   const [head = [], ...rows] = readTable(text);
   const column = Object.fromEntries(head.map((name, i) => [name.trim().toLowerCase(), i]));

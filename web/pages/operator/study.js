@@ -3,7 +3,7 @@
 
 export class Study {
   #consent = 'none';
-  #asked = null; // in which words this desk has asked; null: it has not
+  #asked = null; // the question that this operator asked; null: none
 
   /**
    * @param {{text: HTMLTextAreaElement, ask: HTMLElement, end: HTMLElement, shown: HTMLElement}} parts

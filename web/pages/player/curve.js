@@ -61,7 +61,7 @@ export function spline(x, y) {
   return out;
 }
 
-/** A moving average of so many frames on either side. @returns {number[]} */
+/** Computes a moving average over `reach` frames on either side. @returns {number[]} */
 export function smooth(values, reach = 2) {
   return values.map((_, k) => {
     const near = values.slice(Math.max(0, k - reach), k + reach + 1);
@@ -86,7 +86,7 @@ const SIDES = { l: 'r', r: 'l', lm: 'rm', rm: 'lm' };
 /** The name of a FAP on the other side of the face; its own when it has no side. @param {string} name */
 export const mirrored = (name) => name.split('_').map((part) => SIDES[part] ?? part).join('_');
 
-/** What was changed, to be taken back and done again. */
+/** Changes that can be undone and redone. */
 export class History {
   #done = [];
   #undone = [];

@@ -73,7 +73,7 @@ async function speak() {
   await open({ bytes, name, audio: wholeWav(heard), times: json });
 }
 
-/** What the stream has just spoken, on the page that led here. */
+/** Opens the last utterance of the page that led here. */
 async function openLast() {
   const last = await lastTake();
   if (!last) return frame.tell('nothingSpoken');
@@ -206,7 +206,7 @@ function change(n, after) {
   put(changes);
 }
 
-/** The curve through its keys, round a place; elsewhere it stays as it is. */
+/** Interpolates the curve through its keys near one of them; the rest is unchanged. */
 function through(places, values, k) {
   const at = places.indexOf(k);
   const near = places.slice(Math.max(0, at - 2), at + 3);

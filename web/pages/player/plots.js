@@ -9,7 +9,7 @@ const NEAR = 12; // pixels to a key
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** What all plots share. */
+/** Makes the options that all plots share. */
 const options = (width, height, hooks, series, y) => ({
   width,
   height,
@@ -25,7 +25,7 @@ const options = (width, height, hooks, series, y) => ({
   hooks,
 });
 
-/** Highest and lowest samples of so many columns. */
+/** Returns the highest and lowest sample of each column. */
 function peaks(samples, rate) {
   const step = Math.max(1, Math.ceil(samples.length / PEAKS));
   const [x, high, low] = [[], [], []];
@@ -74,8 +74,8 @@ export class Plots {
 
   /**
    * @param {HTMLElement} box
-   * @param {object} ports seek(seconds); key(frame, value, from): a key is to be put there (from: the one that is moved);
-   *   drop(frame): a key is to go
+   * @param {object} ports seek(seconds); key(frame, value, from): puts a key there (from: the one moved);
+   *   drop(frame): deletes a key
    */
   constructor(box, ports) {
     Object.assign(this, { box, ports, take: null, shown: [], edited: 0, keys: [], time: 0 });
@@ -119,7 +119,7 @@ export class Plots {
   }
 
   /**
-   * @param {{number: number, name: string, values: number[]}[]} curves @param {number} edited the one that has keys
+   * @param {{number: number, name: string, values: number[]}[]} curves @param {number} edited number of the curve with keys
    * @param {number} fps @param {number[]} keys frames
    */
   show(curves, edited, fps, keys) {
@@ -144,7 +144,7 @@ export class Plots {
     this.#editable(this.#curves.plot);
   }
 
-  /** Where it is heard and seen. */
+  /** Moves the cursor. */
   at(seconds) {
     this.time = seconds;
     for (const plot of this.#plots) plot.redraw(false);

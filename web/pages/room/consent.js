@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Somebody would like to write down what happens here: whoever is in the room says whether they may, and can change their mind.
-const TOLD_MS = 8000; // so long it can be read that nothing is written down
+// Asks the people in the room for their consent to be recorded by a study. They can change their mind.
+const TOLD_MS = 8000; // how long the note is shown that nothing is recorded
 
 export class Consent {
   asked = false; // and not answered yet
 
   /**
    * @param {HTMLElement} head @param {(name: string) => string} say words
-   * @param {object} ports changed(): it is asked, or not any more; news(text, milliseconds): shown for so long
+   * @param {object} ports changed(): the question was asked or withdrawn; news(text, milliseconds): shows a note
    */
   constructor(head, say, ports) {
     Object.assign(this, { head, say, ports });
@@ -23,7 +23,7 @@ export class Consent {
     return this.asked;
   }
 
-  /** The link is gone: what holds will be told anew. */
+  /** Forgets the state on a lost connection: the server sends it again. */
   lost() {
     this.asked = false;
     this.noted.hidden = true;

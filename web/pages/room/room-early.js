@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the browser is too old for the page it says so, in place of a screen that stays dark. Any browser can read this.
+// Shows a message in a browser that is too old for the page, instead of a dark screen. Written for any browser (ECMAScript 5).
 (function (old) {
   if (!old) return;
   document.querySelector('#sign .text').textContent = {

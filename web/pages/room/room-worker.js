@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The page of a room without its network. It is always fetched; only when nobody answers it comes from what was kept. All of
-// one version lies in a cache of its own, kept whole when this file, and so the version in it, has changed: versions are never
-// mixed.
+// The service worker of a room's page. It fetches the page, and answers from its cache only when the network fails. Each
+// version has a cache of its own, filled when this file (which contains the version) changes: versions are never mixed.
 const SHELL = 'faccia-room-';
 const VERSION = '@version@'; // build.mjs puts it here, and the page's files
 const FILES = ['@files@'];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A face for a room: it says what is said there, shows what it is doing, offers answers, sleeps at night.
+// The face of a room: speaks, shows its state, offers answers, sleeps at night.
 import { Access } from '../shared/access.js';
 import { pageLanguage } from '../shared/languages.js';
 import { errors, room as words, shared } from '../texts/texts.js';
@@ -22,10 +22,10 @@ async function keepShell() {
   }
 }
 
-const AWAKE_MS = 60000; // so long it stays awake at night after the last that happened
-const ANSWERED_MS = 6000; // so long the answer can be read
-const INSECURE_MS = 20000; // so long it can be read what the page lacks
-const TROUBLE_MS = 20000; // so long what went wrong can be read; that there is no link, as long as there is none
+const AWAKE_MS = 60000; // how long it stays awake at night after the last event
+const ANSWERED_MS = 6000; // how long the answer is shown
+const INSECURE_MS = 20000; // how long the note on HTTPS is shown
+const TROUBLE_MS = 20000; // how long an error is shown; a lost connection is shown until it is back
 const SHIFT_MS = 60000; // the picture is moved a little, so that it does not burn in
 const SHIFTS = [[0, 0], [6, 2], [4, -5], [-3, -6], [-6, 3]];
 const $ = (id) => document.getElementById(id);
@@ -42,7 +42,7 @@ const consent = new Consent(head, say, {
   },
 });
 let awakeUntil = 0;
-let trouble = ''; // what was told while there was no link
+let trouble = ''; // message during a lost connection
 let lock = null;
 
 function showState() {

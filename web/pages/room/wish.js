@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the address of a room's page asks for.
+// Reads the options in the address of a room's page.
 
 /** @param {string} text "22-7", "22:30-6:45" @returns {[number, number]|null} minutes of the day, from and until */
 export function readHours(text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How captions look: chosen by the reader, kept for all visits.
+// The look of captions: chosen by the user, kept for all visits.
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.captions';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What all pages share: words in the reader's language, the connection's state, the token, errors, captions.
+// The frame of the pages: texts in the user's language, the state of the connection, the token, errors, captions.
 import { Access } from './access.js';
 import { openCaptionChoice } from './caption-choice.js';
 import { fill, ownName, pageLanguage } from './languages.js';
@@ -35,7 +35,7 @@ export class Frame {
     this.#follow();
   }
 
-  /** @param {string} name of what is to be said @param {object} [values] of what stands in braces there */
+  /** Returns a text in the page's language. @param {string} name @param {object} [values] for the names in braces */
   say(name, values = {}) {
     const text = this.words[this.lang][name] ?? shared[this.lang][name];
     return text.replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Languages: which one a page is in, which one is spoken first, what they are called. No page needed: tests/web reads this.
 
-/** Those with lips of their own, in the order in which they are listed. */
+/** Languages with lip movements of their own, in the order of the list. */
 export const FIRST = ['it', 'pt-BR', 'tr', 'en'];
 
 export const primary = (tag) => tag.split('-')[0].toLowerCase();
 
 /**
- * The language of a page's words. @param {readonly string[]} wanted the browser's, best first
- * @param {string[]} known the languages that there are words in @returns {string}
+ * Chooses the language of a page's texts. @param {readonly string[]} wanted the browser's, best first
+ * @param {string[]} known languages of the texts @returns {string}
  */
 export function pageLanguage(wanted, known) {
   return wanted.map(primary).find((tag) => known.includes(tag)) ?? 'en';
 }
 
 /**
- * The language to speak first: the first wanted one that is on offer, without its last parts if need be.
+ * Chooses the language to speak first: the first wanted one that is offered, if need be without its last subtags.
  * @param {readonly string[]} wanted the browser's, best first @param {string[]} offered tags
- * @param {string} [usual] when there is none
+ * @param {string} [usual] default
  */
 export function spokenLanguage(wanted, offered, usual = FIRST[0]) {
   const same = (a, b) => a.toLowerCase() === b.toLowerCase();
@@ -48,7 +48,7 @@ export function ownName(tag, page = 'en') {
   return tag;
 }
 
-/** The languages as they are to be listed. @returns {{first: {tag, name}[], others: {tag, name}[]}} the others by name */
+/** Sorts the languages for a list. @returns {{first: {tag, name}[], others: {tag, name}[]}} the others by name */
 export function listed(tags, page = 'en') {
   const all = [...new Set(tags)].map((tag) => ({ tag, name: ownName(tag, page) }));
   const place = ({ tag }) => FIRST.findIndex((other) => other === tag || (!tags.includes(other) && primary(other) === tag));

@@ -6,7 +6,7 @@
 
 const TURN = 2 * Math.PI;
 const turn = (angle) => ((angle % TURN) + TURN) % TURN;
-const LEAST = 0.005; // an intensity below is none
+const LEAST = 0.005; // smallest intensity that counts
 
 /**
  * Lays the affects out. Their true angle is that of (evaluation, activation), but some basic emotions nearly share it:
@@ -51,7 +51,8 @@ export function spread(placed, distance) {
 }
 
 /**
- * What a point means: its direction the two basic emotions on both sides, its distance from the middle how strong.
+ * Converts a point to a mixture: its direction gives the two basic emotions beside it, its distance from the middle how strong
+ * they are.
  * @param {{x: number, y: number}} point in the circle of radius 1
  * @param {ReturnType<typeof layOut>} placed
  * @returns {Mix} the stronger one first; empty = neutral
@@ -76,8 +77,8 @@ export function mixAt({ x, y }, placed) {
 }
 
 /**
- * Where a mixture lies: between the directions of its parts as mixAt has them, as far out as they are strong together.
- * One that is not basic lies in its own direction.
+ * Converts a mixture to a point, as the inverse of mixAt; its distance is the sum of the strengths. An emotion that is not
+ * basic lies in its own direction.
  * @param {Mix} mix @param {ReturnType<typeof layOut>} placed
  * @returns {{x: number, y: number, affect: string|null}}
  */
@@ -134,12 +135,12 @@ const svg = (name, attributes = {}) => {
 
 export class MoodDisc {
   #placed = []; // the affects on the disc
-  #now = { x: 0, y: 0, affect: null }; // the point; affect: that one alone, not what the direction says
+  #now = { x: 0, y: 0, affect: null }; // the point; affect: chosen alone, independent of the direction
 
   /**
    * @param {SVGElement} disc with groups #spokes and #affects, and the point, #thumb
-   * @param {object} ports called(name): an affect in the reader's language; described(mix): a mixture; moved(): by whoever
-   *   reads the page
+   * @param {object} ports called(name): an affect in the user's language; described(mix): a mixture; moved(): the user
+   *   moved the point
    */
   constructor(disc, ports) {
     Object.assign(this, { disc, ports });
@@ -159,7 +160,7 @@ export class MoodDisc {
     return this.#placed.map(({ name }) => name);
   }
 
-  /** The one that is chosen alone, or null. */
+  /** The affect that is chosen alone, or null. */
   get affect() {
     return this.#now.affect;
   }

@@ -6,7 +6,8 @@ const OF_THE_LINK = ['connection-lost', 'no-connection', 'too-many-connections',
   'server-busy', 'wrong-address', 'forbidden-origin'];
 
 /**
- * Where an error is, in words. @param {object} error @param {(name: string, values: object) => string} say @returns {string}
+ * Describes the place of an error.
+ * @param {object} error @param {(name: string, values: object) => string} say @returns {string}
  */
 export function placeOf({ line, column, byte, field }, say) {
   if (line !== undefined) return say('atLine', { line, column });
@@ -59,7 +60,7 @@ export class Problem {
     this.box.replaceChildren();
   }
 
-  /** There is a connection again: what was said of its loss is no longer so. */
+  /** Hides the message on a lost connection. */
   linked() {
     if (OF_THE_LINK.includes(this.error?.code)) this.clear();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the browser keeps for a page. Where it keeps nothing (a setting of the user), a page works all the same.
+// Local and session storage. A page also works in a browser whose user has switched them off.
 
 const attempt = (act) => {
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a head has just spoken, as it came from the server: kept while it is heard, and handed on to the Face Player.
+// Records the last utterance of a head, as received from the server, and passes it to the Face Player.
 
 const SECONDS_MAX = 300; // of one utterance, from its beginning; 48 kHz: 29 MB
 const OPEN_MAX = 8; // utterances on their way

@@ -3,7 +3,7 @@
 import { primary } from './languages.js';
 
 /**
- * The voices for a language: those of just that one first, then those of its other varieties.
+ * Lists the voices for a language: those of the exact tag first, then those of its other varieties.
  * @param {{id: string, name: string, lang: string}[]} voices @param {string} tag @returns {{lang: string, voices: object[]}[]}
  */
 export function voicesOf(voices, tag) {

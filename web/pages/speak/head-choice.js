@@ -35,7 +35,7 @@ function item({ name, title, about, poster }, chosen, choose) {
 }
 
 /**
- * Fills the choice; with one head there is none.
+ * Fills the choice of heads; hides it when there is only one.
  * @param {HTMLElement} box @param {object[]} models of `hello` @param {string|null} chosen
  * @param {(name: string) => void} choose
  */

@@ -20,13 +20,13 @@ const say = (name, values) => frame.say(name, values);
 const wanted = wish.lang ? [wish.lang, ...navigator.languages] : navigator.languages; // languages
 let offered = FIRST;
 let voices = [];
-let last = null; // what was asked for last: {text, options}
+let last = null; // last request: {text, options}
 let waiting = 0; // what we have asked for and has not ended
 let heard = null; // the number of the utterance that is heard
 let paused = false;
 let transcript = null;
 
-// What can be chosen
+// Choices
 
 function offer(tags, usual) {
   const chosen = lang.value && lang.dataset.chosen ? lang.value : spokenLanguage(wanted, tags, usual);
@@ -127,7 +127,7 @@ document.addEventListener('keydown', (event) => {
   if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
 });
 
-// What the head tells
+// Events of the head
 
 head.addEventListener('hello', ({ detail }) => {
   const kept = keptHead(detail.models);
@@ -166,7 +166,7 @@ head.addEventListener('connection', ({ detail }) => {
   showButtons();
 });
 
-// What was spoken, in the Face Player
+// Link to the Face Player with the last utterance
 
 const recorder = new Recorder(head, () => ($('to-player').hidden = false));
 $('to-player').addEventListener('click', async (event) => {

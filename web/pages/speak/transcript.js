@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All that was said, as it is heard, sentence by sentence, with the word that is heard now marked.
+// The transcript: sentences as they are heard, with the current word marked.
 
 /**
  * @typedef {{start: number, plain: object, text: string, lang: string, voice: string, parts: Text[],
@@ -36,7 +36,7 @@ export class Transcript {
     return `said-${++this.#count}`;
   }
 
-  /** @returns {string} an id for a `speak` that says once more what that one said */
+  /** @returns {string} an id for a `speak` that repeats an earlier one */
   repeatId(id) {
     const again = this.newId();
     if (this.#targets.has(id)) this.#targets.set(again, this.#targets.get(id));

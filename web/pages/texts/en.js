@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The texts of the pages in English: one object for each page. What stands in braces is filled in.
+// The texts of the pages in English: one object for each page. Names in braces are replaced by values.
 
-/** What several pages say. */
+/** Texts that several pages share. */
 export const shared = {
   skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices', avatarPage: 'Your face',
   libraryPage: 'Library', playerPage: 'Face Player', operatorPage: 'Operator', examplesPage: 'Examples', docsPage: 'Documentation',

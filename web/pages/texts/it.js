@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The texts of the pages in Italian: one object for each page. What stands in braces is filled in.
+// The texts of the pages in Italian: one object for each page. Names in braces are replaced by values.
 
-/** What several pages say. */
+/** Texts that several pages share. */
 export const shared = {
   skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci', avatarPage: 'Il tuo viso',
   libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', examplesPage: 'Esempi', docsPage: 'Documentazione',

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The texts of the pages in Brazilian Portuguese: one object for each page. What stands in braces is filled in.
+// The texts of the pages in Brazilian Portuguese: one object for each page. Names in braces are replaced by values.
 
-/** What several pages say. */
+/** Texts that several pages share. */
 export const shared = {
   skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
   libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', examplesPage: 'Exemplos', docsPage: 'Documentação',

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The texts of each page by language. The bundler keeps those that a page imports.
+// Texts of each page by language. The bundler keeps those that a page imports.
 import * as it from './it.js';
 import * as pt from './pt.js';
 import * as tr from './tr.js';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The texts of the pages in Turkish: one object for each page. What stands in braces is filled in.
+// The texts of the pages in Turkish: one object for each page. Names in braces are replaced by values.
 
-/** What several pages say. */
+/** Texts that several pages share. */
 export const shared = {
   skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
   libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', examplesPage: 'Örnekler', docsPage: 'Belgeler',
