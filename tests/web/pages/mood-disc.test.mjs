@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
 import { layOut, markupOf, mixAt, pointOf, spread } from '../../../web/pages/shared/mood-disc.js';
-import { emotion as words } from '../../../web/pages/texts/texts.js';
+import { emotion as words } from '../../../web/pages/texts/index.js';
 
 const affect = (name, activation, evaluation, basic = true) => ({ name, activation, evaluation, basic });
 const affects = [

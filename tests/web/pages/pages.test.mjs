@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import * as texts from '../../../web/pages/texts/texts.js';
+import * as texts from '../../../web/pages/texts/index.js';
 import { makeLink, readLink } from '../../../web/pages/speak/link.js';
 import { placeIn, placeOf } from '../../../web/pages/shared/problem.js';
 import { isWithin, readHours, readWish } from '../../../web/pages/room/wish.js';

@@ -2,7 +2,7 @@
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
 import { Frame } from '../shared/frame.js';
 import { fill, primary, spokenLanguage } from '../shared/languages.js';
-import { avatar as words } from '../texts/texts.js';
+import { avatar as words } from '../texts/index.js';
 import { PictureBox } from './picture.js';
 import { Poses } from './poses.js';
 import { ProfileBox } from './profile.js';

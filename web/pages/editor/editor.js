@@ -2,7 +2,7 @@
 // The markup editor: words are selected, what holds for them is chosen and heard; APML, JSML and SSML come out.
 import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from './marks.js';
 import { read, write } from './markup.js';
-import { editor as words } from '../texts/texts.js';
+import { editor as words } from '../texts/index.js';
 import { Frame } from '../shared/frame.js';
 import { DocumentStore } from '../shared/document-store.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { copy } from '../shared/copy.js';
 import { markupOf, MoodDisc } from '../shared/mood-disc.js';
-import { emotion as words } from '../texts/texts.js';
+import { emotion as words } from '../texts/index.js';
 import { Frame } from '../shared/frame.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
 

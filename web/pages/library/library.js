@@ -11,7 +11,7 @@ import { canKeep, forget, keep, kept, KeptSpeech, startWorker } from './offline.
 import { Recording } from './recording.js';
 import { Search } from './search.js';
 import { showText } from './text.js';
-import { library as words } from '../texts/texts.js';
+import { library as words } from '../texts/index.js';
 
 const $ = (id) => document.getElementById(id);
 

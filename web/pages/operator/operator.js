@@ -4,7 +4,7 @@ import { DocumentStore } from '../shared/document-store.js';
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
 import { forGood } from '../shared/storage.js';
-import { emotion, operator as words } from '../texts/texts.js';
+import { emotion, operator as words } from '../texts/index.js';
 import { Log } from './log.js';
 import { RoomMood } from './mood.js';
 import { People } from './people.js';

@@ -8,7 +8,7 @@ import { FapcDecoder, mono } from './player-kit.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
 import { lastTake } from '../shared/take.js';
-import { player as words } from '../texts/texts.js';
+import { player as words } from '../texts/index.js';
 
 const $ = (id) => document.getElementById(id);
 const NEAR = 0.02; // of a curve's span: how near its keys follow it

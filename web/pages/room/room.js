@@ -2,7 +2,7 @@
 // The face of a room: speaks, shows its state, offers answers, sleeps at night.
 import { Access } from '../shared/access.js';
 import { pageLanguage } from '../shared/languages.js';
-import { errors, room as words, shared } from '../texts/texts.js';
+import { errors, room as words, shared } from '../texts/index.js';
 import { Consent } from './consent.js';
 import { isWithin, readWish } from './wish.js';
 

@@ -4,7 +4,7 @@ import { Access } from './access.js';
 import { openCaptionChoice } from './caption-choice.js';
 import { fill, ownName, pageLanguage } from './languages.js';
 import { Problem } from './problem.js';
-import { errors, shared } from '../texts/texts.js';
+import { errors, shared } from '../texts/index.js';
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.language';

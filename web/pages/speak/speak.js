@@ -5,7 +5,7 @@ import { Frame } from '../shared/frame.js';
 import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
 import { makeLink, readLink } from './link.js';
-import { speak as words } from '../texts/texts.js';
+import { speak as words } from '../texts/index.js';
 import { handOn, Recorder } from '../shared/take.js';
 import { Transcript } from './transcript.js';
 import { fillVoices } from '../shared/voice-choice.js';

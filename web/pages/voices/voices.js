@@ -2,7 +2,7 @@
 // All voices of the server on one face: one sentence, spoken by each.
 import { Frame } from '../shared/frame.js';
 import { fill, primary, spokenLanguage } from '../shared/languages.js';
-import { voices as words } from '../texts/texts.js';
+import { voices as words } from '../texts/index.js';
 
 const $ = (id) => document.getElementById(id);
 const [form, text, lang, list] = ['form', 'text', 'lang', 'voices'].map($);
