@@ -320,8 +320,8 @@ KEPT = {
     'protocol/openapi.json': openapi,
     'protocol/asyncapi.json': asyncapi,
     'protocol/messages.md': reference,
-    'web/src/talking-head.d.ts': element_types,
-    'web/src/speak-attributes.mjs': element_attributes,
+    'web/element/talking-head.d.ts': element_types,
+    'web/element/speak-attributes.mjs': element_attributes,
     'web/docs/element/reference.md': element_readme,
     'web/client/python/faccia.py': python_client,
 }

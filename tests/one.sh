@@ -8,7 +8,11 @@ set -u
     exit 2
 }
 root=$(cd "$(dirname "$0")/.." && pwd)
-[ $# -gt 1 ] || set -- "$(basename "$(dirname "$1")")" "$(cd "$(dirname "$1")" && pwd)/$(basename "$1")"
+if [ $# = 1 ]; then
+    set -- "$(cd "$(dirname "$1")" && pwd)/$(basename "$1")"
+    what=${1#"$root/tests/"}
+    set -- "${what%%/*}" "$1"
+fi
 what=$1
 file=$2
 . "$root/tests/environment.sh"

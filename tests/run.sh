@@ -110,20 +110,18 @@ files() {
         printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs" "$root/tests/daemon/memory.test.mjs"
         ;;
     long)
-        grep -l "lib/long.mjs'" "$root"/tests/*/*.test.mjs
+        find "$root/tests" -name node_modules -prune -o -name '*.test.mjs' -exec grep -l "lib/long.mjs'" {} + | sort
         files fuzz
         ;;
     *) find "$root/tests/$1" -name '*.test.mjs' | sort ;;
     esac
 }
 
-# dearest FOLDER FILE...: the lines of standard input, those of these files first, so that none of them is left for the end alone.
+# dearest FILE...: the lines of standard input, those of these files first, so that none of them is left for the end alone.
 dearest() {
-    folder=$1
-    shift
     lines=$(cat)
     {
-        for name in "$@"; do echo "$lines" | grep "/$folder/$name\.test\.mjs$" || true; done
+        for name in "$@"; do echo "$lines" | grep "/$name\.test\.mjs$" || true; done
         echo "$lines"
     } | awk '!seen[$0]++'
 }
@@ -141,26 +139,27 @@ rm -f "$artefacts"/*.count
     for what in "$@"; do
         case $what in
         browser | daemon | packages) ;;
-        models) files models | dearest models import make-set crossing find-points profile | sed 's/^/models /' ;;
+        models) files models | dearest import make-set crossing find-points profile | sed 's/^/models /' ;;
         *) files "$what" | sed "s/^/$what /" ;;
         esac
     done | run 3
     case " $* " in *' daemon '*)
-        files daemon | dearest daemon worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval |
+        files daemon | dearest worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval |
             sed 's/^/daemon /' | run 3
         ;;
     esac
 } &
 case " $* " in *' browser '*)
-    faceless=$(grep -l 'launch({ webgl: false' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
-    files browser | grep -vxF "$faceless" | dearest browser foreign avatar-poses people listen portrait | sed 's/^/browser /' | run 1
-    echo "$faceless" | dearest browser operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
+    faceless=$(files browser | xargs grep -l 'launch({ webgl: false' | xargs grep -L 'launch()')
+    files browser | grep -vxF "$faceless" | dearest foreign avatar-poses people listen portrait | sed 's/^/browser /' | run 1
+    echo "$faceless" | dearest operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
     ;;
 esac
 wait
 # Single files: what draws a face one by one.
 for file in $chosen; do
-    group=$(basename "$(dirname "$file")")
+    group=${file#"$root/tests/"}
+    group=${group%%/*}
     [ "$group" = unit ] && file="$root/build/sanitized/tests/unit/$(basename "$file" .c)"
     echo "$group $file"
 done | sort -u | run $(case $chosen in */browser/*) echo 1 ;; *) echo 2 ;; esac)

@@ -2,7 +2,7 @@
 // Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
-import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
@@ -36,7 +36,7 @@ const note = ({ inputs: found, outputs }) => {
 mkdirSync(out, { recursive: true });
 const result = await build({
   ...common,
-  entryPoints: [path.join(here, 'src/talking-head.mjs')],
+  entryPoints: [path.join(here, 'element/talking-head.mjs')],
   outfile: path.join(out, 'talking-head.js'),
   banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */' },
   metafile: true,
@@ -45,7 +45,7 @@ leaveImports('talking-head.js');
 note(result.metafile);
 const worklet = await build({
   ...common,
-  entryPoints: [path.join(here, 'src/audio/worklet.mjs')],
+  entryPoints: [path.join(here, 'element/audio/worklet.mjs')],
   outfile: path.join(out, 'talking-head-worklet.js'),
   minify: false, // Vite writes a file of less than 4 kB into the script as data:, which a policy of `script-src 'self'` refuses
   banner: { js: '/* faccia, MIT. */' },
@@ -63,7 +63,7 @@ note(fallback.metafile);
 // What turns pictures into heads: a page asks for it when it is given one. The daemon hands a .gz out as it lies there.
 const portrait = await build({
   ...common,
-  entryPoints: [path.join(here, 'src/portrait/page.mjs')],
+  entryPoints: [path.join(here, 'portrait/page.mjs')],
   outfile: path.join(out, 'portrait.js'),
   banner: { js: '/* faccia, MIT. Contains @vladmandic/human, MIT, (c) Vladimir Mandic, with TensorFlow.js, Apache-2.0, (c) Google LLC. */' },
   metafile: true,
@@ -72,7 +72,7 @@ const portrait = await build({
 note(portrait.metafile);
 const poses = await build({
   ...common,
-  entryPoints: [path.join(here, 'src/portrait/actions/worker.mjs')],
+  entryPoints: [path.join(here, 'portrait/actions/worker.mjs')],
   outfile: path.join(out, 'portrait-poses.js'),
   format: 'iife', // a worker of any browser
   banner: { js: '/* faccia, MIT. */' },
@@ -89,7 +89,7 @@ for (const [folder, files] of [['@tensorflow/tfjs-backend-wasm/dist', [wasm]], [
 for (const file of ['portrait.js', wasm]) writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
 const avatar = await build({
   ...common,
-  entryPoints: [path.join(here, 'src/avatar/avatar.mjs')],
+  entryPoints: [path.join(here, 'element/avatar/avatar.mjs')],
   outfile: path.join(out, 'talking-head-avatar.js'),
   banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors; meshoptimizer, MIT, (c) Arseny Kapoulkine. */' },
   metafile: true,
@@ -99,7 +99,7 @@ note(avatar.metafile);
 for (const [name, credit] of [['draco', 'the decoder of Draco'], ['basis', 'the transcoder of Basis Universal']]) {
   const packed = await build({
     ...common,
-    entryPoints: [path.join(here, `src/avatar/packed/${name}.mjs`)],
+    entryPoints: [path.join(here, `element/avatar/packed/${name}.mjs`)],
     outfile: path.join(out, `talking-head-${name}.js`),
     banner: { js: `/* faccia, MIT. Contains ${credit}, Apache-2.0, (c) its authors, as three.js brings it. */` },
     metafile: true,
@@ -113,7 +113,7 @@ const kit = await build({
   ...common,
   stdin: {
     contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
-      export { FapcDecoder } from '../protocol/fapc.mjs'; export { mono } from './src/audio/mixdown.mjs';`,
+      export { FapcDecoder } from '../protocol/fapc.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
     resolveDir: here,
   },
   outfile: path.join(out, 'player-kit.js'),
@@ -122,34 +122,35 @@ const kit = await build({
 });
 note(kit.metafile);
 copyFileSync(path.join(here, 'node_modules/uplot/dist/uPlot.min.css'), path.join(out, 'plot.css'));
-for (const file of readdirSync(path.join(here, 'page'))) {
-  inputs.add(path.join(here, 'page', file));
-  copyFileSync(path.join(here, 'page', file), path.join(out, file));
-}
-// The page of texts is to be readable within a second on a slow phone: one file in place of one after the other, and
-// before it a small one that asks for the text.
-for (const [name, external] of [['library.js', ['./talking-head.js', './library-early.js']], ['library-early.js', ['./library.js']]]) {
-  const reader = await build({
-    ...common,
-    entryPoints: [path.join(here, 'page', name)],
-    outfile: path.join(out, name),
-    external,
-    banner: { js: '/* faccia, MIT. */' },
-    metafile: true,
-  });
-  note(reader.metafile);
-}
-// What the page of a room needs to show itself, for its worker to keep.
-const room = await build({
-  ...common, entryPoints: [path.join(here, 'page/room.js')], write: false, outdir: out, external: ['./talking-head.js'], metafile: true,
+// Each page is one script, whose address is that of the page with .js: a browser fetches it at once, not one module after the
+// other. The library has a second, small one, which asks for the text before the first has come.
+const pages = path.join(here, 'pages');
+const scripts = readdirSync(pages).filter((name) => existsSync(path.join(pages, name, `${name}.js`))).map((name) => `${name}/${name}.js`);
+const bundled = await build({
+  ...common,
+  entryPoints: [...scripts, 'library/library-early.js'].map((file) => path.join(pages, file)),
+  outdir: out,
+  entryNames: '[name]',
+  external: ['talking-head', 'player-kit', 'portrait', 'library', 'library-early'].map((name) => `./${name}.js`),
+  banner: { js: '/* faccia, MIT. */' },
+  metafile: true,
 });
-const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js',
-  ...Object.keys(room.metafile.inputs).map((file) => path.basename(file))];
+note(bundled.metafile);
+// All else is served as it lies in its folder: pages, styles, workers, and scripts that no page imports.
+const served = ['library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
+for (const file of readdirSync(pages, { recursive: true })) {
+  const name = path.basename(file);
+  if (!/\.(html|css|svg|webmanifest)$/.test(name) && !served.includes(name)) continue;
+  inputs.add(path.join(pages, file));
+  copyFileSync(path.join(pages, file), path.join(out, name));
+}
+// The worker of the room's page keeps all that the page needs to show itself.
+const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js'];
 const version = createHash('sha256');
 for (const file of shell) version.update(readFileSync(path.join(out, file)));
 const worker = path.join(out, 'room-worker.js');
 writeFileSync(worker, readFileSync(worker, 'utf8').replace('@version@', version.digest('hex').slice(0, 16)).replace("'@files@'", shell.map((file) => `'${file}'`).join(', ')));
-const types = path.join(here, 'src/talking-head.d.ts');
+const types = path.join(here, 'element/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));
 // what the page of examples makes its fields of

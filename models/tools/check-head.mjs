@@ -5,7 +5,7 @@
  * then it is checked as a face.
  */
 import fs from 'node:fs';
-import { readModel } from '../../web/src/head/model.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 import * as check from './lib/check.mjs';
 import { unpack } from './lib/deform.mjs';
 

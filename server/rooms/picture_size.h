@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the size of a picture from its header, without decoding: a file of 31 kB may decode to gigabytes.
- * web/src/picture-size.mjs does the same for pages. */
+ * web/element/head/model/picture-size.mjs does the same for pages. */
 #ifndef FACCIA_ROOMS_PICTURE_SIZE_H
 #define FACCIA_ROOMS_PICTURE_SIZE_H
 

@@ -55,7 +55,7 @@ async function empty() {
 
 const script = await bundle(`
 import { reference } from '${path.join(root, 'tests/bench/reference-head.mjs')}';
-import { decodeTexture, readModel } from './src/head/model.mjs';
+import { decodeTexture, readModel } from './element/head/model/model.mjs';
 window.begin = async (json) => {
   const head = await reference(document.querySelector('canvas'), readModel(json), decodeTexture);
   window.frames_ = 0;

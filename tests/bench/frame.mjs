@@ -23,11 +23,11 @@ const json = JSON.parse(fs.readFileSync(path.join(models, `${options.model}.json
 const frames = Number(options.frames);
 
 const script = `
-import { View } from './src/head/view.mjs';
-import { Head } from './src/head/head.mjs';
-import { decodeTexture, readModel } from './src/head/model.mjs';
-import { LEVELS } from './src/head/quality.mjs';
-import { setTextureQuality } from './src/head/textures.mjs';
+import { View } from './element/head/view.mjs';
+import { Head } from './element/head/head.mjs';
+import { decodeTexture, readModel } from './element/head/model/model.mjs';
+import { LEVELS } from './element/head/quality.mjs';
+import { setTextureQuality } from './element/head/textures.mjs';
 import { reference } from '${path.join(root, 'tests/bench/reference-head.mjs')}';
 
 const [own, other] = document.querySelectorAll('canvas');

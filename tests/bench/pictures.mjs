@@ -15,8 +15,8 @@ import { parseFap } from '../lib/fapfile.mjs';
 const web = fileURLToPath(new URL('../../web/', import.meta.url));
 const TEXT = 'La mamma abbraccia il papà, e la bimba mangia una pera sotto un pioppo.';
 const script = `
-import { Pictures, PicturesView } from './src/pictures/pictures-view.mjs';
-import { readPictures } from './src/pictures/set.mjs';
+import { Pictures, PicturesView } from './element/pictures/pictures-view.mjs';
+import { readPictures } from './element/pictures/set.mjs';
 window.begin = async (json) => {
   const before = performance.now();
   window.view = new PicturesView(document.querySelector('canvas'));

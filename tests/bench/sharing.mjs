@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
 import { fileURLToPath } from 'node:url';
-import { readModel } from '../../web/src/head/model.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');

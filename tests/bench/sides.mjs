@@ -8,8 +8,8 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { drawHead } from '../../models/tools/lib/portrait.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { textures } from '../../models/tools/portrait/images.mjs';
-import { align } from '../../web/src/portrait/align.mjs';
-import { makeHead } from '../../web/src/portrait/portrait.mjs';
+import { align } from '../../web/portrait/align.mjs';
+import { makeHead } from '../../web/portrait/portrait.mjs';
 import sharp from '../../models/node_modules/sharp/lib/index.js';
 
 const built = fileURLToPath(new URL('../../build/', import.meta.url));

@@ -33,7 +33,7 @@ test('everything lies where Debian expects it', () => {
     ...['faccia-align', 'faccia-reader', 'faccia-voice', 'plugins/espeak.so', 'plugins/command.so', 'plugins/festival.json', 'plugins/wyoming.py'].map((name) => within('libdir', 'faccia', name)),
     ...['boundaries.json', 'expressions.json', 'speech/it.json', 'speech/alphabets/ipa.json', 'speech/letters/tr.json', 'speech/visemes/pt.json', 'normalization/it.json', 'heads/mara.json', 'heads/mara.json.gz', 'heads/mara.glb', 'hear/network.bin', 'stimuli/page.html']
       .map((name) => within('datadir', 'faccia/models', name)),
-    ...['index.html', 'page.js', 'talking-head.js', 'talking-head-worklet.js', 'opus-decoder.js', 'faps.json', 'docs/index.html', 'docs/start/page.html.gz'].map((name) => within('datadir', 'faccia/web', name)),
+    ...['index.html', 'speak.js', 'talking-head.js', 'talking-head-worklet.js', 'opus-decoder.js', 'faps.json', 'docs/index.html', 'docs/start/page.html.gz'].map((name) => within('datadir', 'faccia/web', name)),
     within('includedir', 'faccia-voice.h'),
     within('libdir', 'pkgconfig/faccia-voice.pc'),
     within('datadir', 'doc/faccia/README.md'),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** A head of ours that moves in ways of its own, which none of the tools knows; poses of it; and how far another head's skin goes otherwise. */
 import { pose, unitLength } from '../../models/tools/lib/deform.mjs';
-import { fitShape } from '../../web/src/portrait/fit.mjs';
-import { EYES, LOWER_LIP, UPPER_LIP } from '../../web/src/portrait/landmarks.mjs';
-import { POSES } from '../../web/src/portrait/actions/poses.mjs';
+import { fitShape } from '../../web/portrait/fit.mjs';
+import { EYES, LOWER_LIP, UPPER_LIP } from '../../web/portrait/landmarks.mjs';
+import { POSES } from '../../web/portrait/actions/poses.mjs';
 
 const skinOf = (head) => head.parts.find(({ name }) => name === 'skin');
 

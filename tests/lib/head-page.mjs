@@ -9,10 +9,10 @@ const web = fileURLToPath(new URL('../../web/', import.meta.url));
 
 // Runs in the page. The parts' colours come in `paint`: [name's beginning, red, green, blue], 0 to 255.
 const script = `
-import { View } from './src/head/view.mjs';
-import { Head } from './src/head/head.mjs';
-import { readModel } from './src/head/model.mjs';
-import { LEVELS } from './src/head/quality.mjs';
+import { View } from './element/head/view.mjs';
+import { Head } from './element/head/head.mjs';
+import { readModel } from './element/head/model/model.mjs';
+import { LEVELS } from './element/head/quality.mjs';
 import { Vector3 } from 'three';
 const canvas = document.querySelector('canvas');
 const view = new View(canvas);

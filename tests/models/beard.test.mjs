@@ -8,7 +8,7 @@ import { after, test } from 'node:test';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { textures } from '../../models/tools/portrait/images.mjs';
-import { makeHead } from '../../web/src/portrait/portrait.mjs';
+import { makeHead } from '../../web/portrait/portrait.mjs';
 import { heads } from '../lib/built-heads.mjs';
 import { photograph } from '../lib/drawn-photographs.mjs';
 import { cases } from '../lib/long.mjs';

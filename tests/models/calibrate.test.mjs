@@ -8,9 +8,9 @@ import { packModel } from '../../models/tools/import/pack-model.mjs';
 import * as check from '../../models/tools/lib/check.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
-import { calibrate } from '../../web/src/head/calibrate.mjs';
-import { ModelError } from '../../web/src/head/model-check.mjs';
-import { readModel } from '../../web/src/head/model.mjs';
+import { calibrate } from '../../web/element/head/model/calibrate.mjs';
+import { ModelError } from '../../web/element/head/model/check.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 import { models } from '../lib/built-heads.mjs';
 
 const head = (name) => readModel(JSON.parse(fs.readFileSync(path.join(models, 'heads', `${name}.json`), 'utf8')));

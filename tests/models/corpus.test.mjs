@@ -10,7 +10,7 @@ import { after, test } from 'node:test';
 import { damages, edited } from '../lib/damage.mjs';
 import { build, root } from '../lib/daemon.mjs';
 import { agrees, corpus, json, schema } from '../lib/verdicts.mjs';
-import { readModel } from '../../web/src/head/model.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 
 const facciad = (...args) => spawnSync(path.join(build, 'server/daemon/facciad'), args, { encoding: 'utf8' }).stdout;
 

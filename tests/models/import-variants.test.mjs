@@ -45,7 +45,7 @@ function measure({ position, index }) {
 }
 
 /** Meshes of one name are one. */
-function together(meshes, name) {
+function fetchOnce(meshes, name) {
   const [position, index] = [[], []];
   for (const mesh of meshes.filter((one) => one.name === name)) {
     const from = position.length / 3;
@@ -57,7 +57,7 @@ function together(meshes, name) {
 
 function same(meshes, wanted, what, { triangles = true } = {}) {
   for (const part of wanted) {
-    const [one, other] = [measure(together(meshes, part.name)), measure(part)];
+    const [one, other] = [measure(fetchOnce(meshes, part.name)), measure(part)];
     if (triangles) assert.equal(one.corners, other.corners, `${what}: triangles of ${part.name}`);
     const size = Math.max(...other.extent);
     assert.ok(one.extent.every((x, k) => Math.abs(x - other.extent[k]) < 1e-3 * size), `${what}: ${part.name} extends ${one.extent}, not ${other.extent}`);
@@ -187,7 +187,7 @@ test('VRML97: its many ways', async () => {
   const twice = `${vrmlOf([eye], { wrap: (shape) => `DEF eye_l Transform { children [ DEF S ${shape} ] }` })}\nDEF eye_r Transform { translation -60 0 0 children [ USE S ] }`;
   fs.writeFileSync(at('use.wrz'), zlib.gzipSync(`\uFEFF${twice}`));
   const { meshes } = await readScene(at('use.wrz'));
-  same(meshes, [together([eye, { ...eye, position: eye.position.map((x, i) => (i % 3 ? x : x - 60)) }].map((one) => ({ ...one, name: 'S' })), 'S')].map((one) => ({ ...one, name: 'S' })), 'USE, packed');
+  same(meshes, [fetchOnce([eye, { ...eye, position: eye.position.map((x, i) => (i % 3 ? x : x - 60)) }].map((one) => ({ ...one, name: 'S' })), 'S')].map((one) => ({ ...one, name: 'S' })), 'USE, packed');
   fs.writeFileSync(at('cut.wrz'), zlib.gzipSync(twice).subarray(0, 4000));
   await assert.rejects(readScene(at('cut.wrz')), /cannot be unpacked/);
 });

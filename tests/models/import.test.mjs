@@ -13,7 +13,7 @@ import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { checkEyelids, checkLipsMoveAsOne, checkNeutral } from '../../models/tools/lib/check.mjs';
 import { readScene } from '../../models/tools/import/make-head.mjs';
-import { readModel } from '../../web/src/head/model.mjs';
+import { readModel } from '../../web/element/head/model/model.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
 import { binaryFbx, textFbx } from '../lib/fbx.mjs';

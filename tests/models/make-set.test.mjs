@@ -11,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { inverse, mapped, placed, refined, similarity, evened } from '../../models/tools/pictures/frame.mjs';
 import { nameOf, visemes } from '../../models/tools/pictures/names.mjs';
-import { readPictures } from '../../web/src/pictures/set.mjs';
+import { readPictures } from '../../web/element/pictures/set.mjs';
 import { models as built } from '../lib/built-heads.mjs';
 import { artefacts } from '../lib/daemon.mjs';
 import { further } from '../lib/long.mjs';

@@ -6,9 +6,9 @@ import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import zlib from 'node:zlib';
-import { faceValues } from '../../web/src/face-mixer.mjs';
-import { readPictures } from '../../web/src/pictures/set.mjs';
-import { displacements } from '../../web/src/pictures/space.mjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { readPictures } from '../../web/element/pictures/set.mjs';
+import { displacements } from '../../web/element/pictures/space.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));

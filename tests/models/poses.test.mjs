@@ -12,7 +12,7 @@ import { FAPS } from '../../models/tools/lib/faps.mjs';
 import { pose, unitLength, unpack } from '../../models/tools/lib/deform.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { flat } from '../../models/tools/portrait/images.mjs';
-import { VISEMES_TAKEN, viseme } from '../../web/src/portrait/actions/poses.mjs';
+import { VISEMES_TAKEN, viseme } from '../../web/portrait/actions/poses.mjs';
 import { film, headOf } from '../lib/film.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
 import { violations } from '../lib/schema.mjs';

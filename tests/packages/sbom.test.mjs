@@ -40,8 +40,9 @@ test('so is what is in the scripts: each package that the sources import, in the
     const integrity = Buffer.from(one.hashes[0].content, 'hex').toString('base64');
     assert.equal(locked[`node_modules/${one.name}`].integrity, `sha512-${integrity}`, one.name);
   }
-  const sources = fs.readdirSync(path.join(root, 'web/src'), { recursive: true }).filter((name) => name.endsWith('.mjs'));
-  const text = sources.map((name) => fs.readFileSync(path.join(root, 'web/src', name), 'utf8')).join('\n');
+  const sources = ['web/element', 'web/portrait'].flatMap((folder) =>
+    fs.readdirSync(path.join(root, folder), { recursive: true }).filter((name) => name.endsWith('.mjs')).map((name) => path.join(root, folder, name)));
+  const text = sources.map((file) => fs.readFileSync(file, 'utf8')).join('\n');
   const imported = new Set([...text.matchAll(/(?:from|import\()\s*'((?:@[\w-]+\/)?[a-z][\w.-]*)/g)].map(([, name]) => name).filter((name) => `node_modules/${name}` in locked));
   assert.ok(imported.has('three'));
   for (const name of imported) assert.ok(scripts.some((one) => one.name === name), name);

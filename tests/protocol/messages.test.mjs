@@ -15,8 +15,8 @@ const maker = path.join(root, 'protocol/make-messages.py');
 const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const declared = JSON.parse(read('protocol/messages.json'));
 const { members } = declared.messages.speak;
-const KEPT = ['protocol/schema/client.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/src/talking-head.d.ts',
-  'web/src/speak-attributes.mjs', 'web/docs/element/reference.md', 'web/client/python/faccia.py'];
+const KEPT = ['protocol/schema/client.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/element/talking-head.d.ts',
+  'web/element/speak-attributes.mjs', 'web/docs/element/reference.md', 'web/client/python/faccia.py'];
 
 const folders = [];
 after(() => folders.forEach((folder) => fs.rmSync(folder, { recursive: true })));
@@ -95,11 +95,11 @@ const DAMAGES = [
   ['protocol/asyncapi.json', 'a message that is heard', json((d) => d.operations.hear.messages.shift())],
   ['protocol/messages.md', 'a member', lines(/^\| `contacts` /)],
   ['protocol/messages.md', 'a message', lines(/^## jump$/)],
-  ['web/src/talking-head.d.ts', 'an option of speak', lines(/^ {2}gender\?: /)],
-  ['web/src/talking-head.d.ts', 'an attribute', lines(/^ {2}contacts\?: .* \| null;$/)],
-  ['web/src/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
-  ['web/src/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
-  ['web/src/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
+  ['web/element/talking-head.d.ts', 'an option of speak', lines(/^ {2}gender\?: /)],
+  ['web/element/talking-head.d.ts', 'an attribute', lines(/^ {2}contacts\?: .* \| null;$/)],
+  ['web/element/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
+  ['web/element/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
+  ['web/element/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
   ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization` | defaults for', '`blend`, `normalization` | defaults for')],
   ['web/docs/element/reference.md', 'an option', words('`blend`, `contacts`, `normalize`, `mode`', '`blend`, `normalize`, `mode`')],
   ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],

@@ -2,7 +2,7 @@
 // What a faccia server says, without a face: messages, sound and FAP frames, for Node.js and for browsers.
 import { decodeChunk } from '../../protocol/chunk.mjs';
 import { CompactReader, isCompact } from '../../protocol/compact.mjs';
-import { Connection } from '../src/connection.mjs';
+import { Connection } from '../element/stream/connection.mjs';
 
 /** Messages that end nothing, but concern an utterance by its id or number. */
 const own = (message, utterance) =>

@@ -90,7 +90,7 @@ function moved(file, text) {
     const page = places.get(place);
     const at = places.get(anchor ? `${place}#${anchor}` : place) ?? (page && `${page}${anchor && `#${anchor}`}`);
     if (at) return `[${words}](${at.replace(/(^|\/)index(?=#|$)/, '$1')})`;
-    if (/^web\/page\/.*\.html$/.test(place)) return `<a href="/${path.posix.basename(place).replace(/^index\.html$/, '')}${anchor && `#${anchor}`}" target="_self">${words.replace(/`([^`]*)`/g, '<code>$1</code>')}</a>`;
+    if (/^web\/pages\/.*\.html$/.test(place)) return `<a href="/${path.posix.basename(place).replace(/^index\.html$/, '')}${anchor && `#${anchor}`}" target="_self">${words.replace(/`([^`]*)`/g, '<code>$1</code>')}</a>`;
     return words.includes('`') ? words : `${words} (\`${place}\`)`;
   };
   let fenced = false;
@@ -145,7 +145,7 @@ for (const picture of pictures) {
   inputs.add(path.join(root, picture));
   fs.copyFileSync(path.join(root, picture), path.join(source, 'public/pictures', path.basename(picture)));
 }
-fs.copyFileSync(path.join(root, 'web/page/icon.svg'), path.join(source, 'public/icon.svg'));
+fs.copyFileSync(path.join(root, 'web/pages/shared/icon.svg'), path.join(source, 'public/icon.svg'));
 
 Object.assign(process.env, { FACCIA_DOCS_SOURCE: source, FACCIA_DOCS_OUT: outDir, NODE_ENV: 'production' });
 await build(here);

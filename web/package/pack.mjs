@@ -24,7 +24,7 @@ for (const name of ['talking-head.js', 'talking-head-worklet.js', 'talking-head-
 
 // For pages without modules: one global, and companions found beside the script.
 await build({
-  entryPoints: [path.join(web, 'src/talking-head.mjs')],
+  entryPoints: [path.join(web, 'element/talking-head.mjs')],
   outfile: path.join(dist, 'talking-head.classic.js'),
   bundle: true, minify: true, format: 'iife', globalName: 'faccia', target: 'es2022', legalComments: 'none',
   define: { 'import.meta.url': 'facciaScript' },

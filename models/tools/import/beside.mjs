@@ -2,7 +2,7 @@
 /** The files that a model names: only those in its own folder or below it are read. */
 import fs from 'node:fs';
 import path from 'node:path';
-import { MOST_PIXELS, pictureSize } from '../../../web/src/picture-size.mjs';
+import { MOST_PIXELS, pictureSize } from '../../../web/element/head/model/picture-size.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
 /** @param {string} file the model's @param {string} name as it stands there @param {string} place of that @returns {Buffer} */

@@ -3,7 +3,7 @@
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import human from '../../../web/node_modules/@vladmandic/human/dist/human.node-wasm.js';
-import { detectorSettings, findFace } from '../../../web/src/portrait/detect.mjs';
+import { detectorSettings, findFace } from '../../../web/portrait/detect.mjs';
 
 const pages = new URL('../../../web/', import.meta.url);
 const built = fs.existsSync(new URL('blazeface.json', pages));
@@ -17,7 +17,7 @@ async function fetchFile(address) {
   return new Response(await fs.promises.readFile(fileURLToPath(url)), { headers: { 'content-type': type } });
 }
 
-/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs) */
+/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/portrait/detect.mjs) */
 export async function openEye() {
   globalThis.fetch = fetchFile;
   const one = new human.Human(detectorSettings(folder('@vladmandic/human/models'), folder('@tensorflow/tfjs-backend-wasm/dist')));

@@ -4,9 +4,9 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
-import { calibrate } from '../../../web/src/head/calibrate.mjs';
-import { ModelError } from '../../../web/src/head/model-error.mjs';
-import { readModel } from '../../../web/src/head/model.mjs';
+import { calibrate } from '../../../web/element/head/model/calibrate.mjs';
+import { ModelError } from '../../../web/element/head/model/check.mjs';
+import { readModel } from '../../../web/element/head/model/model.mjs';
 import { unpack } from '../lib/deform.mjs';
 import { FileError } from './file-error.mjs';
 import { findPoints } from './find-points.mjs';

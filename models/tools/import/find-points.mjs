@@ -4,9 +4,9 @@
  * and where they are seen on the surface (or a file tells them to be), the points of a mean face (face-template.json) are laid.
  */
 import fs from 'node:fs';
-import { align } from '../../../web/src/portrait/align.mjs';
-import { STEADY } from '../../../web/src/portrait/landmarks.mjs';
-import { rbf } from '../../../web/src/head/rbf.mjs';
+import { align } from '../../../web/portrait/align.mjs';
+import { STEADY } from '../../../web/portrait/landmarks.mjs';
+import { rbf } from '../../../web/element/head/model/rbf.mjs';
 import { FileError } from './file-error.mjs';
 import { guessParts, splitBalls } from './guess-parts.mjs';
 import { lidMargins, lipLine } from './margins.mjs';

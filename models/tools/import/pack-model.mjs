@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Writing a model as the client has read it (web/src/head/model.mjs) in the format of protocol/head-model.md. */
+/** Writing a model as the client has read it (web/element/head/model/model.mjs) in the format of protocol/head-model.md. */
 import { encode, encodeDeltas, encodePositions, round } from '../lib/codec.mjs';
 
 const place = (p) => [...p].map((x) => round(x, 1e3));
@@ -26,7 +26,7 @@ function packPart(part, turns) {
 
 /**
  * @param {object} about name, title, licence, credits and what else the file says of itself
- * @param {ReturnType<import('../../../web/src/head/model.mjs').readModel>} model
+ * @param {ReturnType<import('../../../web/element/head/model/model.mjs').readModel>} model
  */
 export function packModel(about, model) {
   const { view, turns } = model;

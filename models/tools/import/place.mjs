@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** From the file's units and axes to a head's: mm, x to its left, y up, z forward, the origin between the eyeballs. */
-import { measureUnits } from '../../../web/src/head/calibrate.mjs';
+import { measureUnits } from '../../../web/element/head/model/calibrate.mjs';
 import { FileError } from './file-error.mjs';
 import { ballOf } from './parts.mjs';
 import { placeOf } from './vertex.mjs';

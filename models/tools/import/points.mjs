@@ -3,9 +3,9 @@
  * Feature points for an import. Our JSON: {"frame": "file" | "head", "fdp": {"2.1": [x, y, z] | vertex | {"mesh": name, "vertex": n} |
  * {"landmark": n}}, "landmarks": {"scheme": "mediapipe" | "ibug", "vertices": [...]}, "find": true}, a built head's own file (frame head: mm, the origin between the eyes), or Xface's .fdp (XML) with its weights.
  */
-import { isFeaturePoint } from '../../../web/src/head/calibration-check.mjs';
+import { isFeaturePoint } from '../../../web/element/head/model/check.mjs';
 import { FAPS } from '../lib/faps.mjs';
-import { COUNT } from '../../../web/src/portrait/landmarks.mjs';
+import { COUNT } from '../../../web/portrait/landmarks.mjs';
 import { FileError } from './file-error.mjs';
 import { SCHEMES, landmarksOf } from './told-landmarks.mjs';
 

@@ -6,8 +6,8 @@
 import { isUsable, NO_PICTURE, pictureOf, readBeside, readIfBeside } from './beside.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { pictureAsPng } from './png.mjs';
-import { MOST_PIXELS, pictureSize } from '../../../web/src/picture-size.mjs';
-import { plainLook, shapedBy } from '../../../web/src/avatar/extensions.mjs';
+import { MOST_PIXELS, pictureSize } from '../../../web/element/head/model/picture-size.mjs';
+import { plainLook, shapedBy } from '../../../web/element/avatar/extensions.mjs';
 import { readPoints } from './points.mjs';
 import { asTriangles, turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
@@ -72,8 +72,8 @@ class Gltf {
       await this.meshopt.ready;
     }
     if ((json.meshes ?? []).some((mesh) => mesh?.primitives?.some?.((primitive) => primitive?.extensions?.[DRACO])))
-      this.draco = await (await import('../../../web/src/avatar/packed/draco.mjs')).openDraco();
-    if ((json.textures ?? []).some((texture) => texture?.extensions?.[BASIS])) this.basis = await (await import('../../../web/src/avatar/packed/basis.mjs')).openBasis();
+      this.draco = await (await import('../../../web/element/avatar/packed/draco.mjs')).openDraco();
+    if ((json.textures ?? []).some((texture) => texture?.extensions?.[BASIS])) this.basis = await (await import('../../../web/element/avatar/packed/basis.mjs')).openBasis();
     for (const name of json.extensionsRequired ?? [])
       if (!KNOWN.includes(name)) this.passOver(String(name));
   }

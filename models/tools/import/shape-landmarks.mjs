@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Landmarks of a mesh that has shapes, by what those move: where the lips part, how far down the chin goes, where the lids meet. No face has to be seen. */
-import { facingOf } from '../../../web/src/avatar/facing.mjs';
-import { landmarksOf } from '../../../web/src/avatar/landmarks.mjs';
-import { mirrored } from '../../../web/src/avatar/names.mjs';
+import { facingOf } from '../../../web/element/avatar/facing.mjs';
+import { landmarksOf } from '../../../web/element/avatar/landmarks.mjs';
+import { mirrored } from '../../../web/element/avatar/names.mjs';
 
 /** Of the face mesh (told-landmarks.mjs). */
 const NUMBERS = {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Morph targets by the names that ARKit and the visemes have, whatever a file calls them: as `<talking-head avatar>` reads them. */
-import { HALVES, presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/src/avatar/names.mjs';
+import { HALVES, presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/element/avatar/names.mjs';
 
 /** VRM's vowels are visemes; the rest is called as it is. */
 const ALSO = { vowel_aa: 'viseme_aa', vowel_ih: 'viseme_I', vowel_ou: 'viseme_U', vowel_ee: 'viseme_E', vowel_oh: 'viseme_O', mouthOpen: 'jawOpen' };

@@ -3,9 +3,9 @@
  * Landmarks that a file of points tells: which vertex of the mesh each is. Many meshes have such a list, and then nothing needs to be looked for.
  * Two ways of counting are known: the 468 (with irises 478) points of the canonical face mesh, and the 68 of the iBUG groups' 300-W (51 without the jaw).
  */
-import { align } from '../../../web/src/portrait/align.mjs';
-import { COUNT } from '../../../web/src/portrait/landmarks.mjs';
-import { rbf } from '../../../web/src/head/rbf.mjs';
+import { align } from '../../../web/portrait/align.mjs';
+import { COUNT } from '../../../web/portrait/landmarks.mjs';
+import { rbf } from '../../../web/element/head/model/rbf.mjs';
 import { FileError } from './file-error.mjs';
 
 const list = (text) => text.split(' ').map(Number);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Reading, recolouring and writing images as plain RGBA numbers. */
 import sharp from 'sharp';
-import { ModelError } from '../../../web/src/head/model-error.mjs';
-import { MOST_PIXELS, pictureTrouble } from '../../../web/src/picture-size.mjs';
+import { ModelError } from '../../../web/element/head/model/check.mjs';
+import { MOST_PIXELS, pictureTrouble } from '../../../web/element/head/model/picture-size.mjs';
 import { hex, luma, ramp } from './color.mjs';
 
 /** Opens a texture of a head, whose file anybody may have made. @param {string} data base64 @throws {ModelError} before it is decoded */

@@ -3,10 +3,10 @@
  * A picture of a head, drawn without a graphics processor: posters, and previews of recipes. It draws as the client does at its
  * best, so that nothing jumps when the client's own picture takes the place of the poster.
  */
-import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
-import { lidsAt, lidsOf } from '../../../web/src/head/lids.mjs';
-import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
-import { CLEAR, isAiry, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
+import { bakeOcclusion } from '../../../web/element/head/shading/occlusion.mjs';
+import { lidsAt, lidsOf } from '../../../web/element/head/shading/lids.mjs';
+import { mouthLight, openingOf } from '../../../web/element/head/shading/mouth-light.mjs';
+import { CLEAR, isAiry, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/element/head/shading/surfaces.mjs';
 import { pose } from './deform.mjs';
 import { openTexture } from './image.mjs';
 import { normals } from './mesh.mjs';
@@ -14,7 +14,7 @@ import { shadePoint, toLinear } from './shading.mjs';
 
 const SAMPLES = 2; // for each pixel, in both directions
 const WHITE = [255, 255, 255, 255]; // of what has no texture
-const FADE = 0.13; // as in web/src/head/view.mjs
+const FADE = 0.13; // as in web/element/head/view.mjs
 
 /**
  * @param {object} head unpacked (deform.mjs)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** How the client's fine shader colours a point (web/src/head/shader-surface.mjs), for pictures that are drawn without it. */
-import { FILL, GROUND, KEY, RIM, SKY } from '../../../web/src/head/lights.mjs';
+/** How the client's fine shader colours a point (web/element/head/shading/shader-surface.mjs), for pictures that are drawn without it. */
+import { FILL, GROUND, KEY, RIM, SKY } from '../../../web/element/head/shading/lights.mjs';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const clamp = (x) => Math.min(1, Math.max(0, x));

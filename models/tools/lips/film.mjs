@@ -3,7 +3,7 @@
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
-import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { PortraitError } from '../../../web/portrait/problem.mjs';
 import { FileError } from '../import/file-error.mjs';
 import { flat } from '../portrait/images.mjs';
 

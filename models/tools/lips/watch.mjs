@@ -6,17 +6,17 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { laid } from '../../../web/src/portrait/fit.mjs';
-import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { laid } from '../../../web/portrait/fit.mjs';
+import { PortraitError } from '../../../web/portrait/problem.mjs';
 import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
 import { AR, drawOf, hangOf, heldCorners, heldJaw, parted } from './parting.mjs';
-import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
-import { Layer } from '../../../web/src/portrait/lay.mjs';
-import { landmarksOf } from '../../../web/src/portrait/look.mjs';
-import { pictured, speakerOf } from '../../../web/src/portrait/speaker.mjs';
+import { UNKNOWNS } from '../../../web/portrait/fap-moves.mjs';
+import { Layer } from '../../../web/portrait/lay.mjs';
+import { landmarksOf } from '../../../web/portrait/look.mjs';
+import { pictured, speakerOf } from '../../../web/portrait/speaker.mjs';
 
 const IRIS = 11.7; // mm: the horizontal diameter of an adult's, within half a mm (Hashemi and others 2015)
 const DRAWN_IRIS = 10.9; // mm: of our heads, by which the detector's habit falls out

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Blinks of a picture with open eyes and one with closed ones: the closed lid slides down over the eye. */
-import { EYES } from '../../../web/src/portrait/landmarks.mjs';
+import { EYES } from '../../../web/portrait/landmarks.mjs';
 import { even } from './light.mjs';
 import { placed } from './frame.mjs';
 import { COLUMNS, maskOf, sheetOf } from './sheet.mjs';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Whether a photograph is fit for a set, and why not. */
-import { displacements, openingOf } from '../../../web/src/pictures/space.mjs';
-import { faceValues } from '../../../web/src/face-mixer.mjs';
+import { displacements, openingOf } from '../../../web/element/pictures/space.mjs';
+import { faceValues } from '../../../web/element/face/face-mixer.mjs';
 
 const TURNED = 0.12; // rad, against the picture at rest
 const REST_TURNED = 0.2; // rad: of that itself

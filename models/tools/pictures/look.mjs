@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** What a photograph shows of a face, in the frame of the set. */
-import { align, upright } from '../../../web/src/portrait/align.mjs';
-import { EYES } from '../../../web/src/portrait/landmarks.mjs';
+import { align, upright } from '../../../web/portrait/align.mjs';
+import { EYES } from '../../../web/portrait/landmarks.mjs';
 import { evened, mapped, placed, refined, similarity } from './frame.mjs';
 
 export const SIZE = { width: 480, height: 624 }; // of the whole face: the shape of the page's other faces

@@ -4,11 +4,11 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
-import { readPictures } from '../../../web/src/pictures/set.mjs';
-import { toneOf } from '../../../web/src/portrait/skin.mjs';
+import { readPictures } from '../../../web/element/pictures/set.mjs';
+import { toneOf } from '../../../web/portrait/skin.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { flat } from '../portrait/images.mjs';
-import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { PortraitError } from '../../../web/portrait/problem.mjs';
 import { blinkUnfit, mouthUnfit, unfit, unfitRest, usual } from './judge.mjs';
 import { measures, seenIn } from './look.mjs';
 import { BLINK, listOf, nameOf, posed, poses, visemes } from './names.mjs';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** A set of pictures (protocol/pictures.md) of photographs that are found fit. */
 import zlib from 'node:zlib';
-import { LOWER_LIP, OVAL, UPPER_LIP } from '../../../web/src/portrait/landmarks.mjs';
+import { LOWER_LIP, OVAL, UPPER_LIP } from '../../../web/portrait/landmarks.mjs';
 import { eyeRegions } from './eyes.mjs';
 import { placed } from './frame.mjs';
 import { even } from './light.mjs';

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The detector of faces in Node: the client's own (web/src/portrait/detect.mjs), with its files from the npm package. */
+/** The detector of faces in Node: the client's own (web/portrait/detect.mjs), with its files from the npm package. */
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { closeUp, detectorSettings, findFace } from '../../../web/src/portrait/detect.mjs';
+import { closeUp, detectorSettings, findFace } from '../../../web/portrait/detect.mjs';
 
 const web = new URL('../../../web/', import.meta.url);
 const packages = new URL('node_modules/', web); // the pages have the same files
@@ -17,7 +17,7 @@ async function fetchFile(address) {
   return new Response(await readFile(fileURLToPath(url)), { headers: { 'content-type': type } });
 }
 
-/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs);
+/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/portrait/detect.mjs);
  * its member closeUp(picture, box) where the face's place is known */
 export async function openEye() {
   globalThis.fetch = fetchFile;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Reading pictures of people, and the textures of heads. */
 import sharp from 'sharp';
-import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { PortraitError } from '../../../web/portrait/problem.mjs';
 import { openTexture } from '../lib/image.mjs';
 
 const MOST_PIXELS = 100e6;

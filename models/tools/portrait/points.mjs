@@ -2,10 +2,10 @@
 /**
  * The landmarks of a head of ours: where the detector sees them in its own portrait, and the places of the skin that are seen there.
  */
-import { align, upright } from '../../../web/src/portrait/align.mjs';
-import { STEADY } from '../../../web/src/portrait/landmarks.mjs';
-import { WORN } from '../../../web/src/portrait/portrait.mjs';
-import { toneOf } from '../../../web/src/portrait/skin.mjs';
+import { align, upright } from '../../../web/portrait/align.mjs';
+import { STEADY } from '../../../web/portrait/landmarks.mjs';
+import { WORN } from '../../../web/portrait/portrait.mjs';
+import { toneOf } from '../../../web/portrait/skin.mjs';
 import { seenAt } from '../lib/portrait.mjs';
 
 const ASIDE = 5; // pixels: a landmark so near beside the skin is on it
@@ -42,7 +42,7 @@ function placeUnder(skin, screen, [u, v], guess) {
 /**
  * @param {object} head unpacked (lib/deform.mjs) @param {{width: number, height: number, data: Uint8Array}} picture its neutral portrait
  * @param {(picture: object) => Promise<number[][]>} eye
- * @returns {Promise<import('../../../web/src/portrait/fit.mjs').Points>}
+ * @returns {Promise<import('../../../web/portrait/fit.mjs').Points>}
  */
 export async function pointsOf(head, picture, eye) {
   const landmarks = await eye(picture);

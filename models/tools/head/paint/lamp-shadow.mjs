@@ -3,9 +3,9 @@
  * The shadows that nose, lips, chin, brows, hair, collar and glasses throw on the skin at rest. Clients know how much light reaches
  * each vertex, which is too coarse for them; here they are found for every texel, and painted as far as the client will not see them.
  */
-import { bakeOcclusion, throughHair } from '../../../../web/src/head/occlusion.mjs';
-import { KEY } from '../../../../web/src/head/lights.mjs';
-import { CLEAR, isAiry } from '../../../../web/src/head/surfaces.mjs';
+import { bakeOcclusion, throughHair } from '../../../../web/element/head/shading/occlusion.mjs';
+import { KEY } from '../../../../web/element/head/shading/lights.mjs';
+import { CLEAR, isAiry } from '../../../../web/element/head/shading/surfaces.mjs';
 import { dilate, eachTexel } from './bake.mjs';
 import { DepthMap } from './depth.mjs';
 import { normals } from '../../lib/mesh.mjs';

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Somebody's own ways of moving, out of pictures of poses, for a head that was made of one at rest. */
-import { Follower, restsClosed } from '../../../../web/src/portrait/actions/follow.mjs';
-import { give } from '../../../../web/src/portrait/actions/give.mjs';
-import { learn } from '../../../../web/src/portrait/actions/learn.mjs';
-import { LEFT_OUT, POSES, nameOf } from '../../../../web/src/portrait/actions/poses.mjs';
-import { landmarksOf } from '../../../../web/src/portrait/look.mjs';
-import { PortraitError } from '../../../../web/src/portrait/problem.mjs';
+import { Follower, restsClosed } from '../../../../web/portrait/actions/follow.mjs';
+import { give } from '../../../../web/portrait/actions/give.mjs';
+import { learn } from '../../../../web/portrait/actions/learn.mjs';
+import { LEFT_OUT, POSES, nameOf } from '../../../../web/portrait/actions/poses.mjs';
+import { landmarksOf } from '../../../../web/portrait/look.mjs';
+import { PortraitError } from '../../../../web/portrait/problem.mjs';
 import { SourceError } from '../../pictures/sources.mjs';
 import { flat } from '../images.mjs';
 

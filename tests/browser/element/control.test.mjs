@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Stop and pause in a real browser: how soon it is silent, and that it goes on where it was.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { launch, openPage } from '../../lib/browser.mjs';
+import { Daemon } from '../../lib/daemon.mjs';
+
+let daemon, browser;
+before(async () => {
+  daemon = await Daemon.start();
+  browser = await launch({ webgl: false });
+});
+after(async () => {
+  await browser?.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+const text = 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.';
+
+/** A page whose sound goes through a meter: window.loud() is the greatest sample of the last 3 ms. */
+async function open() {
+  const page = await openPage(browser, daemon.url);
+  await page.evaluate(() => {
+    const connect = AudioNode.prototype.connect;
+    AudioNode.prototype.connect = function (to, ...rest) {
+      if (to !== this.context.destination) return connect.call(this, to, ...rest);
+      const meter = this.context.createAnalyser();
+      meter.fftSize = 128;
+      connect.call(meter, this.context.destination);
+      const block = new Float32Array(128);
+      window.loud = () => {
+        meter.getFloatTimeDomainData(block);
+        return Math.max(...block.map(Math.abs));
+      };
+      return connect.call(this, meter, ...rest);
+    };
+    window.head = document.querySelector('talking-head');
+    /** Waits for loud speech, calls, and says after how many milliseconds it was silent for good; null: it was not. */
+    window.silence = async (act) => {
+      const tick = () => new Promise((resolve) => setTimeout(resolve, 1));
+      while (!(window.loud?.() > 0.02)) await tick();
+      const began = performance.now();
+      act();
+      let silent = null; // since this look, which a busy page may take late
+      while (performance.now() - began < 1500) { // for good: longer than what was sent ahead lasts
+        await tick();
+        if (window.loud() > 1e-4) silent = null;
+        else silent ??= performance.now();
+      }
+      return silent && silent - began;
+    };
+  });
+  // sound needs a gesture of the user
+  await page.mouse.click(5, 5);
+  return page;
+}
+
+test('silent after stop, and after pause, which goes on where it was', async (t) => {
+  const page = await open();
+  const times = { stop: [], pause: [] };
+  for (let i = 0; i < 5; i++)
+    times.stop.push(await page.evaluate(async (what) => {
+      const ended = window.head.speak(what, { lang: 'it' });
+      const time = await window.silence(() => window.head.stop());
+      if ((await ended).reason !== 'stopped') throw new Error('not stopped');
+      return time;
+    }, text));
+  for (let i = 0; i < 5; i++)
+    times.pause.push(await page.evaluate(async (what) => {
+      const ended = window.head.speak(what, { lang: 'it' });
+      const time = await window.silence(() => window.head.pause());
+      const at = window.head.debug().audioTime;
+      for (let i = 0; i < 20; i++) await new Promise(requestAnimationFrame); // the face lives on meanwhile
+      if (window.head.debug().audioTime !== at) throw new Error(`the clock went on, ${at} to ${window.head.debug().audioTime}`);
+      window.head.resume();
+      while (!(window.loud() > 0.02)) await new Promise((resolve) => setTimeout(resolve, 1));
+      if (window.head.debug().audioTime > at + 2) throw new Error('it did not go on where it was');
+      window.head.stop();
+      await ended;
+      return time;
+    }, text));
+  // the browser's own block of sound, and the fade of 5 ms; read now and then by a busy page
+  for (const [what, list] of Object.entries(times)) t.diagnostic(`silent after ${what}: ${list.map((ms) => ms?.toFixed(0)).join(', ')} ms`);
+  // the server sends 400 ms ahead: of five, most are silent long before that has been played
+  for (const list of Object.values(times)) {
+    assert.ok(list.every((ms) => ms !== null), JSON.stringify(times));
+    assert.ok([...list].sort((x, y) => x - y)[2] < 200, JSON.stringify(times));
+  }
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('jump, rate and interruption by the element', async () => {
+  const page = await open();
+  const heard = await page.evaluate(async () => {
+    const { head } = window;
+    const events = [];
+    for (const type of ['word', 'mark', 'jumped', 'paused', 'resumed', 'end'])
+      head.addEventListener(type, ({ detail }) => events.push(detail.text ?? detail.name ?? detail.reason ?? type));
+    const marked = '<speak>Prima di tutto una lunga introduzione che nessuno ascolta. <mark name="qui"/>Ecco il punto. Fine.</speak>';
+    const first = head.speak(marked, { lang: 'it', markup: 'ssml' });
+    await new Promise((resolve) => head.addEventListener('word', resolve, { once: true }));
+    head.jump('qui');
+    await new Promise((resolve) => head.addEventListener('mark', resolve, { once: true }));
+    head.rate = 250;
+    await head.speak('Ehi.', { lang: 'it', mode: 'interrupt' });
+    await first;
+    return events;
+  });
+  assert.ok(heard.includes('jumped') && heard.includes('qui') && heard.includes('Ehi'), heard.join(' '));
+  assert.ok(!heard.includes('introduzione') && !heard.includes('Fine'), heard.join(' '));
+  assert.deepEqual(heard.filter((word) => ['done', 'stopped'].includes(word)), ['stopped', 'done']);
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page of a room on the screens that it hangs on: the answers are within reach, and it gets over what happens to its network.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import http from 'node:http';
+import net from 'node:net';
+import { once } from 'node:events';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch } from '../../lib/browser.mjs';
+import { artefacts, build, Daemon, eventually } from '../../lib/daemon.mjs';
+
+const SCREENS = [[800, 480], [640, 360], [480, 800], [1280, 400], [320, 568], [320, 480]];
+const long = (n) => `${n}. Una risposta piuttosto lunga, come ne scrive chi non ha mai visto uno schermo piccolo`;
+const OFFERS = {
+  two: { question: 'Viene?', choices: ['Sì', 'No'] },
+  eight: { question: 'Che cosa desidera?', choices: ['Uno', 'Due', 'Tre', 'Quattro', 'Cinque', 'Sei', 'Sette', 'Otto'] },
+  long: { question: 'Che cosa desidera? '.repeat(20).trim(), choices: [1, 2, 3, 4, 5, 6, 7, 8].map(long) },
+  word: { question: 'Parola', choices: ['Precipitevolissimevolmente'.repeat(6), 'No'] },
+};
+const TOUCH = 44; // pixels that a finger takes
+
+/** A network between browser and daemon that can be taken away, and comes back at the same address. */
+class Network {
+  #sockets = new Set();
+  #server = null;
+
+  async begin(to, port = 0) {
+    this.#server = net.createServer((from) => {
+      const onward = net.connect(Number(new URL(to).port), '127.0.0.1');
+      for (const socket of [from, onward]) {
+        this.#sockets.add(socket);
+        socket.on('error', () => {});
+        socket.on('close', () => {
+          this.#sockets.delete(socket);
+          from.destroy();
+          onward.destroy();
+        });
+      }
+      from.pipe(onward).pipe(from);
+    }).listen(port, '127.0.0.1');
+    await once(this.#server, 'listening');
+    this.port = this.#server.address().port;
+    this.url = `http://127.0.0.1:${this.port}`;
+  }
+
+  async end() {
+    this.#server.close();
+    for (const socket of this.#sockets) socket.destroy();
+    await once(this.#server, 'close');
+  }
+}
+
+let daemon, browser, script;
+const network = new Network();
+before(async () => {
+  daemon = await Daemon.start();
+  browser = await launch({ webgl: false });
+  await network.begin(daemon.url);
+  script = await daemon.stream('?room=atrio&watch=1');
+});
+after(async () => {
+  await script?.close();
+  await browser?.close();
+  await network.end();
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+/** The page of the room through the network, connected. */
+async function open(context) {
+  const page = await (context ?? browser).newPage(context ? undefined : { locale: 'it-IT' });
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+  page.on('console', (message) => message.type() === 'error' && page.problems.push(message.text()));
+  await page.goto(`${network.url}/room.html?room=atrio`);
+  await page.waitForFunction(() => document.body.dataset.state === 'idle', null, { timeout: 60000 });
+  return page;
+}
+
+/** Where the answers lie: each as it lies when the reader has scrolled to it, in what scrolls by hand. */
+const reach = (page) => page.evaluate(() => {
+  const inside = (box) => box.left >= -0.5 && box.top >= -0.5 && box.right <= innerWidth + 0.5 && box.bottom <= innerHeight + 0.5;
+  const scrolls = (element) => {
+    for (let at = element.parentElement; at; at = at.parentElement)
+      if (/auto|scroll/.test(getComputedStyle(at).overflowY) && at.scrollHeight > at.clientHeight + 1) return at;
+    return null;
+  };
+  const found = [];
+  for (const button of document.querySelectorAll('#question .answers button')) {
+    const box = scrolls(button);
+    if (box) box.scrollTop += button.getBoundingClientRect().top - box.getBoundingClientRect().top;
+    const rect = button.getBoundingClientRect();
+    const frame = box?.getBoundingClientRect();
+    // of one that is higher than what scrolls a part is seen at a time
+    const seen = frame ? { left: rect.left, right: rect.right, top: Math.max(rect.top, frame.top), bottom: Math.min(rect.bottom, frame.bottom) } : rect;
+    const at = document.elementFromPoint((seen.left + seen.right) / 2, (seen.top + seen.bottom) / 2);
+    found.push({ inside: inside(seen), frame: !frame || inside(frame), height: seen.bottom - seen.top, width: seen.right - seen.left, hit: at === button });
+    if (box) box.scrollTop = 0;
+  }
+  const face = document.querySelector('talking-head').getBoundingClientRect();
+  return { found, shifted: [scrollY, document.body.scrollTop, document.querySelector('main').scrollTop], what: inside(document.querySelector('#question .what').getBoundingClientRect()), face: inside(face) && face.height };
+});
+
+test('on small screens the question is seen, and each answer can be reached', async () => {
+  const page = await open();
+  for (const [name, offer] of Object.entries(OFFERS)) {
+    script.send({ type: 'choices', id: name, ...offer });
+    await page.waitForFunction((count) => document.querySelectorAll('#question .answers button').length === count && !document.querySelector('#question').hidden, offer.choices.length);
+    await page.waitForFunction((question) => document.querySelector('#question .what').textContent === question, offer.question);
+    for (const [width, height] of SCREENS) {
+      await page.setViewportSize({ width, height });
+      const where = `${name} on ${width}x${height}`;
+      const { found, shifted, what, face } = await reach(page);
+      await page.screenshot({ path: `${artefacts}/kiosk-${width}x${height}-${name}.png` });
+      assert.deepEqual(shifted, [0, 0, 0], where);
+      assert.ok(what, `${where}: the question is not seen`);
+      assert.ok(face, `${where}: the face is not seen`);
+      assert.equal(found.length, offer.choices.length, where);
+      found.forEach((each, i) => assert.ok(each.inside && each.frame && each.hit && each.height >= TOUCH && each.width >= TOUCH, `${where}: answer ${i + 1} ${JSON.stringify(each)}`));
+    }
+  }
+  await page.setViewportSize({ width: 640, height: 360 });
+  await page.locator('#question .answers button').last().tap().catch(() => page.locator('#question .answers button').last().click());
+  await script.wait({ type: 'chosen', id: 'word', choice: 1 });
+  await page.close();
+});
+
+test('both answers to a request for consent are seen on small screens', async () => {
+  const page = await open();
+  script.send({ type: 'consent', consent: 'asked', text: 'Si annota che cosa si dice qui. '.repeat(20) });
+  await page.waitForFunction(() => !document.querySelector('#consent').hidden);
+  for (const [width, height] of SCREENS) {
+    await page.setViewportSize({ width, height });
+    for (const id of ['consent-yes', 'consent-no']) {
+      const box = await page.locator(`#${id}`).boundingBox();
+      assert.ok(box.y >= 0 && box.y + box.height <= height + 0.5 && box.x >= 0 && box.x + box.width <= width, `${id} on ${width}x${height}: ${JSON.stringify(box)}`);
+    }
+  }
+  script.send({ type: 'consent', consent: 'none' });
+  await page.close();
+});
+
+test('that nobody answers is told as long as it is so', async () => {
+  const page = await open();
+  const news = () => page.evaluate(() => document.getElementById('news').textContent);
+  assert.equal(await news(), '');
+  await network.end();
+  await eventually(news, 'the page to tell it');
+  await network.begin(daemon.url, network.port);
+  await page.waitForFunction(() => document.body.dataset.state === 'idle', null, { timeout: 60000 });
+  await eventually(async () => !(await news()), 'it to be taken back', 5000);
+  await page.close();
+});
+
+test('the page can be installed: its manifest is read under the policy that comes with it', async () => {
+  const page = await open();
+  const devtools = await page.context().newCDPSession(page);
+  const { url, errors, data } = await devtools.send('Page.getAppManifest');
+  assert.equal(url, `${network.url}/room.webmanifest`);
+  assert.deepEqual(errors, []);
+  assert.equal(JSON.parse(data).display, 'fullscreen');
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('loaded anew without its network the page shows itself and what it waits for, and goes on when that is back', async () => {
+  const context = await browser.newContext({ locale: 'it-IT', viewport: { width: 800, height: 480 } });
+  const page = await open(context);
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await eventually(() => page.evaluate(() => Boolean(navigator.serviceWorker.controller)), 'the worker');
+  const names = await page.evaluate(() => caches.keys());
+  assert.equal(names.length, 1);
+  assert.match(names[0], /^faccia-room-[0-9a-f]{16}$/);
+  await network.end();
+  await page.reload();
+  await page.waitForFunction(() => document.getElementById('news').textContent, null, { timeout: 60000 });
+  assert.deepEqual(await page.evaluate(() => [document.body.dataset.state, document.querySelector('#sign .text').textContent, document.querySelector('talking-head').room]), ['offline', 'Non connessa', 'atrio']);
+  await page.screenshot({ path: `${artefacts}/kiosk-offline.png` });
+  await network.begin(daemon.url, network.port);
+  await page.waitForFunction(() => document.body.dataset.state === 'idle' && !document.getElementById('news').textContent, null, { timeout: 60000 });
+  await context.close();
+});
+
+test('what is kept is never given where the daemon answers, and another version takes its place', async () => {
+  const context = await browser.newContext({ locale: 'it-IT' });
+  const page = await open(context);
+  await eventually(() => page.evaluate(() => Boolean(navigator.serviceWorker.controller)), 'the worker');
+  const found = await page.evaluate(async () => {
+    const [name] = await caches.keys();
+    const cache = await caches.open(name);
+    await cache.put('room.css', new Response('stale'));
+    const kept = (await cache.keys()).map(({ url }) => new URL(url).pathname).sort();
+    await caches.open('faccia-room-0000000000000000');
+    return { css: await (await fetch('room.css')).text(), kept };
+  });
+  assert.notEqual(found.css, 'stale');
+  assert.deepEqual(found.kept, ['/icon.svg', '/page.css', '/room-early.js', '/room.css', '/room.html', '/room.js', '/room.webmanifest', '/talking-head-worklet.js', '/talking-head.js']);
+  // a worker of another version: as the daemon would give it after an upgrade
+  const upgraded = http.createServer(async ({ url }, response) => {
+    const answer = await daemon.get(url);
+    const body = Buffer.from(await answer.arrayBuffer());
+    response.writeHead(answer.status, { 'content-type': answer.headers.get('content-type') });
+    response.end(url === '/room-worker.js' ? body.toString().replace(/VERSION = '\w+'/, "VERSION = 'ffffffffffffffff'") : body);
+  });
+  await network.end();
+  await once(upgraded.listen(network.port, '127.0.0.1'), 'listening');
+  await page.evaluate(async () => (await navigator.serviceWorker.getRegistration('room.html')).update());
+  await eventually(async () => JSON.stringify(await page.evaluate(() => caches.keys())) === '["faccia-room-ffffffffffffffff"]', 'the new version alone', 20000);
+  await context.close();
+  upgraded.closeAllConnections();
+  upgraded.close();
+  await network.begin(daemon.url, network.port);
+});
+
+// The browser's own policy: a page that nobody has touched plays nothing. Whatever a test evaluates in a page counts as a touch, so the page tells of itself.
+test('an announcement on a screen that nobody has touched was not heard, as faccia-say says; after a touch it was', async () => {
+  const whole = await launch({ webgl: false, whole: true }); // the one without windows has no such policy
+  const page = await whole.newPage({ locale: 'it-IT' });
+  const lines = [];
+  page.on('console', (message) => lines.push(message.text()));
+  page.on('pageerror', (error) => lines.push(`error ${error}`));
+  await page.addInitScript(() => addEventListener('DOMContentLoaded', () => {
+    const told = () => document.body.dataset.state === 'idle' && console.log('idle');
+    new MutationObserver(told).observe(document.body, { attributeFilter: ['data-state'] });
+    document.querySelector('talking-head').addEventListener('sound', ({ detail }) => console.log(`sound ${detail.sound}`));
+    told();
+  }));
+  await page.goto(`${network.url}/room.html?room=atrio`);
+  const said = (line) => eventually(() => lines.includes(line), `"${line}" among ${lines}`, 120000);
+  await said('idle');
+  await said('sound blocked'); // before anything is said: who announces something is told in time
+  const say = async () => {
+    const child = spawn(path.join(build, 'server/bridges/faccia-say'), ['--url', daemon.url, '--room', 'atrio', '--lang', 'it', '--wait', 'La cena è pronta.']);
+    let told = '';
+    child.stderr.setEncoding('utf8').on('data', (text) => (told += text));
+    const [status] = await once(child, 'close');
+    return { status, told };
+  };
+  for (let i = 0; i < 2; i++) {
+    const { status, told } = await say();
+    assert.equal(status, 6, told);
+    assert.match(told, /touches/);
+  }
+  await page.mouse.click(5, 5);
+  await said('sound on');
+  assert.deepEqual(await say(), { status: 0, told: '' });
+  assert.deepEqual(lines.filter((line) => line.startsWith('error')), []);
+  await whole.close();
+});

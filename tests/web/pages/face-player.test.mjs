@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// The Face Player without a page: its files, its curves.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import test from 'node:test';
+import { FapcDecoder, FapcEncoder, fapcFrame } from '../../../protocol/fapc.mjs';
+import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../../web/pages/player/curve.js';
+import { gestureText, makeGesture } from '../../../web/pages/player/gesture.js';
+import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../../web/pages/player/file.js';
+
+const table = JSON.parse(fs.readFileSync(new URL('../../../protocol/fap-table.json', import.meta.url))).faps;
+
+test('a .fap file is read, and written so that it reads the same', () => {
+  const flags = (on) => Array.from({ length: 68 }, (_, i) => (on.includes(i + 1) ? 1 : 0)).join(' ');
+  const text = `2.1 ciao 25 3\n${flags([1, 3, 51])}\n0 0 6 63 0 120 -7\n${flags([3])}\n1 130\n${flags([])}\n2\n`;
+  const faps = readFap(text);
+  assert.deepEqual([faps.name, faps.fps, faps.frames.length], ['ciao', 25, 3]);
+  assert.deepEqual(faps.frames.map((frame) => [frame[3], frame[51]]), [[120, -7], [130, -7], [130, -7]], 'what is masked stays as it was');
+  const again = readFap(writeFap(faps));
+  assert.deepEqual(again.frames, faps.frames);
+  assert.deepEqual(again.high[0][0], [0, 6, 63, 0]);
+  assert.throws(() => readFap('2.1 a 25 1\n1 0 1\n0 1'), { code: 'bad-fap', line: 2 });
+  assert.throws(() => readFap(`2.1 a 25 1\n${flags([3, 4])}\n0 1`), { code: 'bad-fap', line: 3 });
+  assert.throws(() => readFap('2.1 a 0 1\n'), { line: 1 });
+});
+
+test('a .fapc file is read; one that is cut is refused with its place', () => {
+  const encoder = new FapcEncoder(0);
+  const frames = [10, 60, 110].map((value) => {
+    const frame = fapcFrame();
+    frame.mask[3] = 1;
+    frame.values[3] = value;
+    return frame;
+  });
+  const packet = encoder.encode(frames, true);
+  const bytes = Uint8Array.from([70, 80, 67, 49, 196, 9, 0, 0, 3, packet.length & 255, packet.length >> 8, ...packet]);
+  assert.ok(isFapc(bytes));
+  const { fps, frames: read } = readFapc(bytes, FapcDecoder);
+  assert.equal(fps, 25);
+  read.forEach((frame, k) => assert.ok(Math.abs(frame[3] - frames[k].values[3]) <= 8, `${frame[3]}`));
+  assert.throws(() => readFapc(bytes.subarray(0, -1), FapcDecoder), { code: 'bad-fap', byte: 8 });
+});
+
+test('splines go through their keys, and never beyond them', () => {
+  const [x, y] = [[0, 4, 9, 12, 20], [0, 100, 90, 90, -40]];
+  const curve = spline(x, y);
+  assert.equal(curve.length, 21);
+  x.forEach((k, i) => assert.ok(Math.abs(curve[k] - y[i]) < 1e-9));
+  for (let i = 0; i + 1 < x.length; i++)
+    for (let k = x[i]; k < x[i + 1]; k++) assert.ok((curve[k + 1] - curve[k]) * Math.sign(y[i + 1] - y[i] || 1) >= -1e-9, `${k}`);
+  const wave = Array.from({ length: 100 }, (_, k) => 50 * Math.sin(k / 7));
+  const keys = keysOf(wave, 1);
+  assert.ok(keys.length < 50 && keys[0] === 0 && keys.at(-1) === 99, `${keys}`);
+  const back = spline(keys, keys.map((k) => wave[k]));
+  assert.ok(back.every((value, k) => Math.abs(value - wave[k]) < 4));
+  assert.deepEqual(smooth([0, 0, 10, 0, 0], 1), [0, 10 / 3, 10 / 3, 10 / 3, 0]);
+});
+
+test('the other side of the face', () => {
+  const names = new Set(table.map(({ name }) => name));
+  for (const { name } of table) {
+    assert.ok(names.has(mirrored(name)), `${name} ${mirrored(name)}`);
+    assert.equal(mirrored(mirrored(name)), name);
+  }
+  assert.equal(mirrored('raise_l_i_eyebrow'), 'raise_r_i_eyebrow');
+  assert.equal(mirrored('lower_t_lip_lm_o'), 'lower_t_lip_rm_o');
+  assert.equal(mirrored('open_jaw'), 'open_jaw');
+});
+
+test('what was changed is taken back and done again, in order', () => {
+  const history = new History();
+  history.add([{ number: 3, before: [1], after: [2] }]);
+  history.add([{ number: 3, before: [2], after: [3] }]);
+  assert.deepEqual(history.undo(), [{ number: 3, before: [3], after: [2] }]);
+  assert.deepEqual(history.undo()[0].after, [1]);
+  assert.equal(history.undo(), undefined);
+  assert.deepEqual(history.redo()[0].after, [2]);
+  history.add([{ number: 3, before: [2], after: [9] }]);
+  assert.equal(history.redo(), undefined, 'another way was taken');
+});
+
+test('a line that was drawn is the curve where it was drawn', () => {
+  assert.deepEqual(drawnOver([1, 1, 1, 1, 1, 1], new Map([[4, 30], [2, 10]])), [1, 1, 10, 20, 30, 1]);
+  assert.deepEqual(drawnOver([1, 2], new Map()), [1, 2]);
+});
+
+test('a stretch becomes a gesture of the groups that are wished for; what moves nothing becomes none', () => {
+  const frames = Array.from({ length: 20 }, (_, k) => Array.from({ length: 69 }, (_, n) => (n === 3 || n === 48 ? k : 0)));
+  const wish = { name: 'mio', from: 2, to: 6, groups: [7] };
+  const made = makeGesture({ fps: 25, frames }, table, wish);
+  assert.deepEqual(made.curves, { head_pitch: [2, 3, 4, 5, 6] });
+  assert.deepEqual(JSON.parse(gestureText(made)), made);
+  assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, groups: [4] }), null);
+  assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, to: 3 }), null);
+  assert.equal(makeGesture({ fps: 1, frames }, table, { ...wish, to: 19 }), null);
+});
+
+test('a .fapc of more frames than a player holds is refused before one of them is decoded', () => {
+  const packet = Buffer.from([64, 2, 0, 0x80, 0]);
+  const header = Buffer.from('FPC1\xc4\x09\0\0', 'latin1');
+  const of = (frames) => new Uint8Array(Buffer.concat([header, ...Array(Math.ceil(frames / 64)).fill(packet)]));
+  class Decoder {
+    decode() {
+      throw new Error('something is decoded');
+    }
+  }
+  const place = 8 + 5 * Math.floor(FRAMES_MAX / 64);
+  assert.throws(() => readFapc(of(FRAMES_MAX + 64), Decoder), { code: 'bad-fap', message: 'too many frames', byte: place });
+  assert.throws(() => readFapc(of(64 * Math.floor(FRAMES_MAX / 64)), Decoder), { message: 'something is decoded' }, 'as many are read');
+});

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+
+const FACE_ASPECT = 0.78; // of the portrait: narrower places see it from farther away
+const MOUTH_WIDTHS = 2.1; // in the picture, of the view `mouth`
+const FACE_MORE = 1.22; // room round what lies between hair line and chin, in the view `face`
+const BUST_FARTHER = 1.3;
+const HALF_TURN = Math.PI / 180 / 2;
+
+const middle = (a, b) => a.map((value, k) => (value + b[k]) / 2);
+
+/**
+ * Places the camera: its target and distance.
+ * @param {{view: {target: number[], distance: number, fov: number}, fdp: Record<string, number[]>,
+ *   fapu: Record<string, number>}} model
+ * @param {string|null} name `mouth` for lip readers, `face`, `bust`; else the portrait that the model asks for
+ * @param {number} aspect width by height of the place
+ * @returns {{target: number[], distance: number, fov: number}}
+ */
+export function framed({ view, fdp, fapu }, name, aspect) {
+  const { target, distance, fov } = view;
+  const tangent = Math.tan(fov * HALF_TURN);
+  const fit = Math.max(1, FACE_ASPECT / aspect);
+  const [upper, lower, chin] = [fdp['2.2'], fdp['2.3'], fdp['2.1']];
+  if (name === 'mouth' && upper && lower && fapu.MW) {
+    const at = middle(upper, lower);
+    const height = MOUTH_WIDTHS * fapu.MW;
+    return { target: [0, at[1] - height * 0.06, at[2]], distance: (height / 2 / tangent) * Math.max(1, 1 / aspect), fov };
+  }
+  if (name === 'face' && chin) {
+    const height = -chin[1] * 2 * FACE_MORE;
+    return { target: [0, chin[1] * 0.06, 0], distance: chin[2] + (height / 2 / tangent) * Math.max(1, 0.72 / aspect), fov };
+  }
+  if (name === 'bust') return { target: [target[0], target[1] - distance * 0.055, target[2]], distance: distance * BUST_FARTHER * fit, fov };
+  return { target, distance: distance * fit, fov };
+}

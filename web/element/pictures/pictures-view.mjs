@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+import { decodePictures } from './set.mjs';
+
+const ROOM = 1.4; // round the mouth, in the view `mouth`
+const SWAY = 0.5; // of what a turn of the head would move the face: the shoulders, which stand, move along
+const AU = 1e-5; // radians
+
+/**
+ * A canvas with a set of pictures on it, without a graphics processor: the same as View, for a face of photographs. The base
+ * is drawn once, and over it the regions that change; the head's turns move the canvas itself, which costs the page nothing.
+ */
+export class PicturesView {
+  name = 'pictures'; // in place of a level of quality
+  software = true;
+  framing = null;
+
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext('2d');
+    this.head = null;
+    this.size = { width: 1, height: 1 };
+    canvas.style.objectFit = 'contain';
+  }
+
+  /** @param {Pictures} pictures */
+  show(pictures) {
+    this.head?.dispose();
+    this.head = pictures;
+    this.shown = null;
+  }
+
+  /** In CSS pixels. */
+  resize(width, height) {
+    this.size = { width, height };
+  }
+
+  setLevel() {} // there is one
+
+  draw() {
+    const { canvas, context, head } = this;
+    if (!head) return;
+    const shown = this.framing === 'mouth' ? head.mouth : head.whole;
+    if (this.shown !== shown) {
+      this.shown = shown;
+      Object.assign(canvas, { width: shown.width, height: shown.height });
+      context.translate(-shown.x, -shown.y);
+      head.begin(context);
+    } else head.draw(context);
+    const transform = shown === head.whole ? this.#turned() : '';
+    if (canvas.style.transform !== transform) canvas.style.transform = transform;
+  }
+
+  /** Returns the CSS transform of the canvas for the head's turns. */
+  #turned() {
+    const { width, height } = this.head.whole;
+    const scale = Math.min(this.size.width / width, this.size.height / height);
+    const [x, y, roll] = this.head.turned;
+    if (!x && !y && !roll) return '';
+    const [px, py] = this.head.pivot;
+    const from = (value, middle) => `calc(50% + ${((value - middle) * scale).toFixed(1)}px)`;
+    this.canvas.style.transformOrigin = `${from(px, width / 2)} ${from(py, height / 2)}`;
+    return `translate(${(x * scale).toFixed(2)}px, ${(y * scale).toFixed(2)}px) rotate(${(-roll).toFixed(4)}rad)`;
+  }
+
+  /** Records that the requested frame was drawn. */
+  mark() {
+    return () => true;
+  }
+
+  dispose() {
+    this.head?.dispose();
+    Object.assign(this.canvas.style, { objectFit: '', transform: '', transformOrigin: '' });
+  }
+}
+
+/** A set of pictures as it stands: what the FAPs have made of it. */
+export class Pictures {
+  triangles = 0; // as of a head
+  slim() {} // as of a head: there is nothing to leave out
+
+  /** @param {object} set as read @returns {Promise<Pictures>} */
+  static async create(set) {
+    return new Pictures(set, await decodePictures(set));
+  }
+
+  /** @param {object} set @param {{base: ImageBitmap, regions: import('./morph.mjs').Region[]}} decoded */
+  constructor({ width, height, pivot, reach, regions: places }, { base, regions }) {
+    this.whole = { x: 0, y: 0, width, height };
+    const mouth = places.find(({ name }) => name === 'mouth') ?? this.whole;
+    const [w, h] = [Math.min(width, Math.round(mouth.width * ROOM)), Math.min(height, Math.round(mouth.height * ROOM))];
+    this.mouth = {
+      x: Math.round(Math.min(width - w, Math.max(0, mouth.x + (mouth.width - w) / 2))),
+      y: Math.round(Math.min(height - h, Math.max(0, mouth.y + (mouth.height - h) / 2))),
+      width: w,
+      height: h,
+    };
+    this.pivot = pivot;
+    this.reach = reach;
+    this.base = base;
+    this.layers = regions.map((region) => {
+      const canvas = document.createElement('canvas');
+      Object.assign(canvas, { width: region.width, height: region.height });
+      const context = canvas.getContext('2d');
+      const pixels = context.createImageData(region.width, region.height);
+      region.output = new Uint32Array(pixels.data.buffer);
+      return { region, canvas, context, pixels };
+    });
+    this.turned = [0, 0, 0]; // to the right and down, in its pixels, and about its pivot
+    this.changed = false;
+    this.setFaps(new Float32Array(69));
+  }
+
+  /** @param {ArrayLike<number>} faps by number */
+  setFaps(faps) {
+    for (const { region, context, pixels } of this.layers) {
+      if (!region.update(faps)) continue;
+      context.putImageData(pixels, 0, 0);
+      this.changed = true;
+    }
+    const [pitch, yaw, roll] = [48, 49, 50].map((number) => faps[number] * AU);
+    this.turned = [SWAY * this.reach * Math.sin(yaw), SWAY * this.reach * Math.sin(pitch), roll];
+  }
+
+  /** All of it. @param {CanvasRenderingContext2D} context */
+  begin(context) {
+    context.drawImage(this.base, 0, 0);
+    this.changed = true;
+    this.draw(context);
+  }
+
+  /** Draws the regions that changed. @param {CanvasRenderingContext2D} context */
+  draw(context) {
+    if (!this.changed) return;
+    this.changed = false;
+    for (const { region } of this.layers) {
+      const { x, y, width, height } = region;
+      context.clearRect(x, y, width, height);
+      context.drawImage(this.base, x, y, width, height, x, y, width, height);
+    }
+    for (const { region, canvas } of this.layers) context.drawImage(canvas, region.x, region.y);
+  }
+
+  dispose() {
+    this.base.close();
+  }
+}

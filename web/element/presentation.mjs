@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+import { CaptionView } from './captions/view.mjs';
+import { FaceMixer, faceValues } from './face/face-mixer.mjs';
+import { IdleController } from './face/idle.mjs';
+import { Orbit } from './orbit.mjs';
+import { Stage } from './stage/stage.mjs';
+import { Visibility } from './visibility.mjs';
+
+const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
+
+/** The visible side of a head: the face on its stage, speaking, idling or posed, and the captions. */
+export class Presentation {
+  #ticking = 0; // timer
+  #drawn = { seconds: null, at: 0 };
+  #mixer = new FaceMixer();
+  #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+
+  /**
+   * @param {HTMLElement} element whose still, turn and life say how it moves
+   * @param {ShadowRoot} root of the template
+   * @param {object} parts controls, poster and speech of the element
+   * @param {object} ports send(message) to the server; trouble(name), unfit(error): see Stage
+   */
+  constructor(element, root, { controls, poster, speech }, { send, trouble, unfit }) {
+    this.element = element;
+    this.speech = speech;
+    this.idle = new IdleController(send, () => this.idleChanged());
+    this.visibility = new Visibility(root.querySelector('.layout'), () => this.#visibilityChanged());
+    this.captions = new CaptionView(root.querySelector('.captions'));
+    this.orbit = new Orbit(root.querySelector('.stage'), controls.turn, { moved: () => this.stage?.wake() });
+    this.stage = new Stage(controls.canvas, {
+      hear: (now) => this.#hear(now),
+      frame: (now, ahead) => this.#frame(now, ahead),
+      trouble,
+      unfit,
+      drawn: (on, turns) => {
+        poster.drawn = on;
+        this.orbit.drawn = on && turns;
+      },
+    });
+  }
+
+  open() {
+    this.#reducedMotion.addEventListener('change', this.motionChanged);
+    this.stage.open();
+    this.motionChanged();
+    this.visibility.open();
+    this.captions.open();
+    this.#ticking = setInterval(() => this.#tick(performance.now()), TICK_MS);
+  }
+
+  close() {
+    clearInterval(this.#ticking);
+    this.#reducedMotion.removeEventListener('change', this.motionChanged);
+    this.visibility.close();
+    this.captions.close();
+    this.captions.clear();
+    this.stage.close();
+  }
+
+  /** Media of the idle face. One that keeps still has no pictures running: it is drawn when its mood has changed. */
+  idled(chunk) {
+    this.idle.face.take(chunk, performance.now() / 1000);
+    if (this.#mixer.still && !this.speech.busy) this.wake();
+  }
+
+  /** Something has changed. */
+  wake() {
+    this.stage.wake();
+  }
+
+  /** Something has changed that a posed face does not show. */
+  changed() {
+    if (!this.#mixer.pose) this.wake();
+  }
+
+  /** Whether only the lips move; the mood is still shown. */
+  get still() {
+    return this.#mixer.still;
+  }
+
+  /** Applies changed wishes of the page or the user about motion. */
+  motionChanged = () => {
+    this.#mixer.still = this.element.still ?? this.#reducedMotion.matches;
+    this.orbit.on = this.element.turn ?? !this.#mixer.still;
+    this.orbit.soft = !this.#reducedMotion.matches;
+    this.idleChanged();
+    this.wake();
+  };
+
+  /** Requests idle movement while the face is visible; a still face gets its mood with it. */
+  idleChanged() {
+    const { still } = this.#mixer;
+    const wanted = this.visibility.seen && (!still || this.idle.moody);
+    // The first follower of a room decides how all idle: others may want motion.
+    const life = still && !this.element.hasAttribute('room') ? 0 : this.element.life;
+    this.idle.idle(wanted ? (life === null ? {} : { life }) : null);
+    this.wake();
+  }
+
+  /** See TalkingHead. */
+  pose(faps, ease) {
+    this.#mixer.pose = faps && faceValues(faps);
+    this.#mixer.ease = ease;
+    this.wake();
+  }
+
+  /** See TalkingHead. */
+  express(mix, options) {
+    this.idle.express(mix, options);
+    this.wake();
+  }
+
+  /** The FAPs that are not 0, by number, as they were drawn last. */
+  get faps() {
+    return Object.fromEntries([...this.#mixer.values.entries()].filter(([, value]) => value));
+  }
+
+  debug(now) {
+    const heard = this.speech.heard(now);
+    return {
+      ...this.stage.debug,
+      running: heard?.running ?? false,
+      utterance: heard?.utterance.number ?? null,
+      audioTime: heard?.seconds ?? null, // what is heard at this moment
+      frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
+      frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
+      fapValues: Array.from(this.#mixer.values),
+      turned: this.orbit.turned,
+    };
+  }
+
+  #visibilityChanged() {
+    this.stage.seen = this.visibility.seen;
+    this.idleChanged();
+  }
+
+  /** Captions change with a picture, where there are pictures: what is drawn in between would hold up the next one. */
+  #tick(now) {
+    if (this.stage.drawing) this.speech.tick(now);
+    else this.#hear(now);
+  }
+
+  /** @returns {boolean} whether the captions have changed */
+  #hear(now) {
+    this.speech.tick(now);
+    const { captions, options } = this.speech.heard(now)?.utterance ?? {};
+    return this.captions.show(captions?.lineOf(this.captions.size) ?? null, options?.lang);
+  }
+
+  #frame(now, ahead) {
+    const heard = this.speech.heard(now, ahead / 1000);
+    const { face } = this.idle;
+    if (heard?.running) face.leave();
+    const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
+    const changed = this.#mixer.update(now, heard, idle);
+    this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
+    const changing = this.#mixer.changing(now);
+    const turning = this.orbit.update(now / 1000);
+    const speaks = this.speech.busy || changing;
+    const held = this.#mixer.pose && !changing; // overrides speech
+    const more = changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
+    return { values: this.#mixer.values, turned: this.orbit.turned, more, calm: !speaks && !turning };
+  }
+}

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+// The examples of the element, with the functions of their buttons. The page shows the source of these functions, so each one
+// is complete in itself. It needs no page: tests read it.
+
+/**
+ * @typedef {object} Story
+ * @property {string} id its place in the page's address
+ * @property {string} group @property {string} title @property {string} about
+ * @property {string[]} shows of custom-elements.json, beside its controls: `speak()`, `@word`, `.faps`, `::canvas`, `slot`
+ * @property {string[]} [controls] attributes and custom properties that can be changed
+ * @property {Record<string, string>} [attributes] those that it begins with @property {string} [content] of the element
+ * @property {string} [css]
+ * @property {[string, object, string][]} [beside] elements beside it: name, attributes, text
+ * @property {Record<string, [string, Function]>} [actions] by name: what the button says, what it does with the element
+ */
+
+const speaking = 'Speaking';
+const reading = 'Reading and listening';
+
+/** @type {Story[]} */
+const speechStories = [
+  {
+    id: 'speak', group: speaking, title: 'Speak a text',
+    about: 'One line has her speak; what is asked for meanwhile waits its turn. The events come when they are heard.',
+    shows: ['speak()', 'stop()', '@begin', '@sentence', '@word', '@end'],
+    controls: ['lang', 'voice', 'rate'], attributes: { lang: 'it' },
+    actions: {
+      speak: ['Speak', (head) => head.speak('Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura.')],
+      atOnce: ['Speak at once', (head) => head.speak('Buongiorno!', { mode: 'replace' })],
+      stop: ['Stop', (head) => head.stop()],
+    },
+  },
+  {
+    id: 'pause', group: speaking, title: 'Pause and go on',
+    about: 'She halts within a few milliseconds, lives on, and goes on where she was.',
+    shows: ['pause()', 'resume()', '@paused', '@resumed'], attributes: { lang: 'en' },
+    actions: {
+      speak: ['Speak', (head) => head.speak('One, two, three, four, five, six, seven, eight, nine, ten.')],
+      pause: ['Pause', (head) => head.pause()],
+      resume: ['Go on', (head) => head.resume()],
+    },
+  },
+  {
+    id: 'markup', group: speaking, title: 'Markup, marks and jumps',
+    about: 'SSML, APML, JSML, EmotionML, BML and FML are recognised, or named by markup. Marks are told as they are heard, and can be jumped to.',
+    shows: ['jump()', '@mark', '@jumped'], controls: ['markup'], attributes: { lang: 'en' },
+    actions: {
+      speak: ['Speak', (head) => head.speak('<speak>First this. <mark name="middle"/> Then that. <mark name="last"/> And here it ends.</speak>')],
+      jump: ['Jump to the last mark', (head) => head.jump('last')],
+    },
+  },
+  {
+    id: 'numbers', group: speaking, title: 'Numbers and signs',
+    about: 'Numbers, signs and short forms are put into words before the voice sees them, by the rules of the language; with normalization="off" the voice reads them as it can.',
+    shows: [], controls: ['normalization'], attributes: { lang: 'en' },
+    actions: { speak: ['Speak', (head) => head.speak('On 3 May 1994 Dr Smith paid $1,250.50, i.e. 12% more.')] },
+  },
+  {
+    id: 'open', group: speaking, title: 'A text while it is written',
+    about: 'What a language model writes is spoken sentence by sentence, while it goes on writing. A stream of a response can be given, too.',
+    shows: ['open()'], attributes: { lang: 'en' },
+    actions: {
+      write: ['Write', (head) => {
+        const utterance = head.open();
+        for (const word of 'This is being written. She does not wait for the end.'.split(' ')) utterance.write(`${word} `);
+        utterance.close();
+        return utterance.done;
+      }],
+    },
+  },
+  {
+    id: 'details', group: speaking, title: 'Phones, and what comes',
+    about: 'With phones each sound is told with its time; media brings the frames and the sound themselves, before they are heard.',
+    shows: ['@phone', '@media'], controls: ['contacts', 'blend'], attributes: { lang: 'it' },
+    actions: { speak: ['Speak', (head) => head.speak('La mamma parla piano.', { phones: true })] },
+  },
+  {
+    id: 'wrong', group: speaking, title: 'What is wrong',
+    about: 'Markup that is said to be SSML and is none gives an error with its place; what is left out of a text, a warning. She goes on living.',
+    shows: ['@error', '@warning'], attributes: { lang: 'en' },
+    actions: {
+      error: ['Markup that does not end', (head) => head.speak('<speak>Good morning.</spaek>', { markup: 'ssml' })],
+      warning: ['An element that is not known', (head) => head.speak('<speak>Good <blink>morning</blink>.</speak>')],
+    },
+  },
+  {
+    id: 'turns', group: speaking, title: 'Taking turns',
+    about: 'Heads of one page wait for each other; polite="off" speaks at once.',
+    shows: [], controls: ['polite'], attributes: { lang: 'en' },
+    beside: [['talking-head', { id: 'other', lang: 'en', quality: 'low', label: 'The other head' }, '']],
+    actions: {
+      both: ['Have both speak', (head) => {
+        document.querySelector('#other').speak('I was asked first.');
+        return head.speak('And I was asked after.');
+      }],
+    },
+  },
+  {
+    id: 'read', group: reading, title: 'Read the page',
+    about: 'She reads the element that for names; its words are marked as they are heard, and can be clicked.',
+    shows: ['read()', '@reading', '@read'], controls: ['for'], attributes: { for: '#poem', lang: 'it' },
+    beside: [['p', { id: 'poem', lang: 'it' }, 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura.']],
+    actions: { read: ['Read', (head) => head.read()], stop: ['Stop', (head) => head.stop()] },
+  },
+  {
+    id: 'listen', group: reading, title: 'Somebody’s own voice',
+    about: 'Her lips follow the microphone, or a stream of a call, without a text. The browser asks for the microphone; nothing is kept.',
+    shows: ['listen()'], attributes: { lang: 'en' },
+    actions: {
+      listen: ['Listen to the microphone', (head) => head.listen(null, { sound: false })],
+      stop: ['Stop', (head) => head.stop()],
+    },
+  },
+  {
+    id: 'follow', group: reading, title: 'A sound of the page',
+    about: 'Whenever the audio plays she speaks along with it. The attribute for does the same without a script.',
+    shows: ['follow()'], attributes: { lang: 'it' },
+    beside: [['audio', { id: 'sound', controls: '', src: 'v1/speech?text=La+mamma+parla+piano.&lang=it&format=wav' }, '']],
+    actions: {
+      follow: ['Follow it', (head) => {
+        head.follow(document.querySelector('#sound'));
+        return document.querySelector('#sound').play();
+      }],
+    },
+  },
+];
+
+// The look of the element: the face, its mood and pose, other faces, its parts, the captions.
+
+const face = 'The face';
+const looks = 'Looks';
+
+/** @type {Story[]} */
+const lookStories = [
+  {
+    id: 'who', group: face, title: 'Who, and how near',
+    about: 'Model names one of the server’s heads; it may be changed while she speaks. The picture of the head stands in until it has come.',
+    shows: ['@progress', '@ready', '@connection', '@hello'], controls: ['model', 'view', 'quality', 'poster', 'label', 'src'],
+    attributes: { view: 'bust' },
+  },
+  {
+    id: 'mood', group: face, title: 'Mood and life',
+    about: 'A mood holds until the next one, speaking or not. Life is how strongly she blinks and moves while nobody speaks; still leaves the lips alone.',
+    shows: ['express()'], controls: ['expression', 'life', 'still'],
+    actions: {
+      joy: ['Joy', (head) => head.express({ joy: 0.7 })],
+      mixed: ['Anger and disgust', (head) => head.express({ anger: 0.5, disgust: 0.4 }, { ease: 1 })],
+      none: ['Neutral', (head) => head.express()],
+    },
+  },
+  {
+    id: 'pose', group: face, title: 'A pose, by FAPs',
+    about: 'Holds the face by the numbers of MPEG-4; faps tells what is drawn at this moment.',
+    shows: ['pose()', '.faps'],
+    actions: {
+      open: ['Open the mouth', (head) => head.pose({ 3: 300, 12: 120, 13: 120 }, { ease: true })],
+      rest: ['Let go', (head) => head.pose(null)],
+      tell: ['Tell the FAPs', (head) => console.log(head.faps)],
+    },
+  },
+  {
+    id: 'turn', group: face, title: 'Turned by the user',
+    about: 'Drag the picture, or use the arrow keys on the slider that shows while it has the focus.',
+    shows: ['::turn'], controls: ['turn'], attributes: { turn: 'on' }, css: 'talking-head::part(turn) { accent-color: #963a30; }',
+  },
+  {
+    id: 'other-head', group: face, title: 'A head of your own',
+    about: 'Avatar is the address of a GLB or VRM, with a file that says which shape is which where their names do not; pictures that of a set of photographs; showHead takes a head that the page has.',
+    shows: ['showHead()'], controls: ['avatar', 'avatar-map', 'pictures', 'quality'],
+    actions: {
+      show: ['Show a head of the page', async (head) => head.showHead(await (await fetch('v1/models/bruno')).json())],
+      missing: ['An avatar that is not there', (head) => head.setAttribute('avatar', 'missing.glb')],
+    },
+  },
+  {
+    id: 'calibrate', group: face, title: 'The shape of somebody',
+    about: 'The head takes feature points by MPEG-4’s numbers, in mm, for this page or for all who hear the stream, and goes on speaking with that face.',
+    shows: ['calibrate()', 'calibrateAll()', '@calibrated'],
+    actions: {
+      wide: ['A wider mouth', (head) => head.calibrate({ featurePointsCoord: { 8.3: [30, -62, 18], 8.4: [-30, -62, 18] } })],
+      all: ['For all', (head) => head.calibrateAll({ featurePointsCoord: { 8.3: [30, -62, 18], 8.4: [-30, -62, 18] } })],
+      own: ['Her own', (head) => head.calibrate(null)],
+      ownForAll: ['Her own, for all', (head) => head.calibrateAll(null)],
+    },
+  },
+  {
+    id: 'captions', group: looks, title: 'Captions',
+    about: 'Word by word on the clock of the sound, in colours whose contrast is enough. The button CC switches them.',
+    shows: ['::captions', '::captions-empty', '::said', '::word', '::rest', '::captions-button'],
+    controls: ['captions', 'caption-size', 'caption-colours'], attributes: { lang: 'it' },
+    css: `talking-head::part(captions) { letter-spacing: 0.02em; }
+talking-head::part(captions-empty) { min-block-size: 3em; }
+talking-head::part(said) { font-style: italic; }
+talking-head::part(word) { border-radius: 0.2em; }
+talking-head::part(rest) { font-weight: 600; }
+talking-head::part(captions-button) { border-radius: 0.5em; }`,
+    actions: { speak: ['Speak', (head) => head.speak('Le parole si leggono mentre si sentono.')] },
+  },
+  {
+    id: 'caption-colours', group: looks, title: 'Captions in your colours',
+    about: 'Custom properties of the captions. Mind the contrast: 4.5 : 1 is wanted by WCAG.',
+    shows: [], attributes: { lang: 'it' },
+    controls: ['--talking-head-caption-size', '--talking-head-caption-background', '--talking-head-caption-color',
+      '--talking-head-word-background', '--talking-head-word-color', '--talking-head-said-strength'],
+    actions: { speak: ['Speak', (head) => head.speak('Le parole si leggono mentre si sentono.')] },
+  },
+  {
+    id: 'parts', group: looks, title: 'The parts of the picture',
+    about: 'Stage, picture, what is wrong in words, the button that asks for a tap before there may be sound: each can be styled.',
+    shows: ['::stage', '::canvas', '::poster', '::message', '::sound-button', '@sound'], attributes: { lang: 'it' },
+    css: `talking-head::part(stage) { background: linear-gradient(#dde6ec, #a9bac6); }
+talking-head::part(canvas) { filter: saturate(0.6); }
+talking-head::part(poster) { filter: sepia(0.4); }
+talking-head::part(message) { border: 2px solid #fff; }
+talking-head::part(sound-button) { border-radius: 0.5em; }`,
+    actions: { speak: ['Speak', (head) => head.speak('Ecco la mia voce.')] },
+  },
+  {
+    id: 'slot', group: looks, title: 'Before the script has come',
+    about: 'The content of the element is shown only as long as the script has not come, or where there is none.',
+    shows: ['slot'], content: 'The face needs JavaScript.',
+  },
+];
+
+// Examples of rooms: many who hear one stream, answers, states, consent, tokens.
+
+const rooms = 'Rooms and servers';
+
+/** @type {Story[]} */
+const roomStories = [
+  {
+    id: 'room', group: rooms, title: 'A room',
+    about: 'All pages in a room hear and show what anybody says there; open this one twice. With watch a page only looks on, under a name.',
+    shows: ['@joined', '@desks', '@expressed'], controls: ['room', 'watch'], attributes: { room: 'examples', watch: 'Anna', lang: 'en' },
+    actions: {
+      say: ['Say to all', (head) => head.speak('Good morning, everybody.')],
+      joy: ['Joy, for all', (head) => head.express({ joy: 0.6 })],
+    },
+  },
+  {
+    id: 'answers', group: rooms, title: 'Questions and answers',
+    about: 'Offers answers to whoever is in the room; a page shows them as it likes, and gives one by its place.',
+    shows: ['offer()', 'choose()', '@choices', '@chosen'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      offer: ['Ask', (head) => head.offer(['Yes', 'In a minute'], { id: 'coming', question: 'Coming?' })],
+      choose: ['Answer: in a minute', (head) => head.choose(1, 'coming')],
+    },
+  },
+  {
+    id: 'state', group: rooms, title: 'What the assistant does',
+    about: 'Listening, thinking, muted: told to all in the room, with a look of the face.',
+    shows: ['tell()', '@state'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      listening: ['Listening', (head) => head.tell('listening')],
+      thinking: ['Thinking', (head) => head.tell('thinking', { text: 'Let me see.', mix: { surprise: 0.2 } })],
+      idle: ['Idle', (head) => head.tell('idle')],
+    },
+  },
+  {
+    id: 'consent', group: rooms, title: 'Consent to a study',
+    about: 'Asks whoever listens whether a study may write down what happens; a yes can be taken back.',
+    shows: ['consent()', '@consent'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      ask: ['Ask', (head) => head.consent('asked', 'Your answers, for a study of lips.')],
+      yes: ['Yes', (head) => head.consent('given')],
+      no: ['No', (head) => head.consent('declined')],
+      none: ['No more', (head) => head.consent('none')],
+    },
+  },
+  {
+    id: 'token', group: rooms, title: 'A server with tokens',
+    about: 'A server that demands a token gets it as an attribute. What is wrong with one is said in the picture, and as an error. This page takes its own from ?token= of its address.',
+    shows: ['@authorized'], controls: ['token'],
+  },
+];
+
+export const stories = [...speechStories, ...lookStories, ...roomStories];

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// A study asks the listener first. Until there is a yes, and after a no, nothing of the listener's is written down.
+
+export class Study {
+  #consent = 'none';
+  #asked = null; // the question that this operator asked; null: none
+
+  /**
+   * @param {{text: HTMLTextAreaElement, ask: HTMLElement, end: HTMLElement, shown: HTMLElement}} parts
+   * @param {object} ports send(consent, text): whether it could be; log: see Log; say(name): words
+   */
+  constructor(parts, ports) {
+    Object.assign(this, { parts, ports });
+    parts.ask.addEventListener('click', () => this.#ask(parts.text.value.trim()));
+    parts.end.addEventListener('click', () => {
+      this.#asked = null;
+      ports.send('none');
+    });
+  }
+
+  /** We are in the room, perhaps anew: a daemon that was restarted has forgotten the question. */
+  joined() {
+    if (this.#asked !== null) this.#ask(this.#asked);
+  }
+
+  /** Until it is known what holds there, nothing does. */
+  lost() {
+    if (this.#consent !== 'none') this.#set('asked');
+  }
+
+  /** Another room. */
+  left() {
+    this.#asked = null;
+    this.#set('none');
+  }
+
+  heard({ consent, by }) {
+    const { log, say } = this.ports;
+    if (consent === 'declined' || (consent === 'asked' && this.#consent !== 'given')) log.forget();
+    if (consent === 'none') this.#asked = null;
+    if (consent !== this.#consent) log.show('consent', say(`consent-${consent}`), { by });
+    this.#set(consent);
+  }
+
+  translate() {
+    this.parts.shown.textContent = this.ports.say(`consent-${this.#consent}`);
+  }
+
+  #ask(text) {
+    if (this.ports.send('asked', text)) this.#asked = text;
+  }
+
+  #set(consent) {
+    this.#consent = consent;
+    this.ports.log.silent = consent === 'asked' || consent === 'declined';
+    this.parts.shown.dataset.consent = consent;
+    this.translate();
+  }
+}

@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: MIT
-import { setCompanions } from './companions.mjs';
-import { TalkingHead } from './element.mjs';
-import { PlainText } from './plain-text.mjs';
-
-// On a server there are no elements, and a page may load the script twice: the first one counts.
-if (globalThis.customElements && !customElements.get('talking-head')) customElements.define('talking-head', TalkingHead);
-
-export { PlainText, setCompanions, TalkingHead };
