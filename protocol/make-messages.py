@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes what programs and people read of the client's messages, from their declaration, messages.json.
+"""Writes what programs and people read of the messages of clients and of the daemon, from their declaration, messages.json.
 
-make-messages.py speak-fields|client-messages|say-options  prints a header for the build
+make-messages.py speak-fields|client-messages|server-messages|say-options  prints a header for the build
 make-messages.py --write                                   writes the files that are kept in the repository
 make-messages.py --check                                   says which of those are not what it would write; exit status 1
 With --root FOLDER... the files are those of other copies of the repository.
@@ -17,31 +17,45 @@ import textwrap
 TAG = (r'^(?:[A-Za-z]{2,8}(?:-[A-Za-z0-9]{1,8})*|[xXiI](?:-[A-Za-z0-9]{1,8})+|[A-Za-z]{2,3}_[A-Za-z0-9]{2})'
        r'(?:\.[A-Za-z0-9-]+(?:@[A-Za-z0-9-]+)?|@[A-Za-z0-9-]+)?$')
 MADE = 'Made by protocol/make-messages.py from protocol/messages.json: change that.'
-TYPES = ('text', 'string', 'tag', 'number', 'integer', 'flag', 'choice', 'structure')
+TYPES = ('text', 'string', 'tag', 'number', 'integer', 'flag', 'choice', 'structure', 'names', 'constant', 'code')
 
 
 class Declaration:
-    """The messages with their members, in which `like` stands no more."""
+    """The messages with their members, in which neither `like` nor `shares` stands any more."""
 
     def __init__(self, root):
         with open(os.path.join(root, 'protocol/messages.json'), encoding='utf-8') as file:
             whole = json.load(file)
+        server = whole['server']
         self.defs = whole['defs']
-        self.messages = whole['messages']
-        for name, message in self.messages.items():
-            message['members'] = {member: self._resolved(name, member, whole) for member in message['members']}
-        self.speak = self.messages['speak']['members']
+        self.codes = whole['codes']
+        self.shared = server['shared']
+        said = {**server['answers'], **server['messages'], **server['shared']}
+        of_client = {f'client.{name}': message for name, message in whole['client'].items()}
+        self.client = self._resolved(whole['client'], whole['client'])
+        self.server = self._resolved(server['messages'], {**said, **of_client})
+        self.answers = self._resolved(server['answers'], {**said, **of_client})
+        self.speak = self.client['speak']['members']
 
-    def _resolved(self, message, name, whole):
-        member = whole['messages'][message]['members'][name]
+    def _resolved(self, messages, others):
+        resolved = {}
+        for name, message in messages.items():
+            members = {}
+            for shared in message.get('shares', []):
+                members.update(self.shared[shared]['members'])
+            members.update({member: self._member(f'{name}.{member}', about, others) for member, about in message['members'].items()})
+            resolved[name] = {**message, 'members': members}
+        return resolved
+
+    def _member(self, place, member, others):
         if 'like' in member:
-            other, of = member['like'].split('.')
-            base = {key: value for key, value in self._resolved(other, of, whole).items() if key != 'required'}
+            other, of = member['like'].rsplit('.', 1)
+            base = {key: value for key, value in self._member(member['like'], others[other]['members'][of], others).items() if key != 'required'}
             if 'otherwise' in member:
                 base.pop('default', None)
             member = {**base, **member}
         if member['type'] not in TYPES:
-            raise SystemExit(f'messages.json: {message}.{name}: no type {member["type"]}')
+            raise SystemExit(f'messages.json: {place}: no type {member["type"]}')
         return member
 
 
@@ -78,10 +92,15 @@ def schema_of(member, description=True):
             schema['pattern'] = TAG if kind == 'tag' else member['pattern']
     elif kind in ('number', 'integer'):
         schema['type'] = kind
-        schema['minimum'] = member['min']
-        schema['maximum'] = member['max']
+        schema.update({of: member[bound] for of, bound in (('minimum', 'min'), ('maximum', 'max')) if bound in member})
     elif kind == 'flag':
         schema['type'] = 'boolean'
+    elif kind == 'names':
+        schema.update({'type': 'array', 'items': {'type': 'string'}})
+    elif kind == 'constant':
+        schema['const'] = member['value']
+    elif kind == 'code':
+        schema['$ref'] = '#/$defs/code'
     else:
         schema.update(member['schema'])
     if 'default' in member:
@@ -110,40 +129,91 @@ def flowed(value, indent=0, width=140):
     return '{\n' + ',\n'.join(inside + row for row in rows) + '\n' + ' ' * indent + '}'
 
 
-def client_schema(declared, _):
-    defs = {}
-    for name, message in declared.messages.items():
-        one = {'description': message['summary']}
-        required = [member for member, about in message['members'].items() if about.get('required')]
-        if required:
-            one['required'] = required
-        one['properties'] = {'type': {'const': name}, **{m: schema_of(about) for m, about in message['members'].items()}}
-        defs[name] = {**one, **message.get('schema', {})}
-    whole = {
+def schema_of_message(name, message, open_ended):
+    """A message, or an answer, as JSON Schema. Of the client's further members are passed over, so they are allowed."""
+    members = message['members']
+    one = {'description': message['summary']}
+    required = [member for member, about in members.items() if about.get('required')]
+    if not open_ended:
+        one['type'] = 'object'
+        required = ['type', *required]
+    if required:
+        one['required'] = required
+    one['properties'] = {'type': {'const': name}, **{member: schema_of(about) for member, about in members.items()}}
+    if not open_ended:
+        one['additionalProperties'] = False
+    needs = {member: about['with'] for member, about in members.items() if 'with' in about}
+    return {**one, **({'dependentRequired': needs} if needs else {}), **message.get('schema', {})}
+
+
+def schema_of_side(messages, open_ended, **about):
+    return flowed({
         '$schema': 'https://json-schema.org/draft/2020-12/schema',
-        '$id': 'faccia/client.json',
+        '$id': about['id'],
         '$comment': MADE,
-        'title': 'A message of the client',
-        'description': 'messages.md. The server ignores members that it does not know.',
+        'title': about['title'],
+        'description': about['description'],
         'type': 'object',
         'required': ['type'],
-        'properties': {'type': {'enum': list(declared.messages)}},
-        'allOf': [{'if': {'properties': {'type': {'const': name}}}, 'then': {'$ref': f'#/$defs/{name}'}} for name in declared.messages],
-        '$defs': {**defs, **declared.defs},
-    }
-    return flowed(whole) + '\n'
+        'properties': {'type': {'enum': list(messages)}},
+        'allOf': [{'if': {'properties': {'type': {'const': name}}}, 'then': {'$ref': f'#/$defs/{name}'}} for name in messages],
+        '$defs': {**{name: schema_of_message(name, message, open_ended) for name, message in messages.items()}, **about['defs']},
+    }) + '\n'
+
+
+def client_schema(declared, _):
+    return schema_of_side(declared.client, True, id='faccia/client.json', title='A message of the client', defs=declared.defs,
+                          description='messages.md. The server ignores members that it does not know.')
+
+
+def server_schema(declared, _):
+    code = {'type': 'string', 'description': "Stable: README.md, section 'Error codes'. More may come.", 'enum': declared.codes}
+    return schema_of_side(declared.server, False, id='faccia/server.json', title='A message of the server', defs={'code': code, **declared.defs},
+                          description='messages.md. What this version sends; later ones may add members.')
 
 
 def indented(document):
     return json.dumps(document, indent=2, ensure_ascii=False) + '\n'
 
 
+def right_of(message):
+    """The right that it needs, as a sentence; the server's messages need none."""
+    return '' if message.get('right', 'none') == 'none' else f'{message.get("right_of", "It")} needs the right to `{message["right"]}`.'
+
+
 def referred(names):
     return [{'$ref': f'#/components/parameters/{name}'} for name in names]
 
 
+def answers_of(declared):
+    """The JSON that a request is answered with, as components of OpenAPI."""
+    schemas = {}
+    problem = declared.shared['problem']['members']
+    for name, answer in declared.answers.items():
+        schemas[name] = schema_of_message(name, answer, False)
+        schemas[name]['properties']['warnings'] = {'type': 'array', 'items': {'$ref': '#/components/schemas/warning'}, 'description': 'What was passed over.'}
+    schemas['warning'] = {
+        'type': 'object',
+        'required': [name for name, member in problem.items() if member.get('required')],
+        'properties': {name: {'type': 'string', 'description': described(member)} if member['type'] == 'code' else schema_of(member) for name, member in problem.items()},
+        'additionalProperties': False,
+    }
+    return schemas
+
+
+def answered(declared, paths):
+    """Has the operations refer to their answers."""
+    of = {}
+    for name, answer in declared.answers.items():
+        for place in answer['of']:
+            of.setdefault(place, []).append({'$ref': f'#/components/schemas/{name}'})
+    for place, names in of.items():
+        method, path, status = place.split(' ')
+        paths[path][method]['responses'][status]['content'] = {'application/json': {'schema': names[0] if len(names) == 1 else {'oneOf': names}}}
+
+
 def openapi(declared, text):
-    """The parameters and bodies that have members of speak or play; all else stays as it is."""
+    """The parameters and bodies that have members of speak or play, and the answers; all else stays as it is."""
     document = json.loads(text)
     said = [name for name, member in declared.speak.items() if name != 'text' and not member.get('once')]
     alone = [name for name in said if not declared.speak[name].get('stream')]
@@ -152,7 +222,7 @@ def openapi(declared, text):
         member = declared.speak[name]
         parameters[name] = {'name': name, 'in': 'query', 'description': described(member), 'schema': schema_of(member, False)}
     document['components']['parameters'] = parameters
-    playing = [name for name in declared.messages['play']['members'] if name in said]
+    playing = [name for name in declared.client['play']['members'] if name in said]
     for path, method, names in (('/v1/speech', 'get', alone), ('/v1/speech', 'post', alone), ('/v1/say', 'post', said), ('/v1/play', 'post', playing)):
         operation = document['paths'][path][method]
         members = [{'$ref': f'#/components/parameters/{name}'} for name in declared.speak]
@@ -161,32 +231,34 @@ def openapi(declared, text):
     for body, names in (('speech', alone), ('say', said)):
         own = {name: about for name, about in schemas[body]['properties'].items() if name not in declared.speak}
         schemas[body]['properties'] = {'text': schema_of(declared.speak['text']), **own, **{name: schema_of(declared.speak[name]) for name in names}}
+    made = answers_of(declared)
+    document['components']['schemas'] = {**{name: about for name, about in schemas.items() if name not in made}, **made}
+    answered(declared, document['paths'])
     return indented(document)
 
 
 def asyncapi(declared, text):
-    """The client's messages and the members of the address; all else stays as it is."""
+    """The messages and the members of the address; all else stays as it is."""
     document = json.loads(text)
     channel = document['channels']['stream']
     components = document['components']
-    kept = {key: value for key, value in components['messages'].items() if not key.startswith('client.') or key == 'client.sound'}
-    made = {}
-    for name, message in declared.messages.items():
-        right = message.get('right')
-        made[f'client.{name}'] = {
-            'name': name,
-            'summary': message['summary'],
-            **({'description': f'Needs the right to {right}.'} if right else {}),
-            'contentType': 'application/json',
-            'payload': {'schemaFormat': 'application/schema+json;version=draft-2020-12', 'schema': {'$ref': f'schema/client.json#/$defs/{name}'}},
-        }
-    components['messages'] = {**made, **kept}
-    own = [key for key in components['messages'] if key.startswith('client.')]
-    others = [key for key in components['messages'] if not key.startswith('client.')]
-    channel['messages'] = {key: {'$ref': f'#/components/messages/{key}'} for key in own + others}
-    document['operations']['hear']['messages'] = [{'$ref': f'#/channels/stream/messages/{key}'} for key in own]
-    media = declared.messages['media']['members']
-    join = declared.messages['join']['members']
+    sides = {'client': ('hear', declared.client, 'client.sound'), 'server': ('tell', declared.server, 'server.media')}
+    messages = {}
+    for side, (operation, declarations, binary) in sides.items():
+        for name, message in declarations.items():
+            messages[f'{side}.{name}'] = {
+                'name': name,
+                'summary': message['summary'],
+                **({'description': right_of(message)} if right_of(message) else {}),
+                'contentType': 'application/json',
+                'payload': {'schemaFormat': 'application/schema+json;version=draft-2020-12', 'schema': {'$ref': f'schema/{side}.json#/$defs/{name}'}},
+            }
+        messages[binary] = components['messages'][binary]
+        document['operations'][operation]['messages'] = [{'$ref': f'#/channels/stream/messages/{key}'} for key in messages if key.startswith(f'{side}.')]
+    components['messages'] = messages
+    channel['messages'] = {key: {'$ref': f'#/components/messages/{key}'} for key in messages}
+    media = declared.client['media']['members']
+    join = declared.client['join']['members']
     query = {name: schema_of(join[name]) for name in ('room', 'watch')}
     query.update({name: schema_of(media[name]) for name in ('audio', 'fap', 'kilobits', 'events')})
     query.update({name: about for name, about in channel['bindings']['ws']['query']['properties'].items() if name in ('token', 'key')})
@@ -195,9 +267,9 @@ def asyncapi(declared, text):
     return indented(document)
 
 
-def region(text, name, lines, comment='//'):
+def region(text, name, lines, comment='//', close=''):
     """Puts the lines between those that name the region."""
-    begin, end = f'{comment} <{name}: made by protocol/make-messages.py>', f'{comment} </{name}>'
+    begin, end = f'{comment} <{name}: made by protocol/make-messages.py>{close}', f'{comment} </{name}>{close}'
     pattern = re.compile(rf'(^ *){re.escape(begin)}\n.*?^ *{re.escape(end)}$', re.M | re.S)
     if len(pattern.findall(text)) != 1:
         raise SystemExit(f'no region <{name}>')
@@ -207,7 +279,11 @@ def region(text, name, lines, comment='//'):
 def typescript(member):
     if words_of(member):
         return ' | '.join(json.dumps(word).replace('"', "'") for word in words_of(member))
-    return {'text': 'string', 'string': 'string', 'tag': 'string', 'number': 'number', 'integer': 'number', 'flag': 'boolean'}[member['type']]
+    if member['type'] == 'structure':
+        return member['ts']
+    if member['type'] == 'constant':
+        return json.dumps(member['value'])
+    return {'text': 'string', 'string': 'string', 'tag': 'string', 'code': 'string', 'names': 'string[]', 'number': 'number', 'integer': 'number', 'flag': 'boolean'}[member['type']]
 
 
 def options_of(members, left_out):
@@ -218,6 +294,26 @@ def options_of(members, left_out):
     return lines
 
 
+def capital(name):
+    return f'Server{name[0].upper()}{name[1:]}'
+
+
+def events_of(declared):
+    """The server's messages that the element tells the page, as interfaces; and what its events carry."""
+    interfaces, events = [], []
+    for name, message in declared.server.items():
+        if 'event' not in message:
+            continue
+        interfaces += [f'/** {message["summary"]} */', f'export interface {capital(name)} {{', f"  type: '{name}';"]
+        for member, about in message['members'].items():
+            there = about.get('required') and not (member == 'stream' and message.get('packed'))  # those that come packed have no stream
+            interfaces += [f'  /** {described(about)} */', f'  {member}{"" if there else "?"}: {typescript(about)};']
+        interfaces.append('}')
+        if message['event'] is True:
+            events.append(f'{name}: CustomEvent<{capital(name)}>;')
+    return interfaces, events
+
+
 def attributes_of(declared):
     """By the attribute's name: the member's, unless every element of a page has that already, as `normalize`, a method of nodes."""
     return {attribute if (attribute := member['attribute']) is not True else name: {**member, 'name': name}
@@ -226,7 +322,9 @@ def attributes_of(declared):
 
 def element_types(declared, text):
     text = region(text, 'speak options', options_of(declared.speak, ['text', 'open']))
-    text = region(text, 'voice options', options_of(declared.messages['voice']['members'], ['codec', 'rate', 'channels']))
+    text = region(text, 'voice options', options_of(declared.client['voice']['members'], ['codec', 'rate', 'channels']))
+    interfaces, events = events_of(declared)
+    text = region(region(text, 'server messages', interfaces), 'server events', events)
     attributes, properties = [], []
     for name, member in attributes_of(declared).items():
         kind = 'number | string' if member['type'] in ('number', 'integer') else typescript(member)
@@ -269,8 +367,13 @@ def kind_of(member):
             return told + (f', at least {low} byte' if low else '')
         return f'{told}, {low} to {high} bytes' if low else f'{told}, at most {high} bytes'
     if kind in ('number', 'integer'):
+        if low is None or high is None:
+            return kind + (f', at least {low:g}' if low is not None else '')
         return f'{kind}, {low:g} to {high}' if kind == 'number' else f'integer, {low} to {high}'
-    return {'text': 'string', 'flag': 'true or false', 'structure': {'array': 'list', 'object': 'object'}.get(member.get('schema', {}).get('type'), 'any')}[kind]
+    if kind == 'constant':
+        return f'`{json.dumps(member["value"])}`'
+    return {'text': 'string', 'code': 'string', 'names': 'list of strings', 'flag': 'true or false',
+            'structure': {'array': 'list', 'object': 'object'}.get(member.get('schema', {}).get('type'), 'any')}[kind]
 
 
 def otherwise_of(member):
@@ -281,45 +384,73 @@ def otherwise_of(member):
     return f'`{json.dumps(member["default"])}`'.replace('"', '') if 'default' in member else ''
 
 
+def says(member):
+    text = member['summary']
+    if isinstance(member.get('words'), dict):
+        text += ' ' + '; '.join(f'`{word}`: {means}' for word, means in member['words'].items()) + '.'
+    if 'see' in member:
+        text += f' See [there]({member["see"]}).'
+    return text
+
+
 def reference(declared, _):
-    out = ['<!-- SPDX-License-Identifier: MIT -->', f'<!-- {MADE} -->', '# Messages of the client', '',
-           'What a client may send on a stream ([README.md](README.md) tells what it means), with the right that it needs where there are tokens. Members of `speak`',
-           'are parameters of `/v1/speech` and `/v1/say`, too, and of the address of a stream; of `faccia say` those with an option. Strings are counted in bytes of',
-           'UTF-8. A member that breaks its type or range is a `bad-field`, a required one that is missing a `missing-field`, both with the member as `field`.', '']
-    for name, message in declared.messages.items():
-        right = message.get('right')
-        out += [f'## {name}', '', message['summary'] + (f' Needs the right to `{right}`.' if right else ''), '']
+    out = ['<!-- SPDX-License-Identifier: MIT -->', f'<!-- {MADE} -->', '# Messages', '',
+           '[Messages of the client](#messages-of-the-client) · [Messages of the server](#messages-of-the-server). [README.md](README.md) tells what they mean.', '',
+           '## Messages of the client', '',
+           'What a client may send on a stream, with the right that it needs where there are tokens. Members of `speak` are parameters of `/v1/speech` and `/v1/say`, too, and of the',
+           'address of a stream; of `faccia say` those with an option. Strings are counted in bytes of UTF-8. A member that breaks its type or range is a `bad-field`, a required one',
+           'that is missing a `missing-field`, both with the member as `field`.', '']
+    for name, message in declared.client.items():
+        out += [f'### {name}', '', message['summary'] + (f' {right_of(message)}' if right_of(message) else ''), '']
         if not message['members']:
             out += ['No members.', '']
             continue
         out += ['| member | type | when left out | |', '|---|---|---|---|']
         for member, about in message['members'].items():
-            says = about['summary']
-            if isinstance(about.get('words'), dict):
-                says += ' ' + '; '.join(f'`{word}`: {means}' for word, means in about['words'].items()) + '.'
-            if 'see' in about:
-                says += f' See [there]({about["see"]}).'
+            text = says(about)
             if name == 'speak' and 'option' in about:
-                says += f' Option `--{member}`.'
+                text += f' Option `--{member}`.'
             if about.get('stream') and name == 'speak':
-                says += ' On a stream or in a room only.'
-            out.append(f'| `{member}` | {kind_of(about)} | {otherwise_of(about)} | {says} |')
+                text += ' On a stream or in a room only.'
+            out.append(f'| `{member}` | {kind_of(about)} | {otherwise_of(about)} | {text} |')
+        out.append('')
+    out += ['## Messages of the server', '', 'What the daemon sends on a stream, and as server-sent events of a room. A member that is not always there is in some of them only.', '']
+    for name, message in declared.server.items():
+        out += [f'### server: {name}', '', says(message), '', '| member | type | there | |', '|---|---|---|---|']
+        for member, about in message['members'].items():
+            there = 'always' if about.get('required') else ''
+            out.append(f'| `{member}` | {kind_of(about)} | {there} | {says(about)} |')
         out.append('')
     return '\n'.join(out)
 
 
+def protocol_readme(declared, text):
+    """The list of the server's messages, and the members of hello."""
+    rows = ['| `type` | meaning | members |', '|---|---|---|']
+    for name, message in declared.server.items():
+        about = declared.shared['utterance']['members'] if 'utterance' in message.get('shares', []) else ()
+        members = ', '.join(f'`{member}`' for member in message['members'] if member not in about)
+        rows.append(f'| [`{name}`](messages.md#server-{name}) | {message["summary"]} | {members} |')
+    hello = ['| member | value |', '|---|---|'] + [f'| `{member}` | {says(about).replace("(README.md#", "(#")} |' for member, about in declared.server['hello']['members'].items()]
+    return region(region(text, 'server messages', rows, '<!--', ' -->'), 'hello', hello, '<!--', ' -->')
+
+
 def python_client(declared, text):
-    lines = textwrap.wrap(' '.join(declared.messages), 116, break_long_words=False)
-    body = ['CLIENT_MESSAGES = frozenset('] + [f'    "{line}{"" if line is lines[-1] else " "}"' for line in lines]
-    body[-1] += '.split()'
-    return region(text, 'client messages', body + [')'], '#')
+    for side, messages in (('client', declared.client), ('server', declared.server)):
+        lines = textwrap.wrap(' '.join(messages), 116, break_long_words=False)
+        body = [f'{side.upper()}_MESSAGES = frozenset('] + [f'    "{line}{"" if line is lines[-1] else " "}"' for line in lines]
+        body[-1] += '.split()'
+        text = region(text, f'{side} messages', body + [')'], '#')
+    return text
 
 
 KEPT = {
     'protocol/schema/client.json': client_schema,
+    'protocol/schema/server.json': server_schema,
     'protocol/openapi.json': openapi,
     'protocol/asyncapi.json': asyncapi,
     'protocol/messages.md': reference,
+    'protocol/README.md': protocol_readme,
     'web/element/talking-head.d.ts': element_types,
     'web/element/speak-attributes.mjs': element_attributes,
     'web/docs/element/reference.md': element_readme,
@@ -390,7 +521,7 @@ def client_messages(declared):
     """Tables of the messages, of their own fields, and of those that they share with speak."""
     out = [f'/* {MADE} */']
     rows = []
-    for name, message in declared.messages.items():
+    for name, message in declared.client.items():
         fields, shared = [], []
         for member, about in message['members'].items():
             if name == 'speak' or about.get('like') == f'speak.{member}':
@@ -411,7 +542,19 @@ def client_messages(declared):
         if fields or (shared and name != 'speak'):
             rows.append(f'    {{"{name}", {f"{name}_fields, {len(fields)}" if fields else "NULL, 0"}, {f"{name}_shared" if shared else "NULL"}}},')
     out += ['/* Messages with members; speak is read by struct speech_request alone. */', 'static const struct client_message client_messages[] = {', *rows, '};']
+    out += ['/* The right that each message needs, 0: none. */', 'static const struct message_right message_rights[] = {',
+            *(f'    {{"{name}", {0 if message["right"] == "none" else "RIGHT_" + message["right"].upper()}}},' for name, message in declared.client.items()), '};']
     return '\n'.join(out) + '\n'
+
+
+def server_messages(declared):
+    """What the plain text protocol prints of the server's messages: struct text_line {type, members}."""
+    rows = []
+    for name, message in declared.server.items():
+        printed = [f'"{member}"' for member, about in message['members'].items() if about.get('line')]
+        if printed or message.get('line'):
+            rows.append(f'    {{"{name}", {{{", ".join([*printed, "NULL"])}}}}},')
+    return '\n'.join([f'/* {MADE} */', '#define SERVER_LINES \\', *(row + ' \\' for row in rows[:-1]), rows[-1]]) + '\n'
 
 
 def help_of(name, member):
@@ -440,7 +583,7 @@ def say_options(declared):
     return '\n'.join(out) + '\n'
 
 
-BUILT = {'speak-fields': speak_fields, 'client-messages': client_messages, 'say-options': say_options}
+BUILT = {'speak-fields': speak_fields, 'client-messages': client_messages, 'server-messages': server_messages, 'say-options': say_options}
 
 
 def main(words):

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: its lifecycle, its room and the media it receives. */
 #include "server/api/client_internal.h"
+#include "server/api/client_message.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/http/http_request.h"
@@ -157,7 +158,7 @@ static void name_observer(struct client *c, const char *room) {
 }
 
 static int join(struct client *c, const char *room, bool watch, const char *called, struct error *e) {
-    if (principal_may(c->api, &c->principal, RIGHT_LISTEN, room, e))
+    if (principal_may(c->api, &c->principal, client_message_right("join"), room, e))
         return -1;
     struct channel *channel = channel_room(c->api->rooms, room, principal_quota_key(&c->principal), e);
     if (!channel)

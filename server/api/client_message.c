@@ -12,6 +12,11 @@ struct client_message {
     const char *const *shared; /* names of fields of speech_request, NULL-terminated; or NULL */
 };
 
+struct message_right {
+    const char *type;
+    enum right right;
+};
+
 #include "protocol/client_messages.h" /* generated from protocol/messages.json */
 
 /* NULL: the message has no members, or only those of a request (speak). */
@@ -20,6 +25,13 @@ static const struct client_message *find(const char *type) {
         if (!strcmp(client_messages[i].type, type))
             return &client_messages[i];
     return NULL;
+}
+
+enum right client_message_right(const char *type) {
+    for (size_t i = 0; i < sizeof message_rights / sizeof *message_rights; i++)
+        if (!strcmp(message_rights[i].type, type))
+            return message_rights[i].right;
+    return 0;
 }
 
 int client_message_check(const char *type, const json_t *message, struct error *e) {

@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Members of client messages, as declared in protocol/messages.json. Lists and objects are checked by the
- * code that handles the message. */
+/* Members and rights of client messages, as declared in protocol/messages.json. Lists and objects are
+ * checked by the code that handles the message. */
 #ifndef FACCIA_API_CLIENT_MESSAGE_H
 #define FACCIA_API_CLIENT_MESSAGE_H
 
+#include "server/access/token.h"
 #include "server/base/error.h"
 #include <jansson.h>
 
 struct speech_request;
+
+/* The right that messages of that type need; 0: none, or no such type. */
+enum right client_message_right(const char *type);
 
 /* Checks that required members are present, and that all members have valid types and ranges. Members
  * shared with speak are not checked. -1 with *e "missing-field" or "bad-field". */

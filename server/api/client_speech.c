@@ -68,9 +68,9 @@ void open_texts_leave(struct client *c) {
     c->open_cap = 0;
 }
 
-/* Checks that the client may speak where it is. -1 with *e. */
-static int may_speak(struct client *c, struct error *e) {
-    return principal_may(c->api, &c->principal, RIGHT_SPEAK, client_room(c), e);
+/* Checks that the client may send a message of that type where it is. -1 with *e. */
+static int may_send(struct client *c, const char *type, struct error *e) {
+    return principal_may(c->api, &c->principal, client_message_right(type), client_room(c), e);
 }
 
 static void complain(struct client *c, const char *id, const struct error *e) {
@@ -84,7 +84,7 @@ static void complain(struct client *c, const char *id, const struct error *e) {
 static const char *id_of(struct client *c, const json_t *message) {
     const char *id = json_string_value(json_object_get(message, "id"));
     struct error e;
-    if (may_speak(c, &e)) {
+    if (may_send(c, json_string_value(json_object_get(message, "type")), &e)) {
         complain(c, id, &e);
         return NULL;
     }
@@ -182,7 +182,7 @@ static void close_last(struct client *c) {
 }
 
 static int may_begin(struct client *c, struct error *e) {
-    if (may_speak(c, e) || principal_ask(c->api, &c->principal, e))
+    if (may_send(c, "voice", e) || principal_ask(c->api, &c->principal, e))
         return -1;
     return c->api->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
 }

@@ -124,32 +124,33 @@ static int check_consent(const struct command_call *call, bool *exempt, struct e
     return *exempt && call->observes ? error_set(e, ERROR_FORBIDDEN, "only who listens can consent") : 0;
 }
 
+/* The rights are in protocol/messages.json. */
 static const struct command commands[] = {
-    {"speak", RIGHT_SPEAK, .speaks = true, .run = speak},
-    {"play", RIGHT_SPEAK, .speaks = true, .run = play},
-    {"stop", RIGHT_SPEAK, .run = stop, .bare = true},
-    {"pause", RIGHT_SPEAK, .run = pause_speech, .bare = true},
-    {"resume", RIGHT_SPEAK, .run = resume, .bare = true},
-    {"rate", RIGHT_SPEAK, .run = rate},
-    {"jump", RIGHT_SPEAK, .run = jump},
-    {"cancel", RIGHT_SPEAK, .run = cancel},
-    {"express", RIGHT_SPEAK, .run = express},
-    {"choices", RIGHT_SPEAK, .run = offer_choices},
-    {"choose", 0, .run = choose}, /* listeners may answer the question */
-    {"state", RIGHT_SPEAK, .run = set_state},
-    {"calibrate", RIGHT_SPEAK, .run = calibrate},
-    {"consent", RIGHT_SPEAK, .check = check_consent, .run = consent},
-    {"text", RIGHT_SPEAK, .act = open_text_add},
-    {"flush", RIGHT_SPEAK, .act = open_text_flush},
-    {"close", RIGHT_SPEAK, .act = open_text_close},
-    {"voice", RIGHT_SPEAK, .act = client_voice_begin},
-    {"idle", 0, .act = client_idle},
-    {"model", 0, .act = client_send_model},
-    {"media", 0, .act = client_choose_media},
-    {"join", 0, .act = client_join},
-    {"leave", 0, .act = client_leave_room},
-    {"authorize", 0, .act = client_authorize},
-    {"ping", 0, .act = client_pong},
+    {"speak", .speaks = true, .run = speak},
+    {"play", .speaks = true, .run = play},
+    {"stop", .run = stop, .bare = true},
+    {"pause", .run = pause_speech, .bare = true},
+    {"resume", .run = resume, .bare = true},
+    {"rate", .run = rate},
+    {"jump", .run = jump},
+    {"cancel", .run = cancel},
+    {"express", .run = express},
+    {"choices", .run = offer_choices},
+    {"choose", .run = choose},
+    {"state", .run = set_state},
+    {"calibrate", .run = calibrate},
+    {"consent", .check = check_consent, .run = consent},
+    {"text", .act = open_text_add},
+    {"flush", .act = open_text_flush},
+    {"close", .act = open_text_close},
+    {"voice", .act = client_voice_begin},
+    {"idle", .act = client_idle},
+    {"model", .act = client_send_model},
+    {"media", .act = client_choose_media},
+    {"join", .act = client_join},
+    {"leave", .act = client_leave_room},
+    {"authorize", .act = client_authorize},
+    {"ping", .act = client_pong},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -187,10 +188,11 @@ int command_request(const struct command *command, const json_t *message, struct
 
 int command_permit(const struct command *command, const struct command_call *call,
                    const struct principal *principal, struct error *e) {
-    bool exempt = !command->right;
+    enum right right = client_message_right(command->name);
+    bool exempt = !right;
     if (command->check && command->check(call, &exempt, e))
         return -1;
-    return exempt ? 0 : principal_may(call->api, principal, command->right, call->room, e);
+    return exempt ? 0 : principal_may(call->api, principal, right, call->room, e);
 }
 
 int command_admit(const struct command_call *call, const struct principal *principal, struct error *e) {

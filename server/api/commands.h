@@ -34,7 +34,6 @@ struct command_call {
 
 struct command {
     const char *name; /* "type" of its message */
-    enum right right; /* required right; 0: being in the room is enough */
     bool speaks; /* takes a speech request, counts against the request limit, and reports a refusal as the
                     utterance's end */
     bool bare;   /* its message has no member but the type */

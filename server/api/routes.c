@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Maps addresses to handlers, rights and accepted query members. */
 #include "server/api/api_internal.h"
+#include "server/api/client_message.h"
 #include "server/library/library.h"
 #include <string.h>
 
@@ -64,8 +65,8 @@ static const struct route {
     json_t *(*document)(const struct api *api);
     int (*get)(struct exchange *x);
     int (*post)(struct exchange *x);
-    const char *command; /* POST runs it in the room of ?room= */
-    enum right right;    /* required right; 0: none */
+    const char *command; /* POST runs it in the room of ?room=, unless `post` does; declares the right */
+    enum right right;    /* required right where there is no command; 0: none */
     enum scope scope;
     const struct members *members; /* accepted query members; NULL: not checked */
     bool below;                    /* also serves all addresses below */
@@ -120,14 +121,9 @@ static const struct route {
      .right = RIGHT_LISTEN,
      .scope = SCOPE_ROOM,
      .members = &for_events},
-    {.path = "/v1/say", .post = room_say, .right = RIGHT_SPEAK, .scope = SCOPE_ROOM, .members = &for_say},
-    {.path = "/v1/stop", .command = "stop", .right = RIGHT_SPEAK, .scope = SCOPE_ROOM, .members = &only_room},
-    {.path = "/v1/choices",
-     .command = "choices",
-     .right = RIGHT_SPEAK,
-     .scope = SCOPE_ROOM,
-     .members = &only_room},
-    {.path = "/v1/play", .post = play_post, .right = RIGHT_SPEAK, .scope = SCOPE_ROOM, .members = &for_play},
+    {.path = "/v1/say", .post = room_say, .command = "speak", .scope = SCOPE_ROOM, .members = &for_say},
+    {.path = "/v1/stop", .command = "stop", .scope = SCOPE_ROOM, .members = &only_room},
+    {.path = "/v1/play", .post = play_post, .command = "play", .scope = SCOPE_ROOM, .members = &for_play},
     {.path = "/v1/scenes",
      .get = scenes_serve,
      .right = RIGHT_SPEAK,
@@ -241,8 +237,9 @@ static int serve_route(struct exchange *x, const struct route *route, enum http_
     const char *room = route->scope == SCOPE_ROOM  ? http_query(request, "room")
                        : route->scope == SCOPE_OWN ? principal_own_room
                                                    : NULL;
+    enum right right = route->command ? client_message_right(route->command) : route->right;
     int refusal;
-    if (!exchange_permits(x, change ? RIGHT_OPERATE : route->right, room, &refusal))
+    if (!exchange_permits(x, change ? RIGHT_OPERATE : right, room, &refusal))
         return refusal;
     if (route->members)
         query_check(request, route->members, get && route->post, exchange_warn, x);
@@ -255,10 +252,10 @@ static int serve_route(struct exchange *x, const struct route *route, enum http_
     if (route->document && get)
         return exchange_json(x, route->document == message_health && !api->ready ? 503 : 200,
                              route->document(api));
-    if (route->command && post)
-        return room_command(x, route->command);
     if (route->post && post)
         return route->post(x);
+    if (route->command && post)
+        return room_command(x, route->command);
     if (get && !route->document && !takes_post(route))
         return refuse(x, ERROR_UPGRADE_REQUIRED);
     return refuse_method(x, methods_of(route));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events and answers as lines of text, for people who type. */
+#include "protocol/server_messages.h"
 #include "server/base/utf8.h"
 #include "server/rooms/events.h"
 #include <string.h>
@@ -73,20 +74,7 @@ void event_line(struct buf *line, const struct stream_event *e) {
 static const struct {
     const char *type, *members[4];
 } lines[] = {
-    {"hello", {"server", NULL}},
-    {"warning", {"code", "field", "message", NULL}},
-    {"error", {"code", "field", "message", NULL}},
-    {"end", {"reason", NULL}},
-    {"joined", {"room", NULL}},
-    {"left", {"room", NULL}},
-    {"authorized", {"subject", NULL}},
-    {"choices", {"id", "question", NULL}},
-    {"chosen", {"id", "text", NULL}},
-    {"state", {"state", "text", NULL}},
-    {"calibrated", {NULL}},
-    {"expressed", {"by", NULL}},
-    {"consent", {"consent", "text", NULL}},
-    {"desks", {NULL}},
+    SERVER_LINES /* generated from protocol/messages.json */
     {"help", {"text", NULL}},
 };
 

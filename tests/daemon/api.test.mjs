@@ -89,7 +89,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/choices': { choices: ['Sì'] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
+const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');

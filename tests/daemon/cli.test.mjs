@@ -108,7 +108,7 @@ test('markup, its warnings, and how it is to be shown', () => {
 });
 
 test('the help names each option that protocol/messages.json declares, and completion knows their words', () => {
-  const { members } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json'))).messages.speak;
+  const { members } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json'))).client.speak;
   const { stdout } = say(['--help']);
   const options = Object.keys(members).filter((name) => members[name].option);
   assert.ok(options.length > 10);

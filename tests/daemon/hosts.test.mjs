@@ -122,7 +122,7 @@ test('what a page of another site has its browser fetch without an origin', asyn
 
 test('what changes something, of a page of another origin, whose body needs no preflight', async () => {
   const origins = ['http://evil.example', 'null', 'http://localhost.evil.example', 'https://127.0.0.1.evil.example'];
-  const posts = ['/v1/speech?lang=it', '/v1/say?room=x', '/v1/stop?room=x', '/v1/choices?room=x', '/v1/rooms/x/commands',
+  const posts = ['/v1/speech?lang=it', '/v1/say?room=x', '/v1/stop?room=x', '/v1/rooms/x/commands',
     '/v1/play?room=x', '/v1/revoke'];
   for (const address of posts)
     for (const type of ['text/plain', 'application/x-www-form-urlencoded', 'multipart/form-data; boundary=x', undefined])

@@ -215,17 +215,18 @@ test('over HTTP, and as lines', async () => {
   socket.on('message', (line) => lines.push(String(line)));
   const line = (pattern) => eventually(() => lines.some((each) => pattern.test(each)), String(pattern));
   await line(/^joined d/);
-  const answer = await post('/v1/choices?room=d', JSON.stringify(offer));
+  const answer = await post('/v1/rooms/d/commands', JSON.stringify(offer));
   assert.equal(answer.status, 202);
   assert.deepEqual(await answer.json(), { type: 'accepted', room: 'd', listeners: 1 });
   await line(/^choices q Ha fame\?/);
   assert.equal((await post('/v1/rooms/d/commands', '{"type":"state","state":"muted"}')).status, 202);
   await line(/^state muted/);
   for (const [address, body, status, code] of [
-    ['/v1/choices?room=nobody', JSON.stringify(offer), 404, 'unknown-room'],
-    ['/v1/choices', JSON.stringify(offer), 400, 'missing-field'],
-    ['/v1/choices?room=d', '', 400, 'bad-json'],
-    ['/v1/choices?room=d', '[1]', 400, 'missing-field'],
+    ['/v1/rooms/nobody/commands', JSON.stringify(offer), 404, 'unknown-room'],
+    ['/v1/rooms/d/commands', '{"type":"choices"}', 400, 'missing-field'],
+    ['/v1/rooms/d/commands', '', 400, 'bad-json'],
+    ['/v1/rooms/d/commands', '[1]', 400, 'bad-message'],
+    ['/v1/choices?room=d', JSON.stringify(offer), 404, 'not-found'],
     ['/v1/rooms/d/commands', '{"type":"state","state":', 400, 'bad-json'],
     ['/v1/rooms/d/commands', `{"type":"state","state":"idle","text":"${'x'.repeat(300000)}"}`, 413, 'message-too-long'],
   ]) {

@@ -34,3 +34,16 @@ test('every operation has an id of its own', () => {
   assert.ok(ids.length >= 18 && ids.every(Boolean));
   assert.equal(new Set(ids).size, ids.length);
 });
+
+test('SECURITY.md: each attack has a test, which is there', () => {
+  const root = path.join(folder, '..');
+  const table = fs.readFileSync(path.join(root, 'SECURITY.md'), 'utf8').split('\n## What stops what\n')[1].split('\n## ')[0];
+  const rows = table.split('\n').filter((line) => line.startsWith('| ')).slice(1).map((line) => line.split(/(?<!\\) \| /));
+  assert.ok(rows.length > 60);
+  for (const row of rows) {
+    assert.equal(row.length, 3, row[0]);
+    const named = [...row[2].matchAll(/`([^`]+)`/g)].map(([, name]) => (name.startsWith('fuzz_') ? `fuzz/${name}.c` : name));
+    assert.ok(named.length, row[0]);
+    for (const name of named) assert.ok(fs.existsSync(path.join(root, 'tests', name)), name);
+  }
+});

@@ -32,9 +32,9 @@ test('protocol/README.md has the same codes with the same statuses', () => {
   assert.deepEqual(told, table);
 });
 
-test('the schema of the server has the same codes, and OpenAPI and AsyncAPI mean that schema', () => {
-  const { problem } = JSON.parse(read('protocol/schema/server.json')).$defs;
-  assert.deepEqual([...problem.properties.code.enum].sort(), Object.keys(table).sort());
+test('the declaration and the schema of the server have the same codes, and OpenAPI and AsyncAPI mean that schema', () => {
+  const { code } = JSON.parse(read('protocol/schema/server.json')).$defs;
+  for (const codes of [code.enum, JSON.parse(read('protocol/messages.json')).codes]) assert.deepEqual([...codes].sort(), Object.keys(table).sort());
   const means = (file, pointer) => read(`protocol/${file}`).includes(`"schema/server.json#/$defs/${pointer}"`);
   assert.ok(means('openapi.json', 'error') && means('asyncapi.json', 'error') && means('asyncapi.json', 'warning'));
 });

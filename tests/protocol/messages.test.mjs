@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The declaration of the client's messages (protocol/messages.json) and all that is made of it: what is kept in the repository is
+// The declaration of the messages of client and server (protocol/messages.json) and all that is made of it: what is kept in the repository is
 // what would be made now, and a member or a message that is missing from any one of those files is found.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
@@ -14,8 +14,8 @@ const root = fileURLToPath(new URL('../..', import.meta.url));
 const maker = path.join(root, 'protocol/make-messages.py');
 const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const declared = JSON.parse(read('protocol/messages.json'));
-const { members } = declared.messages.speak;
-const KEPT = ['protocol/schema/client.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/element/talking-head.d.ts',
+const { members } = declared.client.speak;
+const KEPT = ['protocol/schema/client.json', 'protocol/schema/server.json', 'protocol/openapi.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'protocol/README.md', 'web/element/talking-head.d.ts',
   'web/element/speak-attributes.mjs', 'web/docs/element/reference.md', 'web/client/python/faccia.py'];
 
 const folders = [];
@@ -47,8 +47,9 @@ test('the declaration has the form that its schema says', () => {
   const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });
   const validate = ajv.compile(JSON.parse(read('protocol/schema/messages.json')));
   assert.ok(validate(declared), ajv.errorsText(validate.errors));
-  for (const damage of [(d) => delete d.messages.speak.members.rate.max, (d) => delete d.messages.speak.members.mode.words, (d) => delete d.messages.stop.summary,
-    (d) => (d.messages.speak.members.rate.type = 'double'), (d) => (d.messages.stop.right = 'shout')]) {
+  for (const damage of [(d) => delete d.client.speak.members.rate.min, (d) => delete d.client.speak.members.mode.words, (d) => delete d.client.stop.summary, (d) => delete d.client.stop.right,
+    (d) => (d.client.speak.members.rate.type = 'double'), (d) => (d.client.stop.right = 'shout'), (d) => delete d.server.messages.begin.members.rate.summary, (d) => delete d.server.messages.begin.members.again.value,
+    (d) => delete d.server.answers.stopped.of]) {
     const damaged = structuredClone(declared);
     damage(damaged);
     assert.ok(!validate(damaged), String(damage));
@@ -66,15 +67,18 @@ const json = (change) => (text) => {
   change(document);
   return JSON.stringify(document, null, 2) + '\n';
 };
-const lines = (pattern) => (text) => {
-  const left = text.split('\n').filter((line) => !pattern.test(line));
-  assert.equal(left.length, text.split('\n').length - 1, String(pattern));
-  return left.join('\n');
+/** Without the last of so many lines that fit. */
+const lines = (pattern, count = 1) => (text) => {
+  const all = text.split('\n');
+  const fitting = [...all.keys()].filter((at) => pattern.test(all[at]));
+  assert.equal(fitting.length, count, String(pattern));
+  return all.toSpliced(fitting.at(-1), 1).join('\n');
 };
 const words = (before, after) => (text) => {
   assert.equal(text.split(before).length, 2, before);
   return text.replace(before, after);
 };
+const answerOf = (document, method, place, status) => document.paths[place][method].responses[status].content['application/json'];
 const ofSpeech = (document) => document.paths['/v1/speech'].get.parameters;
 
 // A member, or a message, taken out of one place of one file.
@@ -93,16 +97,38 @@ const DAMAGES = [
   ['protocol/asyncapi.json', 'a message', json((d) => gone(d.components.messages, 'client.jump'))],
   ['protocol/asyncapi.json', 'a message of the channel', json((d) => gone(d.channels.stream.messages, 'client.jump'))],
   ['protocol/asyncapi.json', 'a message that is heard', json((d) => d.operations.hear.messages.shift())],
+  ['protocol/schema/server.json', 'a member', json((d) => gone(d.$defs.begin.properties, 'again'))],
+  ['protocol/schema/server.json', 'a member that several share', json((d) => gone(d.$defs.word.properties, 'utf16_start'))],
+  ['protocol/schema/server.json', 'a bound', json((d) => gone(d.$defs.chosen.properties.choice, 'maximum'))],
+  ['protocol/schema/server.json', 'a member that is always there', json((d) => d.$defs.end.required.pop())],
+  ['protocol/schema/server.json', 'a message', json((d) => gone(d.$defs, 'desks'))],
+  ['protocol/schema/server.json', 'a code', json((d) => d.$defs.code.enum.pop())],
+  ['protocol/openapi.json', 'a member of an answer', json((d) => gone(d.components.schemas.accepted.properties, 'held'))],
+  ['protocol/openapi.json', 'a member of a warning', json((d) => gone(d.components.schemas.warning.properties, 'byte'))],
+  ['protocol/openapi.json', 'an answer', json((d) => gone(answerOf(d, 'post', '/v1/stop', 200), 'schema'))],
+  ['protocol/openapi.json', 'one of several answers', json((d) => answerOf(d, 'post', '/v1/rooms/{room}/commands', 200).schema.oneOf.pop())],
+  ['protocol/asyncapi.json', 'a message of the server', json((d) => gone(d.components.messages, 'server.jumped'))],
+  ['protocol/asyncapi.json', 'a message of the server, of the channel', json((d) => gone(d.channels.stream.messages, 'server.jumped'))],
+  ['protocol/asyncapi.json', 'a message that is told', json((d) => d.operations.tell.messages.shift())],
   ['protocol/messages.md', 'a member', lines(/^\| `contacts` /)],
-  ['protocol/messages.md', 'a message', lines(/^## jump$/)],
+  ['protocol/messages.md', 'a member of the server', lines(/^\| `may_speak` /)],
+  ['protocol/messages.md', 'a message of the server', lines(/^### server: jumped$/)],
+  ['protocol/README.md', 'a message of the server', lines(/^\| \[`jumped`\]/)],
+  ['protocol/README.md', 'a member of the server', words('`room`, `followers`, `may_speak`', '`room`, `followers`')],
+  ['protocol/README.md', 'a member of hello', lines(/^\| `opus_skip` /)],
+  ['protocol/messages.md', 'a message', lines(/^### jump$/)],
   ['web/element/talking-head.d.ts', 'an option of speak', lines(/^ {2}gender\?: /)],
   ['web/element/talking-head.d.ts', 'an attribute', lines(/^ {2}contacts\?: .* \| null;$/)],
   ['web/element/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
-  ['web/element/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
+  ['web/element/talking-head.d.ts', 'an option of listen', lines(/^ {2}\/\*\* Whose lips\. /)],
+  ['web/element/talking-head.d.ts', 'a member of the server', lines(/^ {2}followers: /)],
+  ['web/element/talking-head.d.ts', 'a member of the server that is not always there', lines(/^ {2}lookahead\?: 0 \| 40 \| 80 \| 120;$/, 2)],
+  ['web/element/talking-head.d.ts', 'an event', lines(/^ {2}jumped: CustomEvent/)],
   ['web/element/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
   ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization` | defaults for', '`blend`, `normalization` | defaults for')],
   ['web/docs/element/reference.md', 'an option', words('`blend`, `contacts`, `normalize`, `mode`', '`blend`, `normalize`, `mode`')],
   ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],
+  ['web/client/python/faccia.py', 'a message of the server', words('paused resumed jumped', 'paused resumed')],
 ];
 assert.deepEqual([...new Set(DAMAGES.map(([name]) => name))].sort(), [...KEPT].sort());
 test('what is missing from any one of the files is found, and put back', () => {
@@ -122,14 +148,21 @@ test('what is missing from any one of the files is found, and put back', () => {
 test('a member that is declared once is in each file, and in what is built', () => {
   const folder = copy();
   const more = structuredClone(declared);
-  more.messages.speak.members.sparkle = { type: 'number', min: 0, max: 9, default: 3, summary: 'How much it sparkles.', attribute: true, option: { value: 'N', summary: 'how much it sparkles' } };
-  more.messages.glitter = { summary: 'Strews glitter.', right: 'speak', members: { grains: { type: 'integer', min: 1, max: 7, required: true, summary: 'How many.' } } };
+  more.client.speak.members.sparkle = { type: 'number', min: 0, max: 9, default: 3, summary: 'How much it sparkles.', attribute: true, option: { value: 'N', summary: 'how much it sparkles' } };
+  more.client.glitter = { summary: 'Strews glitter.', right: 'speak', members: { grains: { type: 'integer', min: 1, max: 7, required: true, summary: 'How many.' } } };
+  more.server.messages.glittered = { summary: 'Glitter has fallen.', shares: ['utterance'], event: true, members: { shine: { type: 'integer', min: 1, required: true, line: true, summary: 'How much of it.' } } };
+  more.server.answers.accepted.members.shine = { type: 'integer', min: 1, summary: 'How much of it.' };
   fs.writeFileSync(path.join(folder, 'protocol/messages.json'), JSON.stringify(more));
   assert.deepEqual(wrong(folder), [KEPT]);
   write(folder);
-  for (const name of KEPT.filter((one) => !one.endsWith('.py'))) assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bsparkle\b/, name);
+  const server = ['protocol/schema/server.json', 'protocol/README.md'];
+  for (const name of KEPT.filter((one) => !one.endsWith('.py') && !server.includes(one))) assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bsparkle\b/, name);
   for (const name of ['protocol/schema/client.json', 'protocol/asyncapi.json', 'protocol/messages.md', 'web/client/python/faccia.py'])
     assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bglitter\b/, name);
+  for (const name of [...server, 'protocol/openapi.json', 'protocol/messages.md', 'web/element/talking-head.d.ts']) assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bshine\b/, name);
+  for (const name of ['protocol/asyncapi.json', 'web/client/python/faccia.py']) assert.match(fs.readFileSync(path.join(folder, name), 'utf8'), /\bglittered\b/, name);
+  assert.match(make('server-messages', folder), /\{"glittered", \{"shine", NULL\}\},/);
+  assert.match(make('client-messages', folder), /\{"glitter", RIGHT_SPEAK\},/);
   assert.match(make('speak-fields', folder), /FIELD\(sparkle, NUMBER, 0, 9, NULL\)/);
   assert.match(make('speak-fields', folder), /\.sparkle = 3/);
   assert.match(make('say-options', folder), /"sparkle", 1, NULL, 1/);

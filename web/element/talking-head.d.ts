@@ -122,13 +122,372 @@ export interface MediaDetail {
   audio: Int16Array | Float32Array | null;
 }
 
-export interface EndMessage {
+// <server messages: made by protocol/make-messages.py>
+/** What the server offers, at once after the upgrade. */
+export interface ServerHello {
+  type: 'hello';
+  /** The version of the protocol. */
+  protocol: 1;
+  /** Name and version. */
+  server: string;
+  /** This connection's name. */
+  stream: string;
+  /** The default frame rate. */
+  fps: number;
+  /** The default language. */
+  lang: string;
+  /** The codecs of sound on offer. */
+  audio: string[];
+  /** The codecs of FAPs on offer. */
+  fap: string[];
+  /** How events can come. */
+  events: string[];
+  /** Samples at 48 kHz that an Opus decoder drops at an utterance's beginning. */
+  opus_skip: number;
+  /** Whether tokens are demanded. */
+  tokens: boolean;
+  /** Languages with a speech pack: tag, name, and the engines that speak it. */
+  languages: { tag: string; name: string; engines: string[] }[];
+  /** Tags of the further languages that voices speak; their lips follow the International Phonetic Alphabet. */
+  more_languages: string[];
+  /** What can make the movements of the mouth. */
+  engines: string[];
+  /** The affects that express takes. */
+  expressions: string[];
+  /** The heads: name, title, hash and bytes; about in a few words; voice the kind of voice that suits it, members of speak; poster the address of its neutral picture, pictures that of a set of them, from /v1/ on. */
+  models: { name: string; title: string; hash: string; bytes: number; about?: string; voice?: { gender?: 'female' | 'male'; pitch?: number }; poster?: string; pictures?: string }[];
+  /** What a client may ask for at most. */
+  limits: Record<'text_bytes' | 'message_bytes' | 'queue' | 'open' | 'connections' | 'rooms' | 'play_bytes', number>;
+}
+/** An utterance begins: sent before its first chunk. */
+export interface ServerBegin {
+  type: 'begin';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Sample rate, Hz. */
+  rate: number;
+  /** FAP frames per second. */
+  fps: number;
+  /** The voice's id; not of a recording or somebody's own voice. */
+  voice?: string;
+  /** The language; not of a recording. */
+  lang?: string;
+  /** What makes the movements of the mouth; not of a recording. */
+  engine?: string;
+  /** What the text is, or was found to be; not of a recording or somebody's own voice. */
+  markup?: string;
+  /** The name of a recording, in place of voice, lang, engine and markup. */
+  play?: string;
+  /** Another daemon speaks it again when the one that speaks is lost. */
+  again?: true;
+  /** Of somebody's own voice: what is heard after a moment before it is shown, ms. */
+  lookahead?: 0 | 40 | 80 | 120;
+  /** The same: nobody knows the words; captions have to come from elsewhere. */
+  captions?: false;
+  /** With idling on: where it begins on the idle clock, in seconds. */
+  idle?: number;
+}
+/** A sentence begins. */
+export interface ServerSentence {
+  type: 'sentence';
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** Seconds. */
+  duration: number;
+  /** Where it begins, in bytes of UTF-8. */
+  start: number;
+  /** Where it ends, in bytes of UTF-8. */
+  end: number;
+  /** Where it begins, in units of UTF-16. */
+  utf16_start: number;
+  /** Where it ends, in units of UTF-16. */
+  utf16_end: number;
+  /** As it stands in the input, with its markup. */
+  text: string;
+}
+/** A word begins. */
+export interface ServerWord {
+  type: 'word';
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** Seconds. */
+  duration: number;
+  /** Where it begins, in bytes of UTF-8. */
+  start: number;
+  /** Where it ends, in bytes of UTF-8. */
+  end: number;
+  /** Where it begins, in units of UTF-16. */
+  utf16_start: number;
+  /** Where it ends, in units of UTF-16. */
+  utf16_end: number;
+  /** As it stands in the input. */
+  text: string;
+}
+/** A phone begins; only when asked for. */
+export interface ServerPhone {
+  type: 'phone';
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** Seconds. */
+  duration: number;
+  /** Its sign of the International Phonetic Alphabet; empty: a pause. */
+  ipa: string;
+}
+/** A mark of the text is reached. */
+export interface ServerMark {
+  type: 'mark';
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** The mark's name. */
+  name: string;
+}
+/** The stream halts, and the utterance that has begun, if there is one. */
+export interface ServerPaused {
+  type: 'paused';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Its number on the stream. */
+  utterance?: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time?: number;
+  /** The same in samples at the utterance's rate. */
+  sample?: number;
+}
+/** The stream goes on, and the utterance that has begun, if there is one. */
+export interface ServerResumed {
+  type: 'resumed';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Its number on the stream. */
+  utterance?: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time?: number;
+  /** The same in samples at the utterance's rate. */
+  sample?: number;
+  /** With idling on: when on the idle clock, in seconds. */
+  idle?: number;
+}
+/** The utterance goes on from a mark: what was sent before and has not been heard is to be forgotten. */
+export interface ServerJumped {
+  type: 'jumped';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** The mark's name. */
+  mark: string;
+}
+/** Something was understood but not acted on, or replaced. Of an utterance when it names one. */
+export interface ServerWarning {
+  type: 'warning';
+  /** Stable; more may come. */
+  code: string;
+  /** The member, parameter or header. */
+  field?: string;
+  /** For people. */
+  message: string;
+  /** Where in the message or file, from 0. */
+  byte?: number;
+  /** Where in the text, from 1. */
+  line?: number;
+  /** The character of the line, from 1. */
+  column?: number;
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance?: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+}
+/** Something is refused or has failed. Of an utterance when it names one. A failed HTTP request is answered by the same object. */
+export interface ServerError {
+  type: 'error';
+  /** Stable; more may come. */
+  code: string;
+  /** The member, parameter or header. */
+  field?: string;
+  /** For people. */
+  message: string;
+  /** Where in the message or file, from 0. */
+  byte?: number;
+  /** Where in the text, from 1. */
+  line?: number;
+  /** The character of the line, from 1. */
+  column?: number;
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance?: number;
+  /** Of the message that is refused, if it had one. At most 64 bytes. */
+  id?: string;
+}
+/** An utterance has ended: exactly one for each speak, play and voice that was accepted or refused. One that was refused in a room names no utterance. */
+export interface ServerEnd {
   type: 'end';
+  /** How it ended. */
   reason: 'done' | 'stopped' | 'failed';
+  /** Seconds of what was sent. */
+  duration?: number;
+  /** In a room: the sound of all who listened was blocked (media of the client), so that nobody heard it. */
+  blocked?: true;
+  /** The name of the stream: of hello, or of the room. */
+  stream?: string;
+  /** Its number on the stream. */
+  utterance?: number;
+  /** The client's name for it, if it gave one. At most 64 bytes. */
+  id?: string;
+}
+/** The client is in a room. */
+export interface ServerJoined {
+  type: 'joined';
+  /** Its name. */
+  room: string;
+  /** How many are in it now, this client among them. */
+  followers: number;
+  /** Whether it has the right to speak there. */
+  may_speak: boolean;
+}
+/** The token is good. */
+export interface ServerAuthorized {
+  type: 'authorized';
+  /** Of the token. */
+  subject: string;
+}
+/** What can be answered; an empty list: nothing any more. */
+export interface ServerChoices {
+  type: 'choices';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Of the choices, if they had one. At most 64 bytes. */
+  id?: string;
+  /** What is asked. At most 1000 bytes. */
+  question?: string;
+  /** Up to 8 texts. */
+  choices: string[];
+}
+/** Somebody has answered; the choices are gone. */
+export interface ServerChosen {
+  type: 'chosen';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Of the choices, if they had one. At most 64 bytes. */
+  id?: string;
+  /** Its place in the list, from 0. */
+  choice: number;
+  /** The choice itself. */
+  text: string;
+  /** Who chose: the subject of the token, else the name given at join, else the connection's. */
+  by: string;
+}
+/** What the assistant behind the face is doing. */
+export interface ServerState {
+  type: 'state';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** What it is doing; asleep: nobody is there. */
+  state: 'idle' | 'listening' | 'thinking' | 'muted' | 'asleep';
+  /** What was heard, say. At most 1000 bytes. */
+  text?: string;
+}
+/** The head has these feature points from now on, or its own again (reset). */
+export interface ServerCalibrated {
+  type: 'calibrated';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** The head's own points. */
+  reset?: true;
+  /** Feature points as ISO/IEC 14496-2 numbers them, any of them: mm on the neutral face, in the head's axes. */
+  featurePointsCoord?: Record<string, [number, number, number]>;
+  /** Places of feature points on the texture, v upward. */
+  textureCoord?: Record<string, [number, number]>;
+  /** A picture of the skin, in base64. */
+  texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
+}
+/** The mood of the room is another; an empty mix: neutral. */
+export interface ServerExpressed {
+  type: 'expressed';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Up to 4 affects with their intensities. */
+  mix: { name: string; intensity: number }[];
+  /** Who set it, as chosen tells; left out where it came with a state, or over HTTP. */
+  by?: string;
+}
+/** Whether a study may write down what happens. */
+export interface ServerConsent {
+  type: 'consent';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** The question or the answer. asked: with what is asked; given: yes; declined: no; none: nothing is asked any more. */
+  consent: 'asked' | 'given' | 'declined' | 'none';
+  /** What was asked. At most 1000 bytes. */
+  text?: string;
+  /** Who asked or answered, as chosen tells. */
+  by: string;
+}
+/** Who looks on in the room, in the order in which they came; told to them alone. */
+export interface ServerDesks {
+  type: 'desks';
+  /** The name of the stream: of hello, or of the room. */
+  stream: string;
+  /** Up to 32: the name, and whether it may direct the room (speaks). */
+  desks: { name: string; speaks: boolean }[];
+  /** How many there are, also of those that are not listed. */
+  count: number;
+}
+// </server messages>
+
+export interface EndMessage extends Omit<ServerEnd, 'duration'> {
   /** Seconds of speech. */
   duration?: number;
+  /** Why the page's own connection or sound failed, if so. */
   code?: string;
-  id?: string;
   /** Why nobody heard it, if so. */
   sound?: 'blocked' | 'none';
 }
@@ -138,57 +497,45 @@ export interface ReadResult {
   code?: string;
 }
 
-interface Message {
-  type: string;
-  id?: string;
-  [member: string]: unknown;
-}
-
-interface TimedMessage extends Message {
-  /** Seconds from the utterance's beginning. */
-  time: number;
-  text: string;
-}
-
 export interface TalkingHeadEventMap {
   progress: CustomEvent<{ loaded: number; total: number | null; ratio: number | null }>;
   ready: CustomEvent<{ model: string; title: string; credits: string[] }>;
   connection: CustomEvent<{ state: 'connecting' | 'open' | 'waiting' | 'closed'; retryIn?: number }>;
-  hello: CustomEvent<Message>;
-  joined: CustomEvent<Message>;
-  authorized: CustomEvent<Message>;
-  choices: CustomEvent<{ type: 'choices'; stream: string; id?: string; question?: string; choices: string[] }>;
-  chosen: CustomEvent<{ type: 'chosen'; stream: string; id?: string; choice: number; text: string; by: string }>;
-  expressed: CustomEvent<{ type: 'expressed'; stream: string; mix: { name: string; intensity: number }[]; by?: string }>;
-  consent: CustomEvent<{ type: 'consent'; stream: string; consent: Consent; text?: string; by: string }>;
-  desks: CustomEvent<{ type: 'desks'; stream: string; desks: { name: string; speaks: boolean }[]; count: number }>;
-  calibrated: CustomEvent<{ type: 'calibrated'; stream: string; reset?: true } & Partial<Calibration>>;
-  state: CustomEvent<{ type: 'state'; stream: string; state: AssistantState; text?: string }>;
-  begin: CustomEvent<Message>;
-  sentence: CustomEvent<TimedMessage>;
-  word: CustomEvent<TimedMessage>;
-  phone: CustomEvent<Message>;
-  mark: CustomEvent<Message>;
+  // <server events: made by protocol/make-messages.py>
+  hello: CustomEvent<ServerHello>;
+  begin: CustomEvent<ServerBegin>;
+  sentence: CustomEvent<ServerSentence>;
+  word: CustomEvent<ServerWord>;
+  phone: CustomEvent<ServerPhone>;
+  mark: CustomEvent<ServerMark>;
+  paused: CustomEvent<ServerPaused>;
+  resumed: CustomEvent<ServerResumed>;
+  jumped: CustomEvent<ServerJumped>;
+  warning: CustomEvent<ServerWarning>;
+  joined: CustomEvent<ServerJoined>;
+  authorized: CustomEvent<ServerAuthorized>;
+  choices: CustomEvent<ServerChoices>;
+  chosen: CustomEvent<ServerChosen>;
+  state: CustomEvent<ServerState>;
+  calibrated: CustomEvent<ServerCalibrated>;
+  expressed: CustomEvent<ServerExpressed>;
+  consent: CustomEvent<ServerConsent>;
+  desks: CustomEvent<ServerDesks>;
+  // </server events>
   /** What has come of an utterance, before it is heard; not to be changed. */
   media: CustomEvent<MediaDetail>;
   end: CustomEvent<EndMessage>;
-  paused: CustomEvent<Message>;
-  resumed: CustomEvent<Message>;
-  jumped: CustomEvent<Message>;
-  error: CustomEvent<{
-    type: 'error';
-    code: string;
-    message: string;
-    id?: string;
-    /** Of `bad-calibration`: what of it is wrong. */
-    place?: string;
-    /** Of `bad-avatar`. */
-    reason?: 'missing' | 'too-large' | 'not-glb' | 'damaged' | 'unsupported' | 'no-face' | 'bad-map' | 'no-script';
-  }>;
+  error: CustomEvent<
+    ServerError & {
+      /** Of `bad-calibration`: what of it is wrong. */
+      place?: string;
+      /** Of `bad-avatar`. */
+      reason?: 'missing' | 'too-large' | 'not-glb' | 'damaged' | 'unsupported' | 'no-face' | 'bad-map' | 'no-script';
+    }
+  >;
   /** Of `read`: a word of the page is heard. */
   reading: CustomEvent<{ range: Range; text: string; lang: string; sentence: number; sentences: number }>;
   read: CustomEvent<ReadResult>;
-  warning: CustomEvent<{ type: 'warning'; code: string; message: string; id?: string }>;
   sound: CustomEvent<{ sound: 'on' | 'blocked' | 'none'; reason?: 'autoplay' | 'no-audio' | 'no-device' | 'no-worklet' }>;
 }
 

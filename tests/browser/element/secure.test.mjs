@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A tablet in a home: the daemon on another machine's address, with a certificate of its own whose authority the tablet has taken. All that
-// browsers keep for secure pages is there: microphone, wake lock, service worker, worklet.
+// A tablet in a home: two machines with a cable between them (network namespaces), the daemon on one and a browser on the other, which reaches it by an
+// address that is no localhost, with a certificate of the daemon's own whose authority the tablet has taken. All that browsers keep for secure pages is
+// there: microphone, wake lock, service worker, worklet. Without TLS none of it is.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -10,15 +11,32 @@ import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 import { build, Daemon } from '../../lib/daemon.mjs';
 
-const address = Object.values(os.networkInterfaces()).flat().find((one) => one.family === 'IPv4' && !one.internal)?.address;
+const address = '10.78.0.1';
+const [home, away] = [`faccia-${process.pid}-home`, `faccia-${process.pid}-tablet`];
+const ip = (line) => spawnSync('ip', line.split(' '), { encoding: 'utf8', timeout: 30000 });
+const made = ip(`netns add ${home}`);
+const skip = made.status !== 0 && `no network of its own can be made here: ${made.stderr?.trim() || made.error?.message}`;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-tablet-'));
 const own = path.join(folder, 'tls');
 let daemon, browser, token, origin;
 
+/** A program that runs on that machine, under the name of a file. */
+function on(machine, program) {
+  const file = path.join(folder, `${path.basename(program)}-${machine}`);
+  fs.writeFileSync(file, `#!/bin/sh\nexec ip netns exec ${machine} ${program} "$@"\n`, { mode: 0o755 });
+  return file;
+}
+
 before(async () => {
+  if (skip) return;
+  for (const line of [
+    `netns add ${away}`, `link add tablet0 netns ${home} type veth peer name tablet1 netns ${away}`,
+    `-n ${home} addr add ${address}/24 dev tablet0`, `-n ${away} addr add 10.78.0.2/24 dev tablet1`,
+    `-n ${home} link set lo up`, `-n ${home} link set tablet0 up`, `-n ${away} link set lo up`, `-n ${away} link set tablet1 up`,
+  ]) assert.equal(ip(line).status, 0, line);
   const secret = path.join(folder, 'secret');
   fs.writeFileSync(secret, 'a secret that is long enough for tokens\n', { mode: 0o600 });
-  daemon = await Daemon.start(['--host', '*', '--remote', '--secret-file', secret, '--tls-self-signed', own]);
+  daemon = await Daemon.start(['--host', '*', '--remote', '--secret-file', secret, '--tls-self-signed', own], {}, { program: on(home, path.join(build, 'server/daemon/facciad')) });
   token = execFileSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secret, '--subject', 'tablet', '--rights', 'listen,speak', '--expires', '1h'], { encoding: 'utf8' }).trim();
   origin = `https://${address}:${daemon.port}`;
   // the tablet's own store of authorities
@@ -26,16 +44,19 @@ before(async () => {
   fs.mkdirSync(store, { recursive: true });
   execFileSync('certutil', ['-d', `sql:${store}`, '-N', '--empty-password']);
   execFileSync('certutil', ['-d', `sql:${store}`, '-A', '-t', 'C,,', '-n', 'faccia', '-i', path.join(own, 'ca.pem')]);
-  browser = await chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, env: { ...process.env, HOME: folder },
+  browser = await chromium.launch({ executablePath: on(away, '/usr/bin/chromium'), headless: true, env: { ...process.env, HOME: folder },
     args: ['--no-sandbox', '--disable-gpu', '--disable-3d-apis', '--disable-background-networking', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream'] });
 });
 after(async () => {
   await browser?.close();
-  assert.equal((await daemon.stop()).code, 0);
+  if (!skip) {
+    assert.equal((await daemon.stop()).code, 0);
+    for (const machine of [home, away]) ip(`netns del ${machine}`);
+  }
   fs.rmSync(folder, { recursive: true, maxRetries: 5 });
 });
 
-test('without TLS it is led to https:, and trusts it', { skip: !address && 'this machine has no other address' }, async () => {
+test('without TLS it is led to https:, and trusts it', { skip }, async () => {
   const page = await browser.newPage();
   const response = await page.goto(`http://${address}:${daemon.port}/room.html?room=hall`);
   assert.equal(response.status(), 200);
@@ -44,7 +65,7 @@ test('without TLS it is led to https:, and trusts it', { skip: !address && 'this
   await page.close();
 });
 
-test('microphone, wake lock, service worker and worklet are there, and she is heard', { skip: !address && 'this machine has no other address' }, async () => {
+test('microphone, wake lock, service worker and worklet are there, and she is heard', { skip }, async () => {
   const page = await browser.newPage({ reducedMotion: 'reduce' });
   const problems = [];
   page.on('pageerror', (error) => problems.push(String(error)));
@@ -53,7 +74,11 @@ test('microphone, wake lock, service worker and worklet are there, and she is he
   await page.waitForFunction(() => navigator.serviceWorker.getRegistration().then((one) => one?.active?.state === 'activated'), null, { timeout: 60000 });
   assert.equal(await page.evaluate(async () => (await navigator.mediaDevices.getUserMedia({ audio: true })).getAudioTracks()[0].readyState), 'live');
   assert.equal(await page.evaluate(async () => (await navigator.wakeLock.request('screen')).released), false);
-  assert.equal(await page.evaluate(() => typeof AudioWorkletNode), 'function');
+  assert.ok(await page.evaluate(async () => {
+    const context = new OfflineAudioContext(1, 1, 48000);
+    await context.audioWorklet.addModule('talking-head-worklet.js');
+    return new AudioWorkletNode(context, 'faccia-playout') instanceof AudioWorkletNode;
+  }));
   await page.goto(`${origin}/?token=${token}`);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().connection === 'open', null, { timeout: 60000 });
   await page.evaluate(() => {
@@ -66,16 +91,27 @@ test('microphone, wake lock, service worker and worklet are there, and she is he
   const heard = await page.evaluate(() => window.heard);
   assert.equal(heard.filter(({ type }) => type === 'word').length, 3);
   assert.equal(heard.find(({ type }) => type === 'end').reason, 'done');
+  // her lips follow the tablet's microphone
+  assert.equal(await page.evaluate(async () => {
+    const head = document.querySelector('talking-head'), stream = await navigator.mediaDevices.getUserMedia({ audio: true });
+    const begun = new Promise((resolve) => head.addEventListener('begin', ({ detail }) => resolve(detail.captions), { once: true }));
+    const listening = head.listen(stream, { sound: false });
+    const captions = await begun;
+    listening.stop();
+    await listening.done;
+    return captions;
+  }), false);
   assert.deepEqual(problems, []);
   await page.close();
 });
 
-test('a page that came from another machine without TLS says what it lacks, and what to do', { skip: !address && 'this machine has no other address' }, async (t) => {
-  const plain = await Daemon.start(['--host', '*', '--remote', '--secret-file', path.join(folder, 'secret')], {}, { voices: false });
+test('a page that came from another machine without TLS says what it lacks, and what to do', { skip }, async (t) => {
+  const plain = await Daemon.start(['--host', '*', '--remote', '--secret-file', path.join(folder, 'secret')], {}, { voices: false, program: on(home, path.join(build, 'server/daemon/facciad')) });
   t.after(() => plain.stop());
   for (const place of ['/', '/room.html?room=hall']) {
     const page = await browser.newPage({ locale: 'it-IT' });
     await page.goto(`http://${address}:${plain.port}${place}`);
+    assert.deepEqual(await page.evaluate(() => [isSecureContext, ...[navigator.mediaDevices, navigator.wakeLock, navigator.serviceWorker, new OfflineAudioContext(1, 1, 48000).audioWorklet].map((one) => one === undefined)]), [false, true, true, true, true], place);
     await page.waitForFunction(() => /HTTPS.*microfono.*https:/.test(document.querySelector('#news').textContent), null, { timeout: 30000 }).catch(async (error) => { throw new Error(`${place}: ${await page.evaluate(() => `${isSecureContext} ${location} ${document.querySelector('#news').textContent}`)}`, { cause: error }); });
     await page.close();
   }

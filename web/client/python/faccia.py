@@ -39,10 +39,12 @@ CLIENT_MESSAGES = frozenset(
     "choices choose state calibrate consent voice".split()
 )
 # </client messages>
+# <server messages: made by protocol/make-messages.py>
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
     "choices chosen state calibrated expressed consent desks".split()
 )
+# </server messages>
 
 Message = Dict[str, Any]
 _HALF = 1 << 31  # values are of 32 bits, and wrap
