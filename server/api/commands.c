@@ -112,6 +112,10 @@ static int calibrate(struct command_call *call, struct error *e) {
     return notice_calibrate(call->channel, call->message, e) ? -1 : accepted(call);
 }
 
+static int set_lexicon(struct command_call *call, struct error *e) {
+    return notice_lexicon(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
 static int consent(struct command_call *call, struct error *e) {
     return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
 }
@@ -138,6 +142,7 @@ static const struct command commands[] = {
     {"choose", 0, .run = choose}, /* listeners may answer the question */
     {"state", RIGHT_SPEAK, .run = set_state},
     {"calibrate", RIGHT_SPEAK, .run = calibrate},
+    {"lexicon", RIGHT_SPEAK, .run = set_lexicon},
     {"consent", RIGHT_SPEAK, .check = check_consent, .run = consent},
     {"text", RIGHT_SPEAK, .act = open_text_add},
     {"flush", RIGHT_SPEAK, .act = open_text_flush},

@@ -87,6 +87,7 @@ static const struct {
     {"expressed", {"by", NULL}},
     {"consent", {"consent", "text", NULL}},
     {"desks", {NULL}},
+    {"lexicon", {NULL}},
     {"help", {"text", NULL}},
 };
 

@@ -220,13 +220,21 @@ static struct utterance *utterance_new(struct stream *s) {
     return t;
 }
 
+void stream_set_lexicon(struct stream *s, struct lexicon *lexicon) {
+    lexicons_free(&s->lexicons);
+    if (lexicon)
+        lexicons_add(&s->lexicons, lexicon);
+}
+
 uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {
     struct turn turn = turn_of(request);
     struct utterance *t = NULL;
     struct error e;
     if (!may_come(s, &turn, &e)) {
+        struct speech_request around = *request;
+        around.around = &s->lexicons;
         t = utterance_new(s);
-        t->synthesis = synthesis_open(s->pipeline, request, &utterance_callbacks, t, &e);
+        t->synthesis = synthesis_open(s->pipeline, &around, &utterance_callbacks, t, &e);
     }
     if (!t || !t->synthesis) {
         free(t);
@@ -418,6 +426,7 @@ void stream_free(struct stream *s) {
     stream_idle(s, NULL);
     stream_stop(s);
     mood_mix_close(&s->mix);
+    lexicons_free(&s->lexicons);
     uv_close((uv_handle_t *)s->timer, free_timer);
     free(s);
 }

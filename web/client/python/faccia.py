@@ -36,7 +36,7 @@ __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media"
 # <client messages: made by protocol/make-messages.py>
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play idle express media join leave authorize model ping "
-    "choices choose state calibrate consent voice".split()
+    "choices choose state lexicon calibrate consent voice".split()
 )
 # </client messages>
 SERVER_MESSAGES = frozenset(

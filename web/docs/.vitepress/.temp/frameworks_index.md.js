@@ -1,0 +1,21 @@
+import { ssrRenderAttrs } from "vue/server-renderer";
+import { useSSRContext } from "vue";
+import { _ as _export_sfc } from "./plugin-vue_export-helper.1tPrXgE0.js";
+const __pageData = JSON.parse('{"title":"Frameworks","description":"","frontmatter":{},"headers":[],"relativePath":"frameworks/index.md","filePath":"frameworks/index.md"}');
+const _sfc_main = { name: "frameworks/index.md" };
+function _sfc_ssrRender(_ctx, _push, _parent, _attrs, $props, $setup, $data, $options) {
+  _push(`<div${ssrRenderAttrs(_attrs)}><h1 id="frameworks" tabindex="-1">Frameworks <a class="header-anchor" href="#frameworks" aria-label="Permalink to &quot;Frameworks&quot;">​</a></h1><p>The element works in every framework that can render an unknown tag. Import the script before anything is rendered: what a framework cannot set as a property it sets as text, or leaves out. On a server (rendering without a page) the import does nothing.</p><p>From npm, <code>@faccia/talking-head</code> brings types for the templates of <a href="/docs/frameworks/react.html">React</a>, <a href="/docs/frameworks/vue.html">Vue</a> and <a href="/docs/frameworks/svelte.html">Svelte</a>. <code>tests/browser/frameworks.test.mjs</code> runs all three with the packages of npm. The <a href="/examples.html" target="_self">examples</a> show their source for each framework.</p><h2 id="plain-html" tabindex="-1">Plain HTML <a class="header-anchor" href="#plain-html" aria-label="Permalink to &quot;Plain HTML&quot;">​</a></h2><div class="language-html vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">html</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="cc50c31ba69">&lt;</span><span class="ce2f342ff08">script</span><span class="c91387ddaa9"> type</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;module&quot;</span><span class="c91387ddaa9"> src</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;http://127.0.0.1:8080/talking-head.js&quot;</span><span class="cc50c31ba69">&gt;&lt;/</span><span class="ce2f342ff08">script</span><span class="cc50c31ba69">&gt;</span></span>
+<span class="line"><span class="cc50c31ba69">&lt;</span><span class="ce2f342ff08">talking-head</span><span class="c91387ddaa9"> id</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;head&quot;</span><span class="c91387ddaa9"> src</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;ws://127.0.0.1:8080/v1/stream&quot;</span><span class="c91387ddaa9"> lang</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;it&quot;</span><span class="c91387ddaa9"> rate</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;180&quot;</span><span class="c91387ddaa9"> expression</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;joy 0.6&quot;</span><span class="cc50c31ba69">&gt;&lt;/</span><span class="ce2f342ff08">talking-head</span><span class="cc50c31ba69">&gt;</span></span>
+<span class="line"><span class="cc50c31ba69">&lt;</span><span class="ce2f342ff08">button</span><span class="c91387ddaa9"> onclick</span><span class="cc50c31ba69">=</span><span class="c8be07ae4bd">&quot;</span><span class="cc50c31ba69">head</span><span class="c8be07ae4bd">.</span><span class="c91387ddaa9">speak</span><span class="c8be07ae4bd">(&#39;Ciao.&#39;)&quot;</span><span class="cc50c31ba69">&gt;Ciao&lt;/</span><span class="ce2f342ff08">button</span><span class="cc50c31ba69">&gt;</span></span></code></pre></div><h2 id="typescript" tabindex="-1">TypeScript <a class="header-anchor" href="#typescript" aria-label="Permalink to &quot;TypeScript&quot;">​</a></h2><p><code>talking-head.d.ts</code> types the element, its events, and <code>document.querySelector(&#39;talking-head&#39;)</code>.</p></div>`);
+}
+const _sfc_setup = _sfc_main.setup;
+_sfc_main.setup = (props, ctx) => {
+  const ssrContext = useSSRContext();
+  (ssrContext.modules || (ssrContext.modules = /* @__PURE__ */ new Set())).add("frameworks/index.md");
+  return _sfc_setup ? _sfc_setup(props, ctx) : void 0;
+};
+const index = /* @__PURE__ */ _export_sfc(_sfc_main, [["ssrRender", _sfc_ssrRender]]);
+export {
+  __pageData,
+  index as default
+};

