@@ -35,6 +35,8 @@ struct api_options {
     const char *scenes;                    /* folder of scenes saved by operators; NULL: none */
     unsigned scene_bytes;                  /* longest scene, bytes */
     unsigned scene_count;
+    const char *reports;          /* folder of readers' reports; NULL: none */
+    bool open_reports;            /* readers need no token to report */
     struct reader reader;         /* checks works before they are saved */
     struct library *library;      /* NULL: none */
     bool editing;                 /* holders of the operate right may save gestures and works */

@@ -123,6 +123,8 @@ int scenes_serve(struct exchange *x);   /* /v1/scenes and below */
 int gestures_serve(struct exchange *x); /* /v1/gestures and below */
 int works_serve(struct exchange *x);    /* /v1/library/files and below */
 
+int reports_serve(struct exchange *x); /* /v1/library/reports and below */
+
 /* revoke.c: applies changed secrets or revocations. Clients whose secret or token was revoked lose their
  * rights and are notified. */
 void rights_renew(struct api *api);

@@ -112,6 +112,10 @@ static int calibrate(struct command_call *call, struct error *e) {
     return notice_calibrate(call->channel, call->message, e) ? -1 : accepted(call);
 }
 
+static int set_lexicon(struct command_call *call, struct error *e) {
+    return notice_lexicon(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
 static int consent(struct command_call *call, struct error *e) {
     return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
 }
@@ -139,6 +143,7 @@ static const struct command commands[] = {
     {"choose", .run = choose},
     {"state", .run = set_state},
     {"calibrate", .run = calibrate},
+    {"lexicon", .run = set_lexicon},
     {"consent", .check = check_consent, .run = consent},
     {"text", .act = open_text_add},
     {"flush", .act = open_text_flush},

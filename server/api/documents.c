@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Documents kept by operators and editors: scenes (/v1/scenes), gestures (/v1/gestures) and works of the
  * library (/v1/library/files). GET of the address lists them; GET, PUT and DELETE act on ADDRESS/NAME.
+ * Readers' reports (/v1/library/reports) come by POST, which names them, and are listed as a whole.
  * Disk access runs in separate threads, one request per client at a time. */
 #include "server/api/api_internal.h"
 #include "server/api/document_store.h"
+#include "server/api/shared_limits.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
+#include "server/library/library.h"
 #include "server/library/work.h"
+#include "server/library/work_lexicons.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +19,7 @@ struct shelf_service {
     const char *path;    /* "/v1/scenes" */
     const char *members; /* member of the list: "scenes" */
     const char *type;    /* content type of a document */
+    bool whole;          /* lists have the documents, which are JSON objects */
     /* Checks that the data is a document of that name. Runs in any thread. -1 with *e. */
     int (*check)(const char *name, const void *data, size_t size, struct error *e);
     /* Replaces `check` where a separate process does it; else NULL. */
@@ -61,12 +67,28 @@ static int check(struct keeping *k) {
                           : s->check(k->name, k->document.data, k->document.size, &k->error);
 }
 
+/* Reads all listed documents, each with its line end: see answer_list. One that is removed meanwhile is
+ * empty. */
+static int read_listed(struct keeping *k, struct error *e) {
+    char tag[ETAG_BYTES];
+    for (size_t i = 0; i < k->count && !atomic_load(&k->given_up); i++) {
+        if (document_store_read(&k->shelf, k->entries[i].name, &k->document, tag, e) &&
+            e->code != k->shelf.unknown)
+            return -1;
+        buf_add(&k->document, "\n", 1);
+    }
+    return 0;
+}
+
 static void in_thread(struct coder_job *job) {
     struct keeping *k = (struct keeping *)job;
     struct error *e = &k->error;
     search_queue_lower_priority();
     if (k->doing == LISTING)
-        k->result = document_store_list(&k->shelf, &k->entries, &k->count, e);
+        k->result = document_store_list(&k->shelf, &k->entries, &k->count, e) ||
+                            (k->service->whole && read_listed(k, e))
+                        ? -1
+                        : 0;
     else if (k->doing == READING)
         k->result = document_store_read(&k->shelf, k->name, &k->document, k->tag, e);
     else if (k->doing == SAVING)
@@ -78,16 +100,33 @@ static void in_thread(struct coder_job *job) {
         k->result = document_store_remove(&k->shelf, k->name, k->condition, e);
 }
 
+/* Adds the members of the next document of read_listed, which has one line. */
+static void add_members(const struct keeping *k, size_t *at, json_t *entry) {
+    const char *text = (const char *)k->document.data + *at;
+    const char *end = memchr(text, '\n', k->document.size - *at);
+    json_t *members = end ? json_loadb(text, (size_t)(end - text), 0, NULL) : NULL;
+    json_object_update_missing(entry, members);
+    json_decref(members);
+    *at += end ? (size_t)(end - text) + 1 : 0;
+}
+
 static int answer_list(struct keeping *k) {
     json_t *list = json_array();
-    for (size_t i = 0; i < k->count; i++)
-        json_array_append_new(list, json_pack("{ss sI sI}", "name", k->entries[i].name, "bytes",
-                                              (json_int_t)k->entries[i].bytes, "saved",
-                                              (json_int_t)k->entries[i].saved));
+    size_t at = 0;
+    for (size_t i = 0; i < k->count; i++) {
+        json_t *entry = json_pack("{ss sI sI}", "name", k->entries[i].name, "bytes",
+                                  (json_int_t)k->entries[i].bytes, "saved", (json_int_t)k->entries[i].saved);
+        if (k->service->whole && at < k->document.size)
+            add_members(k, &at, entry);
+        json_array_append_new(list, entry);
+    }
     return exchange_json(k->x, 200, json_pack("{so}", k->service->members, list));
 }
 
 static int answer(struct keeping *k) {
+    if (k->service->whole && k->doing == SAVING && (!k->result || k->error.code == ERROR_CHANGED))
+        return exchange_json(k->x, k->result ? 200 : 201,
+                             json_pack("{ss ss}", "type", "reported", "name", k->name));
     if (k->result)
         return exchange_error(k->x, &k->error);
     if (k->doing == LISTING)
@@ -157,6 +196,8 @@ static void read_condition(struct keeping *k, const struct http_request *request
     const char *match = http_header(request, "if-match"), *none = http_header(request, "if-none-match");
     k->match = match ? mem_strdup(match) : NULL;
     k->condition = (struct document_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
+    if (k->service->whole)
+        k->condition.match = "*"; /* a report never changes */
 }
 
 /* Reads method and address. -1 with *e. */
@@ -321,8 +362,8 @@ static int scene_check(const char *name, const void *data, size_t size, struct e
 }
 
 int scenes_serve(struct exchange *x) {
-    static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check,
-                                                NULL};
+    static const struct shelf_service scenes = {"/v1/scenes", "scenes",    "application/json",
+                                                false,        scene_check, NULL};
     const struct api_options *options = &exchange_api(x)->options;
     struct document_store shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
                                    options->scene_count};
@@ -342,8 +383,8 @@ static const char *folder_of(const struct api *api, const char *folder) {
 }
 
 int gestures_serve(struct exchange *x) {
-    static const struct shelf_service service = {"/v1/gestures", "gestures", "application/json",
-                                                 gesture_check, NULL};
+    static const struct shelf_service service = {"/v1/gestures", "gestures",    "application/json",
+                                                 false,          gesture_check, NULL};
     const struct api *api = exchange_api(x);
     return shelf_serve(x, &service,
                        &(struct document_store){folder_of(api, api->options.gestures), ".json",
@@ -352,13 +393,153 @@ int gestures_serve(struct exchange *x) {
 }
 
 #ifdef HAVE_LIBRARY
+/* Lexicons are read in this process, as those of requests are; works in another one. */
+static int check_file(const struct reader *reader, const char *name, const void *data, size_t size,
+                      const atomic_bool *given_up, struct error *e) {
+    return library_lexicon_is(name) ? library_lexicon_check(data, size, e)
+                                    : work_check_apart(reader, name, data, size, given_up, e);
+}
+
+static void on_files(void *library) {
+    library_look(library);
+}
+
 int works_serve(struct exchange *x) {
-    static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
-                                                 NULL, work_check_apart};
+    static const struct shelf_service service = {
+        "/v1/library/files", "files", "application/octet-stream", false, NULL, check_file};
     const struct api *api = exchange_api(x);
-    return shelf_serve(x, &service,
-                       &(struct document_store){folder_of(api, api->options.works), "", ERROR_NOT_FOUND,
-                                                WORK_BYTES, WORKS_KEPT},
-                       (struct document_store_listener){0});
+    return shelf_serve(
+        x, &service,
+        &(struct document_store){folder_of(api, api->options.works), "", ERROR_NOT_FOUND, WORK_BYTES,
+                                 WORKS_KEPT},
+        (struct document_store_listener){api->options.library ? on_files : NULL, api->options.library});
+}
+
+/* Reports of misread words. */
+enum {
+    REPORT_BYTES = 4096, /* of the message */
+    REPORTS_KEPT = 500,
+    REPORTS_A_MINUTE = 10, /* of one client */
+};
+
+static const struct report_member {
+    const char *name;
+    size_t most; /* bytes */
+    bool needed;
+} report_members[] = {{"word", 200, true},     {"lang", LANG_BYTES, true}, {"work", 80, false},
+                      {"passage", 128, false}, {"context", 500, false},    {"note", 500, false}};
+
+/* Copies the members of a report. NULL with *e. */
+static json_t *read_report(const json_t *message, struct error *e) {
+    json_t *report = json_object();
+    char tag[LANG_BYTES + 1];
+    size_t bad;
+    for (size_t i = 0; i < sizeof report_members / sizeof *report_members; i++) {
+        const struct report_member *m = &report_members[i];
+        const json_t *value = json_object_get(message, m->name);
+        const char *text = json_string_value(value);
+        size_t size = json_string_length(value);
+        int wrong =
+            !value && m->needed ? error_plain_in_field(e, ERROR_MISSING_FIELD, m->name)
+            : value && (!text || !size || size > m->most || strlen(text) != size)
+                ? error_in_field(e, ERROR_BAD_FIELD, m->name, "must be a text of 1 to %zu bytes", m->most)
+            : value && !strcmp(m->name, "lang") && !lang_read(text, size, tag, &bad)
+                ? error_in_field(e, ERROR_BAD_FIELD, m->name, "is no language tag")
+                : 0;
+        if (wrong) {
+            json_decref(report);
+            return NULL;
+        }
+        json_object_set(report, m->name, (json_t *)value);
+    }
+    return report;
+}
+
+/* Names a report by its word, language and work, so that the same one is kept once. 64-bit FNV-1a. */
+static void name_report(const json_t *report, char name[DOCUMENT_NAME_BYTES]) {
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < 3; i++) {
+        const char *c = json_string_value(json_object_get(report, report_members[i].name));
+        for (; c && *c; c++)
+            hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+        hash = (hash ^ 0xFF) * 1099511628211u;
+    }
+    snprintf(name, DOCUMENT_NAME_BYTES, "%016llx", (unsigned long long)hash);
+}
+
+static int check_nothing(const char *name, const void *data, size_t size, struct error *e) {
+    (void)name, (void)data, (void)size, (void)e;
+    return 0; /* reports are checked before they are written */
+}
+
+static int on_report_end(void *self) {
+    struct keeping *k = self;
+    const struct buf *body = exchange_body(k->x);
+    json_error_t why;
+    struct error e;
+    json_t *message = json_loadb(body->size ? (char *)body->data : "", body->size, 0, &why), *report = NULL;
+    if (!message)
+        error_bad_json(&why, &e);
+    else
+        report = read_report(message, &e);
+    json_decref(message);
+    exchange_drop_body(k->x);
+    if (!report)
+        return exchange_error(k->x, &e);
+    name_report(report, k->name);
+    char *text = json_dumps(report, JSON_COMPACT);
+    buf_add(&k->document, text, strlen(text));
+    free(text);
+    json_decref(report);
+    return begin(k);
+}
+
+/* Counts a report. -1 with *e: the client sent too many in this minute. */
+static int count_report(struct api *api, const struct principal *principal, struct error *e) {
+    char key[sizeof principal->key + 8];
+    snprintf(key, sizeof key, "report %s", principal->key);
+    return quota_ask(&api->quota, key, REPORTS_A_MINUTE, shared_limits_now(api))
+               ? 0
+               : error_set(e, ERROR_TOO_MANY_REQUESTS, "%d reports in a minute are the limit",
+                           REPORTS_A_MINUTE);
+}
+
+static int take_report(struct exchange *x, const struct shelf_service *service,
+                       const struct document_store *shelf) {
+    struct api *api = exchange_api(x);
+    struct error e = {0};
+    int result = 0;
+    bool open = api->options.open_reports;
+    if (open ? !exchange_admits(x, &result) : !exchange_permits(x, RIGHT_LISTEN, principal_own_room, &result))
+        return result;
+    if (!shelf->folder || count_report(api, exchange_principal(x), &e)) {
+        if (!shelf->folder)
+            error_plain(&e, ERROR_NOTHING_KEPT);
+        return exchange_error(x, &e);
+    }
+    struct keeping *k = mem_alloc(sizeof *k);
+    *k = (struct keeping){.x = x, .api = api, .service = service, .shelf = *shelf, .doing = SAVING};
+    k->condition.absent = true;
+    exchange_set_work(
+        x, (struct exchange_work){.body_end = on_report_end, .free = leave, .self = k, .costly = true});
+    exchange_expect_body(x, REPORT_BYTES, ERROR_MESSAGE_TOO_LONG);
+    return 0;
+}
+
+int reports_serve(struct exchange *x) {
+    static const struct shelf_service service = {.path = "/v1/library/reports",
+                                                 .members = "reports",
+                                                 .type = "application/json",
+                                                 .whole = true,
+                                                 .check = check_nothing};
+    const struct document_store shelf = {exchange_api(x)->options.reports, ".json", ERROR_NOT_FOUND,
+                                         REPORT_BYTES, REPORTS_KEPT};
+    const struct http_request *request = exchange_request(x);
+    int result = 0;
+    if (request->method == HTTP_POST)
+        return take_report(x, &service, &shelf);
+    if (request->method != HTTP_DELETE && !exchange_permits(x, RIGHT_OPERATE, principal_own_room, &result))
+        return result;
+    return shelf_serve(x, &service, &shelf, (struct document_store_listener){0});
 }
 #endif

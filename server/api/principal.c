@@ -180,3 +180,14 @@ bool exchange_permits(struct exchange *x, enum right right, const char *room, in
         *result = exchange_error(x, &e);
     return !refused;
 }
+
+bool exchange_admits(struct exchange *x, int *result) {
+    struct api *api = exchange_api(x);
+    struct error e;
+    struct principal *principal = mem_alloc(sizeof *principal);
+    exchange_attach(x, principal);
+    if (!principal_enter(api, exchange_request(x), principal, &e) && !principal_ask(api, principal, &e))
+        return true;
+    *result = exchange_error(x, &e);
+    return false;
+}

@@ -53,6 +53,8 @@ int principal_ask(struct api *api, const struct principal *principal, struct err
 /* Checks the page's origin, the right and the request limit. right 0: only the origin. Returns false after
  * answering with an error; the caller then returns *result. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
+/* Likewise for what anyone may ask, with or without a token: a token that is sent must be valid. */
+bool exchange_admits(struct exchange *x, int *result);
 struct principal *
 exchange_principal(struct exchange *x); /* valid once exchange_permits has granted a right */
 

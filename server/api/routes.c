@@ -70,7 +70,8 @@ static const struct route {
     enum scope scope;
     const struct members *members; /* accepted query members; NULL: not checked */
     bool below;                    /* also serves all addresses below */
-    bool kept;                     /* `get` also handles PUT and DELETE, which require the operate right */
+    bool kept;                     /* `get` also handles PUT (without `post`) and DELETE, which require the
+                                      operate right */
 } routes[] = {
     {.path = "/healthz", .document = message_health, .members = &none},
     {.path = "/v1/voices", .document = voices, .members = &none},
@@ -94,6 +95,12 @@ static const struct route {
      .get = works_serve,
      .right = RIGHT_SPEAK,
      .scope = SCOPE_OWN,
+     .members = &none,
+     .below = true,
+     .kept = true},
+    {.path = "/v1/library/reports", /* which rights it takes depends on the method and on --open-reports */
+     .get = reports_serve,
+     .post = reports_serve,
      .members = &none,
      .below = true,
      .kept = true},
@@ -153,6 +160,8 @@ static bool takes_post(const struct route *route) {
 }
 
 static const char *methods_of(const struct route *route) {
+    if (route && route->kept && route->post)
+        return "GET, HEAD, POST, DELETE, OPTIONS";
     if (route && route->kept)
         return "GET, HEAD, PUT, DELETE, OPTIONS";
     if (!route || !takes_post(route))
@@ -233,7 +242,7 @@ static int serve_route(struct exchange *x, const struct route *route, enum http_
     struct api *api = exchange_api(x);
     const struct http_request *request = exchange_request(x);
     bool get = method == HTTP_GET || method == HTTP_HEAD, post = method == HTTP_POST;
-    bool change = route->kept && (method == HTTP_PUT || method == HTTP_DELETE);
+    bool change = route->kept && ((method == HTTP_PUT && !route->post) || method == HTTP_DELETE);
     const char *room = route->scope == SCOPE_ROOM  ? http_query(request, "room")
                        : route->scope == SCOPE_OWN ? principal_own_room
                                                    : NULL;

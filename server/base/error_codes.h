@@ -126,7 +126,7 @@
     X(BAD_EXPRESSIONS, "bad-expressions", 400, "this is no library of expressions") \
     X(BAD_BOUNDARIES, "bad-boundaries", 0, "this is no table of the boundaries between phones") \
     X(BAD_NORMALIZATION, "bad-normalization", 0, "this is no file of words for normalisation") \
-    X(BAD_LEXICON, "bad-lexicon", 0, "this is no pronunciation lexicon") \
+    X(BAD_LEXICON, "bad-lexicon", 400, "this is no pronunciation lexicon") \
     X(BAD_MODEL, "bad-model", 0, "this is no head model") \
     X(BAD_FAP, "bad-fap", 400, "this is no .fap file") \
     X(BAD_SOUND, "bad-sound", 400, "this is no sound that can be read") \

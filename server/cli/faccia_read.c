@@ -64,6 +64,8 @@ static int read_text(const struct read *r, const struct buf *text, const struct 
     struct error e;
     struct markup_rules rules = {.lang = r->lang,
                                  .lenient = true,
+                                 .sign_said = lexicons_sign,
+                                 .sign_lexicons = r->components->pipeline.lexicons,
                                  .lexicons = r->components->named_lexicons.names,
                                  .markdown_out = strcmp(r->normalize, "off") != 0,
                                  .abbreviations =

@@ -15,6 +15,7 @@
 #include "server/http/certificate.h"
 #include "server/http/transport.h"
 #include "server/library/publish/prerender.h"
+#include "server/library/work_lexicons.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
 #include <stdio.h>
@@ -569,6 +570,8 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->reader = &d->reader;
     pipeline->gate = &d->gate;
     pipeline->open_seconds = s->api.open_seconds;
+    pipeline->library = d->library;
+    pipeline->passage_lexicons = d->library ? library_lexicons : NULL;
     struct api_options options = api_options_of(d);
     d->offer = daemon_offer_new(pipeline);
     const struct offer_source offer = daemon_offer_source(d->offer);

@@ -34,6 +34,8 @@ const struct setting settings_table[] = {
      "pages from there may frame the daemon's pages of texts and of the face; * = all; may be repeated"},
     {"access.editing", "editing", SETTING_FLAG, MEMBER(api.editing), FOR_DAEMON, 0, 0, "false", NULL,
      "let who may operate save gestures, and works into the library, over HTTP"},
+    {"access.open_reports", "open-reports", SETTING_FLAG, MEMBER(api.open_reports), FOR_DAEMON, 0, 0, "false",
+     NULL, "let readers report misread words without a token (--reports)"},
     {"access.secret_file", "secret-file", SETTING_STRING, MEMBER(secret_file), FOR_DAEMON, 0, 0, NULL, "FILE",
      "demand tokens signed with a secret of this file (one in each line)"},
     {"access.revoked_file", "revoked-file", SETTING_STRING, MEMBER(revoked_file), FOR_DAEMON, 0, 0, NULL,
@@ -158,6 +160,9 @@ const struct setting settings_table[] = {
      "recordings that may be played: .fap files with their sound"},
     {"paths.scenes", "scenes", SETTING_FOLDER, MEMBER(api.scenes), FOR_DAEMON, 0, 0, NULL, "DIR",
      "scenes that operators keep: who may operate changes them"},
+    {"paths.reports", "reports", SETTING_FOLDER, MEMBER(api.reports), FOR_DAEMON, 0, 0, NULL, "DIR",
+     "words that readers of the library report as misread, for who may operate; without it nothing can be "
+     "reported"},
     {"paths.plugins", "plugins", SETTING_STRING, MEMBER(voices.plugin_dir), FOR_BOTH, 0, 0, NULL, "DIR",
      "voice plugins"},
     {"paths.worker", "worker", SETTING_STRING, MEMBER(voices.worker), FOR_BOTH, 0, 0, NULL, "FILE",

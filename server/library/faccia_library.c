@@ -6,6 +6,7 @@
 #include "server/library/library_files.h"
 #include "server/library/publish/epub_book.h"
 #include "server/library/work.h"
+#include "server/library/work_lexicons.h"
 #include <errno.h>
 #include <getopt.h>
 #include <jansson.h>
@@ -267,6 +268,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     struct settings own = *settings;
     struct cli cli = {0};
     struct error e;
+    struct lexicons lexicons = {0};
     char *config = NULL, voice[80];
     bool recorded = x->voice && !strcmp(x->voice, "recording");
     if (recorded && !(config = with_recording(x, settings)))
@@ -278,9 +280,14 @@ static int speak(struct exporting *x, const struct settings *settings) {
     if (x->voice)
         x->request.voice = mem_strdup(recorded ? voice : x->voice);
     x->failed |= !x->silent && cli_open(&cli, &own);
+    if (!x->failed && library_lexicons_beside(x->folder, x->file, &lexicons, &e)) {
+        cli_complain_of(&e);
+        x->failed = true;
+    }
     if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
         x->narration = (struct narration){.pipeline = &cli.components.pipeline,
                                           .request = &x->request,
+                                          .lexicons = &lexicons,
                                           .lang = x->meta.lang,
                                           .any_lang = recorded,
                                           .sentences = x->narration.sentences,
@@ -302,6 +309,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     }
     if (!x->silent)
         cli_close(&cli);
+    lexicons_free(&lexicons);
     free(config);
     return x->failed ? EXIT_FAILED : EXIT_DONE;
 }

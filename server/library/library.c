@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
+#include "server/library/work_lexicons.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,6 +86,13 @@ struct library *library_open(const struct library_options *options, struct error
     return NULL;
 }
 
+void library_look(struct library *l) {
+    pthread_mutex_lock(&l->mutex);
+    l->look = true;
+    pthread_cond_broadcast(&l->wake);
+    pthread_mutex_unlock(&l->mutex);
+}
+
 static void close_reader(struct index_reader *r) {
     sqlite3_close(r->sql);
     stems_close(r->stems);
@@ -102,6 +110,7 @@ void library_close(struct library *l) {
     if (l->thread)
         pthread_join(l->thread, NULL);
     alignments_close(l->alignments);
+    work_lexicons_free(l);
     for (unsigned i = 0; i < l->idle_count; i++)
         close_reader(l->idle[i]);
     pthread_mutex_destroy(&l->mutex);

@@ -25,6 +25,9 @@ struct library_options {
 /* Opens the index and starts to scan the folder. NULL with *e: "bad-index", "bad-work". */
 struct library *library_open(const struct library_options *options, struct error *e);
 
+/* Scans the folder now rather than at the next interval. */
+void library_look(struct library *library);
+
 /* Waits for the library's thread: at most the time that one block takes. */
 void library_close(struct library *library);
 

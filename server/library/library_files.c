@@ -4,6 +4,7 @@
 #include "server/base/mem.h"
 #include "server/library/words.h"
 #include "server/library/work.h"
+#include "server/library/work_lexicons.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -45,6 +46,8 @@ static void add(struct library_files *files, const char *path, const struct stat
         add_to(&files->list, &files->count, &files->cap, file);
     else if (is_sound(path))
         add_to(&files->sounds, &files->sound_count, &files->sound_cap, file);
+    else if (library_lexicon_is(path))
+        add_to(&files->lexicons, &files->lexicon_count, &files->lexicon_cap, file);
     else
         free(file.path);
 }
@@ -106,6 +109,8 @@ int library_files_list(struct library_files *files, const char *folder, struct e
         qsort(files->list, files->count, sizeof *files->list, compare);
     if (files->sound_count)
         qsort(files->sounds, files->sound_count, sizeof *files->sounds, compare);
+    if (files->lexicon_count)
+        qsort(files->lexicons, files->lexicon_count, sizeof *files->lexicons, compare);
     return result;
 }
 
@@ -116,6 +121,9 @@ void library_files_free(struct library_files *files) {
     for (size_t i = 0; i < files->sound_count; i++)
         free(files->sounds[i].path);
     free(files->sounds);
+    for (size_t i = 0; i < files->lexicon_count; i++)
+        free(files->lexicons[i].path);
+    free(files->lexicons);
     *files = (struct library_files){0};
 }
 

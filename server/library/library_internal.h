@@ -145,6 +145,8 @@ struct library {
     unsigned generation; /* of the index; changes when the file is recreated */
     size_t done, of;     /* files of this scan */
     bool indexing, closing;
+    bool look;                      /* somebody changed a file: scan now */
+    struct work_lexicons *lexicons; /* work_lexicons.c */
     atomic_bool stop;
     atomic_bool damaged;           /* a reader found the index damaged: the scan recreates it */
     struct reader reader;          /* program is owned */

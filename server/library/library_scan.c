@@ -4,6 +4,7 @@
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
 #include "server/library/work.h"
+#include "server/library/work_lexicons.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,6 +72,7 @@ static int library_recorded(struct library *l, struct index_writer *w, const str
                             struct error *e) {
     uint64_t signature = sign(14695981039346656037u, files->list, files->count);
     signature = sign(signature, files->sounds, files->sound_count);
+    signature = sign(signature, files->lexicons, files->lexicon_count);
     if (signature == l->signature)
         return 0;
     struct recorded_works works = {0};
@@ -94,6 +96,7 @@ static int library_recorded(struct library *l, struct index_writer *w, const str
         result = set_flag(w, (char *)wrong.data + at, e);
     buf_free(&wrong);
     alignments_see(l->alignments, &works);
+    work_lexicons_scan(l, w, files);
     pthread_mutex_lock(&l->mutex);
     if (!result)
         l->signature = signature;
@@ -271,9 +274,10 @@ static void rest(struct library *l) {
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_sec += LOOK_SECONDS;
     pthread_mutex_lock(&l->mutex);
-    while (!l->closing && !atomic_load(&l->damaged) &&
+    while (!l->closing && !l->look && !atomic_load(&l->damaged) &&
            pthread_cond_timedwait(&l->wake, &l->mutex, &until) != ETIMEDOUT)
         ;
+    l->look = false;
     pthread_mutex_unlock(&l->mutex);
 }
 

@@ -82,6 +82,14 @@ static bool is_name(char c) {
     return c && !strchr(" \t\r\n/><='\"&;?!", c);
 }
 
+int text_check(const char *text, size_t size, const char *what, struct error *e) {
+    size_t bad = utf8_check(text, size);
+    if (bad < size)
+        return error_at_byte(e, ERROR_BAD_UTF8, bad, "the %s is not UTF-8", what);
+    const char *nul = memchr(text, '\0', size);
+    return nul ? error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the %s holds a NUL character", what) : 0;
+}
+
 int prolog_read(const char *text, size_t size, struct prolog *prolog, struct error *e) {
     struct scan s = {text, size, 0};
     *prolog = (struct prolog){0};

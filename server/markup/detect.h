@@ -20,6 +20,9 @@ struct prolog {
  * with *e ("bad-xml", line and column) if one of them is unterminated. */
 int prolog_read(const char *text, size_t size, struct prolog *prolog, struct error *e);
 
+/* Checks that a document is UTF-8 without NUL. what: "text". -1 with *e: "bad-utf8", "nul" (byte). */
+int text_check(const char *text, size_t size, const char *what, struct error *e);
+
 /* Compares the root element's name, ignoring case and prefix. */
 bool prolog_root_is(const struct prolog *prolog, const char *name);
 

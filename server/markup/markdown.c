@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/markdown.h"
 #include "server/base/utf8.h"
+#include "server/markup/markup_rules.h"
 #include "server/markup/white.h"
 #include <stdint.h>
 #include <string.h>
@@ -80,7 +81,12 @@ static bool marks_words(const char *s, size_t n, size_t at) {
     return s[at] == '`' || (s[at] == '~' && (before == '~' || after == '~'));
 }
 
-void markdown_blank(char *s, size_t n, bool begins_line) {
+static size_t sign_said(const struct markup_rules *rules, const char *s, size_t n) {
+    return rules->sign_said ? rules->sign_said(rules->sign_lexicons, rules->lang ? rules->lang : "", s, n)
+                            : 0;
+}
+
+void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rules *rules) {
     char *whole = s;
     struct link_signs signs = {.bracket.sign = ']', .parenthesis.sign = ')'};
     for (size_t at = 0, length; at < n; at += length) {
@@ -100,7 +106,10 @@ void markdown_blank(char *s, size_t n, bool begins_line) {
         }
         length = utf8_next(s + at, n - at, &cp);
         length = length ? length : 1;
-        if (is_emoji(cp))
+        size_t said = is_emoji(cp) ? sign_said(rules, s + at, n - at) : 0;
+        if (said)
+            length = said;
+        else if (is_emoji(cp))
             memset(s + at, MARKDOWN_LEFT_OUT, length);
     }
 }

@@ -10,8 +10,10 @@
 /* Replaces each removed byte, so that all other bytes keep their offsets. */
 #define MARKDOWN_LEFT_OUT '\1'
 
-/* begins_line: s starts at the beginning of a line. */
-void markdown_blank(char *s, size_t n, bool begins_line);
+struct markup_rules;
+
+/* begins_line: s starts at the beginning of a line. rules: which signs are said. */
+void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rules *rules);
 
 /* True if the text contains a letter, a digit, an emoji or another symbol that a voice can name. */
 bool markdown_has_words(const char *s, size_t n);

@@ -205,16 +205,8 @@ static char *without_left_out(const char *text, size_t size, const struct markup
 
 struct score *markup_read(const struct markup_kind *kind, const char *text, size_t size,
                           const struct markup_rules *rules, struct error *e) {
-    size_t bad = utf8_check(text, size);
-    if (bad < size) {
-        error_at_byte(e, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
+    if (text_check(text, size, "text", e))
         return NULL;
-    }
-    const char *nul = memchr(text, '\0', size);
-    if (nul) {
-        error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the text holds a NUL character");
-        return NULL;
-    }
     struct score *score = score_new();
     score->input = text;
     score->input_size = size;

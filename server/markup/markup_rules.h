@@ -16,11 +16,15 @@ struct markup_rules {
      * numbers with a dot are ordinals. */
     const char *const *abbreviations;
     const char *lang; /* language of the request (BCP 47); styles in it leave `lang` unset; may be NULL */
-    size_t sentence_bytes;            /* longer sentences are cut at , ; or : (0: PLAIN_SENTENCE_BYTES) */
-    bool more;                        /* the text is unfinished: more may follow (plain.h) */
-    bool markdown;                    /* recognise Markdown headings, list items and marked words */
-    bool wrapped;                     /* a line break is white space like any other, as in XML */
-    bool markdown_out;                /* remove Markdown marks and emoji first; for complete plain texts */
+    size_t sentence_bytes; /* longer sentences are cut at , ; or : (0: PLAIN_SENTENCE_BYTES) */
+    bool more;             /* the text is unfinished: more may follow (plain.h) */
+    bool markdown;         /* recognise Markdown headings, list items and marked words */
+    bool wrapped;          /* a line break is white space like any other, as in XML */
+    bool markdown_out;     /* remove Markdown marks and emoji first; for complete plain texts */
+    /* Returns the bytes of a sign at the beginning of s[0..n) that a lexicon says, so that it is not removed
+     * with Markdown; 0 = none. NULL: none are kept. */
+    size_t (*sign_said)(const void *lexicons, const char *lang, const char *s, size_t n);
+    const void *sign_lexicons;        /* its first argument */
     const struct affects *affects;    /* known affects; NULL: names stay unchanged */
     const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */
     const char *const

@@ -69,7 +69,7 @@ static int plain_next(struct open_text *o, const char *text, size_t size, enum o
         *piece = (struct open_piece){.start = o->at, .size = length, .length = length};
         piece->text = mem_strndup(text + o->at, length);
         if (rules.markdown)
-            markdown_blank(piece->text, length, !o->goes_on);
+            markdown_blank(piece->text, length, !o->goes_on, &rules);
         o->at += length;
         o->goes_on = true;
         if (markdown_has_words(piece->text, length))

@@ -404,7 +404,7 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
         return read_all(score, text, size, rules, e);
     struct markup_rules marked = *rules;
     char *copy = mem_strndup(text, size);
-    markdown_blank(copy, size, true);
+    markdown_blank(copy, size, true, rules);
     /* in a text of nothing but symbols and emoji, leave them to the voice */
     marked.markdown = markdown_has_words(copy, size);
     int failed = read_all(score, marked.markdown ? copy : text, size, &marked, e);

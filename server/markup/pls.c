@@ -212,14 +212,9 @@ static int no_lexicon(struct score *score, size_t at, const char *why, struct er
 
 int pls_read(struct score *score, struct pls_sink *sink, struct error *e) {
     const char *text = score->input;
-    size_t size = score->input_size, bad = utf8_check(text, size);
+    size_t size = score->input_size;
     struct prolog prolog;
-    if (bad < size)
-        return error_at_byte(e, ERROR_BAD_UTF8, bad, "the lexicon is not UTF-8");
-    const char *nul = memchr(text, '\0', size);
-    if (nul)
-        return error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the lexicon holds a NUL character");
-    if (prolog_read(text, size, &prolog, e))
+    if (text_check(text, size, "lexicon", e) || prolog_read(text, size, &prolog, e))
         return -1;
     if (!prolog_root_is(&prolog, "lexicon"))
         return no_lexicon(score, prolog.end, "the root element is no 'lexicon'", e);

@@ -7,6 +7,7 @@
 #include "server/normalize/lexicon_internal.h"
 #include <dirent.h>
 #include <errno.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,7 @@ struct node {
 };
 
 struct lexicon {
+    atomic_uint refs;
     char lang[36];
     char *name;         /* of its file; NULL = none */
     struct node *nodes; /* the first two are the roots */
@@ -29,7 +31,7 @@ struct lexicon {
     struct lexicon_entry *entries;
     size_t entry_count, entry_cap;
     size_t spellings, left_out;
-    bool folds, full;
+    bool folds, signs, full;
     struct score *notes; /* owns the entries' strings; its warnings */
 };
 
@@ -62,6 +64,10 @@ int32_t lexicon_step(const struct lexicon *x, int32_t node, const char *key) {
 const struct lexicon_entry *lexicon_entry_at(const struct lexicon *x, int32_t node) {
     uint32_t entry = x->nodes[node].entry;
     return entry ? &x->entries[entry - 1] : NULL;
+}
+
+bool lexicon_has_signs(const struct lexicon *x) {
+    return x->signs;
 }
 
 bool lexicon_folds(const struct lexicon *x) {
@@ -129,6 +135,7 @@ static void add_spelling(struct lexicon *x, const struct pls_lexeme *lexeme, siz
             x->nodes[node].entry = entry;
             x->spellings++;
             x->folds |= lexeme->any_case;
+            x->signs |= tokens.count && tokens.list[0].kind == TOKEN_SIGN && (*lexeme->graphemes[i] & 0x80);
         }
     }
     tokens_free(&tokens);
@@ -145,6 +152,7 @@ static void on_lexeme(void *ctx, const struct pls_lexeme *lexeme) {
 struct lexicon *lexicon_read(const char *text, size_t size, struct error *e) {
     struct lexicon *x = mem_alloc(sizeof *x);
     struct pls_sink sink = {on_language, on_lexeme, x, 0};
+    atomic_init(&x->refs, 1);
     x->table_size = 64;
     x->table = mem_alloc(x->table_size * sizeof *x->table);
     x->nodes = mem_grow(x->nodes, &x->node_cap, 2, sizeof *x->nodes);
@@ -162,14 +170,32 @@ struct lexicon *lexicon_read(const char *text, size_t size, struct error *e) {
     return NULL;
 }
 
+struct lexicon *lexicon_read_sent(const char *text, size_t size, struct error *e) {
+    struct error inner = {0};
+    struct lexicon *x = NULL;
+    if (size > LEXICON_SENT)
+        error_set(&inner, ERROR_BAD_LEXICON, "it may have at most %d bytes", LEXICON_SENT);
+    else
+        x = lexicon_read(text, size, &inner);
+    if (x)
+        return x;
+    *e = inner;
+    e->code = ERROR_BAD_LEXICON;
+    snprintf(e->message, sizeof e->message, "the lexicon: %.240s", inner.message);
+    return NULL;
+}
+
 struct lexicon *lexicon_load(const char *path, struct error *e) {
+    FILE *file = fopen(path, "rb");
+    if (file)
+        return lexicon_load_file(file, path, e);
+    error_set(e, ERROR_BAD_LEXICON, "%s: %s", path, strerror(errno));
+    return NULL;
+}
+
+struct lexicon *lexicon_load_file(FILE *file, const char *path, struct error *e) {
     struct error inner = {0};
     struct lexicon *lexicon = NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file) {
-        error_set(e, ERROR_BAD_LEXICON, "%s: %s", path, strerror(errno));
-        return NULL;
-    }
     struct buf text = {0};
     size_t got = 0;
     while (text.size <= LEXICON_BYTES && (got = fread(buf_reserve(&text, 1 << 16), 1, 1 << 16, file)) > 0)
@@ -193,8 +219,13 @@ struct lexicon *lexicon_load(const char *path, struct error *e) {
     return lexicon;
 }
 
+struct lexicon *lexicon_share(struct lexicon *x) {
+    atomic_fetch_add(&x->refs, 1);
+    return x;
+}
+
 void lexicon_free(struct lexicon *x) {
-    if (!x)
+    if (!x || atomic_fetch_sub(&x->refs, 1) > 1)
         return;
     free(x->name);
     free(x->nodes);
@@ -226,12 +257,21 @@ const struct error *lexicon_warnings(const struct lexicon *x, size_t *count) {
     return x->notes->warnings;
 }
 
+void lexicons_add(struct lexicons *lexicons, struct lexicon *lexicon) {
+    lexicons->list = mem_grow(lexicons->list, &lexicons->cap, lexicons->count + 1, sizeof *lexicons->list);
+    lexicons->list[lexicons->count++] = lexicon;
+}
+
+void lexicons_add_all(struct lexicons *lexicons, const struct lexicons *others) {
+    for (size_t i = 0; others && i < others->count; i++)
+        lexicons_add(lexicons, lexicon_share(others->list[i]));
+}
+
 int lexicons_load(struct lexicons *lexicons, const char *path, struct error *e) {
     struct lexicon *lexicon = lexicon_load(path, e);
     if (!lexicon)
         return -1;
-    lexicons->list = mem_grow(lexicons->list, &lexicons->cap, lexicons->count + 1, sizeof *lexicons->list);
-    lexicons->list[lexicons->count++] = lexicon;
+    lexicons_add(lexicons, lexicon);
     lexicons->names = mem_resize(lexicons->names, (lexicons->count + 1) * sizeof *lexicons->names);
     lexicons->names[lexicons->count - 1] = lexicon->name;
     lexicons->names[lexicons->count] = NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the words of a script that lexicons have, and rewrites the script's items. */
 #include "server/base/mem.h"
+#include "server/markup/pls.h"
 #include "server/normalize/lexicon_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,8 @@ struct match {
     const struct lexicon_entry *entry;
 };
 
-/* Adjacent items of one style: a word may cross their bounds, where an entity such as &amp; is. */
+/* Adjacent items of one style, and the marks between them: words may cross their bounds, where an entity
+ * such as &amp; or a mark is. */
 struct stretch {
     size_t first, last; /* items [first, last) of the old script */
     size_t *begins;     /* offset of each item's text; the last entry is the end */
@@ -163,6 +165,28 @@ static void ask_lexicons(struct applying *a, const char *names, const char *lang
         ask(a, a->lexicons->list[i], lang);
 }
 
+size_t lexicons_sign(const void *lexicons, const char *lang, const char *s, size_t n) {
+    const struct lexicons *all = lexicons;
+    const struct lexicon_entry *entry;
+    struct tokens tokens = {0};
+    size_t best = 0;
+    n = n < PLS_GRAPHEME_BYTES ? n : PLS_GRAPHEME_BYTES;
+    for (size_t i = 0; all && i < all->count; i++) {
+        const struct lexicon *x = all->list[i];
+        if (!lexicon_has_signs(x) || !speaks(x, lang))
+            continue;
+        if (!tokens.count)
+            tokens_read(&tokens, s, n, lang);
+        for (enum how how = AS_WRITTEN; how <= ANY_CASE; how += ANY_CASE) {
+            size_t count = follow(x, how, &tokens, 0, lang, &entry);
+            if (count && tokens.list[count - 1].to > best)
+                best = tokens.list[count - 1].to;
+        }
+    }
+    tokens_free(&tokens);
+    return best;
+}
+
 /* Byte of the input for a byte of the stretch, which lies in that item. */
 static size_t place_of(const struct applying *a, const struct stretch *s, size_t item, size_t byte,
                        bool end) {
@@ -259,12 +283,24 @@ static void add_match(struct applying *a, const struct stretch *s, size_t item, 
     }
 }
 
+static void copy_items(struct applying *a, size_t first, size_t last) {
+    for (size_t i = first; i < last; i++) {
+        a->begins[i] = a->count;
+        add_item(a, i);
+        a->ends[i] = a->count;
+    }
+}
+
 /* Writes the items of a stretch, cut at its matches. */
 static void write_stretch(struct applying *a, const struct stretch *s) {
-    size_t next = 0, at = 0;
+    size_t next = 0, at = 0, matched = 0; /* matched: new index of the last match */
     for (size_t item = s->first; item < s->last; item++) {
         size_t begin = s->begins[item - s->first], end = s->begins[item + 1 - s->first];
-        a->begins[item] = at > begin ? a->count - 1 : a->count; /* an earlier match may reach into it */
+        if (a->script->items[item].kind == SCORE_MARK) { /* in a match, it comes after the match */
+            copy_items(a, item, item + 1);
+            continue;
+        }
+        a->begins[item] = at > begin ? matched : a->count; /* an earlier match may reach into it */
         at = at > begin ? at : begin;
         for (; next < s->match_count && s->matches[next].from < end; next++) {
             const struct match *match = &s->matches[next];
@@ -272,19 +308,12 @@ static void write_stretch(struct applying *a, const struct stretch *s) {
             while (s->begins[last + 1 - s->first] < match->to)
                 last++;
             add_rest(a, s, item, at, match->from);
+            matched = a->count;
             add_match(a, s, item, last, match);
             at = match->to;
         }
         add_rest(a, s, item, at, end);
         a->ends[item] = a->count;
-    }
-}
-
-static void copy_items(struct applying *a, size_t first, size_t last) {
-    for (size_t i = first; i < last; i++) {
-        a->begins[i] = a->count;
-        add_item(a, i);
-        a->ends[i] = a->count;
     }
 }
 
@@ -298,9 +327,10 @@ static void apply_to_stretch(struct applying *a, size_t first, size_t last) {
     }
     s.begins = mem_alloc((last - first + 1) * sizeof *s.begins);
     for (size_t i = first; i < last; i++) {
-        const char *text = a->script->items[i].text;
+        const struct score_item *item = &a->script->items[i];
         s.begins[i - first] = s.text.size;
-        buf_add(&s.text, text, strlen(text));
+        if (item->kind != SCORE_MARK)
+            buf_add(&s.text, item->text, strlen(item->text));
     }
     s.begins[last - first] = s.text.size;
     tokens_read(&s.tokens, (const char *)s.text.data, s.text.size, lang_of(a, first));
@@ -322,8 +352,14 @@ static void apply_to_sentence(struct applying *a, size_t first, size_t end) {
     for (size_t i = first; i < end;) {
         size_t last = i + 1;
         if (is_open(&a->script->items[i])) {
-            while (last < end && joins(a, last - 1, last))
-                last++;
+            for (size_t text = i, next = last; next < end; next++) {
+                if (a->script->items[next].kind == SCORE_MARK)
+                    continue;
+                if (!joins(a, text, next))
+                    break;
+                text = next;
+                last = next + 1;
+            }
             apply_to_stretch(a, i, last);
         } else {
             a->begun |= a->script->items[i].kind == SCORE_TEXT;

@@ -39,6 +39,7 @@ enum { LEXICON_EXACT = 0, LEXICON_FOLDED = 1, LEXICON_NONE = -1 };
 int32_t lexicon_step(const struct lexicon *lexicon, int32_t node, const char *key);
 /* The entry that ends at the node, or NULL. */
 const struct lexicon_entry *lexicon_entry_at(const struct lexicon *lexicon, int32_t node);
-bool lexicon_folds(const struct lexicon *lexicon); /* some spellings match without case */
+bool lexicon_has_signs(const struct lexicon *lexicon); /* some spellings begin with a sign beyond ASCII */
+bool lexicon_folds(const struct lexicon *lexicon);     /* some spellings match without case */
 
 #endif

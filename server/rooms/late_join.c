@@ -91,6 +91,10 @@ void notice_board_mood(struct notice_board *board, struct queued_message *messag
     replace(&board->mood, message);
 }
 
+void notice_board_lexicon(struct notice_board *board, struct queued_message *message) {
+    replace(&board->lexicon, message);
+}
+
 void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked) {
     replace(&board->consent, message);
     json_decref(board->asked);
@@ -103,6 +107,8 @@ void notice_board_tell(const struct notice_board *board,
         tell(ctx, board->calibration);
     if (board->mood)
         tell(ctx, board->mood);
+    if (board->lexicon)
+        tell(ctx, board->lexicon);
     if (board->consent)
         tell(ctx, board->consent);
     if (board->state)
@@ -116,5 +122,6 @@ void notice_board_free(struct notice_board *board) {
     notice_board_state(board, NULL);
     notice_board_calibration(board, NULL);
     notice_board_mood(board, NULL);
+    notice_board_lexicon(board, NULL);
     notice_board_consent(board, NULL, NULL);
 }

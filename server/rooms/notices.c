@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/rooms/notices.h"
 #include "server/base/error_json.h"
+#include "server/normalize/lexicon.h"
 #include "server/rooms/events.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
@@ -181,13 +182,14 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
-/* Counts a calibration. Returns -1 with *e when there were too many: each goes to every listener. */
-static int count_calibration(struct channel *c, struct error *e) {
+/* Counts a calibration or a lexicon. Returns -1 with *e when there were too many: each goes to every
+ * listener. */
+static int count_large(struct channel *c, const char *what, struct error *e) {
     uint64_t now = uv_now(c->rooms->pipeline->loop);
     uint64_t from = c->calibrated > now ? c->calibrated : now;
     if (from + CALIBRATION_MS - now > CALIBRATION_MS * CALIBRATION_BURST)
-        return error_set(e, ERROR_TOO_MANY_REQUESTS, "a face takes %d calibrations a second, and %d at once",
-                         1000 / CALIBRATION_MS, CALIBRATION_BURST);
+        return error_set(e, ERROR_TOO_MANY_REQUESTS, "a face takes %d %s a second, and %d at once",
+                         1000 / CALIBRATION_MS, what, CALIBRATION_BURST);
     c->calibrated = from + CALIBRATION_MS;
     return 0;
 }
@@ -198,7 +200,7 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
     json_t *told = notice_begin(c, "calibrated");
     int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
                                      : calibration_read(message, told, e);
-    failed = failed || count_calibration(c, e);
+    failed = failed || count_large(c, "calibrations", e);
     if (!failed) {
         struct queued_message *all = notice_tell(c, told, "calibrated");
         notice_board_calibration(&c->notices, c->room && !json_is_true(reset) ? all : NULL);
@@ -206,6 +208,25 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
     }
     json_decref(told);
     return failed ? -1 : 0;
+}
+
+/* Only a room keeps the lexicon for late joiners, which include replicas of the room. */
+int notice_lexicon(struct channel *c, const json_t *message, struct error *e) {
+    const json_t *document = json_object_get(message, "lexicon");
+    const char *text = json_string_value(document);
+    struct lexicon *lexicon = *text ? lexicon_read_sent(text, json_string_length(document), e) : NULL;
+    if ((*text && !lexicon) || count_large(c, "lexicons", e)) {
+        lexicon_free(lexicon);
+        return -1;
+    }
+    json_t *told = notice_begin(c, "lexicon");
+    take_member(message, "lexicon", told);
+    struct queued_message *all = notice_tell(c, told, "lexicon");
+    notice_board_lexicon(&c->notices, c->room && lexicon ? all : NULL);
+    stream_set_lexicon(c->stream, lexicon);
+    queued_message_release(all);
+    json_decref(told);
+    return 0;
 }
 
 static const char *word_of(const json_t *message) {

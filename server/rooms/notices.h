@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Notices: the state of a channel other than its speech, each in effect until it is replaced. These are a
  * question with its choices, what the assistant behind the face is doing, whose face it is (calibration),
- * its mood, and whether the listener consents to a study. Late joiners are sent the current notices. */
+ * its mood, how words are said (a lexicon), and whether the listener consents to a study. Late joiners are
+ * sent the current notices. */
 #ifndef FACCIA_ROOMS_NOTICES_H
 #define FACCIA_ROOMS_NOTICES_H
 
@@ -37,6 +38,9 @@ int notice_state(struct channel *channel, const json_t *message, struct error *e
 
 /* Sets feature points of the head; `reset` restores the head's own. */
 int notice_calibrate(struct channel *channel, const json_t *message, struct error *e);
+
+/* Sets the lexicon for what is spoken from now on; an empty one removes it. */
+int notice_lexicon(struct channel *channel, const json_t *message, struct error *e);
 
 /* Asks for consent, or answers. Asking again with the same text keeps the existing answer. "no-choices":
  * there is no question to answer. */

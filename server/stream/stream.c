@@ -236,9 +236,17 @@ static struct utterance *add(struct stream *s, const struct speech_request *requ
     return t;
 }
 
+void stream_set_lexicon(struct stream *s, struct lexicon *lexicon) {
+    lexicons_free(&s->lexicons);
+    if (lexicon)
+        lexicons_add(&s->lexicons, lexicon);
+}
+
 uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {
     struct error e;
-    const struct utterance *t = add(s, request, synthesis_open_source, (void *)request, &e);
+    struct speech_request around = *request;
+    around.around = &s->lexicons;
+    const struct utterance *t = add(s, &around, synthesis_open_source, &around, &e);
     if (!t && why)
         *why = e;
     return t ? t->number : 0;
@@ -392,6 +400,7 @@ void stream_free(struct stream *s) {
     stream_idle(s, NULL);
     stream_stop(s);
     mood_mix_close(&s->mix);
+    lexicons_free(&s->lexicons);
     uv_close((uv_handle_t *)s->timer, free_timer);
     free(s);
 }

@@ -5,6 +5,7 @@
 #define FACCIA_STREAM_STREAM_INTERNAL_H
 
 #include "server/base/utf8.h"
+#include "server/normalize/lexicon.h"
 #include "server/stream/idle_face.h"
 #include "server/stream/media.h"
 #include "server/stream/stream.h"
@@ -112,6 +113,7 @@ struct stream {
     struct idle_options idling;
     struct mood_mix mix;
     struct face_ease ease;
+    struct lexicons lexicons; /* none, or one */
     bool paused;
     uint64_t unheard; /* ms of media sent before the pause and heard after it */
 };

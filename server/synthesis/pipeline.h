@@ -17,6 +17,7 @@ struct expressions;
 struct face_high_level;
 struct normalizers;
 struct lexicons;
+struct library;
 struct live_pool;
 
 /* All borrowed. */
@@ -29,6 +30,9 @@ struct pipeline {
     const struct normalizers *normalizers;    /* NULL = leave say-as to the voices */
     const struct lexicons *lexicons;          /* for all texts; NULL = none */
     const struct lexicons *named_lexicons;    /* for texts that name them; NULL = none */
+    /* Adds the lexicons of a passage's work and of its library; NULL = there is no library. */
+    void (*passage_lexicons)(struct library *library, const char *passage, struct lexicons *to);
+    struct library *library; /* its first argument */
     const char *default_lang;
     enum face_contacts default_contacts; /* for requests that say "engine" */
     const struct reader *reader;         /* decodes untrusted sound (sound_reader.h); NULL = none */

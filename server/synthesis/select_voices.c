@@ -384,7 +384,10 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         s->pipeline->normalizers
             ? normalizers_abbreviations(s->pipeline->normalizers, reading_lang(s, NULL, synthesis_lang(s)))
             : NULL;
+    const struct lexicons *all = s->lexicons.count ? &s->lexicons : s->pipeline->lexicons;
     return (struct markup_rules){
+        .sign_said = all && all->count ? lexicons_sign : NULL,
+        .sign_lexicons = all,
         .abbreviations = abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
@@ -395,7 +398,8 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
 }
 
 static void say_by_lexicons(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
-    const struct lexicons *all = s->pipeline->lexicons, *named = s->pipeline->named_lexicons;
+    const struct lexicons *all = s->lexicons.count ? &s->lexicons : s->pipeline->lexicons;
+    const struct lexicons *named = s->pipeline->named_lexicons;
     if (!(all && all->count) && !(named && named->count))
         return;
     const char **langs = mem_alloc((r->score->item_count + 1) * sizeof *langs);

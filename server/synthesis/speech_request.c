@@ -43,6 +43,7 @@ void request_free(struct speech_request *request) {
 
 void request_copy(struct speech_request *to, const struct speech_request *from) {
     *to = *from;
+    to->around = NULL;
     for (size_t i = 0; i < ROWS; i++) {
         char **string = member_of(to, i);
         if (field_is_string(&rows[i].field) && rows[i].field.type != FIELD_TEXT && *string)

@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct lexicons;
+
 /* When it is spoken, on a stream that speaks already. */
 enum speech_mode {
     SPEAK_QUEUE,     /* after all that waits */
@@ -53,6 +55,11 @@ struct speech_request {
     enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     enum speech_normalize normalize;
+    char *work;    /* or passage of the library, whose lexicons hold for the text; NULL = that of `passage` */
+    char *lexicon; /* a PLS document: how words of the text are said; NULL = none */
+    /* Lexicons of the room or the work, which go before the daemon's; NULL = none. Borrowed until the
+     * synthesis is open, and not copied. No field. */
+    const struct lexicons *around;
     bool still;      /* only the lips move */
     bool phones;     /* its phones are events, too */
     bool again;      /* what is lost with the daemon that was to speak it is asked of the next */

@@ -193,6 +193,25 @@ static void on_voices(void *ctx) {
 
 static const struct speech_source_ops source_ops;
 
+/* Lists the lexicons by precedence, if the request or its surroundings bring some; the pipeline's are used
+ * directly otherwise. */
+static int gather_lexicons(struct synthesis *s, const struct lexicons *around, struct error *e) {
+    const struct pipeline *p = s->pipeline;
+    const char *text = s->request.lexicon;
+    struct lexicon *own = text && *text ? lexicon_read_sent(text, strlen(text), e) : NULL;
+    if (own)
+        lexicons_add(&s->lexicons, own);
+    else if (text && *text)
+        return -1;
+    const char *place = s->request.passage ? s->request.passage : s->request.work;
+    if (place && p->passage_lexicons)
+        p->passage_lexicons(p->library, place, &s->lexicons);
+    lexicons_add_all(&s->lexicons, around);
+    if (s->lexicons.count)
+        lexicons_add_all(&s->lexicons, p->lexicons);
+    return 0;
+}
+
 struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
                                  const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
     struct synthesis *s = mem_alloc(sizeof *s);
@@ -205,7 +224,7 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
     request_copy(&s->request, request);
     if (s->request.contacts == CONTACTS_ENGINE)
         s->request.contacts = pipeline->default_contacts;
-    int result = decode_text(s, e);
+    int result = gather_lexicons(s, request->around, e) || decode_text(s, e) ? -1 : 0;
     if (!result && !is_settled(s))
         s->wait = voice_pool_wait(pipeline->voices, on_voices, s);
     else if (!result)
@@ -303,6 +322,21 @@ static void warn_of_markup(struct synthesis *s) {
         s->callbacks.problem(s->ctx, &s->score->warnings[s->warned++], true);
 }
 
+/* Reports the faults of the request's own lexicon. Its lines are not those of the text, so that the place
+ * stands in the message. */
+static void warn_of_lexicon(struct synthesis *s) {
+    size_t count = 0;
+    const struct error *faults =
+        s->request.lexicon && s->lexicons.count ? lexicon_warnings(s->lexicons.list[0], &count) : NULL;
+    while (s->lexicon_warned < count && !s->freed) {
+        const struct error *fault = &faults[s->lexicon_warned++];
+        char text[sizeof fault->message + 64];
+        struct error e;
+        error_in_field(&e, fault->code, "lexicon", "%.240s", error_text(fault, text, sizeof text));
+        s->callbacks.problem(s->ctx, &e, true);
+    }
+}
+
 /* Reports an error in an open text. */
 static void complain_of_writing(struct synthesis *s) {
     struct writing *w = s->writing;
@@ -329,6 +363,7 @@ static void synthesis_deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
         return;
     s->busy = true;
+    warn_of_lexicon(s);
     warn_of_markup(s);
     complain_of_writing(s);
     while (!s->freed && s->delivered < s->submitted) {
@@ -456,6 +491,7 @@ void synthesis_free(struct synthesis *s) {
     writing_free(s);
     free_result(s);
     request_free(&s->request);
+    lexicons_free(&s->lexicons);
     expressions_free(s->expressions);
     free(s);
 }

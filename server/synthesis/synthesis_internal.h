@@ -7,6 +7,7 @@
 #include "server/face/packs/speech_pack.h"
 #include "server/face/track.h"
 #include "server/markup/open_text.h"
+#include "server/normalize/lexicon.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sentence.h"
 
@@ -85,6 +86,8 @@ struct synthesis {
     const struct pipeline *pipeline;
     const struct expressions *expressions; /* a reference to the version at the start */
     struct speech_request request;
+    struct lexicons lexicons; /* by precedence: its own, the work's, the room's, the daemon's */
+    size_t lexicon_warned;    /* warnings of its own lexicon reported so far */
     const struct markup_kind *markup;
     const struct score *score; /* the script; NULL until the text is parsed */
     uv_work_t work;

@@ -208,6 +208,35 @@ test('what is said to nobody waits for who comes, wherever that is', async () =>
   listener.close();
 });
 
+test('the lexicon of a room holds wherever it is asked for, and goes along when another daemon takes the room', async () => {
+  const room = 'lexicon';
+  const one = await first(daemons[0], room);
+  const two = await Listener.open(daemons[1], room);
+  await followed(room, 2);
+  const phones = async (id, text) => {
+    two.send({ type: 'speak', id, text, phones: true });
+    await two.heard({ type: 'end', id, reason: 'done' });
+    const { utterance } = two.find({ type: 'begin', id });
+    return two.frames.filter((frame) => frame.type === 'phone' && frame.utterance === utterance).map(({ ipa }) => ipa).join('');
+  };
+  const plain = await phones('plain', 'Ecco la stanza.');
+  const lexicon = '<lexicon version="1.0" xml:lang="it"><lexeme><grapheme>aula</grapheme><alias>stanza</alias></lexeme></lexicon>';
+  two.send({ type: 'lexicon', lexicon });
+  for (const listener of [one, two]) await listener.heard({ type: 'lexicon', lexicon });
+  assert.equal(await phones('there', 'Ecco la aula.'), plain);
+  two.send({ type: 'lexicon', lexicon: '<lexicon>' });
+  await two.heard({ type: 'error', code: 'bad-lexicon' });
+  one.close();
+  await eventually(async () => (await homeOf(room)).home === daemons[1], 'the other daemon to take the room');
+  assert.equal(await phones('here', 'Ecco la aula.'), plain);
+  const late = await Listener.open(daemons[2], room);
+  await late.heard({ type: 'lexicon', lexicon });
+  two.send({ type: 'lexicon', lexicon: '' });
+  await late.heard({ type: 'lexicon', lexicon: '' });
+  assert.notEqual(await phones('cleared', 'Ecco la aula.'), plain);
+  for (const listener of [two, late]) listener.close();
+});
+
 test('a daemon that stops leaves its rooms to the others at once', async () => {
   const fourth = await start();
   const room = 'left';

@@ -19,6 +19,15 @@ const joined = (...parts) => Buffer.concat(parts.map((part) => (typeof part === 
 /** With its size before it. */
 const sized = (bytes) => joined(u16(Buffer.byteLength(bytes)), bytes);
 
+/** Language, a text, and lexemes for its words. */
+const lexicons = [
+  ['it', "L'ONU di  Ginevra, R&D e perche\u0301 😀!", '<lexeme><grapheme>ONU di Ginevra</grapheme><alias>sede 12</alias></lexeme><lexeme><grapheme>R&amp;D</grapheme><grapheme>perché</grapheme><phoneme>ˈbobo</phoneme></lexeme><lexeme><grapheme>😀</grapheme><alias>sorriso</alias></lexeme>'],
+  ['pt-BR', 'Dona Inês, <b>às</b> 8.', '<lexeme role="n"><grapheme>Inês</grapheme><phoneme prefer="true" alphabet="x-sampa">tSitSi</phoneme><phoneme>a</phoneme></lexeme><meta name="a" content="b"/><lexeme><alias>x</alias></lexeme>'],
+  ['tr', "Ankara'da IŞIK ve ışık.", '<lexeme><grapheme>Ankara</grapheme><alias>başkent</alias></lexeme><lexeme><grapheme>ışık</grapheme><alias>nur</alias></lexeme>'],
+  ['en', "<speak>Worcester's <emphasis>R&amp;D</emphasis> <sub alias='x'>NASA</sub></speak>", '<lexeme><grapheme>Worcester</grapheme><alias>Wooster</alias></lexeme><lexeme><grapheme>R&amp;D</grapheme><alias>research</alias></lexeme><!-- x --><metadata><a/></metadata>'],
+  ['ja', '東京都に行く。', '<lexeme><grapheme>東京都</grapheme><alias>とうきょう</alias></lexeme><lexeme><grapheme></grapheme></lexeme>'],
+];
+
 const documents = () => [...list('tests/documents', '.xml'), ...list('tests/documents', '.txt')].map((name) => read(name));
 const tone = (rate, count, channels = 1) => wavOf(Int16Array.from({ length: count * channels }, (_, i) => 8000 * Math.sin(i / 5)), rate, channels);
 
@@ -58,6 +67,8 @@ const event = {
 
 const parts = {
   markup: () => documents().flatMap((document, i) => [joined(0, 0, document), joined(1 + i % 5, i % 8, document)]),
+  lexicon: () => lexicons.flatMap(([lang, said, lexemes], i) => [false, true].map((folds) => joined(i % 6, sized(said),
+    `<?xml version="1.0"?>\n<lexicon version="1.0" xmlns="http://www.w3.org/2005/01/pronunciation-lexicon" xmlns:f="urn:f" alphabet="ipa" xml:lang="${lang}"${folds ? ' f:case="any"' : ''}>${lexemes}</lexicon>`))),
   score: () => documents().map((document, i) => joined(i % 6, i * 37 % 256, i % 2 * 60, document)),
   face: () => [0, 1, 2, 3, 4].map((lang) => joined(lang, lang * 5, 128, ...['', 'p', 'a', 't͡ʃ', 'o', '', 'm', 'u', 'kː'].map((ipa, i) => joined(0, i % 3, u16(800), ipa, '\n')),
     5, u16(3000), 'ağlar\n', 7, lang * 9, u16(2000), [255, 255, 0, 128, 90, 90])),

@@ -2,6 +2,7 @@
 /* Texts that are read while they are written: whatever way a text came, its pieces are the same. */
 #include "server/base/buf.h"
 #include "server/markup/markdown.h"
+#include "server/markup/markup_rules.h"
 #include "server/markup/open_text.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -120,7 +121,7 @@ static void leaves_links_out(void **state) {
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         char *text = strdup(pairs[i][0]);
-        markdown_blank(text, strlen(text), false);
+        markdown_blank(text, strlen(text), false, &(struct markup_rules){0});
         assert_string_equal(text, pairs[i][1]);
         free(text);
     }
@@ -138,7 +139,7 @@ static void takes_one_pass_over_brackets(void **state) {
         for (size_t i = 0; i < SIZE; i++)
             text[i] = units[u][i % length];
         const clock_t begun = clock();
-        markdown_blank(text, SIZE, false);
+        markdown_blank(text, SIZE, false, &(struct markup_rules){0});
         assert_true((clock() - begun) / CLOCKS_PER_SEC < SECONDS_MOST);
         assert_int_equal(text[0], '[');
     }

@@ -86,6 +86,10 @@ export interface SpeakOptions {
   contacts?: 'engine' | 'on' | 'off';
   /** Whether numbers, signs and short forms are put into words before the voice sees the text, and Markdown and emoji of a plain text are left out. */
   normalize?: 'on' | 'off';
+  /** The work of the library that the text is from, by its id or that of a passage of it: its lexicon and the library's hold, as for a passage. At most 128 bytes. */
+  work?: string;
+  /** How words of the text are said: a document of the W3C's Pronunciation Lexicon Specification, which goes before all other lexicons. At most 65536 bytes. When left out: those of the work, the library, the room and the daemon only. */
+  lexicon?: string;
   /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
   /** Of two, the higher one comes first and cuts the lower one. */

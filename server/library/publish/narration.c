@@ -250,6 +250,7 @@ static void request_of(const struct narration *r, const struct run *run, struct 
     const struct block *b = run->places.blocks[0];
     const char *lang = lang_of(r, b);
     request_copy(request, r->request);
+    request->around = r->lexicons;
     free(request->text);
     request->text_size = strlen(run->places.text);
     request->text = mem_strndup(run->places.text, request->text_size);

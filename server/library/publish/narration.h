@@ -23,10 +23,11 @@ struct narration_part {
 
 struct narration {
     const struct pipeline *pipeline;
-    struct speech_request *request; /* voice: for text in `lang`; borrowed */
-    const char *lang;               /* of the work */
-    bool any_lang;                  /* the voice speaks every language, as a recording does */
-    bool sentences;                 /* units are sentences instead of words */
+    struct speech_request *request;  /* voice: for text in `lang`; borrowed */
+    const struct lexicons *lexicons; /* of the work; NULL = none; borrowed */
+    const char *lang;                /* of the work */
+    bool any_lang;                   /* the voice speaks every language, as a recording does */
+    bool sentences;                  /* units are sentences instead of words */
     /* Receives a sentence, with its start in samples of the work. Byte offsets refer to text, which is in
      * that markup. All segments have the same rate. Nonzero: stop. */
     int (*segment)(void *ctx, const struct media_segment *segment, const char *text, const char *markup);

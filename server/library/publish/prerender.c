@@ -96,6 +96,7 @@ static void open_section(struct prerender *a) {
     request.markup = mem_strdup(passage.markup);
     request.voice = mem_strdup(a->told.voice);
     request.ahead = true;
+    request.passage = mem_strdup(id); /* the same lexicons and rules as for those who ask for it */
     library_passage_free(&passage);
     a->synthesis = synthesis_open(a->pipeline, &request, &callbacks, a, &e);
     request_free(&request);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Passes the output of a room's leader on to the followers of a replica, and keeps what late joiners must
  * be told. */
+#include "server/normalize/lexicon.h"
 #include "server/rooms/shared/shared_internal.h"
 #include <string.h>
 
@@ -60,7 +61,8 @@ static int kind_of(const char *event) {
 
 /* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
-    static const char *const names[] = {"choices", "chosen", "state", "calibrated", "expressed", "consent"};
+    static const char *const names[] = {"choices",   "chosen",  "state",  "calibrated",
+                                        "expressed", "consent", "lexicon"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(names[i], event))
             return names[i];
@@ -74,6 +76,17 @@ static void take_mood(struct channel *c, const json_t *told, struct queued_messa
     if (express_read(told, &mix, &e) || stream_express(c->stream, &mix, &e))
         return;
     notice_board_mood(&c->notices, mix.count ? message : NULL);
+}
+
+/* Sets the lexicon of the local stream, in case this daemon becomes the room's next leader. */
+static void take_lexicon(struct channel *c, const json_t *told, struct queued_message *message) {
+    const json_t *text = json_object_get(told, "lexicon");
+    struct error e;
+    struct lexicon *lexicon = json_string_length(text)
+                                  ? lexicon_read_sent(json_string_value(text), json_string_length(text), &e)
+                                  : NULL;
+    stream_set_lexicon(c->stream, lexicon);
+    notice_board_lexicon(&c->notices, lexicon ? message : NULL);
 }
 
 static void keep_notice(struct channel *c, struct queued_message *message) {
@@ -93,6 +106,8 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
         notice_board_calibration(board, json_object_get(told, "reset") ? NULL : message);
     } else if (!strcmp(event, "expressed")) {
         take_mood(c, told, message);
+    } else if (!strcmp(event, "lexicon")) {
+        take_lexicon(c, told, message);
     } else if (!strcmp(event, "consent")) {
         const char *word = json_string_value(json_object_get(told, "consent"));
         bool any = word && strcmp(word, "none") != 0;
@@ -209,6 +224,7 @@ static void forget(struct channel *c) {
     late_join_free(&c->late_join);
     c->late_join = (struct late_join){0};
     notice_board_free(&c->notices);
+    stream_set_lexicon(c->stream, NULL);
 }
 
 void replicate(struct shared_room *h, const struct packet *p) {

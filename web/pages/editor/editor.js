@@ -7,6 +7,7 @@ import { Frame } from '../shared/frame.js';
 import { DocumentStore } from '../shared/document-store.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
 import { placeIn, placeOf } from '../shared/problem.js';
+import { Sayings } from '../shared/sayings.js';
 
 const $ = (id) => document.getElementById(id);
 const CHECK_MS = 400; // after the last change
@@ -229,6 +230,17 @@ function openText(content, file) {
   show();
 }
 
+const sayings = new Sayings(frame, $('sayings'), {
+  selected() {
+    if (text.selectionStart === text.selectionEnd) return null;
+    const [from, to] = wholeWords(text.value, text.selectionStart, text.selectionEnd);
+    return { word: text.value.slice(from, to), lang: $('lang').value, context: text.value.slice(...sentenceAt(text.value, from, to)) };
+  },
+  lang: () => $('lang').value,
+  file: () => $('work-name').value || name,
+  quiet: () => head.stop(),
+});
+
 // The form
 
 function fillValues() {
@@ -258,6 +270,7 @@ $('save').addEventListener('click', save);
 $('works').addEventListener('submit', saveWork);
 $('work-open').addEventListener('click', openWork);
 $('work-name').addEventListener('focus', showWorks, { once: true });
+$('work-name').addEventListener('change', () => sayings.showPlaces());
 $('file').addEventListener('change', () => openFile($('file').files));
 document.addEventListener('keydown', (event) => {
   if (event.key === 'Escape') head.stop();

@@ -12,6 +12,7 @@ import { Recording } from './recording.js';
 import { Search } from './search.js';
 import { showText } from './text.js';
 import { library as words } from '../texts/index.js';
+import { Sayings } from '../shared/sayings.js';
 
 const $ = (id) => document.getElementById(id);
 
@@ -91,6 +92,7 @@ async function openSection(work, number) {
   if (!section || !about) return false;
   listening.stop();
   state.section = section;
+  state.file = about.file;
   state.titles.set(about.id, about.title);
   showText(passage, section);
   namePages();
@@ -190,6 +192,20 @@ const search = new Search($('search'), $('results'), $('more'), {
     $('works').hidden = on || !$('book').hidden;
     document.body.classList.toggle('open', !$('book').hidden);
   },
+});
+
+new Sayings(frame, $('sayings'), {
+  selected() {
+    const selection = getSelection();
+    const node = selection.isCollapsed ? null : selection.getRangeAt(0).startContainer;
+    if (!node || !passage.contains(node)) return null;
+    const element = node.nodeType === 1 ? node : node.parentElement;
+    const { passage: id } = element.closest('[data-passage]')?.dataset ?? {};
+    return { word: selection.toString(), lang: element.closest('[lang]')?.lang, context: lineOf(node)?.textContent.trim(), work: state.section?.work.id, passage: id };
+  },
+  lang: () => state.section?.work.lang ?? frame.lang,
+  file: () => state.file,
+  quiet: () => listening.stop(),
 });
 
 const tellKeys = openKeys($('keys'), $('shortcuts').querySelector('dl'), [

@@ -241,3 +241,13 @@ export const voices = {
   hint: 'Recordings say their own text only. Esc: stop.', female: 'woman', male: 'man', neutral: '',
   sample: 'Shall I compare thee to a summer’s day? Thou art more lovely.',
 };
+
+/** The form for pronunciations, on the pages that have it. */
+export const sayings = {
+  sayings: 'How a word is said', word: 'Word', wordHint: 'Select it in the text, or type it here.', way: 'Say it as', asText: 'another text', asIpa: 'phones (IPA)',
+  said: 'How it is said', hearIt: 'Hear it', place: 'Where', inWork: 'in this work', inLibrary: 'in the whole library', inFile: 'in a file to download', save: 'Say it like this',
+  saved: '“{word}” is said like this from now on: {file}.', downloaded: 'The file {file} was downloaded.', noWord: 'Name the word first.', noSaid: 'Type how it is said.',
+  badEntry: 'It cannot be said like this: {message}', otherLang: 'The lexicon {file} is for another language: {lang}.', brokenFile: 'The lexicon {file} cannot be read.',
+  report: 'Report it as misread', reported: 'Thank you: your report has arrived.', noReports: 'No reports are taken here.', tooMany: 'Too many reports: try again in a minute.',
+  reports: 'Reported by readers', noneReported: 'Nothing has been reported.', take: 'Correct “{word}”', dismiss: 'Dismiss the report of “{word}”', drop: 'Dismiss',
+};

@@ -15,4 +15,5 @@ export const library = { it: it.library, pt: pt.library, tr: tr.library, en: en.
 export const operator = { it: it.operator, pt: pt.operator, tr: tr.operator, en: en.operator };
 export const player = { it: it.player, pt: pt.player, tr: tr.player, en: en.player };
 export const room = { it: it.room, pt: pt.room, tr: tr.room, en: en.room };
+export const sayings = { it: it.sayings, pt: pt.sayings, tr: tr.sayings, en: en.sayings };
 export const voices = { it: it.voices, pt: pt.voices, tr: tr.voices, en: en.voices };

@@ -248,3 +248,13 @@ export const voices = {
   hint: 'As gravações dizem só o seu próprio texto. Esc: parar.', female: 'mulher', male: 'homem', neutral: '',
   sample: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente.',
 };
+
+/** The form for pronunciations, on the pages that have it. */
+export const sayings = {
+  sayings: 'Pronúncia de uma palavra', word: 'Palavra', wordHint: 'Selecione-a no texto ou escreva-a aqui.', way: 'Pronunciar como', asText: 'outro texto', asIpa: 'fonemas (IPA)',
+  said: 'Como se diz', hearIt: 'Ouvir', place: 'Onde', inWork: 'nesta obra', inLibrary: 'em toda a biblioteca', inFile: 'em um arquivo para baixar', save: 'Dizer assim',
+  saved: 'A partir de agora, «{word}» é dita assim: {file}.', downloaded: 'O arquivo {file} foi baixado.', noWord: 'Indique a palavra.', noSaid: 'Escreva como se diz.',
+  badEntry: 'Assim não dá para dizer: {message}', otherLang: 'O léxico {file} é de outro idioma: {lang}.', brokenFile: 'O léxico {file} não pode ser lido.',
+  report: 'Avisar que foi lida errado', reported: 'Obrigado: o aviso chegou.', noReports: 'Aqui não se recebem avisos.', tooMany: 'Avisos demais: tente de novo daqui a um minuto.',
+  reports: 'Avisos dos leitores', noneReported: 'Nenhum aviso.', take: 'Corrigir «{word}»', dismiss: 'Descartar o aviso sobre «{word}»', drop: 'Descartar',
+};

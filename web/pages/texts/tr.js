@@ -248,3 +248,13 @@ export const voices = {
   hint: 'Kayıtlar yalnızca kendi metinlerini söyler. Esc: dur.', female: 'kadın', male: 'erkek', neutral: '',
   sample: 'Gelin tanış olalım, işi kolay kılalım, sevelim sevilelim.',
 };
+
+/** The form for pronunciations, on the pages that have it. */
+export const sayings = {
+  sayings: 'Bir sözcüğün söylenişi', word: 'Sözcük', wordHint: 'Metinde seçin ya da buraya yazın.', way: 'Şöyle söyle', asText: 'başka bir yazı', asIpa: 'sesbirimler (IPA)',
+  said: 'Söylenişi', hearIt: 'Dinle', place: 'Nerede', inWork: 'bu eserde', inLibrary: 'bütün kitaplıkta', inFile: 'indirilecek bir dosyada', save: 'Böyle söyle',
+  saved: '«{word}» artık böyle söyleniyor: {file}.', downloaded: '{file} dosyası indirildi.', noWord: 'Sözcüğü belirtin.', noSaid: 'Nasıl söylendiğini yazın.',
+  badEntry: 'Böyle söylenemez: {message}', otherLang: '{file} sözlüğü başka bir dil için: {lang}.', brokenFile: '{file} sözlüğü okunamıyor.',
+  report: 'Yanlış okunduğunu bildir', reported: 'Teşekkürler, bildiriminiz ulaştı.', noReports: 'Burada bildirim alınmıyor.', tooMany: 'Çok fazla bildirim oldu: bir dakika sonra yeniden deneyin.',
+  reports: 'Okurların bildirdikleri', noneReported: 'Bildirim yok.', take: '«{word}» sözcüğünü düzelt', dismiss: '«{word}» bildirimini sil', drop: 'Sil',
+};
