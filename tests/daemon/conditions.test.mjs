@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every program that is built, started under what it cannot choose: closed descriptors, pipes that nobody reads, files that may not grow, signals that are blocked.
+// Starts every program in adverse conditions: closed descriptors, pipes without a reader, file size limits, blocked signals.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -13,7 +13,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const sources = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../../server');
 
-/** All executables below a folder of the build. */
+/** All executables of the build. */
 const programs = ['app', 'doors', 'voice'].flatMap((part) => {
   const under = path.join(build, 'server', part);
   return fs.readdirSync(under).map((name) => path.join(under, name))
