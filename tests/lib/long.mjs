@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cases that are tried by hand and not each time: `sh tests/run.sh long` runs the files that import this, with all of them.
-/** Whether all cases are wanted. */
+// Cases that are too slow for every run. `sh tests/run.sh long` runs the files that import this, with all cases.
+/** True when all cases must run. */
 export const long = Boolean(process.env.FACCIA_LONG);
 
-/** @template T @param {T[]} each each time @param {T[]} more and when all are wanted @returns {T[]} */
+/** @template T @param {T[]} each cases of every run @param {T[]} more further cases for long runs @returns {T[]} */
 export const cases = (each, more) => (long ? [...each, ...more] : each);
