@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The element in an application of Next.js as it comes from npm, with the tsconfig that Next writes itself: types are checked, the page is rendered on the
-// server, and the face is drawn. It takes minutes and a registry: FACCIA_LONG=1 node --test tests/browser/next.test.mjs, or `sh tests/run.sh long`.
+// The element in a Next.js application from npm, with the tsconfig that Next generates: checks types, server-side rendering and the drawn face. Takes
+// minutes and needs a registry: FACCIA_LONG=1 node --test tests/browser/next.test.mjs, or `sh tests/run.sh long`.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A tablet in a home: the daemon on another machine's address, with a certificate of its own whose authority the tablet has taken. All that
-// browsers keep for secure pages is there: microphone, wake lock, service worker, worklet.
+// A tablet at home: the daemon on another address with its own certificate, whose authority the tablet trusts. All features of secure contexts
+// work: microphone, wake lock, service worker, worklet.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -21,7 +21,7 @@ before(async () => {
   daemon = await Daemon.start(['--host', '*', '--remote', '--secret-file', secret, '--tls-self-signed', own]);
   token = execFileSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secret, '--subject', 'tablet', '--rights', 'listen,speak', '--expires', '1h'], { encoding: 'utf8' }).trim();
   origin = `https://${address}:${daemon.port}`;
-  // the tablet's own store of authorities
+  // the tablet's trust store
   const store = path.join(folder, '.pki/nssdb');
   fs.mkdirSync(store, { recursive: true });
   execFileSync('certutil', ['-d', `sql:${store}`, '-N', '--empty-password']);

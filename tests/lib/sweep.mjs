@@ -81,7 +81,7 @@ export function cut(part, wanted) {
 const inside = ({ position: p }, [x, y, z], box) => (v) =>
   Math.abs(p[v * 3] - x) < box.x && Math.abs(p[v * 3 + 1] - y) < box.y && p[v * 3 + 2] > z - box.behind;
 
-/** Total weight of each vertex in turns whose names begin with `start`. */
+/** Largest weight of each vertex in the turns whose names match `start`. */
 function weights(part, start) {
   const out = new Float64Array(part.position.length / 3);
   for (const { turn, vertices, weights: of } of part.turns)
