@@ -38,8 +38,8 @@ int notice_state(struct channel *channel, const json_t *message, struct error *e
 /* Sets feature points of the head; `reset` restores the head's own. */
 int notice_calibrate(struct channel *channel, const json_t *message, struct error *e);
 
-/* Asks for consent, or answers. Asking again with the same text keeps the existing answer. "no-choices":
- * there is no question to answer. */
+/* Asks for consent, or answers. Asking again with the same text keeps the existing answer. An answer without
+ * a question fails with "no-choices". */
 int notice_consent(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
 /* Returns whether the `consent` message is an answer (`given`, `declined`) rather than a question

@@ -85,7 +85,7 @@ unsigned stream_cancel(struct stream *s, const char *id) {
 
 /* Queue order: higher priorities come first. */
 
-/* When an utterance is spoken, from its request. */
+/* The part of a request that decides when its utterance is spoken. */
 struct turn {
     const char *id, *topic; /* or NULL */
     enum speech_mode mode;
@@ -110,19 +110,19 @@ static void stream_forget(struct stream *s, struct utterance **at) {
     forget(s, at, "stopped");
 }
 
-/* Tells whether it was requested in an earlier session of that node; 0 = by any remote node. */
-static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
-    return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
+/* Tells whether it was forwarded in an earlier session of that daemon; 0 = by any other daemon. */
+static bool is_of_earlier(const struct utterance *t, uint64_t origin) {
+    return t->origin && (!origin || (t->origin >> 32 == origin >> 32 && t->origin != origin));
 }
 
-uint32_t stream_forget_earlier(struct stream *s, uint64_t abroad) {
+uint32_t stream_forget_earlier(struct stream *s, uint64_t origin) {
     for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
-        if (is_of_earlier(*at, abroad))
+        if (is_of_earlier(*at, origin))
             forget(s, at, (*at)->spared ? NULL : "failed");
         else
             at = &(*at)->next;
     }
-    if (!s->queue || !is_of_earlier(s->queue, abroad))
+    if (!s->queue || !is_of_earlier(s->queue, origin))
         return 0;
     s->queue->spared = false;
     return s->queue->number;
@@ -139,7 +139,7 @@ static bool cuts(const struct stream *s, const struct turn *turn) {
                                                 : speaks->priority <= turn->priority);
 }
 
-/* Tells whether a newer one of the same topic replaces it. */
+/* Tells whether a new request with the same topic replaces the waiting utterance. */
 static bool is_replaced(const struct utterance *t, const struct turn *turn) {
     const struct speech_request *request = utterance_request(t);
     const char *topic = request ? request->topic : NULL;
@@ -230,14 +230,14 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request, st
     }
     if (!t || !t->synthesis) {
         free(t);
-        stream_refuse(s, request->id, request->order, &e);
+        stream_refuse(s, request->id, request->command, &e);
         if (why)
             *why = e;
         return 0;
     }
-    t->abroad = request->abroad;
-    t->order = request->order;
-    t->spared = request->abroad != 0 && request->again;
+    t->origin = request->origin;
+    t->command = request->command;
+    t->spared = request->origin != 0 && request->again;
     synthesis_keep(t->synthesis);
     enqueue(s, t, &turn);
     return t->number;
@@ -265,14 +265,14 @@ uint32_t stream_play(struct stream *s, struct recording_source *source,
     struct turn turn = turn_of(request);
     struct error e;
     if (may_come(s, &turn, &e)) {
-        stream_refuse(s, source->id, request->order, &e);
+        stream_refuse(s, source->id, request->command, &e);
         recording_source_free(source);
         return 0;
     }
     struct utterance *t = utterance_new(s);
     t->recording = recording_open(s->pipeline->loop, s->pipeline->high_level, s->pipeline->reader,
                                   s->pipeline->gate, source, &utterance_callbacks, t);
-    t->order = request->order;
+    t->command = request->command;
     enqueue(s, t, &turn);
     return t->number;
 }
@@ -422,8 +422,8 @@ void stream_free(struct stream *s) {
     free(s);
 }
 
-void stream_refuse(struct stream *s, const char *id, uint64_t order, const struct error *e) {
-    struct utterance t = {.stream = s, .number = ++s->utterances, .order = order};
+void stream_refuse(struct stream *s, const char *id, uint64_t command, const struct error *e) {
+    struct utterance t = {.stream = s, .number = ++s->utterances, .command = command};
     give(&t, (struct stream_event){.kind = STREAM_ERROR, .error = e, .id = id});
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
 }

@@ -67,7 +67,7 @@ void utterance_give(const struct utterance *t, const struct stream_sink *sink, v
     event.utterance = t->number;
     event.id = t->synthesis || t->recording || t->live ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
-    event.order = t->order;
+    event.command = t->command;
     sink->event(ctx, &event);
 }
 

@@ -25,8 +25,8 @@ int live_audio_read(struct live_audio *sound, const uint8_t *bytes, size_t size,
 /* Returns -1 with *e when the last sample is incomplete. */
 int live_audio_end(const struct live_audio *sound, struct error *e);
 
-/* A live voice as segments like those of a synthesis: its sound and the matching mouth, without words.
- * Playback is delayed by the lookahead. */
+/* Turns a live voice into segments like those of a synthesis: its sound with recognised mouth movements,
+ * without words. Playback is delayed by the lookahead. */
 
 struct lip_network;
 
@@ -45,7 +45,8 @@ enum {
     LIVE_PIECE_MAX_MS = 200, /* maximum of a segment */
     LIVE_PIECES = 2,         /* segments waiting for release */
     LIVE_STALL_MS = 200,     /* a gap up to this length is late, not lost */
-    LIVE_MIN_PERCENT = 2, /* of real time must arrive within pipeline.open_seconds, or the voice is closed */
+    LIVE_MIN_PERCENT = 2, /* share of real time that must arrive within pipeline.open_seconds, or the voice is
+                             closed */
 };
 
 struct live_voice;
@@ -56,7 +57,7 @@ struct live_voice;
 struct live_voice *live_voice_open(const struct pipeline *pipeline, const struct live_request *request,
                                    const struct synthesis_callbacks *callbacks, void *ctx, struct error *e);
 
-/* Starts playing; drops what was said before. */
+/* Starts playing. Drops sound received earlier. */
 void live_voice_start(struct live_voice *live);
 
 /* Drops the backlog after a pause. */
@@ -65,11 +66,11 @@ void live_voice_catch_up(struct live_voice *live);
 /* Adds a message with sound (live_audio above). */
 void live_voice_write(struct live_voice *live, const uint8_t *bytes, size_t size);
 
-/* No more sound follows. */
+/* Ends the voice: no more sound follows. */
 void live_voice_close(struct live_voice *live);
 bool live_voice_is_open(const struct live_voice *live);
 
-/* More sound can come. */
+/* Tells whether more sound may come. */
 bool live_voice_awaits(const struct live_voice *live);
 
 /* Inserts `ms` of silence, in which the lips return to rest. */
