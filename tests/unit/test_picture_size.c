@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sizes of pictures by their headers; each header cut short at every byte is copied to a block of exactly
- * that size, so that AddressSanitizer sees a byte too far. */
+/* Picture sizes from headers. Each header, truncated at every byte, is copied to a block of exactly that
+ * size, so that AddressSanitizer detects overruns. */
 #include "server/base/picture_size.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 static const struct picture {
     const char *what;
     const uint8_t *bytes;
-    size_t size, needed; /* needed: what is shorter says nothing */
+    size_t size, needed; /* needed: shorter data has no size */
     const char *type;
     uint32_t width, height;
 } pictures[] = {
