@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sound of every language (contexts and syllables, too) in every affect, spoken in both blends, on every head: what goes through what.
-// Hours for all of it: --minutes ends the search of each head then, and says how many poses, taken from all over, it came to.
+// Finds penetrating meshes on every head, for every sound of every language (with contexts and syllables) in every affect and both blends.
+// Everything takes hours; --minutes limits the search per head, and prints the number of poses examined, sampled evenly.
 // FACCIA_BUILD=build node tests/bench/run.mjs crossings [--apart 0.25] [--minutes N] [HEAD]...
 import fs from 'node:fs';
 import path from 'node:path';
@@ -14,7 +14,7 @@ const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
 const { values: options, positionals } = parseArgs({ options: { apart: { type: 'string', default: '0.25' }, minutes: { type: 'string', default: 'Infinity' } }, allowPositionals: true });
 const mm = Number(options.apart);
-const STRIDE = 7919; // a prime: poses that follow each other are much alike
+const STRIDE = 7919; // a prime, because consecutive poses are similar
 const names = positionals.length ? positionals : fs.readdirSync(built).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 
 const affects = Object.keys(JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json'))).affect);
