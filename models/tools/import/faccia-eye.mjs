@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The detector of faces for an import: a file of its own when it is built, with the nets that the pages have. */
+/** The face detector for imports: a separate file in the build, with the networks of the pages. */
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import human from '../../../web/node_modules/@vladmandic/human/dist/human.node-wasm.js';
@@ -9,7 +9,7 @@ const pages = new URL('../../../web/', import.meta.url);
 const built = fs.existsSync(new URL('blazeface.json', pages));
 const folder = (name) => (built ? pages : new URL(`node_modules/${name}/`, pages)).href;
 
-/** The package asks by fetch, which knows no files. Nothing else is asked for. */
+/** Replaces fetch, by which the package loads its networks, with reading files. */
 async function fetchFile(address) {
   const url = String(address.url ?? address);
   if (!url.startsWith('file:')) throw new Error(`${url}: a detector of faces asks for files only`);
@@ -17,7 +17,7 @@ async function fetchFile(address) {
   return new Response(await fs.promises.readFile(fileURLToPath(url)), { headers: { 'content-type': type } });
 }
 
-/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs) */
+/** @returns {Promise<(picture: object) => Promise<number[][]>>} a function that finds the landmarks in a picture (web/src/portrait/detect.mjs) */
 export async function openEye() {
   globalThis.fetch = fetchFile;
   const one = new human.Human(detectorSettings(folder('@vladmandic/human/models'), folder('@tensorflow/tfjs-backend-wasm/dist')));
