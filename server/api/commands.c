@@ -273,8 +273,8 @@ json_t *commands_run_packed(void *ctx, const char *room, const json_t *packed, u
     if (!failed && command->speaks) {
         call.request = &request;
         failed = unpack_request(api, packed, &request, &e);
-        request.abroad = remote;
-        request.order = number;
+        request.origin = remote;
+        request.command = number;
     }
     failed = failed || command_run(command, &call, &e);
     if (!failed && call.request && !call.utterance && call.channel && !call.keeps)

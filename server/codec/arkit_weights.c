@@ -136,8 +136,7 @@ enum { PAIRS = 3, LIDS = 2 };
 static const int lips[PAIRS][2] = {{4, 5}, {8, 10}, {9, 11}};
 static const int lids[LIDS][2] = {{19, 21}, {20, 22}};
 
-/* mm per FAP unit on the face for which arkit.json is made; the surface of an eyeball is 12 mm from its
- * centre. */
+/* Returns mm per FAP unit on the face that arkit.json is made for. The radius of an eyeball is 12 mm. */
 static double length_of(int fap) {
     static const double units[] = {[FAP_UNIT_IRISD] = 11.7,
                                    [FAP_UNIT_ES] = 62,
@@ -225,7 +224,7 @@ static bool touch(const struct fap_frame *frame, int pair) {
     return value_of(frame, lips[pair][0]) + value_of(frame, lips[pair][1]) >= 0;
 }
 
-/* Where lips touch in the frame but not yet with the weights, scales down everything that opens them,
+/* Closes lips that touch in the frame but not with the weights: scales down all shapes that open them,
  * except the jaw. */
 static void close_lips(const struct fap_frame *frame, double w[ARKIT_SHAPES]) {
     double keep = 1;

@@ -19,7 +19,7 @@ void arkit_solver_free(struct arkit_solver *solver);
  * jawOpen. */
 void arkit_weights(struct arkit_solver *solver, const struct fap_frame *frame, double weights[ARKIT_SHAPES]);
 
-/* Rotations, which are no shapes, in rad, from FAPs 23 to 26 and 48 to 50. */
+/* Rotations of head and eyes, which have no shapes, in rad, from FAPs 23 to 26 and 48 to 50. */
 struct arkit_turns {
     double head_yaw, head_pitch, head_roll; /* to the head's left, down, towards its right shoulder */
     double eye_yaw[2], eye_pitch[2];        /* left eye, right eye: to the left, down */

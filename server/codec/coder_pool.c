@@ -8,7 +8,7 @@
  * below WELL. */
 #define MOST 0.8
 #define WELL 0.6
-/* Utilisation from which the threads have fallen behind by an unknown amount. */
+/* From this utilisation on, the threads are behind by an unknown amount, assumed to be SWAMPED_DEMAND. */
 #define SWAMPED 0.97
 #define SWAMPED_DEMAND 2.0
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Chooses the quality of Opus coding by load, and codes on threads. The best quality takes twenty times
- * the CPU of everything else in a stream. With spare time sound is coded as well as possible; with many
- * streams it becomes plainer rather than late. */
+ * the CPU of everything else in a stream. It is used while there is spare time; with many streams the
+ * quality drops so that sound is never late. */
 #ifndef FACCIA_CODEC_CODER_POOL_H
 #define FACCIA_CODEC_CODER_POOL_H
 

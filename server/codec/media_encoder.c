@@ -122,7 +122,7 @@ static struct media_bytes plain_chunk(const struct media_coder *m, const struct 
     return (struct media_bytes){coded.audio_bytes, size - coded.audio_bytes};
 }
 
-/* Starts a new audio coder for a new utterance. */
+/* Starts a new audio coder if the chunk begins a new utterance. */
 static void meet_utterance(struct media_coder *m, const struct chunk *chunk) {
     if (m->opus && chunk->utterance == m->utterance.utterance)
         return;

@@ -571,7 +571,9 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->gate = &d->gate;
     pipeline->open_seconds = s->api.open_seconds;
     pipeline->library = d->library;
+#ifdef HAVE_LIBRARY
     pipeline->passage_lexicons = d->library ? library_lexicons : NULL;
+#endif
     struct api_options options = api_options_of(d);
     d->offer = daemon_offer_new(pipeline);
     const struct offer_source offer = daemon_offer_source(d->offer);

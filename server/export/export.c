@@ -141,8 +141,8 @@ struct export_worker {
     struct item *items; /* queue */
     size_t count, cap;
     struct item item; /* being written; owned by the thread while it runs, like x */
-    bool busy;        /* there is such */
-    bool written;     /* wholly */
+    bool busy;        /* `item` is being written */
+    bool written;     /* `item` is completely written */
     bool working, held, freed;
 };
 
@@ -328,7 +328,7 @@ static void fap_piece(struct export *x, const struct media_segment *segment, uin
     }
 }
 
-/* The header contains the number of frames: unless it was known, it is written last and put in front. */
+/* Prepends the header if the number of frames, which it contains, was not known at the start. */
 static void fap_end(struct export *x) {
     if (!x->source.frames)
         fap_header(x, x->frames);

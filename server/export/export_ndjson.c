@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* NDJSON: one line per event and frame in order of time, as they are made. The events are those of the
- * stream; a frame has its non-zero FAPs, or another format's values. */
+/* NDJSON: writes one line per event and frame, in order of time, as soon as they are known. Events are those
+ * of the stream; a frame has its non-zero FAPs, or values of another format. */
 #include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"

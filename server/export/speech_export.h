@@ -44,7 +44,7 @@ struct speech_export_callbacks {
      * only at the end). done: it is complete. Returns whether to continue; if not, speech_export_go_on
      * must be called. */
     bool (*written)(void *ctx, struct buf *out, bool done);
-    /* Called instead if nothing could be spoken. */
+    /* Called instead of `written` if nothing could be spoken. */
     void (*failed)(void *ctx, const struct error *e);
 };
 

@@ -11,7 +11,7 @@
 #define SECONDS_MIN 0.08
 #define SECONDS_MAX 10
 
-/* An optional number. */
+/* Reads an optional number; keeps *out if it is missing. */
 static int read_number(const struct json_place *at, const char *key, double min, double max, double *out) {
     struct json_place number = json_place_key(at, key);
     return number.json ? json_place_real(&number, min, max, out) : 0;

@@ -25,7 +25,7 @@ struct expressions {
         size_t index;
     } * names; /* with aliases, sorted */
     size_t name_count, name_cap;
-    struct affects affects; /* what the items of that kind say, for readers */
+    struct affects affects; /* the items of kind "affect", for readers of texts */
 };
 
 extern const char *const expression_kinds[]; /* NULL-terminated */

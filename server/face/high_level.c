@@ -42,7 +42,7 @@ void visemes_free(struct visemes *visemes) {
 struct fap_viseme visemes_at(const struct visemes *visemes, double t, size_t *cursor) {
     const struct viseme_key *keys = visemes->keys;
     size_t i = *cursor;
-    if (!visemes->count) /* nobody speaks */
+    if (!visemes->count) /* no speech */
         return (struct fap_viseme){.blend = BLEND_WHOLE};
     while (i > 0 && t < keys[i].begin)
         i--;

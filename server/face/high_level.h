@@ -11,11 +11,10 @@
 /* FAP 1 for simple decoders: two of the 14 static visemes and their blend (ISO/IEC 14496-2, annex C). */
 
 struct viseme_key {
-    double begin,
-        end;         /* s: shown alone from begin to end, then blended into the next until that one's begin */
-    uint8_t viseme;  /* 0 none, 1..14 */
-    uint8_t id;      /* shape_table.h */
-    double from, to; /* s, of the sound itself; equal if there is none */
+    double begin, end; /* s: shown alone from begin to end, then blended into the next key until its begin */
+    uint8_t viseme;    /* 0 none, 1..14 */
+    uint8_t id;        /* shape_table.h */
+    double from, to;   /* s, of the sound itself; equal if there is none */
     char ipa[PHONE_NAME_BYTES]; /* name in the pack; "" = a pause */
 };
 

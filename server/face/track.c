@@ -109,8 +109,8 @@ void face_placement_add(struct face_placement *p, struct face_layer layer) {
     p->layers[p->layer_count++] = layer;
 }
 
-/* Adds life. The lids together move by IRISD, 1024 FAP units, to meet. A blink closes the eyes whatever
- * the expression does: it replaces the expression's lids in proportion. */
+/* Adds life. Upper and lower lid meet after IRISD in total, 1024 FAP units. A blink closes the eyes in any
+ * expression, because it replaces the expression's lids in proportion. */
 static void add_life(const struct face_layer *layer, double t, double faps[FAP_COUNT + 1]) {
     double expressed[4];
     memcpy(expressed, faps + 19, sizeof expressed);
@@ -163,7 +163,7 @@ static bool is_of_mouth(int n) {
 enum { CORNERS = 4 };
 static const int corners[CORNERS] = {12, 13, 59, 60};
 
-/* Combines two movements of the lids: the one that closes them replaces the other. */
+/* Combines two lid movements: a closing one replaces the other. */
 static double lids_of(double a, double b, double shut) {
     return b > 0 ? b + a * (1 - fmin(1, b / shut)) : a + b * (1 - fmin(1, fmax(0, a) / shut));
 }

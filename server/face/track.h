@@ -24,7 +24,7 @@ struct face_track;
  * same for every engine. */
 uint32_t lead_in_missing(const struct speech_pack *pack, const struct sentence_audio *u);
 
-/* Options of a track: how the author wants the sentence shown. */
+/* Options of a track, from the request and the text. */
 struct face_options {
     const char *engine; /* NULL = the default, which also replaces an engine that does not support the pack */
     bool still;         /* lips only, no expressions */
@@ -42,13 +42,13 @@ struct placement_options {
     const struct mood *mood; /* borrowed, may change during use; NULL = neutral */
 };
 
-/* A placement: one playback of a track on a life clock with its life and mood, or the face while nobody
- * speaks. Each playback has its own placement of the shared track. */
+/* A placement: one playback of a track on a life clock with its life and mood, or the idle face. Each
+ * playback has its own placement of the shared track. */
 
 struct face_placement;
 
-/* Takes a reference to the track; u is its sentence, which may be freed afterwards. Track and u NULL:
- * nobody speaks, without an end, with times on the life clock. */
+/* Takes a reference to the track; u is its sentence, which may be freed afterwards. Track and u NULL: the
+ * idle face, without an end, with times on the life clock. */
 struct face_placement *face_placement_new(struct face_track *track, const struct sentence_audio *u,
                                           const struct placement_options *options);
 void face_placement_free(struct face_placement *placement);
@@ -92,7 +92,7 @@ void face_track_sample_mouth(const struct face_track *track, double t, const dou
 /* Recovers the parameters from a frame of a still track, mm of the pack's modelled speaker. */
 void face_track_read(const struct face_track *track, const struct fap_frame *frame, double mm[PARAM_COUNT]);
 
-/* The keys of FAP 1 in order, owned by the track; the first and last are no sounds. */
+/* Returns the keys of FAP 1 in order, owned by the track; the first and last are pauses. */
 struct viseme_key;
 const struct viseme_key *face_track_visemes(const struct face_track *track, size_t *count);
 

@@ -71,8 +71,7 @@ struct connection {
     bool paused, due;  /* paused: reading is off */
     bool finished;     /* nothing more is sent, and input is discarded */
     bool closing;
-    bool surplus; /* above the connection limit: it is told so and gets nothing else, except /healthz and
-                     /metrics */
+    bool surplus; /* above the connection limit: gets only that error, except for /healthz and /metrics */
     bool crowded; /* its address has too many connections */
     bool local;   /* the peer is on this machine */
     bool borrows_reserve; /* uses a descriptor of the reserve */

@@ -182,7 +182,7 @@ static enum http_event take_target(struct http_reader *r, const struct request_l
     if (size > HTTP_TARGET_BYTES)
         return refuse(r, ERROR_URI_TOO_LONG, "the address is too long");
     if (r->request.method == HTTP_CONNECT) {
-        target = "/"; /* no route accepts CONNECT, whatever it names */
+        target = "/"; /* no route accepts CONNECT, so the target does not matter */
         size = 1;
     } else if (size > strlen(scheme) && !strncasecmp(target, scheme, strlen(scheme))) {
         size_t host = strlen(scheme), path = host;

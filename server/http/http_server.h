@@ -28,8 +28,8 @@ struct http_options {
     const struct transport_tls *tls; /* NULL: none */
     unsigned hsts;                   /* seconds of Strict-Transport-Security; 0: none */
     unsigned connections;            /* most open connections */
-    unsigned connections_above;   /* connections above that limit: they are told so, but may get /healthz and
-                                     /metrics */
+    unsigned connections_above;   /* connections accepted above that limit: they get only an error, /healthz
+                                     and /metrics */
     unsigned address_connections; /* per address or token subject; 0: no separate limit */
     unsigned message_bytes;       /* longest WebSocket message */
     unsigned send_bytes;          /* unsent bytes above which a WebSocket is not read */

@@ -48,7 +48,7 @@ static void of_family(struct listen_addresses *found, const char *host, int fami
     const char *four = NULL, *six = NULL;
     if (!strcmp(host, "*"))
         four = "0.0.0.0", six = "::";
-    else if (!strcasecmp(host, "localhost")) /* always loopback, whatever the resolver says */
+    else if (!strcasecmp(host, "localhost")) /* always loopback: the resolver might say otherwise */
         four = "127.0.0.1", six = "::1";
     if (four)
         of_name(found, family == AF_INET ? four : six, family);

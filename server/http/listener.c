@@ -18,7 +18,7 @@ enum {
     ACCEPTS = 64,       /* per callback */
     BORROWED_MS = 1000, /* time limit of a connection on a reserve descriptor */
     CROWD = 8,          /* connections above the limit of an address that are still told so */
-    RESERVE = 4,        /* descriptors for telling clients that there are no more */
+    RESERVE = 4,        /* descriptors kept to report to clients that the others are used up */
 };
 
 struct listener {
@@ -44,7 +44,7 @@ static int bind_to(struct listen_address *a, int port) {
         return -1;
     listen_address_set_port(&a->at, port);
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (a->at.ss_family == AF_INET6) /* IPv4 has a socket of its own */
+    if (a->at.ss_family == AF_INET6) /* a separate socket listens on IPv4 */
         setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &yes, sizeof yes);
     if (bind(fd, (struct sockaddr *)&a->at, a->size) || listen(fd, SOMAXCONN)) {
         int why = errno;

@@ -38,7 +38,7 @@ void message_queue_open(struct message_queue *box);
 void message_queue_close(struct message_queue *box);
 bool message_queue_empty(const struct message_queue *box);
 
-/* Adds a reference of its own. */
+/* Appends the message, adding a reference. */
 void message_queue_push(struct message_queue *box, struct queued_message *message);
 
 /* Returns the next message, whose reference passes to the caller; NULL if empty. */

@@ -6,8 +6,8 @@
 #include "server/base/error.h"
 #include <stdint.h>
 
-/* Finds the part of the form of that name and borrows it in *part. Returns 1 if found and 0 if not; -1
- * with *e ("bad-form") if the body is no form of that Content-Type. */
+/* Finds the form's part of that name and borrows it in *part. Returns 1 if found and 0 if not; -1 with *e
+ * ("bad-form") if the body is not a form of that Content-Type. */
 int form_part(const char *content_type, const void *body, size_t size, const char *name, const uint8_t **part,
               size_t *part_size, struct error *e);
 

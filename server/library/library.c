@@ -63,7 +63,7 @@ struct library *library_open(const struct library_options *options, struct error
                        strerror(stat(options->folder, &info) ? errno : ENOTDIR));
         return NULL;
     }
-    if (index_open(&writer, options->index, e)) /* creates or repairs it before anybody reads it */
+    if (index_open(&writer, options->index, e)) /* creates or repairs it before the first reader opens it */
         return NULL;
     index_close(&writer);
     struct library *l = mem_alloc(sizeof *l);

@@ -28,7 +28,7 @@ struct library *library_open(const struct library_options *options, struct error
 /* Scans the folder now rather than at the next interval. */
 void library_look(struct library *library);
 
-/* Waits for the library's thread: at most the time that one block takes. */
+/* Waits for the library's thread to stop, at most for the time of reading one block. */
 void library_close(struct library *library);
 
 /* A query; NULL members are absent. */
@@ -59,7 +59,7 @@ struct library_prerender {
         PRERENDER_NONE,
         PRERENDER_WAITING, /* for the voice or the index */
         PRERENDER_SPEAKING,
-        PRERENDER_RESTING, /* somebody is using the voice */
+        PRERENDER_RESTING, /* other speech is using the voice */
         PRERENDER_DONE,
         PRERENDER_FULL, /* the cache limit is reached */
     } state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The index, the search and the queries of the library. The index is an SQLite database of works as they
- * are shown and of the words that find them. One thread writes, many read (write-ahead logging);
- * uncommitted changes are lost when the process dies. */
+/* The index, the search and the queries of the library. The index is an SQLite database that holds the works
+ * as they are displayed, and a full-text index of their words. One thread writes, many read (write-ahead
+ * logging); uncommitted changes are lost when the process dies. */
 #ifndef FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 #define FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 
@@ -51,7 +51,7 @@ void index_roll_back(struct index_writer *writer);
 /* A text column; "" for NULL. Valid until the statement is stepped or reset. */
 const char *index_text(sqlite3_stmt *statement, int column);
 
-/* What the index knows of a file. */
+/* A file as recorded in the index. */
 struct index_file {
     int64_t size, modified; /* bytes; ns since the epoch */
     char hash[65];

@@ -27,7 +27,7 @@ struct builder {
         BREAK_APART
     } line_break;          /* to be resolved by the next text */
     bool soft;             /* the last character was a soft hyphen */
-    bool cut;              /* the reader was told that the block is too long */
+    bool cut;              /* the block's excess length was reported */
     uint64_t bytes;        /* size of the work so far, limited by bytes_max */
     uint64_t bytes_max;    /* WORK_BYTES_MAX, unless builder_allow has raised it */
     struct timespec begun; /* processor time of the thread at the start */
@@ -189,7 +189,7 @@ enum tei_act {
     ACT_BREAK,
     ACT_SPACE,
     ACT_GAP,
-    ACT_CHOICE, /* has alternatives, of which one is read */
+    ACT_CHOICE, /* contains alternatives; only one is read */
     ACT_EXPANSION,
     ACT_SIGN, /* abbreviation sign, not read where the abbreviation is expanded */
     ACT_WORD,

@@ -113,9 +113,9 @@ static void prefer_written(struct search_places *p, struct index_reader *r,
     sqlite3_finalize(text);
 }
 
-/* Finds at least the first `wanted` rows in the works and languages that the question selects, and all
- * that are ranked. places begins zeroed. -1 with *e: "bad-index"; an interruption by the progress handler
- * is no error. */
+/* Finds all ranked rows, and at least the first `wanted`, in the works and languages that the question
+ * selects. *p must be zeroed. Returns -1 with *e ("bad-index"); an interruption by the progress handler is
+ * not an error. */
 static int search_places_find(struct search_places *p, struct index_reader *r,
                               const struct search_query *query, const struct library_question *q,
                               size_t wanted, struct error *e) {

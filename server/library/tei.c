@@ -552,8 +552,7 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     if (lang && is_inline(f->act) && in_line(t) && strcmp(lang, (f - 1)->lang) != 0)
         start_foreign(t, f);
     start_other(t, f, w, name, attributes);
-    if (f->act == ACT_LINE && f->opened &&
-        build_is_open(t->b)) { /* the line may have opened a block of its own */
+    if (f->act == ACT_LINE && f->opened && build_is_open(t->b)) { /* the line may have opened a block */
         const char *around = build_top(t->b)->lang;
         if (*f->lang && strcmp(f->lang, around ? around : "") != 0)
             start_foreign(t, f);

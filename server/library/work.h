@@ -118,15 +118,15 @@ bool work_is(const char *path);
 /* Reading in another process (base/reader_process.h): the result arrives as frames, which are validated as
  * strictly as the file itself. */
 
-/* Like work_read and work_check, in a process of its own. *given_up, which may be NULL, ends it: "bad-work"
- *. A work that exceeds the limits fails; sections before that were delivered, and *e names the last.
- * Without a reader program it reads in this process. */
+/* Like work_read and work_check, but in a separate process, or in this one without a reader program. Setting
+ * *given_up (may be NULL) ends it with "bad-work". A work that exceeds the limits fails; the sections before
+ * that were delivered, and *e names the last one. */
 int work_read_apart(const struct reader *reader, const char *folder, const char *path, struct work_meta *meta,
                     const struct work_sink *sink, const atomic_bool *given_up, struct error *e);
 int work_check_apart(const struct reader *reader, const char *name, const void *data, size_t size,
                      const atomic_bool *given_up, struct error *e);
 
-/* The child's part: reads the file `in` into frames on `out`. -1: nobody reads them. */
+/* The child's part: reads the file `in` and writes it as frames to `out`. -1: `out` is closed. */
 int work_apart_read(const char *name, const char *lang, int in, int out);
 
 /* The same for work_check, with the content of `in`. */

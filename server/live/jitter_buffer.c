@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Neighbours that interpolation needs: one sample before, two after. */
+/* Samples that interpolation needs around a position. */
 enum { BEFORE = 1, BEHIND = 2 };
 
 void jitter_buffer_open(struct jitter_buffer *p, unsigned rate, size_t most) {
@@ -67,7 +67,7 @@ size_t jitter_buffer_catch_up(struct jitter_buffer *p) {
 }
 
 /* Moves the waiting samples back to the start of the buffer. */
-static void tidy(struct jitter_buffer *p) {
+static void compact(struct jitter_buffer *p) {
     if (p->first <= BEFORE)
         return;
     size_t gone = p->first - BEFORE;
@@ -81,7 +81,7 @@ size_t jitter_buffer_add(struct jitter_buffer *p, const int16_t *samples, size_t
         p->samples[0] = 0;
         p->first = BEFORE;
     }
-    tidy(p);
+    compact(p);
     p->samples = mem_grow(p->samples, &p->cap, p->first + p->count + count, sizeof *p->samples);
     memcpy(p->samples + p->first + p->count, samples, count * sizeof *samples);
     p->count += count;

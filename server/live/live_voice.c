@@ -65,7 +65,7 @@ static void live_recognise(struct live_voice *h, const int16_t *samples, size_t 
     lip_recogniser_write(h->recogniser, block, count);
 }
 
-/* Packets are being decoded. */
+/* Tells whether packets are still being decoded. */
 static bool decodes(const struct live_voice *h) {
     return h->opus && opus_process_waits(h->opus);
 }
@@ -352,7 +352,7 @@ static void on_decoder_failed(void *ctx, const char *why) {
         close_voice(h);
 }
 
-/* Packets are decoded by a process of their own if there is a program for it: they come from strangers. */
+/* Decodes packets, which are untrusted, in a separate process if a program for it is configured. */
 static int open_sound(struct live_voice *h, const struct live_request *request, struct error *e) {
     static const struct opus_process_calls calls = {on_packet, on_decoder_failed};
     const struct reader *reader = h->pipeline->reader;
@@ -447,7 +447,7 @@ static void tell_skip(struct live_voice *h) {
     problem(h, &e, true);
 }
 
-/* Reported once. Samples that wait for their turn are dropped without a report. */
+/* Drops samples that do not fit. Reports it once, and not for an utterance that still waits in the queue. */
 static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct live_voice *h = ctx;
     h->fresh += count;

@@ -51,8 +51,8 @@ int live_audio_read(struct live_audio *sound, const uint8_t *bytes, size_t size,
 /* Returns -1 with *e when the last sample is incomplete. */
 int live_audio_end(const struct live_audio *sound, struct error *e);
 
-/* A live voice as segments like those of a synthesis: its sound and the matching mouth, without words.
- * Playback is delayed by the lookahead. */
+/* Turns a live voice into segments like those of a synthesis: its sound with recognised mouth movements,
+ * without words. Playback is delayed by the lookahead. */
 
 struct lip_network;
 
@@ -71,7 +71,8 @@ enum {
     LIVE_PIECE_MAX_MS = 200, /* maximum of a segment */
     LIVE_PIECES = 2,         /* segments waiting for release */
     LIVE_STALL_MS = 200,     /* a gap up to this length is late, not lost */
-    LIVE_MIN_PERCENT = 2, /* of real time must arrive within pipeline.open_seconds, or the voice is closed */
+    LIVE_MIN_PERCENT = 2, /* share of real time that must arrive within pipeline.open_seconds, or the voice is
+                             closed */
 };
 
 /* Opens a live voice as the source of an utterance; `request` is a struct live_request, checked and copied.

@@ -24,8 +24,8 @@ enum { CHARACTERS_MARKS = 8 };
 void characters_read(struct characters *characters, const char *stretch, size_t size);
 void characters_free(struct characters *characters);
 
-/* True for a character that nobody can say, although it may have meant something: private use, unassigned,
- * a control character other than white space, U+FFFD, which stands for what was lost elsewhere. */
+/* Tells whether a character cannot be spoken although it may carry meaning: private use, unassigned, a
+ * control character other than white space, or U+FFFD, which marks text lost earlier. */
 bool characters_unspoken(UChar32 character);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pronunciation lexicons: words that are said as another text, or with given phones. */
+/* Pronunciation lexicons: map words to an alias text or to phones. */
 #ifndef FACCIA_NORMALIZE_LEXICON_H
 #define FACCIA_NORMALIZE_LEXICON_H
 
@@ -42,11 +42,11 @@ size_t lexicon_left_out(const struct lexicon *lexicon);
 /* Faults and ignored parts of the document, with line and column. */
 const struct error *lexicon_warnings(const struct lexicon *lexicon, size_t *count);
 
-/* Lexicons by precedence: for the same words, the first has the say. */
+/* Lexicons by precedence: the first that contains a word applies. */
 struct lexicons {
     struct lexicon **list; /* owned */
     size_t count, cap;
-    const char **names; /* of their files, without folder, NULL-terminated; NULL: there are none */
+    const char **names; /* of their files, without folder, NULL-terminated; NULL: no lexicons */
 };
 void lexicons_add(struct lexicons *lexicons, struct lexicon *lexicon); /* takes the reference */
 /* Adds references to all of `others`, which may be NULL. */
@@ -62,11 +62,11 @@ void lexicons_free(struct lexicons *lexicons);
  * those of ASCII, such as an emoji; 0 = none. lexicons: struct lexicons. See markup_rules.sign_said. */
 size_t lexicons_sign(const void *lexicons, const char *lang, const char *s, size_t n);
 
-/* Replaces the words of a script that are in a lexicon of their language, longest match first: an item is
- * cut into the parts before, in and after a word. What its author said how to say (say-as, phonemes, sub)
- * stays. lexicons: for all texts; named: those that score_style.lexicons names, which go before them; either
- * may be NULL. langs, voices: of each item, as for normalize_script. Returns the index that each of the new
- * items had before, which the caller frees; NULL if nothing changed. */
+/* Replaces the words of a script that are in a lexicon of their language, longest match first, splitting
+ * items around each word. Text with a pronunciation from its author (say-as, phonemes, sub) stays.
+ * lexicons: for all texts; named: may be selected by score_style.lexicons, and take precedence; either may be
+ * NULL. langs, voices: of each item, as for normalize_script. Returns the old index of each new item, which
+ * the caller frees; NULL if nothing changed. */
 size_t *lexicons_apply(const struct lexicons *lexicons, const struct lexicons *named, struct score *script,
                        const char *const *langs, const void *const *voices, struct work_limit *limit);
 

@@ -96,15 +96,15 @@ static bool may_end(const struct tokens *t, size_t i, const struct lexicon_entry
                             (is_language(lang, "en") && !strcmp(token_key(t, t->list[i + 1].folded), "s")));
 }
 
-/* How a spelling is compared with the text. */
+/* Ways of comparing a spelling with the text. */
 enum how { AS_WRITTEN, OPENING /* of a sentence: first letter in lower case */, ANY_CASE };
 
 static size_t key_of(const struct token *token, enum how how, bool first) {
     return how == ANY_CASE ? token->folded : how == OPENING && first ? token->opening : token->exact;
 }
 
-/* Follows the spellings from token i. Returns the number of tokens of the longest, 0 if there is none, and
- * its entry. */
+/* Matches spellings from token i on. Returns the number of tokens of the longest match, or 0, and sets
+ * *entry. */
 static size_t follow(const struct lexicon *x, enum how how, const struct tokens *t, size_t i,
                      const char *lang, const struct lexicon_entry **entry) {
     int32_t node = how == ANY_CASE ? LEXICON_FOLDED : LEXICON_EXACT;

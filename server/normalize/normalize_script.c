@@ -117,7 +117,7 @@ static void say_stretch(struct stretch *s, struct text_rules *rules) {
     free(s->begins);
 }
 
-/* Reads an item in the way that its author specified. Numbers in the resulting words are normalised, too. */
+/* Reads an item as its say-as specifies. Numbers in the resulting words are normalised, too. */
 static void say_as(const struct normalizers *normalizers, struct score *script, size_t item,
                    const char *lang) {
     const char *way = script->items[item].style->say_as;

@@ -84,7 +84,7 @@ static bool fits(const struct normalizer *normalizer, const json_t *signs, const
     return strlen(code) == length && !memcmp(code, s, length);
 }
 
-/* "€ 12,50", "12.50 EUR": the hundredths are a second amount with a name of its own. */
+/* Reads "€ 12,50" or "12.50 EUR": the hundredths become a second amount with its own unit. */
 bool normalize_currency(const struct normalizer *normalizer, const char *text, struct buf *out) {
     struct number n;
     size_t before = strcspn(text, "0123456789"), length = before;

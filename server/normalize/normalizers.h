@@ -32,8 +32,8 @@ json_t *normalizer_read(const char *path, struct error *e);
 const struct normalizer *normalizers_find(const struct normalizers *normalizers, const char *lang);
 
 /* Appends the text in words of the language. way: a say_as of struct score_style. Returns false and
- * appends nothing if the text is not of that kind, or the language has no words for it. normalizer NULL: a
- * language without a file, in which only texts that need no words from it can be read. */
+ * appends nothing if the text does not fit `way` or the language has no words for it. normalizer NULL: a
+ * language without a file; succeeds only for texts that need none of its words. */
 bool normalizer_words(const struct normalizer *normalizer, const char *way, const char *text,
                       struct buf *out);
 
@@ -51,15 +51,15 @@ struct text_rules *normalizers_rules(const struct normalizers *normalizers, cons
  * (markup_rules.abbreviations). NULL: no file. */
 const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang);
 
-/* The normalisation stage: puts a sentence's numbers, signs and abbreviations into words, whatever the
- * markup; does nothing the second time. Each item records which bytes of the input its words stand for
- * (score_item.parts). langs: language of each item of the sentence, from its first. voices: speaker of each,
- * as texts of different voices are normalised separately; may be NULL: one voice speaks all. */
+/* Puts a sentence's numbers, signs and abbreviations into words, in any markup. A second call does nothing.
+ * Each item records which bytes of the input its words stand for (score_item.parts). langs: language of each
+ * item of the sentence, from its first. voices: voice of each, because texts of different voices are
+ * normalised separately; NULL: one voice speaks all. */
 void normalize_sentence(const struct normalizers *normalizers, struct score *script, size_t sentence,
                         const char *const *langs, const void *const *voices);
 
-/* Warns once ("unspoken") of the characters of a script that the stage leaves out although they may have
- * meant something (characters_unspoken), with their number, at the first of them. */
+/* Warns once ("unspoken"), at the first occurrence, about characters of a script that cannot be spoken and
+ * are left out (characters_unspoken), with their number. */
 void normalize_warn_unspoken(struct score *script);
 
 /* Normalises all sentences, spoken by one voice. langs: language of each item of the script. */

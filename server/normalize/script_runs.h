@@ -13,13 +13,13 @@ struct script_run {
 };
 enum { SCRIPT_RUN_SCRIPTS = 512 };
 
-/* Finds the first such run that begins at or after `at`. Words of one script and what stands between them
- * are one run; Chinese characters and kana are one script. Not found: Latin letters, which voices of all
- * languages read; a single Greek letter, which is a sign; anything in a language whose script is unknown
- * (BCP 47). text: well-formed UTF-8. */
+/* Finds the first such run that begins at or after `at`. Consecutive words of one script are one run,
+ * including what separates them; Chinese characters and kana count as one script. Skips Latin letters, which
+ * voices of all languages read, and single Greek letters, which are signs; finds nothing in a language (BCP
+ * 47) whose script is unknown. text: well-formed UTF-8. */
 bool script_run_next(const char *text, size_t size, const char *lang, size_t at, struct script_run *run);
 
-/* The language that is most likely written in a script, and the script's English name. */
+/* script_run_lang gets the most likely language of a script, script_run_name its English name. */
 enum { SCRIPT_LANG_BYTES = 16 };
 void script_run_lang(int script, char lang[SCRIPT_LANG_BYTES]);
 const char *script_run_name(int script);

@@ -16,7 +16,7 @@ struct saying {
     const char *stretch;
     const struct characters *c;
     int depth;
-    uint64_t text; /* number of this text, to tell which expressions have been given it */
+    uint64_t text; /* number of this text; an expression with another number has not been given it yet */
     struct said *said;
     bool apart; /* the words before belong to a rule: letters that follow need a space */
 };

@@ -107,7 +107,7 @@ static bool wants(struct follower *f, const struct channel_item *item) {
 static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!items[i]->media && !items[i]->notice)
-            late_join_event(&c->late_join, items[i]->kind, items[i]->utterance, items[i]->order,
+            late_join_event(&c->late_join, items[i]->kind, items[i]->utterance, items[i]->command,
                             items[i]->message);
     if (c->shared)
         c->rooms->sharing_calls->said(c, items, count);
@@ -215,7 +215,7 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     struct channel_item *item = add(c);
     item->kind = event->kind;
     item->utterance = event->utterance;
-    item->order = event->order;
+    item->command = event->command;
     item->ready = true;
     item->message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     item->message->event = event_name(event->kind);
@@ -298,7 +298,7 @@ void channel_cut(struct channel *c, const struct error *e, bool again) {
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
         event.utterance = heard.utterance;
-        event.order = heard.order;
+        event.command = heard.command;
         event.id = json_string_value(json_object_get(begin, "id"));
         event.sample_rate = (uint32_t)json_integer_value(json_object_get(begin, "rate"));
         event.duration = (uint32_t)json_integer_value(json_object_get(last, "sample"));

@@ -250,10 +250,10 @@ static bool is_event(const struct channel_item *item, enum stream_event_kind kin
 }
 
 struct channel_heard channel_heard(const struct channel *c) {
-    struct channel_heard heard = {c->late_join.begin, c->late_join.utterance, c->late_join.order};
+    struct channel_heard heard = {c->late_join.begin, c->late_join.utterance, c->late_join.command};
     for (const struct channel_item *item = c->first; item; item = item->next) {
         if (is_event(item, STREAM_BEGIN))
-            heard = (struct channel_heard){item->message, item->utterance, item->order};
+            heard = (struct channel_heard){item->message, item->utterance, item->command};
         else if (is_event(item, STREAM_END) && item->utterance == heard.utterance)
             heard = (struct channel_heard){0};
     }
@@ -264,13 +264,13 @@ uint32_t channel_utterance(const struct channel *c) {
     return channel_heard(c).utterance;
 }
 
-uint64_t channel_order(const struct channel *c) {
-    return channel_heard(c).order;
+uint64_t channel_command(const struct channel *c) {
+    return channel_heard(c).command;
 }
 
-bool channel_is_ending(const struct channel *c, uint64_t order) {
+bool channel_is_ending(const struct channel *c, uint64_t command) {
     const struct channel_item *item = c->first;
-    while (item && (!is_event(item, STREAM_END) || !item->message || item->order != order))
+    while (item && (!is_event(item, STREAM_END) || !item->message || item->command != command))
         item = item->next;
     return item;
 }

@@ -11,7 +11,7 @@
 struct rooms;
 struct channel;
 
-/* The followers and listeners of another daemon that one local follower stands for. */
+/* Number of followers and listeners on another daemon that one local follower represents. */
 struct remote_followers {
     size_t followers, listeners;
 };

@@ -26,7 +26,7 @@ static void keep(struct late_join *late_join, struct queued_message *message) {
 }
 
 void late_join_event(struct late_join *late_join, enum stream_event_kind kind, uint32_t utterance,
-                     uint64_t order, struct queued_message *message) {
+                     uint64_t command, struct queued_message *message) {
     switch (kind) {
     case STREAM_PAUSED:
         replace(&late_join->paused, message);
@@ -41,7 +41,7 @@ void late_join_event(struct late_join *late_join, enum stream_event_kind kind, u
         forget_sentence(late_join);
         replace(&late_join->begin, kind == STREAM_BEGIN ? message : NULL);
         late_join->utterance = kind == STREAM_BEGIN ? utterance : 0;
-        late_join->order = kind == STREAM_BEGIN ? order : 0;
+        late_join->command = kind == STREAM_BEGIN ? command : 0;
         break;
     case STREAM_SENTENCE:
         forget_sentence(late_join);

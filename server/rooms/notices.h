@@ -42,8 +42,8 @@ int notice_calibrate(struct channel *channel, const json_t *message, struct erro
 /* Sets the lexicon for what is spoken from now on; an empty one removes it. */
 int notice_lexicon(struct channel *channel, const json_t *message, struct error *e);
 
-/* Asks for consent, or answers. Asking again with the same text keeps the existing answer. "no-choices":
- * there is no question to answer. */
+/* Asks for consent, or answers. Asking again with the same text keeps the existing answer. An answer without
+ * a question fails with "no-choices". */
 int notice_consent(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
 /* Returns whether the `consent` message is an answer (`given`, `declined`) rather than a question

@@ -156,7 +156,7 @@ static int pending_keep(struct rooms *rooms, const char *room, const struct spee
     snprintf(held->room, sizeof held->room, "%s", room);
     held->until = uv_now(rooms->pipeline->loop) + (uint64_t)rooms->limits.hold_seconds * 1000;
     request_copy(&held->request, request);
-    held->request.abroad = 0; /* the daemon that asked keeps no record of it */
+    held->request.origin = 0; /* the daemon that asked keeps no record of it */
     rooms->pending.count++;
     return 0;
 }

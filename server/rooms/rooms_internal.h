@@ -38,22 +38,22 @@ void pending_speak(struct rooms *rooms, const char *room, struct stream *stream)
 
 /* late_join.c */
 
-/* The utterance in progress, as late joiners are told of it. All zero: nothing is being spoken. Holds
- * references to the messages. */
+/* The messages that describe the utterance in progress to late joiners. All zero: nothing is being spoken.
+ * Holds references to the messages. */
 struct late_join {
     struct queued_message *begin, *paused; /* NULL: none */
     struct queued_message **texts; /* at most LATE_JOIN_TEXTS: the sentence, then its words and marks */
     size_t text_count, text_cap;
     uint32_t utterance; /* utterance of begin, 0: none */
-    uint64_t order;     /* command that caused it (speech_request.h) */
+    uint64_t command;   /* command that caused it (speech_request.h) */
 };
 
 enum { LATE_JOIN_TEXTS = 512 };
 
 /* Records an event of the stream and its message. utterance: only for begin and end, since another
- * utterance may end during one. order: only for begin, the command that caused the utterance. */
+ * utterance may end during one. command: only for begin, the command that caused the utterance. */
 void late_join_event(struct late_join *late_join, enum stream_event_kind kind, uint32_t utterance,
-                     uint64_t order, struct queued_message *message);
+                     uint64_t command, struct queued_message *message);
 
 void late_join_tell(const struct late_join *late_join,
                     void (*tell)(void *ctx, struct queued_message *message), void *ctx);
@@ -101,7 +101,7 @@ struct channel_item {
     enum stream_event_kind kind; /* of an event */
     bool remote;                 /* created while another daemon led the room: sent to local followers only */
     uint32_t utterance;          /* of a begin or an end */
-    uint64_t order;              /* of a begin or an end: the command that caused it (speech_request.h) */
+    uint64_t command;            /* of a begin or an end: the command that caused it (speech_request.h) */
     struct variant *variant;     /* of media, until they are ready */
     struct encoding encoding;    /* of media: the encoding that they are in */
     bool begin, idle;            /* of media: a decoder can start with them; they are idling media */
@@ -156,17 +156,17 @@ void channel_say_kept(struct channel *channel);
 struct channel_heard {
     const struct queued_message *begin; /* NULL: none */
     uint32_t utterance;
-    uint64_t order;
+    uint64_t command;
 };
 
 struct channel_heard channel_heard(const struct channel *channel);
 
 /* The utterance that followers hear, 0 for none, and the command that caused it. */
 uint32_t channel_utterance(const struct channel *channel);
-uint64_t channel_order(const struct channel *channel);
+uint64_t channel_command(const struct channel *channel);
 
 /* Returns whether the end of the command's utterance is still in the output queue. */
-bool channel_is_ending(const struct channel *channel, uint64_t order);
+bool channel_is_ending(const struct channel *channel, uint64_t command);
 
 /* Returns whether the utterance in progress is marked to be spoken again when its daemon is lost. */
 bool channel_is_again(const struct channel *channel);

@@ -16,7 +16,7 @@ struct idle_options;
 struct media;
 
 #define EASE_UPPER 0.35 /* s */
-#define EASE_MOUTH 0.12 /* s, while nobody speaks */
+#define EASE_MOUTH 0.12 /* s, outside speech */
 
 enum {
     EASE_SOON_MS = 2000, /* frames later than this after a cut do not ease */

@@ -82,7 +82,7 @@ unsigned stream_cancel(struct stream *s, const char *id) {
 
 /* Queue order: higher priorities come first. */
 
-/* When an utterance is spoken, from its request. */
+/* The part of a request that decides when its utterance is spoken. */
 struct turn {
     const char *id, *topic; /* or NULL */
     enum speech_mode mode;
@@ -107,19 +107,19 @@ static void stream_forget(struct stream *s, struct utterance **at) {
     forget(s, at, "stopped");
 }
 
-/* Tells whether it was requested in an earlier session of that node; 0 = by any remote node. */
-static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
-    return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
+/* Tells whether it was forwarded in an earlier session of that daemon; 0 = by any other daemon. */
+static bool is_of_earlier(const struct utterance *t, uint64_t origin) {
+    return t->origin && (!origin || (t->origin >> 32 == origin >> 32 && t->origin != origin));
 }
 
-uint32_t stream_forget_earlier(struct stream *s, uint64_t abroad) {
+uint32_t stream_forget_earlier(struct stream *s, uint64_t origin) {
     for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
-        if (is_of_earlier(*at, abroad))
+        if (is_of_earlier(*at, origin))
             forget(s, at, (*at)->spared ? NULL : "failed");
         else
             at = &(*at)->next;
     }
-    if (!s->queue || !is_of_earlier(s->queue, abroad))
+    if (!s->queue || !is_of_earlier(s->queue, origin))
         return 0;
     s->queue->spared = false;
     return s->queue->number;
@@ -136,7 +136,7 @@ static bool cuts(const struct stream *s, const struct turn *turn) {
                                                 : speaks->priority <= turn->priority);
 }
 
-/* Tells whether a newer one of the same topic replaces it. */
+/* Tells whether a new request with the same topic replaces the waiting utterance. */
 static bool is_replaced(const struct utterance *t, const struct turn *turn) {
     const struct speech_request *request = t->source->request;
     const char *topic = request ? request->topic : NULL;
@@ -219,17 +219,17 @@ static struct utterance *add(struct stream *s, const struct speech_request *requ
         t = mem_alloc(sizeof *t);
         t->stream = s;
         t->asked = uv_hrtime();
-        t->order = request->order;
+        t->command = request->command;
         t->source = open(s->pipeline, what, &utterance_callbacks, t, e);
     }
     if (!t || !t->source) {
         free(t);
-        stream_refuse(s, request->id, request->order, e);
+        stream_refuse(s, request->id, request->command, e);
         return NULL;
     }
     if (t->source->text) {
-        t->abroad = request->abroad;
-        t->spared = request->abroad != 0 && request->again;
+        t->origin = request->origin;
+        t->spared = request->origin != 0 && request->again;
         synthesis_keep(t->source->text);
     }
     enqueue(s, t, &turn);
@@ -405,8 +405,8 @@ void stream_free(struct stream *s) {
     free(s);
 }
 
-void stream_refuse(struct stream *s, const char *id, uint64_t order, const struct error *e) {
-    struct utterance t = {.stream = s, .number = ++s->utterances, .order = order};
+void stream_refuse(struct stream *s, const char *id, uint64_t command, const struct error *e) {
+    struct utterance t = {.stream = s, .number = ++s->utterances, .command = command};
     give(&t, (struct stream_event){.kind = STREAM_ERROR, .error = e, .id = id});
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
 }

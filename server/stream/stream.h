@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stream stage: turns a queue of utterances into events and media chunks, paced to real time with a
- * small lead. There is one stream per listener; transport is separate. */
+/* A stream: turns a queue of utterances into events and media chunks, paced to real time with a small lead.
+ * A channel (rooms/channel.h) sends them to its listeners. */
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
@@ -26,7 +26,7 @@ struct mood_request {
     double ease; /* s */
 };
 
-/* Idle motion while nobody speaks. */
+/* Idle motion, shown while no utterance plays. */
 struct idle_options {
     double life;   /* strength, 0..2 */
     uint64_t seed; /* of the life layer */
@@ -53,13 +53,13 @@ struct stream_event {
     enum stream_event_kind kind;
     uint32_t utterance;                        /* 0 = none (PAUSED, RESUMED) */
     const char *id;                            /* the client's id, or NULL */
-    uint64_t order;                            /* of its request (speech_request.h) */
+    uint64_t command;                          /* of its request (speech_request.h) */
     uint32_t sample_rate, sample, duration;    /* for events with a time; END: total duration, in samples */
     size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: range in the text, end exclusive */
     const char *text;          /* WORD: end - start bytes of text; MARK, JUMPED: name; PHONE: IPA */
     const struct error *error; /* WARNING, ERROR */
     const char *reason; /* END: "done", "stopped", "failed"; NULL = continued on another node, not reported */
-    bool blocked;       /* END: the sound was blocked for all listeners */
+    bool blocked;       /* END: every listener's browser blocked the sound */
     const char *voice, *lang, *engine, *markup; /* BEGIN */
     double fps;                                 /* BEGIN */
     bool again;                                 /* BEGIN: repeated if it is lost */
@@ -118,9 +118,9 @@ uint32_t stream_play(struct stream *stream, const struct speech_request *request
 /* Cuts or drops the utterances of that id. Returns how many there were. */
 unsigned stream_cancel(struct stream *stream, const char *id);
 
-/* Reports a request that was rejected earlier: assigns a number and sends ERROR and END. order: as in
+/* Reports a request that was rejected earlier: assigns a number and sends ERROR and END. command: as in
  * speech_request.h. */
-void stream_refuse(struct stream *stream, const char *id, uint64_t order, const struct error *e);
+void stream_refuse(struct stream *stream, const char *id, uint64_t command, const struct error *e);
 
 /* Sends idle motion while nothing is spoken, as silent chunks of utterance 0; NULL = off. The life clock
  * runs through idling, utterances and pauses, so the face does not jump between them; only an utterance
@@ -135,17 +135,17 @@ int stream_express(struct stream *stream, const struct mood_request *mix, struct
 uint32_t stream_number(const struct stream *stream);
 void stream_number_above(struct stream *stream, uint32_t number);
 
-/* Fails the current and waiting utterances with ERROR and END "failed"; those that another node repeats
- * (speech_request.h) get a WARNING if they have begun. Ends a pause. */
+/* Fails the current and waiting utterances with ERROR and END "failed". Those that another daemon will
+ * repeat (`again` in speech_request.h) get a WARNING instead, if they have begun. Ends a pause. */
 void stream_fail(struct stream *stream, const struct error *e);
 
-/* Detaches from the nodes that asked, which have reported the end already: drops their waiting utterances
- * and keeps the current one. */
+/* Detaches from other daemons that forwarded requests and have reported their end already: drops their
+ * waiting utterances and keeps the current one. */
 void stream_go_alone(struct stream *stream);
 
-/* The same for utterances of a node's earlier session; 0 = of any remote node. Returns the number of the
- * current utterance if it is one of them, else 0. */
-uint32_t stream_forget_earlier(struct stream *stream, uint64_t abroad);
+/* The same for utterances forwarded in an earlier session of `origin` (speech_request.h); 0 = by any other
+ * daemon. Returns the number of the current utterance if it is one of them, else 0. */
+uint32_t stream_forget_earlier(struct stream *stream, uint64_t origin);
 
 /* Tells whether an utterance is playing or waiting. */
 bool stream_busy(const struct stream *stream);

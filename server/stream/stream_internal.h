@@ -35,9 +35,9 @@ struct utterance {
     struct segment_cut cut;
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
-    uint64_t abroad;             /* of its request (speech_request.h) */
-    uint64_t order;              /* likewise */
-    bool spared;                 /* another node repeats it if this one cannot */
+    uint64_t origin;             /* of its request (speech_request.h) */
+    uint64_t command;            /* likewise */
+    bool spared;                 /* another daemon repeats it if this one cannot finish it */
     bool finished;               /* no further segment comes */
     size_t spoken;               /* segments received */
     uint32_t sent, sample_rate;  /* samples sent */

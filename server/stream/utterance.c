@@ -58,7 +58,7 @@ void utterance_give(const struct utterance *t, const struct stream_sink *sink, v
     event.utterance = t->number;
     event.id = t->source ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
-    event.order = t->order;
+    event.command = t->command;
     sink->event(ctx, &event);
 }
 

@@ -71,7 +71,7 @@ static double second_of(const struct synthesis *s, const struct sentence_audio *
     return ((double)s->samples - skip) / u->sample_rate;
 }
 
-/* From here on neither the audio nor the track changes. */
+/* Makes the slot's face track. Audio and track must not change afterwards. */
 static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
     struct sentence_audio *u = slot->audio;
     const struct face_options options = {.engine = s->request.engine,

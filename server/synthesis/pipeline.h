@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Components shared by all syntheses. Declared apart, so that code can pass it on without knowing them. */
+/* Components shared by all syntheses. In a header of its own, so that code can pass the pipeline on without
+ * including theirs. */
 #ifndef FACCIA_SYNTHESIS_PIPELINE_H
 #define FACCIA_SYNTHESIS_PIPELINE_H
 
@@ -34,7 +35,7 @@ struct pipeline {
     void (*passage_lexicons)(struct library *library, const char *passage, struct lexicons *to);
     struct library *library; /* its first argument */
     const char *default_lang;
-    enum face_contacts default_contacts; /* for requests that say "engine" */
+    enum face_contacts default_contacts; /* for requests with contacts "engine" */
     const struct reader *reader;         /* decodes untrusted sound (sound_reader.h); NULL = none */
     struct work_gate *gate;              /* limits concurrent decoding; NULL = no limit */
     const char *sounds;                  /* folder of sound files for texts; NULL = none */

@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Tells whether a recording may have that name. */
+/* Tells whether the name is valid for a recording. */
 static bool recording_is_name(const char *name) {
     size_t size = strlen(name);
     bool fit = size && size <= RECORDING_NAME_BYTES_MAX && *name != '.' && !strchr(name, '/') &&
@@ -37,7 +37,7 @@ static int compare(const void *a, const void *b) {
     return strcoll(*(char *const *)a, *(char *const *)b);
 }
 
-/* The names that end in ".fap", in order. */
+/* Lists the files named *.fap of a folder, without the suffix, sorted. */
 static void find(struct names *n, const char *folder, struct work_limit *limit) {
     DIR *dir = opendir(folder);
     while (dir && !work_limit_over(limit)) {
@@ -85,7 +85,7 @@ enum { CHANNELS_MAX = 8, BLOCK = 4096 };
 const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "mp3",
                                         "aiff", "aif",  "au",  "caf",  "w64", NULL};
 
-/* Opens the sound file beside a .fap; -1 if there is none. folder: as in a source. */
+/* Opens the sound file beside a .fap, or returns -1. folder: see struct recording_source. */
 static int recording_sound_beside(const char *folder, const char *fap_path) {
     size_t stem = strlen(fap_path);
     int fd = -1;
@@ -101,7 +101,7 @@ static int recording_sound_beside(const char *folder, const char *fap_path) {
     return fd;
 }
 
-/* Opens the source's sound as a file. Returns -1 with errno, which is 0 when it has none. */
+/* Opens the source's sound as a file. Returns -1 with errno, which is 0 if the recording has no sound. */
 static int open_file(struct recording_source *source) {
     int fd = -1;
     errno = 0;
@@ -198,7 +198,8 @@ int recording_source_in(struct recording_source *source, const char *folder, con
     return 0;
 }
 
-/* Processor time for reading a .fap, s, and for each megabyte that one may have: many times what it takes. */
+/* Limit of processor time for reading a .fap, in s, and addition per megabyte of the largest allowed file:
+ * many times what reading takes. */
 enum { READ_SECONDS = 10, READ_SECONDS_EACH = 2 };
 
 static int told_why_stopped(struct recording *r, const struct work_limit *limit) {
@@ -288,8 +289,7 @@ static void read_piece(struct recording *r) {
     size = size > got ? size : got;
     r->ended = size < want || r->at + size == UINT32_MAX;
     const char *wrong = r->sound ? sound_reader_wrong(r->sound) : NULL;
-    if (wrong && got < want &&
-        !r->sound_told) { /* what came before the damage is played, and so are the frames */
+    if (wrong && got < want && !r->sound_told) { /* the sound before the damage is played, and all frames */
         r->sound_told = true;
         error_set(&r->note, ERROR_BAD_SOUND, "the sound is not whole: %s", wrong);
     }

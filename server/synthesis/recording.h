@@ -46,8 +46,8 @@ extern const char *const recording_sounds[];
 int recording_source_in(struct recording_source *source, const char *folder, const char *name,
                         struct error *e);
 
-/* Calls `each` for all recordings of a folder, sorted by name, with whether they have sound. False: the limit
- * was over before the end. */
+/* Calls `each` for all recordings of a folder, sorted by name; sound: it has a sound file. Returns false if
+ * the limit ran out first. */
 bool recording_list(const char *folder, struct work_limit *limit,
                     void (*each)(void *ctx, const char *name, bool sound), void *ctx);
 

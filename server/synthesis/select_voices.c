@@ -56,7 +56,7 @@ static const struct voice *by_language(const struct selecting *c, const char *la
         double score = 16 * has_gender(&voices[i], gender) + 4 * preference(preferred, &voices[i]) +
                        !strcmp(voices[i].plugin, plugin) + 0.1 * fit;
         if (fit == 3 && strchr(lang, '-'))
-            score += 8; /* the variety was asked for */
+            score += 8; /* the regional variety was requested */
         if (fit && score > best_score) {
             best = &voices[i];
             best_score = score;
@@ -69,7 +69,6 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     const struct score_style *style = item->style;
     const struct voice *base = style->voice ? by_names(c, style->voice) : c->voice;
     if (!base) {
-        /* with a suggestion */
         struct error e;
         voice_unknown(c->voices, style->voice, &e);
         score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "%s", e.message);
@@ -88,12 +87,12 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     return best && (!speaks || has_gender(best, gender)) ? best : base;
 }
 
-/* Chooses a voice for each text of a score; `voice` is the default. What is not available becomes a warning
- * of the script at its place ("unknown-voice", "unknown-language", "no-sound"), and the default speaks.
- * sounds: folder, or NULL. A named voice speaks, unless the author also sets another language or a gender.
- * For a language, voices of the wanted gender come first (the author's, else that of the voice before the
- * change), then those preferred by the language pack, then those of the same plugin. Callable from any
- * thread. */
+/* Chooses a voice for each text of a score, and finds its sound files; `voice` is the default. An
+ * unavailable voice, language or sound adds a warning to the score at its place ("unknown-voice",
+ * "unknown-language", "no-sound"), and the default voice speaks. sounds: folder, or NULL. A voice named in
+ * the text is used unless the text also sets another language or gender. For a language, prefers voices of
+ * the text's gender (default: that of the voice before the change), then those that the language pack
+ * prefers, then those of the same plugin. Callable from any thread. */
 static struct voice_selection *select_voices(struct score *score, const struct voice *voice,
                                              struct voice_list voices, const struct speech_packs *packs,
                                              const char *sounds) {
@@ -121,11 +120,11 @@ static struct voice_selection *select_voices(struct score *score, const struct v
     return selection;
 }
 
-/* A stretch of an item's text in a script that its voice's language is not written in. */
+/* A stretch of an item's text in a foreign script, that is, one not used by the language of its voice. */
 struct foreign {
     size_t item;
     struct script_run run;
-    const struct voice *instead_of, *voice; /* NULL: nobody reads that script */
+    const struct voice *instead_of, *voice; /* the item's voice; the one that reads the script, or NULL */
     char lang[SCRIPT_LANG_BYTES];
 };
 
@@ -134,7 +133,7 @@ struct foreigners {
     size_t count, cap;
 };
 
-/* The voice for a stretch; most are in the script of one shortly before. */
+/* Finds the voice for a stretch. Looks at recent stretches first, because scripts usually repeat. */
 static void find_reader(const struct selecting *c, const struct voice *voice, const struct foreigners *found,
                         struct foreign *one) {
     enum { BEFORE = 8 };
@@ -166,7 +165,7 @@ static void find_foreigners(const struct selecting *c, const struct voice_select
     }
 }
 
-/* Warns once of each script that nobody reads. */
+/* Warns once about each script that no voice reads. */
 static void warn_of_unread(struct score *score, const struct foreigners *found) {
     size_t letters[SCRIPT_RUN_SCRIPTS] = {0};
     for (size_t i = 0; i < found->count; i++)
@@ -210,7 +209,7 @@ static void give_voice(struct score *score, struct score_item *item, const struc
     item->verbatim = false;
 }
 
-/* Gives each of the script's items the voice or sound of the item that it was: was[i]. */
+/* Moves voices and sounds after items were cut: new item i was part of item was[i]. */
 static void follow_items(struct voice_selection *chosen, const size_t *was, size_t count) {
     struct voice_selection *now = voice_selection_new(count);
     for (size_t i = 0; i < count; i++) {
@@ -224,8 +223,8 @@ static void follow_items(struct voice_selection *chosen, const size_t *was, size
     voice_selection_free(now);
 }
 
-/* Words in a script that a voice's language is not written in are read by a voice of that script. Where
- * there is none they are left out with a warning ("unspoken"), as a voice would only name their letters. */
+/* Gives words in a foreign script to a voice that reads it. Without such a voice it leaves them out with a
+ * warning ("unspoken"), because the original voice would only spell them. */
 static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen) {
     struct foreigners found = {0};
     find_foreigners(c, chosen, &found);
@@ -250,7 +249,7 @@ static void select_by_scripts(const struct selecting *c, struct voice_selection 
     free(found.list);
 }
 
-/* Returns the best voice of a language and gender, or NULL if there is none of that gender. */
+/* Returns the best voice of the language, or NULL if none has the gender. */
 static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
                                                   const struct speech_packs *packs, const char *lang,
                                                   const char *gender, const char *plugin) {
@@ -370,8 +369,8 @@ static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
                                                                                     : BLEND_REGIONS;
 }
 
-/* The language that an item is read in: that which its author or the request asks for, as far as the voice
- * speaks it, as that may name a region that the voice does not have. */
+/* Returns the language for reading an item: the one stated in the text or the request if the voice speaks
+ * it, because that may name a region that the voice's own tag lacks; else the voice's. */
 static const char *reading_lang(const struct synthesis *s, const char *stated, const char *spoken) {
     const char *lang = stated ? stated : s->request.lang;
     size_t primary = strcspn(spoken, "-");
@@ -405,7 +404,7 @@ static void say_by_lexicons(const struct synthesis *s, struct reading_result *r,
     const char **langs = mem_alloc((r->score->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < r->score->item_count; i++) {
         const struct voice *voice = r->chosen->voices[i];
-        /* those with context find people's recordings by the text */
+        /* voices with context look recordings up by the original text, so it must not change */
         bool any = voice && !(voice->capabilities & FACCIA_VOICE_CONTEXT);
         langs[i] = any ? reading_lang(s, r->score->items[i].style->lang, voice->lang) : NULL;
     }
@@ -437,11 +436,12 @@ void synthesis_normalize(const struct synthesis *s, struct score *script,
     free(langs);
 }
 
-/* Longest sentence that is put into words when it is asked of a voice, about 5 ms of work on the loop's
- * thread. Only what must not be divided (a long alias) is longer. */
+/* Longest sentence, in bytes, that is normalised only when it is submitted to a voice, on the loop's thread:
+ * about 5 ms of work. Only indivisible text, such as a long alias, exceeds it. */
 enum { LATER_BYTES = 2048 };
 
-/* What is marked with say-as may be a mistake of the author's, who is told before the first sentence. */
+/* Tells whether the sentence can be normalised later. Text marked with say-as cannot, so that authors get
+ * warnings about it before the first sentence. */
 static bool may_wait(const struct score *script, const struct score_sentence *sentence) {
     size_t bytes = 0;
     bool marked = false;

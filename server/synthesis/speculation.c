@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Speculation: when a sentence of an open text seems to have ended, the voice starts on it before the next
- * character confirms that. A wrong guess is dropped before anybody hears it. */
+/* Speculation: when a sentence of an open text seems to have ended, its synthesis starts before the next
+ * character confirms the end. A wrong guess is dropped before it is played. */
 #include "server/base/mem.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
@@ -69,7 +69,7 @@ static void on_failed(void *ctx, const struct error *e) {
     deliver(s);
 }
 
-/* Returns the piece that would follow if the text ended here and that is the only one. */
+/* Gets the piece that would follow if the text ended here. Returns false unless there is exactly one. */
 static bool next_piece(const struct synthesis *s, struct open_piece *piece) {
     struct open_text ahead = s->writing->open; /* a shallow copy is safe: plain text has no elements */
     struct markup_rules rules = synthesis_rules(s);
@@ -150,6 +150,6 @@ bool speculation_take(struct synthesis *s, struct slot *slot, void (*deliver)(st
     slot->audio = g->audio;
     g->audio = NULL;
     speculation_drop(s);
-    writing_wake(s, 0); /* nothing else would deliver it */
+    writing_wake(s, 0); /* nothing else triggers the delivery */
     return true;
 }

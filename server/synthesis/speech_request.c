@@ -4,21 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "protocol/speak_fields.h" /* made of protocol/messages.json */
+#include "protocol/speak_fields.h" /* generated from protocol/messages.json */
 
-/* The type of the member that keeps a field. */
+/* Member types of the field types. */
 typedef char *field_of_TEXT, *field_of_STRING, *field_of_TAG;
 typedef double field_of_NUMBER, field_of_INTEGER;
 typedef bool field_of_FLAG;
 typedef unsigned field_of_CHOICE; /* GCC and Clang: an enum without negative members */
 
-/* The offset of the member with the field's name. A member of another type does not compile. */
+/* Offset of the member with the field's name. Does not compile if the member has another type. */
 #define MEMBER(name, type)                                                                                   \
     _Generic(((struct speech_request *)0)->name, type : offsetof(struct speech_request, name))
 #define ROW(name, type, least, most, words)                                                                  \
     {{#name, FIELD_##type, least, most, words, false}, MEMBER(name, field_of_##type)},
 
-/* The fields that anyone may set. */
+/* The fields that clients may set. */
 static const struct {
     struct field field;
     size_t offset;

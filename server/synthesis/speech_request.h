@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What somebody wants spoken, and how: the same for the socket, HTTP and the command line. The members of the
- * `speak` message have its names, and their ranges are declared in protocol/messages.json. */
+/* A request to speak, as the socket, HTTP and the command line make it: what is spoken, when, and how.
+ * Members that clients may set are named as in the `speak` message; protocol/messages.json declares their
+ * ranges. */
 #ifndef FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 #define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 
@@ -12,87 +13,86 @@
 
 struct lexicons;
 
-/* When it is spoken, on a stream that speaks already. */
+/* When a request is spoken on a stream that is already speaking. */
 enum speech_mode {
-    SPEAK_QUEUE,     /* after all that waits */
-    SPEAK_REPLACE,   /* now: all else is forgotten */
-    SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
-    SPEAK_QUIET,     /* now, when nothing speaks or waits; else not at all */
+    SPEAK_QUEUE,     /* after all waiting utterances */
+    SPEAK_REPLACE,   /* now; cuts the current utterance and drops the waiting ones */
+    SPEAK_INTERRUPT, /* now; cuts the current utterance, the waiting ones follow */
+    SPEAK_QUIET,     /* now if the stream is idle, else refused */
 };
 
-/* Of two, the higher one comes first and cuts the lower one; nothing does so to a higher one. */
+/* In ascending order. A request goes before those of lower priority and may cut them, never the reverse. */
 enum speech_priority { PRIORITY_BACKGROUND, PRIORITY_CHAT, PRIORITY_ALARM };
 
-/* Of the voice, where none is named. */
+/* Gender of the voice to choose when the request names no voice. */
 enum voice_gender { GENDER_ANY, GENDER_FEMALE, GENDER_MALE };
 
-/* How expressions share the mouth with speech. */
+/* How expressions and speech share the mouth. */
 enum speech_blend {
-    SPEAK_BLEND_AUTO, /* as the text asks: by weights where it names one, else by regions */
+    SPEAK_BLEND_AUTO, /* weighted if the text sets a weight, else by regions */
     SPEAK_BLEND_REGIONS,
     SPEAK_BLEND_WEIGHTED,
 };
 
-/* Whether what a text does not write in words (numbers, signs, short forms) is put into words before the
- * voice sees it, and what Markdown writes is left out. */
+/* Whether numbers, signs and abbreviations are expanded to words before the voice sees them, and Markdown
+ * syntax is left out. */
 enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 
 struct speech_request {
-    char *text; /* as it came: not checked, may hold NUL */
+    char *text; /* as received: not validated, may contain NUL */
     size_t text_size;
-    char *passage;               /* the id of a passage of the library, to be spoken instead of a text */
-    double from;                 /* UTF-16 units of the passage that are left out */
-    char *languages;             /* of a plain text: the stretches in others (language_runs.h) */
-    char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
+    char *passage;               /* id of a passage of the library, spoken instead of a text */
+    double from;                 /* where to start in the passage, UTF-16 units */
+    char *languages;             /* stretches of a plain text in other languages (language_runs.h) */
+    char *id;                    /* the client's id for the utterance, at most 64 bytes; NULL = none */
     char *lang, *voice, *engine; /* NULL = the default */
-    enum voice_gender gender;    /* of the voice, when none is named */
+    enum voice_gender gender;    /* of the voice, if `voice` is NULL */
     char *markup;                /* NULL = plain */
     double rate;                 /* words per minute, 40..500; 0 = the voice's own */
     double pitch, volume;        /* factors, 0.25..4 */
     double fps;                  /* 1..120 */
     double seed;                 /* integer, 0..2^53; negative = not given */
-    double life;                 /* strength of the signs of life, 0..2; negative = not given */
+    double life;                 /* strength of idle motion, 0..2; negative = not given */
     enum speech_blend blend;
-    enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
+    enum face_contacts contacts; /* whether to close lips that must touch, whatever the engine produces */
     enum speech_normalize normalize;
     char *work;    /* or passage of the library, whose lexicons hold for the text; NULL = that of `passage` */
     char *lexicon; /* a PLS document: how words of the text are said; NULL = none */
-    /* Lexicons of the room or the work, which go before the daemon's; NULL = none. Borrowed until the
-     * synthesis is open, and not copied. No field. */
-    const struct lexicons *around;
-    bool still;      /* only the lips move */
-    bool phones;     /* its phones are events, too */
-    bool again;      /* what is lost with the daemon that was to speak it is asked of the next */
-    uint64_t abroad; /* not 0: another daemon asks, which tells the end when it has lost this one. Its name as
-                        a number, and which time it follows, 32 bits each. No field */
-    uint64_t
-        order;  /* not 0: its number among what is asked at all daemons, which its events tell. No field */
-    bool ahead; /* nobody waits for it: its sentences are to be kept (voice_pool.h) */
-    bool open;  /* the text is still being written: see synthesis_write */
+    bool still;    /* only the lips move */
+    bool phones;   /* report phones as events, too */
+    bool again;    /* if the daemon that speaks it is lost, the next leader of the room speaks it again */
+    bool ahead;    /* prerendering for the cache: runs in the background (voice_pool.h) */
+    bool open;     /* the text is still being written: see synthesis_write */
     enum speech_mode mode;
     enum speech_priority priority;
-    uint16_t
-        half; /* the high half of a character with which the text of an open one ends; 0 = none. No field */
-    uint32_t quota_key;  /* whose it is, as a number; 0 = nobody's. No field: those who ask do not say */
-    uint32_t connection; /* by which of the quota key's connections, likewise */
-    char *topic;         /* what it is about: takes the place of those that wait with the same; NULL = none */
+    char *topic; /* replaces waiting requests with the same topic; NULL = none */
+    /* The daemon sets the following members; clients cannot. */
+    /* Lexicons of the room, which go before the daemon's; NULL = none. Borrowed until the synthesis is open.
+     */
+    const struct lexicons *around;
+    uint64_t origin;     /* not 0: forwarded by another daemon, which reports the end itself if it loses this
+                            one. Its name as a number, and its session with this daemon, 32 bits each */
+    uint64_t command;    /* cluster-wide number of the command that caused it, repeated in events; 0 = none */
+    uint32_t quota_key;  /* client that it counts against; 0 = none */
+    uint32_t connection; /* connection within the quota key; 0 = none */
+    uint16_t half;       /* high surrogate at the end of an open text, waiting for its low one; 0 = none */
 };
 
 void request_init(struct speech_request *request);
 void request_free(struct speech_request *request);
 void request_copy(struct speech_request *to, const struct speech_request *from);
 
-/* "female", "male"; NULL = any. */
+/* Returns "female", "male", or NULL for any. */
 const char *request_gender(const struct speech_request *request);
 
-/* The name of the i-th field; NULL: there are no more. */
+/* Returns the name of the i-th field that clients may set, or NULL after the last. */
 const char *request_field(size_t i);
 
-/* The value of the i-th field, as JSON has it; borrowed. False: it was not given. */
+/* Gets the i-th field's value as in JSON; strings are borrowed. Returns false if it was not given. */
 bool request_get(const struct speech_request *request, size_t i, struct request_value *value);
 
-/* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field"
- * when the value is not of the field's type or range. */
+/* Sets the field of that name. Returns 1 if there is no such field, and -1 with *e ("bad-field") if the
+ * value has the wrong type or is out of range. */
 int request_set(struct speech_request *request, const char *name, struct request_value value,
                 struct error *e);
 

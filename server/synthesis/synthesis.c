@@ -62,7 +62,7 @@ static int no_markup(const char *name, struct error *e) {
 
 static void writing_open(struct synthesis *s);
 
-/* From here on all places count in the request's text. */
+/* Converts the text to UTF-8. From here on, places in errors refer to the converted text. */
 static int decode_text(struct synthesis *s, struct error *e) {
     char *text;
     size_t size;
@@ -98,7 +98,8 @@ static void drop_reading(struct reading_result *r, const struct markup_rules *ru
     error_set(&r->error, code, "%s", why);
 }
 
-/* Processor time for reading a text, s, and for each megabyte of it: many times what the slowest takes. */
+/* Limit of processor time for parsing a text, in s, and addition per megabyte: many times what the slowest
+ * text takes. */
 enum { READ_SECONDS = 10, READ_SECONDS_EACH = 20 };
 
 /* Callable from any thread: nothing reached from here changes while texts are parsed. */
@@ -118,7 +119,7 @@ static void read_text(struct synthesis *s) {
     if (r->document && !markup_given_up(&rules))
         synthesis_direct(s, r, &limit);
     if (r->document && markup_given_up(&rules))
-        drop_reading(r, &rules); /* much to free, which is better done here */
+        drop_reading(r, &rules); /* freed here, because freeing a large result would block the loop */
 }
 
 static void take_result(struct synthesis *s) {
@@ -536,7 +537,6 @@ static uint64_t now_of(const struct synthesis *s) {
     return uv_now(s->pipeline->loop);
 }
 
-/* synthesis_text.c */
 static void writing_open(struct synthesis *s) {
     struct writing *w = s->writing = mem_alloc(sizeof *w);
     w->open.kind = markup_by_name(s->request.markup ? s->request.markup : "auto");

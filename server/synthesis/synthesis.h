@@ -47,8 +47,8 @@ void synthesis_free(struct synthesis *synthesis);
  * problems; nothing after them is spoken. */
 int synthesis_write(struct synthesis *synthesis, const char *text, size_t size, size_t most, struct error *e);
 
-/* synthesis_flush speaks what was written as far as it is complete; synthesis_close ends the text. Both
- * ignore other requests. */
+/* synthesis_flush speaks everything written so far, as far as its markup is complete; synthesis_close ends
+ * the text. Both do nothing unless the request is `open`. */
 void synthesis_flush(struct synthesis *synthesis);
 void synthesis_close(struct synthesis *synthesis);
 
@@ -64,7 +64,7 @@ void synthesis_seek(struct synthesis *synthesis, size_t sentence, const char *ma
 /* Sets words per minute, 40..500, for sentences not yet started. */
 void synthesis_set_rate(struct synthesis *synthesis, double rate);
 
-/* Finds the sentence that contains the first mark of that name. */
+/* Finds the sentence with the first mark of that name. Returns false if there is none. */
 bool synthesis_find_mark(const struct synthesis *synthesis, const char *name, size_t *sentence);
 void synthesis_near_marks(const struct synthesis *synthesis, struct suggestions *near);
 

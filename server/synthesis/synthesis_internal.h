@@ -132,7 +132,7 @@ struct markup_rules synthesis_rules(const struct synthesis *synthesis);
 void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result,
                       struct work_limit *limit);
 
-/* Puts a sentence of the script into words unless that has been done. */
+/* Normalises a sentence of the script (numbers and signs to words) unless that has been done. */
 void synthesis_normalize(const struct synthesis *synthesis, struct score *script,
                          const struct voice_selection *chosen, size_t sentence);
 

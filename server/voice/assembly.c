@@ -177,8 +177,8 @@ static void assembly_warn(struct assembly *a, const char *format, ...) {
         sentence_audio_warn(a->u, message);
 }
 
-/* Clamps a time to [from, end of the audio], with a warning about `what`. Up to 20 ms after the end is no
-   fault: voices that tell whole milliseconds per phone add up their rounding. */
+/* Clamps a time to [from, end of the audio] and warns about `what`. Tolerates up to 20 ms after the end
+ * without a warning, because the rounding of voices that report whole milliseconds per phone adds up. */
 static uint32_t assembly_time(struct assembly *a, uint64_t t, uint32_t from, const char *what) {
     if (t > a->u->samples) {
         if (t - a->u->samples > a->u->sample_rate / 50)

@@ -1,31 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* The voice plugin interface of faccia, a talking head (facciad).
+/* The voice plugin interface of facciad, a talking head server.
  *
  * A voice plugin is a shared object that exports one symbol, `faccia_voice`, a const struct faccia_voice. It
- * runs in a worker process (faccia-voice), one plugin in each, so it may crash, leak or hang without hurting
- * the daemon. All functions are called from one thread, except cancel. Only the host's thread may call the
- * sink, and only during speak.
+ * runs in a worker process (faccia-voice), one plugin per process, so it may crash, leak or hang without
+ * harming the daemon. All functions are called from one thread, except cancel. The plugin may call the sink
+ * only during speak and only from that thread.
  *
  * Texts are UTF-8. Times are samples of the sentence's own audio, counted from its first sample.
  *
- * This header is all that a voice needs: it includes nothing of faccia's, stands alone in C11 and in C++17,
- * and its licence asks nothing of the plugin's. With pkg-config:
+ * A plugin needs only this header, which includes no other header of faccia, compiles as C11 and C++17, and
+ * puts no conditions on the plugin's licence. With pkg-config:
  *
  *   cc -shared -fPIC $(pkg-config --cflags faccia-voice) hum.c -o hum.so
  *   cp hum.so $(pkg-config --variable=plugindir faccia-voice)    # or: facciad --plugins FOLDER
  *
- * Compatibility. The interface has one version, FACCIA_VOICE_ABI, a number, which a plugin puts into its
- * table (abi) by being built with this header. A host of version N loads plugins of the versions
- * FACCIA_VOICE_ABI_OLDEST to N, built by any compiler, and refuses newer ones with a sentence that names both
- * versions. From one version to the next things are only added:
- * - bits of capabilities. Those that have no name here are 0, as they will mean something one day;
- * - values of enumerations that go from the host to the plugin: what a plugin does not know it passes over;
- * - functions at the end of struct faccia_voice and struct faccia_sink, whose size members say how much of
- *   them is there: a plugin may use a function of the sink if sink->size reaches beyond it.
+ * Compatibility. The interface has one version number, FACCIA_VOICE_ABI, which a plugin stores in its table
+ * (abi). A host of version N loads plugins of versions FACCIA_VOICE_ABI_OLDEST to N, built by any compiler,
+ * and refuses newer ones with a message that names both versions. A new version only adds:
+ * - capability bits; a plugin must leave bits without a name here at 0, because later versions use them;
+ * - values of enumerations passed from the host to the plugin, which must ignore values unknown to it;
+ * - functions at the end of struct faccia_voice and struct faccia_sink, whose size members tell how many are
+ *   present: a plugin may call a function of the sink if sink->size reaches beyond it.
  *
- * The other structures stay as they are: they stand in arrays, or one side makes them for the other. Should
- * one have to change, or something go away, FACCIA_VOICE_ABI_OLDEST rises, and the plugin is to be built
- * again; sources keep compiling where all that they use is still there. */
+ * The other structures never grow, because they are elements of arrays or one side allocates them for the
+ * other. If one must change, or a feature is removed, FACCIA_VOICE_ABI_OLDEST rises and plugins must be
+ * rebuilt; their sources still compile if everything that they use remains. */
 #ifndef FACCIA_VOICE_H
 #define FACCIA_VOICE_H
 
@@ -66,7 +65,7 @@ enum {
      * loaded. The bits are read from the file, so the table must be a constant that needs no initialiser. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
     FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads are always allowed */
-    FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders that its configuration names */
+    FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders named in its configuration */
     /* The plugin wants the text around a sentence, because pronunciation or lookup depends on it. */
     FACCIA_VOICE_CONTEXT = 1u << 14,
 };

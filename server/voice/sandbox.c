@@ -268,8 +268,9 @@ static int refuse_files(scmp_filter_ctx filter) {
     return result;
 }
 
-/* Allows only unconnected UNIX stream sockets: libpulse, which espeak-ng loads, complains when it gets no
- * socket but accepts that nobody answers. Datagram sockets and pairs could send to any address. */
+/* Allows only UNIX stream sockets, and no connections: libpulse, which espeak-ng loads, complains if it
+ * cannot create a socket but accepts that no server answers. Datagram sockets and pairs could send to any
+ * address. */
 static int refuse_network(scmp_filter_ctx filter) {
     static const int uses[] = {CALL(connect), CALL(bind),    CALL(listen),
                                CALL(accept),  CALL(accept4), CALL(socketcall)};
@@ -292,8 +293,7 @@ static int load(scmp_filter_ctx filter, uint32_t capabilities, pid_t daemon) {
     const bool runs = capabilities & FACCIA_VOICE_PROGRAMS;
     const bool writes = capabilities & FACCIA_VOICE_FILES;
     int result = seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_ERRNO(ENOSYS));
-    if (!result &&
-        !writes) /* before a second architecture is added, for which the library would need their names */
+    if (!result && !writes) /* before a second architecture is added, for which libseccomp would need names */
         result = refuse_all(filter, unnamed_calls, COUNT(unnamed_calls));
     if (!result && runs && seccomp_arch_native() == SCMP_ARCH_X86_64)
         result = seccomp_arch_add(filter, SCMP_ARCH_X86);

@@ -168,7 +168,7 @@ struct voice_job *voice_pool_speak_frames(struct voice_pool *pool, size_t index,
                                           const struct voice_callbacks *callbacks, void *ctx,
                                           struct error *e);
 
-/* Cancels the job; no callback follows. A running worker is told to stop. */
+/* Cancels the job and stops the worker that speaks it. No callback follows. */
 void voice_job_cancel(struct voice_job *job);
 
 #endif

@@ -74,7 +74,7 @@ void remote_process_schedule(struct process *p, enum voice_priority priority, ui
  * queueing with virtual finish times (Golestani 1994), first between quota keys, then between the
  * connections of one. Virtual time counts bytes of text (job_cost): a job finishes its cost after
  * the previous job of its quota key or connection, or after the job that left last, whichever is later. The
- * earliest finish leaves first. Payers are identified by a hash. */
+ * earliest finish leaves first. Keys are hashed into QUEUE_KEYS slots. */
 enum { QUEUE_KEYS = 256, JOB_COST = 64 /* of every job, besides its text */ };
 struct job_queue {
     struct voice_job *first, *last;
@@ -96,7 +96,7 @@ struct voice_job {
     uint64_t finish;  /* virtual finish between the quota key's connections */
     bool preempted;   /* a background job that made way for another */
     bool cancelled;   /* the caller no longer wants it */
-    bool too_long;    /* the worker was told to stop, because the sentence exceeds its limit */
+    bool too_long;    /* the worker is stopping because the sentence exceeds its limit */
     bool requeued;    /* to another worker, because the first is stuck */
     const struct voice *voice;
     struct voice_request request;
@@ -180,7 +180,7 @@ struct voice_pool {
     uint32_t last_job;
     struct job_queue rejected; /* jobs that fail, awaiting their callback */
     struct job_queue cached;   /* jobs found in the cache, awaiting replay */
-    struct job_queue querying; /* jobs that other daemons are asked for */
+    struct job_queue querying; /* jobs waiting for an answer from other daemons */
     uv_timer_t callback_timer; /* defers callbacks out of voice_pool_speak */
     struct voice_cache *cache;
     struct cluster *cluster;

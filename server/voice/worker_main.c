@@ -45,7 +45,7 @@ struct worker_io {
     pthread_mutex_t lock;
     pthread_cond_t heard;
     struct buf inbox; /* complete SPEAK frames */
-    bool alone;       /* the daemon is gone */
+    bool alone;       /* the daemon has closed the socket */
     bool busy;        /* a sentence was received and is not finished */
     uint32_t job;     /* being spoken, 0 = none */
     const struct faccia_voice *api;

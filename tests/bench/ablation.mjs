@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What each part of the visible speech does: engines, the layer of contacts, shape and resistance apart; closures in the phones' own times.
+// Effect of each part of visible speech: engines, the contact layer, shape and resistance separately; closures at the times of the phones.
 //     node tests/bench/run.mjs ablation [LANG...]
 import { spawnSync } from 'node:child_process';
 import path from 'node:path';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the confidence of aligned words is worth: sentences of known times (Festival's voices: every word; Debian's asterisk-core-sounds-it: where each
-// prompt begins) are read in one order and written in another, with lines missing, replaced, repeated, in another order, and noise or music between. Of the
-// words with a confidence, how many are within 0.3 s of where they are said, how many a second off or not said at all?
+// Reliability of the confidence of aligned words. Sentences with known times (Festival's voices: every word; Debian's asterisk-core-sounds-it: the start of
+// each prompt) are aligned to a text with lines missing, replaced, repeated or reordered, and with noise or music between. Counts, by confidence, the words
+// within 0.3 s of the truth, and those a second off or not spoken at all.
 // node tests/bench/run.mjs align-confidence [SENTENCES, 14] [SEED, 1] [--voices kal,slt,lp,pc,carlo] [--program FACCIA]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -53,7 +53,7 @@ const music = (rate, seconds) => Int16Array.from({ length: rate * seconds }, (_,
 const BINS = [0, 0.15, 0.5, 0.9, 1.01];
 const tally = () => BINS.slice(1).map(() => ({ n: 0, right: 0, far: 0, unsaid: 0, sum: 0 }));
 
-/** One recording against one text, into the bins. */
+/** Aligns a recording to a text and adds the results to the bins. */
 function measure(lang, spoken, written, bins, extras = new Map()) {
   const parts = [], places = new Map();
   let at = 0;
@@ -73,7 +73,7 @@ function measure(lang, spoken, written, bins, extras = new Map()) {
   try {
     execFileSync(faccia, ['align', '-q', file('x.wav'), '--text', file('x.txt'), '-l', lang, '--json', file('x.json')], { stdio: 'pipe' });
     found = JSON.parse(fs.readFileSync(file('x.json'))).words;
-  } catch { /* refused: nothing is claimed */ }
+  } catch { /* refused by the aligner */ }
   const by = new Map(found.map((w) => [w.byte_start, w]));
   let byte = 0, have = 0, right = 0;
   for (const s of written) {

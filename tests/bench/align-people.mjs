@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the alignment is off on a person: stops between vowels beside the closures that can be heard, and what chance would give.
-// Wants Debian's asterisk-core-sounds-it and asterisk-core-sounds-it-wav (18 MB).
+// Accuracy of alignment of a person's speech: stops between vowels against audible closures, with the chance level.
+// Needs Debian's asterisk-core-sounds-it and asterisk-core-sounds-it-wav (18 MB).
 // node tests/bench/run.mjs align-people [PROMPTS, all]
 import fs from 'node:fs';
 import os from 'node:os';

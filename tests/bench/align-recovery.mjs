@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A person's recording that is not what its text says: prompts of Debian's asterisk-core-sounds-it one after the other, of which the text has others.
-// Of every sentence that is in both: is it found where it is? Of those that are in one alone: is that said?
+// Alignment of a recording that differs from its text: consecutive prompts of Debian's asterisk-core-sounds-it, of which the text lacks some and has others.
+// Counts sentences of both that are found in the right place, and those of only one side that are reported.
 // node tests/bench/run.mjs align-recovery [PROMPTS, 60] [SEED, 1] [--program FACCIA]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -25,7 +25,7 @@ for (let i = pool.length - 1; i > 0; i--) {
   [pool[i], pool[j]] = [pool[j], pool[i]];
 }
 
-/** Tells how many sentences lie where they are. `read` and `written`: prompts, in order. */
+/** Prints the number of sentences found correctly. `read` and `written`: prompts, in order. */
 function measure(name, read, written, { between = () => 0 } = {}) {
   const made = madeOf(read, { between });
   fs.writeFileSync(file('x.wav'), made.wav);

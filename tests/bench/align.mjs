@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far aligned phones lie from the truth, where it is known (Festival's voices as recordings), and how fast the alignment is:
-// seconds of sound for each second of CPU, next to sox that only reads the same file and writes it again, in one run.
+// Accuracy of aligned phones where the truth is known (Festival's voices as recordings), and speed of alignment: seconds of sound per
+// second of CPU, beside sox copying the same file, in one run.
 // Usage: node tests/bench/run.mjs align [VOICE[,VOICE]... [SENTENCES]]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -16,7 +16,7 @@ const file = (name) => path.join(folder, name);
 const read = (name) => JSON.parse(fs.readFileSync(file(name)));
 const faccia = path.join(build, 'server/cli/faccia');
 
-/** CPU seconds of a command. */
+/** Measures the CPU seconds of a command. */
 const cpu = (...command) => {
   const out = execFileSync('bash', ['-c', '"$@" >/dev/null; times', '-', ...command]).toString().trim().split('\n').at(-1);
   return out.split(' ').reduce((sum, t) => sum + Number(t.match(/m([\d.]+)s/)[1]) + 60 * parseInt(t), 0);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One speaker in a room to many listeners: what a delivered message costs the daemon's process, next to a minimal libwebsockets
-// program (ring.c) that sends the same messages at the same times to as many. Both on core 0, the listeners on core 1. CPU times
-// are those of the kernel's scheduler, so others on the machine hardly show. (The ring needs libwebsockets-dev, which is
-// installed then.) Usage: node tests/bench/run.mjs broadcast [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
+// One speaker in a room with many listeners: CPU time of the daemon per delivered message, beside a minimal libwebsockets program (ring.c)
+// that sends the same messages at the same times to as many. Both run on core 0, the listeners on core 1. CPU times come from the kernel's
+// scheduler, so other load hardly affects them. (Installs libwebsockets-dev for the ring.)
+// Usage: node tests/bench/run.mjs broadcast [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -21,7 +21,7 @@ const listeners = needProgram('listeners');
 const bareRing = needProgram('ring', 'libwebsockets-dev', 'libwebsockets-evlib-uv');
 const pin = (pid, core) => execFileSync('taskset', ['-a', '-c', '-p', String(core), String(pid)]);
 
-/** So many listen while `start` has the process speak. */
+/** Runs listeners while `start` makes the process speak. */
 async function listen({ pid, port, count, address, start, record = [] }) {
   const before = kilobytesOf(pid);
   const child = spawn('taskset', ['-c', '1', listeners, String(port), address, String(count), ...record], { stdio: ['pipe', 'pipe', 'inherit'] });
@@ -43,7 +43,7 @@ async function listen({ pid, port, count, address, start, record = [] }) {
   return { ...heard, memory, cpu: seconds, each: (1e6 * seconds) / heard.messages };
 }
 
-/** As many hear the daemon's speech, and then the same messages from the ring. */
+/** Measures listeners of the daemon's speech, then of the same messages from the ring. */
 async function compare(count) {
   const file = path.join(folder, `${count}.messages`);
   const daemon = await Daemon.start(['--max-connections', String(count + 10)]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the cache of finished sentences saves: the time until speech begins for a sentence that was spoken before, next to one that
-// was not, and next to a request that needs no voice at all, in one run. From memory, from a file, and from another daemon by Redis.
+// Time saved by the cache of sentences: latency of cached sentences, beside uncached ones and a request that needs no voice, in one run. From
+// memory, from a file, and from another daemon over Redis.
 // Usage: node tests/bench/run.mjs cache [RUNS] [VOICE]...
 import fs from 'node:fs';
 import http from 'node:http';
@@ -16,7 +16,7 @@ const chosen = process.argv.slice(3);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const agent = new http.Agent({ keepAlive: true, maxSockets: 1 });
 
-/** Milliseconds to the first byte of an answer's body, and all of it read. */
+/** Measures ms to the first byte of the body; reads all of it. */
 function request(daemon, address, body) {
   return new Promise((resolve, reject) => {
     const start = performance.now();
@@ -31,7 +31,7 @@ function request(daemon, address, body) {
   });
 }
 
-/** Milliseconds from `speak` on an open socket to the first media message. */
+/** Measures ms from `speak` on an open socket to the first media message. */
 async function firstMedia(stream, voice, text) {
   const before = stream.chunks.length, from = stream.messages.length;
   const start = performance.now();
@@ -46,12 +46,12 @@ async function firstMedia(stream, voice, text) {
 const texts = Array.from({ length: runs }, (_, i) => `${sentence.slice(0, -1)}, ${'ancora '.repeat(i % 7)}${i + 100} volte.`);
 const show = (list) => `${median(list).toFixed(2)} (90 %: ${quantile(list, 0.9).toFixed(2)})`;
 
-/** Each text once through both ways. */
+/** Measures each text once over HTTP and once on a stream. */
 async function round(daemon, voice) {
   const stream = await daemon.stream();
   const socket = [], ask = [];
   for (const text of texts) socket.push(await firstMedia(stream, voice, text));
-  // another volume is another sentence
+  // another volume is another cache entry
   for (const text of texts) ask.push(await request(daemon, `/v1/speech?lang=it&voice=${voice}&format=ndjson&volume=0.9`, text));
   await stream.close();
   return { socket, ask };
@@ -67,7 +67,7 @@ const { voices } = await (await daemon.get('/v1/voices')).json();
 const wanted = chosen.length ? chosen : ['espeak:it', 'festival:lp'];
 const there = wanted.filter((id) => voices.some((voice) => voice.id === id));
 for (const voice of there) {
-  await daemon.get(`/v1/speech?lang=it&voice=${voice}`, { method: 'POST', body: 'Prova.', headers: { 'content-type': 'text/plain' } }); // the worker runs
+  await daemon.get(`/v1/speech?lang=it&voice=${voice}`, { method: 'POST', body: 'Prova.', headers: { 'content-type': 'text/plain' } }); // starts the worker
   console.log(`${voice}, ${runs} sentences, medians`);
   report('spoken', await round(daemon, voice));
   const [, before] = await counts(daemon);

@@ -52,7 +52,7 @@ void client_dial(struct clients *all, struct client *c, int port, const char *pa
     epoll_ctl(all->epoll, EPOLL_CTL_ADD, c->fd, &event);
 }
 
-/* Masked with zeros, so that the bytes stay as they are. */
+/* Masks with zeros, so that the bytes stay unchanged. */
 void client_send(struct client *c, const char *text, size_t size) {
     uint8_t frame[8 + UINT16_MAX] = {0x80 | CLIENT_TEXT};
     size_t head = size < 126 ? 6 : 8;
@@ -78,7 +78,7 @@ static void on_message(struct clients *all, struct client *c, int opcode, const 
         all->message(all->ctx, c, opcode, data, size);
 }
 
-/* The bytes of a whole message or of the handshake at the head of the buffer; 0 = not all there yet. */
+/* Returns the size of the message or handshake at the start of the buffer; 0 = incomplete. */
 static size_t take(struct clients *all, struct client *c, const uint8_t *data, size_t size) {
     if (!c->open) {
         const uint8_t *end = memmem(data, size, "\r\n\r\n", 4);
@@ -112,7 +112,7 @@ static void on_bytes(struct clients *all, struct client *c, uint8_t *buffer) {
     all->last = now_ms();
     uint8_t *data = buffer;
     size_t size = (size_t)got;
-    if (c->size) { /* the rest of before comes first */
+    if (c->size) { /* continues an incomplete message */
         if (c->size + size > c->cap)
             c->data = realloc(c->data, c->cap = c->size + size);
         memcpy(c->data + c->size, buffer, size);

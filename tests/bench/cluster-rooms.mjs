@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One speaker in a room to many listeners: all of them at one daemon, and as many at several that share the room by Redis. What
-// the processors do for it in all (daemons and Redis, in making, sending and handing on), and how much later than the first listener of
-// all a listener has a message. Daemons and Redis on core 0, the listeners on core 1; the two in turns.
-// At rest: what daemons and Redis do while nothing is said, in the time that the speech takes; it is a part of the CPU time.
-// Took: from the request until all had its end. Waited: for how much of that the one of daemons and Redis that waited longest had no processor.
-// Usage: node tests/bench/run.mjs cluster-rooms [LISTENERS [DAEMONS [TURNS [SENTENCES]]]] (4000 4 3 3). A process may have `ulimit -n` descriptors:
-// the listeners are as many processes as that wants; at one daemon there are no more of them than it allows, and CPU ratios are those of a message.
+// One speaker in a room with many listeners: all on one daemon, or spread over several that share the room over Redis. Measures the total
+// CPU time of daemons and Redis, and the delay of each listener after the first listener of all. Daemons and Redis run on core 0, the
+// listeners on core 1; both cases take turns.
+// At rest: CPU time of idle daemons and Redis in the same period, included in the total. Took: time from the request until all listeners
+// had its end. Waited: longest time in it that a daemon or Redis waited for a processor.
+// Usage: node tests/bench/run.mjs cluster-rooms [LISTENERS [DAEMONS [TURNS [SENTENCES]]]] (4000 4 3 3). `ulimit -n` limits descriptors per process:
+// listeners use as many processes as needed, but a single daemon has fewer of them if necessary; CPU ratios are per message.
 import { execFileSync } from 'node:child_process';
 import { roomTurn } from './room-turn.mjs';
 import { sentence } from './text.mjs';

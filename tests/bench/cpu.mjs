@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CPU seconds for each second of speech: the whole daemon with its voice worker, streaming PCM and FAPs in real time to several
-// clients at once, next to the espeak-ng program that writes the same speech to WAV files. Both in turns, so that what the machine does
-// meanwhile meets both; the ratio is the median of those of the turns. The clients only count what comes: what they compute would
-// drive the daemon's data out of the processor's caches and be charged to it.
+// CPU seconds per second of speech: the daemon with its voice worker, streaming PCM and FAPs in real time to several clients, beside
+// the espeak-ng program writing the same speech to WAV files. They take turns, so that other load affects both; the ratio is the median
+// over the turns. Clients only count bytes, because computing would evict the daemon's data from the CPU caches at its expense.
 // Usage: node tests/bench/run.mjs cpu [CLIENTS] [SECONDS] [TURNS]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -18,7 +17,7 @@ const turns = Number(process.argv[4] ?? 5);
 const text = prose(seconds);
 needPackages('espeak-ng');
 
-/** The shell's own accounting of what it has started. */
+/** CPU time of the reference by the shell's accounting. */
 function reference() {
   const out = execFileSync('bash', ['-c', 'for i in $(seq "$1"); do espeak-ng -v it -w /dev/null -- "$2"; done; times', '-', String(clients), text]).toString();
   const [user, system] = out.trim().split('\n').at(-1).split(' ').map((t) => {
@@ -28,7 +27,7 @@ function reference() {
   return user + system;
 }
 
-/** Seconds that a process has used: {user, kernel}. */
+/** CPU seconds of a process: {user, kernel}. */
 function used(pid) {
   const stat = fs.readFileSync(`/proc/${pid}/stat`, 'latin1');
   const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
@@ -47,7 +46,7 @@ const sockets = await Promise.all(Array.from({ length: clients }, () => new Prom
   socket.on('open', () => resolve(socket)).on('error', reject);
 })));
 
-/** All speak; how many seconds that was. */
+/** Lets all clients speak. Returns the seconds of speech. */
 async function speak() {
   const ends = await Promise.all(sockets.map((socket) => new Promise((resolve) => {
     const hear = (data, binary) => {

@@ -14,7 +14,7 @@ const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
 const { values: options, positionals } = parseArgs({ options: { apart: { type: 'string', default: '0.25' }, minutes: { type: 'string', default: 'Infinity' }, affects: { type: 'string' } }, allowPositionals: true });
 const mm = Number(options.apart);
-const STRIDE = 7919; // a prime: poses that follow each other are much alike
+const STRIDE = 7919; // a prime, because consecutive poses are similar
 const names = positionals.length ? positionals : fs.readdirSync(built).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 
 const known = Object.keys(JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json'))).affect);

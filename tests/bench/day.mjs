@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A day of speech as fast as the machine makes it, and the memory of the daemon and its voices meanwhile, which must stay flat.
-// POST /v1/speech in all formats, some of them left by the client before their end, and beside them sockets that come, speak, idle,
-// change their mood, stop, and go. No sentence is said twice, so a small cache turns over all the time.
-// Usage: node tests/bench/run.mjs day [--hours 24] [--minutes 10] (it ends after so many minutes, however much was said by then)
+// A day of speech at full speed, and the memory of the daemon and its voices, which must stay constant. POST /v1/speech in all formats,
+// some aborted by the client, and sockets that connect, speak, idle, change their mood, stop and leave. No sentence repeats, so a small
+// cache turns over all the time.
+// Usage: node tests/bench/run.mjs day [--hours 24] [--minutes 10] (ends after that many minutes in any case)
 import { parseArgs } from 'node:util';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
@@ -11,9 +11,9 @@ import { varied } from './text.mjs';
 
 const { values: options } = parseArgs({ options: { hours: { type: 'string', default: '24' }, minutes: { type: 'string', default: '10' } } });
 const [AIM, LIMIT] = [Number(options.hours) * 3600, Number(options.minutes) * 60];
-const [POSTS, SOCKETS] = [4, 4]; // at once
+const [POSTS, SOCKETS] = [4, 4]; // concurrent
 const MARKS = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1];
-// how often each is asked for: Opus takes more time than all else
+// frequencies: Opus takes more time than all others
 const FORMATS = [...Array(14).fill('fapc'), 'fap', 'fap', 'ndjson', 'json', 'wav', 'ogg'];
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
@@ -22,7 +22,7 @@ const started = performance.now();
 const elapsed = () => (performance.now() - started) / 1000;
 let [seconds, sentences, posts, left, talks, over] = [0, 0, 0, 0, 0, false];
 
-/** Sentences that nobody has said: each has a number of its own. */
+/** New sentences, made unique by numbers. */
 const text = (length) => varied(length, sentences + 1).replace(/\. /g, () => ` ${++sentences}. `);
 
 async function post() {
@@ -39,7 +39,7 @@ async function post() {
   left++;
 }
 
-/** Someone comes, has her speak three times, and goes; every second one in the middle of a word. */
+/** A client that connects, speaks three times and leaves, every second one in the middle of a word. */
 async function talk() {
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it`, { perMessageDeflate: false });
   const heard = [];
@@ -75,14 +75,14 @@ const repeat = async (act) => {
 
 const workers = new Set(childrenOf(daemon.process.pid));
 const began = workers.size;
-/** A worker that ended meanwhile has been replaced; the log says why. */
+/** Memory of daemon and voices. A worker that exited was replaced; the log says why. */
 function memory() {
   const voices = childrenOf(daemon.process.pid);
   voices.forEach((pid) => workers.add(pid));
   return { daemon: kilobytesOf(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytesOf(pid), 0) };
 }
 
-/** Speech that was made so far, as the daemon counts it. */
+/** Seconds of speech so far, by the daemon's metric. */
 const said = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (\S+)/m)[1]);
 
 const samples = [];

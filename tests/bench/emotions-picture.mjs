@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws web/emotions.webp, the six emotions of the README, whole and silent: FACCIA_BUILD=build node tests/bench/run.mjs emotions-picture [MODEL] [OUT]
+// Draws web/emotions.webp, the README's picture of the six emotions at full intensity, silent: FACCIA_BUILD=build node tests/bench/run.mjs emotions-picture [MODEL] [OUT]
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';

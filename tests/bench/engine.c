@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the
+/* Engine and sampling only, on ten minutes of speech: seconds of speech per second of CPU, beside the
  * synthesis of the same speech in the same run. Usage: engine TEXT-FILE LANG FPS [ENGINE]. */
 #include "server/base/buf.h"
 #include "server/cli/cli.h"
@@ -43,7 +43,7 @@ static void on_finished(void *ctx, size_t spoken) {
 }
 
 static long run(const struct bench *b, const struct speech_pack *pack, double fps, const char *engine) {
-    long sum = 0; /* so that nothing is optimised away */
+    long sum = 0; /* prevents optimising the work away */
     struct face_options options = {.engine = engine};
     const struct placement_options place = {.seed = 1, .life = 1};
     for (size_t i = 0; i < b->count; i++) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Engine plus sampling on ten minutes of text: seconds of speech for each second of CPU, next to the espeak-ng program that
-// synthesises the same text. Usage: node tests/bench/run.mjs engine
+// Engine plus sampling on ten minutes of text: seconds of speech per second of CPU, beside the espeak-ng program synthesising the same
+// text. Usage: node tests/bench/run.mjs engine
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reference of first-media.mjs: how long libespeak-ng alone needs from a text to its first audio
- * callback, or to its end. Usage: espeak_first VOICE RUNS TEXT [whole]; prints the milliseconds of each run.
+/* The reference of first-media.mjs: time that libespeak-ng alone takes from a text to its first audio
+ * callback, or to its end. Usage: espeak_first VOICE RUNS TEXT [whole]; prints the ms of each run.
  */
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
@@ -14,8 +14,7 @@ static double now_ms(void) {
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec / 1e6;
 }
 
-/* espeak's callback has no room for a context before the first event, so these are the program's only
- * globals. */
+/* Globals, because espeak's callback has no context before the first event. */
 static double started;
 static int heard, whole;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two faces on one page, the same head twice or two heads: what comes over the line, what is decoded, how much processor time the browser takes until
-// both are drawn; empty caches, software rendering. With --before also as another folder has it (the build/web of an older
-// commit), in turns. FACCIA_BUILD=build node tests/bench/run.mjs faces [--turns 3] [--before FOLDER]
+// Two faces on one page, the same head twice or two heads: bytes transferred, data decoded, and the browser's CPU time until both are drawn, with empty
+// caches and software rendering. --before also measures another folder (the build/web of an older commit), in turns.
+// FACCIA_BUILD=build node tests/bench/run.mjs faces [--turns 3] [--before FOLDER]
 import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { launch } from '../lib/browser.mjs';

@@ -10,29 +10,29 @@ export const median = (values) => {
 
 export const quantile = (values, q) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(q * values.length))];
 
-/** What runs: the number of each process, its parent's, and the CPU seconds that it has used, to a hundredth. */
+/** Lists all processes: pid, parent's pid, and CPU seconds to a hundredth. */
 export const processes = () => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).flatMap((name) => {
   try {
     const stat = fs.readFileSync(`/proc/${name}/stat`, 'latin1');
     const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
     return [{ pid: Number(name), parent: Number(fields[1]), seconds: (Number(fields[11]) + Number(fields[12])) / 100 }];
   } catch {
-    return []; // it has ended meanwhile
+    return []; // it has just ended
   }
 });
 
-/** CPU seconds that a process and its children that still run have used, to a hundredth. */
+/** CPU seconds of a process and its running children, to a hundredth. */
 export const cpuSeconds = (pid) => processes().filter((p) => p.pid === pid || p.parent === pid).reduce((sum, p) => sum + p.seconds, 0);
 
-/** Seconds of all threads of a process, by the scheduler's own account. */
+/** A column of the scheduler's accounting, summed over the threads of a process, s. */
 const accounted = (pid, column) => fs.readdirSync(`/proc/${pid}/task`)
   .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[column]) / 1e9, 0);
 
-/** CPU seconds of a process, and those for which it had something to do and no processor. */
+/** cpuOf: CPU seconds of a process; waitOf: seconds that it waited for a processor. */
 export const cpuOf = (pid) => accounted(pid, 0);
 export const waitOf = (pid) => accounted(pid, 1);
 
-/** CPU seconds that all have used that this process has started, and those that they have started, but for some, by the scheduler's own account. */
+/** CPU seconds of all descendants of this process, except some, by the scheduler's accounting. */
 export function descendantSeconds(except = []) {
   const all = new Map(processes().map((p) => [p.pid, p]));
   const ours = (pid) => all.has(pid) && !except.includes(pid) && (all.get(pid).parent === process.pid || ours(all.get(pid).parent));
@@ -41,13 +41,13 @@ export function descendantSeconds(except = []) {
     try {
       if (ours(pid)) sum += cpuOf(pid);
     } catch {
-      // it has ended meanwhile
+      // it has just ended
     }
   return sum;
 }
 
-/** The processes that a process has started and that still run. */
+/** The running children of a process. */
 export const childrenOf = (pid) => processes().filter((p) => p.parent === pid).map((p) => p.pid);
 
-/** Memory of a process that is not swapped out, kB. */
+/** Resident memory of a process, kB. */
 export const kilobytesOf = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'latin1').match(/VmRSS:\s+(\d+)/)[1]);

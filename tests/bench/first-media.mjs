@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, and to the end of the
+// Latency from `speak` to the first media message on loopback, beside libespeak-ng alone to its first audio callback and to the end of the
 // first sentence, in one run.
 // Usage: node tests/bench/run.mjs first-media [RUNS]
 import { execFileSync } from 'node:child_process';
@@ -18,7 +18,7 @@ for (const [name, text] of [['one sentence', sentence], ['five minutes', prose(3
   const library = (...args) => execFileSync(program, ['it', String(runs + 3), ...args]).toString().trim().split('\n').map(Number).slice(3);
   const alone = library(text);
   const first = text.slice(0, text.indexOf('.') + 1);
-  const whole = library(first, 'whole'); // a mouth cannot begin before the sounds that come after are known
+  const whole = library(first, 'whole'); // mouth movements depend on the following sounds, so the face needs the whole sentence
   const ours = [];
   for (let run = 0; run < runs + 3; run++) {
     const stream = await daemon.stream();

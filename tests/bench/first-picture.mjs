@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How long until one sees somebody: for each head its bytes on the way, and the milliseconds from asking for the page until its poster is
-// there and until the head itself is drawn, in headless Chromium with software rendering, empty caches. An empty page of the same server stands
-// beside it. FACCIA_BUILD=build node tests/bench/run.mjs first-picture [TURNS]; another build: with its FACCIA_BUILD, FACCIA_MODELS, FACCIA_WEB.
+// Time to first picture: for each head the bytes transferred, and the ms from requesting the page until its poster is shown and until the head is
+// drawn, in headless Chromium with software rendering and empty caches, beside an empty page of the same server.
+// FACCIA_BUILD=build node tests/bench/run.mjs first-picture [TURNS]; for another build set FACCIA_BUILD, FACCIA_MODELS and FACCIA_WEB.
 import { Daemon } from '../lib/daemon.mjs';
 import { launch } from '../lib/browser.mjs';
 import { servePages } from '../lib/page-server.mjs';
@@ -15,7 +15,7 @@ const body = (name) => `<!doctype html><link rel="icon" href="data:,"><script ty
 const pages = await servePages(Object.fromEntries(models.map(({ name }) => [`/${name}`, body(name)])));
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
-/** Notes when the element first shows a picture, and when it first draws. */
+/** Records when the element first shows its poster, and when it first draws. */
 function watch() {
   window.times = {};
   const look = () => {
@@ -39,7 +39,7 @@ async function once(name) {
   return times;
 }
 
-/** Bytes of an answer as it goes over the line. */
+/** Transferred bytes of an answer. */
 async function bytes(address) {
   const answer = await daemon.get(address, { headers: { 'accept-encoding': 'gzip' } });
   await answer.arrayBuffer();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures a second in headless Chromium with software rendering at 640 x 480, and the processor time that each takes (of all the browser's
-// processes): the page while she speaks, in `low`, `high` and `auto`, beside a head of the kind that others draw (reference-head.mjs), and an
-// empty page that only counts its frames; in turns, so that what else the machine does falls on all. With --before also the page as
-// another folder has it (a build/web of an older commit). Chromium is as it is without a graphics processor: SwiftShader draws faces, and the
-// page is put together without it. With --forced that goes through SwiftShader as well, which no visitor has, and older figures have.
+// Frames per second in headless Chromium with software rendering at 640 x 480, and CPU time per frame (of all browser processes): the page during
+// speech in `low`, `high` and `auto`, beside a typical head of other software (reference-head.mjs) and an empty page that only counts frames; in turns,
+// so that other load affects all. --before also measures another folder (a build/web of an older commit). Chromium runs as without a GPU: SwiftShader
+// draws faces, but the page is composited without it. --forced composites with SwiftShader too, as older figures did, although no visitor does.
 // Usage: node tests/bench/run.mjs fps [--seconds 8] [--turns 3] [--before FOLDER] [--model mara] [--forced] [--only high] (beside the reference)
 import fs from 'node:fs';
 import path from 'node:path';
@@ -18,7 +17,7 @@ import { prose } from './text.mjs';
 const { values: options } = parseArgs({
   options: { seconds: { type: 'string', default: '8' }, turns: { type: 'string', default: '3' }, before: { type: 'string' }, model: { type: 'string', default: 'mara' }, forced: { type: 'boolean', default: false }, only: { type: 'string', default: '' } },
 });
-const SETTLED_MS = 5000; // until shaders are compiled and heads have few triangles
+const SETTLED_MS = 5000; // until shaders are compiled and adaptive quality has reduced triangles
 const seconds = Number(options.seconds);
 const models = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
 const json = JSON.parse(fs.readFileSync(path.join(models, `${options.model}.json`)));
@@ -32,7 +31,7 @@ if (options.before) {
 const browser = await launch({ forced: options.forced, idling: true });
 const spent = () => descendantSeconds(daemons);
 
-/** Frames that a page draws in a while, by a counter that it keeps, and what each costs. */
+/** Measures frames per second by a counter in the page, and CPU time per frame. */
 async function rate(page, counter) {
   await new Promise((resolve) => setTimeout(resolve, SETTLED_MS));
   const [first, cpu, started] = [await page.evaluate(counter), spent(), performance.now()];

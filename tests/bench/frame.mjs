@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the time of a picture goes, in headless Chromium with software rendering, 640 x 480: the head is drawn over and over, whole, then with
-// something left out, in turn, so that what else the machine does falls on all. For each picture: processor time of all the browser's
-// processes, and time by the clock. Pictures are waited for (one point is read back), and none is put on the display: that is fps.mjs.
-// With --before also as the client of another folder draws it (the web/ of an older commit, with its protocol/ beside it), in the same turns.
+// Breakdown of the time per frame in headless Chromium with software rendering, 640 x 480: draws the head repeatedly, complete and with parts left
+// out, in turns, so that other load affects all. For each frame: CPU time of all browser processes, and elapsed time. Waits for each frame (reads one
+// pixel back) and displays none; fps.mjs does. --before also measures the client of another folder (the web/ of an older commit, with its protocol/).
 // Usage: node tests/bench/run.mjs frame [--level low] [--web FOLDER] [--before FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
 import fs from 'node:fs';
 import path from 'node:path';
@@ -47,7 +46,7 @@ window.begin = async (json, level) => {
   Object.assign(window, { view, head, model });
   window.reference = await reference(other, readModel(json), decodeTexture);
 };
-/** A face that speaks, turns its head a little and blinks. */
+/** FAPs of a face that speaks, turns its head slightly and blinks. */
 const pose = (t) => {
   const values = new Float32Array(69);
   [3, 4, 5, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 44, 51, 52, 55, 56, 57, 58].forEach((n, i) => (values[n] = 150 * Math.sin(t * (4 + 0.3 * i) + n)));
@@ -80,13 +79,13 @@ function sized(width, height) {
   view.resize(width, height);
   return () => view.resize(640, 480);
 }
-/** Without four samples for each point. */
+/** Disables multisampling. */
 function unsampled() {
   const { level } = view;
   view.setLevel({ ...level, samples: 0 });
   return () => view.setLevel(level);
 }
-/** Textures as cheap as they can be. */
+/** Sets the cheapest texture filtering. */
 function plainTextures() {
   for (const texture of head.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, false, false, 1);
   return () => view.setLevel(view.level);

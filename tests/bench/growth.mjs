@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a listener and a speaker cost as daemons become more (1, 2, 4, 8, which share a Redis): processor time of daemons, voices and
-// Redis, not of the listeners, and not the time that passes, so that the machine may be busy with other things; as a ratio to one daemon in
-// the same turn. Listeners: one speaks in a room to all of them, at any daemon. Speakers: streams of their own, spread over the daemons,
-// with a text of its own each, so that none is in a cache. At rest: what daemons and Redis do while nothing is said, in the time that the
-// speech takes, which does not grow with the listeners.
+// Cost per listener and per speaker with 1, 2, 4 and 8 daemons that share a Redis: CPU time of daemons, voices and Redis (without the listeners),
+// which is independent of other load, relative to one daemon in the same turn. Listeners: one speaker in a room of listeners on all daemons.
+// Speakers: separate streams spread over the daemons, each with a different, uncached text. At rest: CPU time of idle daemons and Redis in the same
+// period, which does not depend on the listeners.
 // Usage: node tests/bench/run.mjs growth [LISTENERS [SPEAKERS [TURNS [SECONDS]]]] (2000 24 3 8; no speakers: 0; ulimit -n must allow the listeners)
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -20,7 +19,7 @@ const program = needProgram('speakers');
 const text = `${sentence} `.repeat(3);
 const sum = (list) => list.reduce((a, b) => a + b, 0);
 
-/** Processor time in ms for a second of speech. */
+/** CPU ms per second of speech. */
 async function speakTurn(count) {
   const { redis, daemons } = await startDaemons(count, ['--workers', '1']);
   const pids = [...daemons.flatMap((daemon) => [daemon.process.pid, ...childrenOf(daemon.process.pid)]), ...(redis ? [redis.process.pid] : [])];
@@ -58,7 +57,7 @@ for (let turn = 1; turn <= turns; turn++)
     all[i].speaker.push(speaker);
     console.log([String(turn).padStart(4), String(count).padStart(7), all[i].listener.at(-1).toFixed(2).padStart(14), `${(100 * all[i].redis.at(-1)).toFixed(1)} %`.padStart(13), all[i].rest.at(-1).toFixed(2).padStart(16), speaker.toFixed(2).padStart(23)].join(' '));
   }
-/** The middle of the turns' ratios to one daemon. */
+/** Median over the turns of the ratio to one daemon. */
 const ratio = (i, what) => median(all[i][what].map((value, turn) => value / all[0][what][turn])).toFixed(2);
 console.log('\n| daemons | a listener | of it Redis | of it what they do at rest | a speaker |\n|---|---|---|---|---|');
 for (const [i, count] of DAEMONS.entries()) console.log(`| ${count} | ${ratio(i, 'listener')} | ${(100 * median(all[i].redis)).toFixed(1)} % | ${median(all[i].rest.map((value, turn) => value / all[0].listener[turn])).toFixed(2)} | ${speakers ? ratio(i, 'speaker') : ''} |`);

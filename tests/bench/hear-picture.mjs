@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws web/hear.webp, the picture of the README: somebody's voice as it goes over a running daemon's stream, in real time, and the lips that come back. From above:
-// the mouth every so often, the sound, the lips' distance; behind them, where `faccia align` with the text finds /p b m/, which the daemon is not told.
-// Wants Debian's pocketsphinx-testdata. FACCIA_BUILD=build node tests/bench/run.mjs hear-picture [OUT]
+// Draws web/hear.webp for the README: a person's voice sent over a daemon's stream in real time, and the recognised lips. From the top: the mouth at regular
+// intervals, the sound, the gap of the lips; in the background the /p b m/ found by `faccia align` with the text, which the daemon does not know.
+// Needs Debian's pocketsphinx-testdata. FACCIA_BUILD=build node tests/bench/run.mjs hear-picture [OUT]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -36,7 +36,7 @@ const frames = framesOf(stream.chunks), heard = stream.chunks.flatMap((c) => [..
 await stream.close();
 await daemon.stop();
 fs.rmSync(folder, { recursive: true });
-// A machine that was too busy has put silence in, or let the sound run faster.
+// On a busy machine the daemon inserts silence or resamples.
 if (end.reason !== 'done' || lead || heard.length !== samples.length) throw new Error('the sound did not come back as it went: try again');
 
 const seconds = samples.length / rate, x = (t) => (t / seconds) * WIDTH;

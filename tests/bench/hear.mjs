@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What `faccia hear` sees in the voices of people that it was not trained on, beside a follower of loudness and chance: closed lips, teeth on the lip, rounding,
-// +-40 ms about where `faccia align` with the text finds them, at each lookahead, in noise, in the band of a telephone and through Opus; and how much of a core it takes.
-// Wants ffmpeg and Debian's asterisk-core-sounds-it, -it-wav, -it-g722 (Italian, one man, at 8 and at 16 kHz), -en, -es, -fr, -ru with their -g722 (English and Spanish: one woman;
-// French, Russian: another each), pocketsphinx-testdata (English, five sentences of a reader) and festvox-kallpc16k (a voice whose phones are known without any alignment).
-// Each speaks in one go, half a second after each recording.
+// Accuracy of `faccia hear` on speakers outside its training set, beside a loudness follower and the chance level: closed lips, teeth on lip and rounding
+// within +-40 ms of their alignment by `faccia align` with the text, at each lookahead, in noise, in telephone bandwidth and through Opus; and its CPU load.
+// Needs ffmpeg and Debian's asterisk-core-sounds-it, -it-wav, -it-g722 (Italian, a man, 8 and 16 kHz), -en, -es, -fr, -ru with -g722 (English and Spanish: the same woman; French and
+// Russian: one other speaker each), pocketsphinx-testdata (English, five sentences) and festvox-kallpc16k (a voice with known phone times).
+// Joins the recordings of each speaker with half a second of silence between.
 // node tests/bench/run.mjs hear [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER]
-// FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; then they hear the same in the same run. Rhubarb takes twice as long as somebody speaks.
+// FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; also measures these packages. Rhubarb takes twice real time.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -29,14 +29,14 @@ const samplesOf = (sound) => {
   return { rate, samples: Float64Array.from(pcm, (x) => x / 32768) };
 };
 
-/** Recordings at 16 kHz of G.722, as WAV. */
+/** Converts a 16 kHz G.722 recording to WAV. */
 function wide(prompt) {
   const sound = file(`${prompt.lang}-${prompt.name.replace('/', '-')}.wav`);
   execFileSync('ffmpeg', ['-v', 'error', '-y', '-f', 'g722', '-i', prompt.sound, '-bitexact', sound]);
   return { ...prompt, sound };
 }
 
-/** Prompts, evenly chosen, that the aligner does not refuse: [{sound, phones}]. */
+/** Evenly chosen prompts that the aligner accepts: [{sound, phones}]. */
 function reader(lang, suffix) {
   const all = prompts(lang, suffix), chosen = all.filter((_, i) => Math.floor(((i + 1) * wanted) / all.length) > Math.floor((i * wanted) / all.length));
   return chosen.map((prompt) => (suffix === 'wav' ? prompt : wide(prompt))).map((prompt) => ({ sound: prompt.sound, phones: alignedPhones(faccia, prompt, folder) })).filter((p) => p.phones);
@@ -48,7 +48,7 @@ function sphinx() {
   return [...lines].map(([, text, name]) => ({ sound: path.join(place, `${name}.wav`), phones: aligned(path.join(place, `${name}.wav`), text) }));
 }
 
-/** Of an English recording. */
+/** Aligns an English recording. */
 function aligned(sound, text) {
   fs.writeFileSync(file('text.txt'), text);
   run('align', '-q', sound, '--text', file('text.txt'), '-l', 'en', '--json', file('align.json'));
@@ -58,7 +58,7 @@ function aligned(sound, text) {
 const SAID = ['My brother put the paper boat in the bath before five.', 'Every Friday we visit the village by the river.', 'Please move the blue van from in front of my gate.',
   'The baby began to laugh when the puppy barked.', 'Never leave the oven on for more than half an hour.', 'I believe the map was published above a bookshop.',
   'Perhaps the farmer will buy some sheep and a bull.', 'We climbed up the steep path with heavy bags.', 'The chief of police found a knife behind the shelf.', 'Five brave women saved a family from the flood.'];
-/** A voice that tells its own times: beside them the alignment with the text can be measured, too. */
+/** A voice with known times, against which the alignment can be measured, too. */
 function kal() {
   return SAID.map((text, k) => {
     const sound = file(`kal-${k}.wav`);
@@ -81,7 +81,7 @@ const people = {
 };
 const chosen = only ? only.split(',') : Object.keys(people);
 
-/** Recordings as one: {samples, rate, phones}. */
+/** Joins recordings: {samples, rate, phones}. */
 function together(list) {
   const samples = [], phones = [];
   let rate = 0;
@@ -103,7 +103,7 @@ const hearing = (samples, rate, lookahead, lang) => {
   return JSON.parse(fs.readFileSync(file('x.json'))).phones;
 };
 
-/** Through Opus at 8 kbit/s and back, at 16 kHz. */
+/** Encodes and decodes with Opus at 8 kbit/s, 16 kHz. */
 function opus(samples, rate) {
   write('x.wav', samples, rate);
   const ogg = execFileSync('ffmpeg', ['-v', 'error', '-i', file('x.wav'), '-c:a', 'libopus', '-b:a', '8k', '-application', 'voip', '-f', 'ogg', '-'], { maxBuffer: 1 << 26 });
@@ -142,11 +142,11 @@ async function table(name, { samples, rate, phones, list }, lang) {
   }
 }
 
-// What is seen of the lips, FAP units: how far they are apart in the middle, how wide the mouth is, how far they are pushed forward, how low the jaw is.
+// Visible lip measures, FAP units: gap in the middle, width, protrusion, jaw opening.
 const seen = { apart: (f) => -f[4] - f[5], wide: (f) => f[6] + f[7], forward: (f) => f[16] + f[17], jaw: (f) => f[3] };
 const framesOf = (name) => parseFap(fs.readFileSync(file(name), 'utf8')).frames;
 
-/** Beside the face that the default engine makes with the text, over the frames in which somebody speaks. */
+/** Compares with the face of the default engine from the text, during speech. */
 function mouths(name, { samples, rate, phones }, lang) {
   fs.writeFileSync(file('phones.json'), JSON.stringify({ phones }));
   write('all.wav', samples, rate);
@@ -154,7 +154,7 @@ function mouths(name, { samples, rate, phones }, lang) {
   const face = framesOf('text.fap'), kinds = Object.keys(seen), hop = rate / 25;
   const speaks = Array.from(face, () => false);
   for (const { ipa, start, end } of phones) if (ipa) speaks.fill(true, Math.ceil(25 * start), Math.floor(25 * end) + 1);
-  /** of: frames as they are heard, each as numbers in the order of `kinds`; their correlations with the text's. */
+  /** Correlations with the text's face. of: recognised frames as arrays in the order of `kinds`. */
   const correlations = (of, kinds) => kinds.map((kind, n) => correlation(of.flatMap((value, k) => (k < face.length && speaks[k] ? [[seen[kind](face[k]), value[n]]] : []))).toFixed(2));
   console.log(`\n${name}, correlation with the face made with the text\n\n| mouth | lookahead | ${kinds.join(' | ')} |\n|---|---|---|---|---|---|`);
   for (const engine of ['network', 'dominance'])
@@ -174,7 +174,7 @@ for (const name of chosen) {
   mouths(title, spoken, lang);
 }
 
-// The processor's time for a minute, without that for the start.
+// CPU time per minute, without startup.
 const { rate, samples } = spoken;
 const used = (seconds) => {
   const long = Int16Array.from({ length: seconds * rate }, (_, i) => Math.round(32767 * samples[i % samples.length]));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What idle faces cost the daemon: node tests/bench/run.mjs idle [STREAMS]
+// CPU cost of idle faces in the daemon: node tests/bench/run.mjs idle [STREAMS]
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
 import { cpuSeconds, kilobytesOf } from './figures.mjs';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording whose picture and sound both tell the time: the jaw opens and closes evenly, and a click sounds whenever it
-// begins to open. And what reads it off the page: the pixels of what was drawn, the samples of what is played.
+// A recording whose picture and sound both encode the time: the jaw opens and closes linearly, with a click whenever it starts to
+// open. And a probe that reads both from a page: drawn pixels and played samples.
 import { wavOf } from '../lib/wav.mjs';
 
 export const PERIOD = 1; // seconds from click to click
@@ -8,15 +8,15 @@ const JAW_MOST = 800;
 const FPS = 25;
 const RATE = 48000;
 
-/** How far the jaw is open at a time. */
+/** Jaw opening at a time. */
 const opening = (seconds) => {
   const place = (seconds % PERIOD) / PERIOD;
   return JAW_MOST * (place < 0.5 ? 2 * place : 2 - 2 * place);
 };
 
 /**
- * How long ago it was so far open, at a time since a click: the one of the times that is nearest.
- * @returns {number} seconds; negative: it will be. NaN where the jaw turns and tells nothing
+ * Time since the jaw had that opening, given the approximate time since a click: the nearest solution.
+ * @returns {number} seconds; negative: in the future. NaN near the turning points, where it is ambiguous
  */
 export function sinceOpen(value, seconds) {
   const place = value / JAW_MOST / 2;
@@ -40,9 +40,9 @@ export function wav(seconds) {
 }
 
 /**
- * Begins to watch the page, which keeps the number of each picture in window.drawn.
- * @returns {Promise<() => Promise<{clicks: number[], openings: {picture: number, opening: number}[]}>>} what gives the frames
- *   of the sound at which clicks began, and how far the jaw was open in each picture
+ * Starts recording the page, which keeps the number of each picture in window.drawn.
+ * @returns {Promise<() => Promise<{clicks: number[], openings: {picture: number, opening: number}[]}>>} returns the audio frames
+ *   at which clicks began, and the jaw opening in each picture
  */
 export async function probe(page) {
   await page.evaluate(async (most) => {
@@ -52,8 +52,8 @@ export async function probe(page) {
     const box = [0.3, 0.1, 0.4, 0.5].map((share, i) => Math.round(share * (i % 2 ? gl.drawingBufferHeight : gl.drawingBufferWidth)));
     const size = 4 * box[2] * box[3];
     const free = [];
-    window.pixels = null; // what takes (picture, pixels)
-    // Copied beside the drawing, and read when it is done: nothing waits for it.
+    window.pixels = null; // callback (picture, pixels)
+    // Copied asynchronously after drawing, so that nothing blocks.
     const draw = stage.view.draw.bind(stage.view);
     stage.view.draw = () => {
       draw();
@@ -96,7 +96,7 @@ export async function probe(page) {
       const [[a, from], [b, to]] = [scale[above - 1], scale[above]];
       window.openings.push({ picture, opening: a + ((found - from) / (to - from)) * (b - a) });
     };
-    // The samples, where they leave for the loudspeaker.
+    // Taps the samples at the output.
     const source = `registerProcessor('clicks', class extends AudioWorkletProcessor {
       process([[samples]]) {
         if (samples) for (let i = 0; i < samples.length; i++)

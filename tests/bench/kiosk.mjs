@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hours of a room's page, accelerated: sentences, questions, moods, nights, a wire that is cut each hour; and what the browser holds after each
-// of them, garbage collected: heap, nodes, listeners, nodes of sound, timers.
+// Accelerated hours of a room's page: sentences, questions, moods, sleep, a connection cut every hour; and what the browser holds after each hour
+// and a garbage collection: heap, DOM nodes, listeners, audio nodes, timers.
 // Usage: node tests/bench/run.mjs kiosk [--hours 8] [--says 6] (sentences in an hour) [--webgl]
 import { parseArgs } from 'node:util';
 import { launch } from '../lib/browser.mjs';

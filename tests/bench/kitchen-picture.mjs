@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Takes web/kiosk.webp, the picture of the README: the face of a room, and the desk from which somebody speaks through it.
+// Takes web/kiosk.webp for the README: the face of a room, and the operator's desk that speaks through it.
 // FACCIA_BUILD=build node tests/bench/run.mjs kitchen-picture [OUT]
 import fs from 'node:fs';
 import path from 'node:path';

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kokoro's graph alone: what ONNX Runtime takes for a text, without times, levels, face or server.
- * Usage: bench_kokoro_bare VOICE TEXTFILE; prints seconds of sound, of work, and to the first piece, the
- * model loaded. */
+/* Kokoro's graph alone: time that ONNX Runtime takes for a text, without phone times, levels, face or server.
+ * Usage: bench_kokoro_bare VOICE TEXTFILE; prints seconds of sound, of work, and to the first piece, after
+ * loading the model. */
 #include "server/plugins/kokoro/kokoro_reader.h"
 #include "server/plugins/kokoro/kokoro_tokens.h"
 #include "server/plugins/kokoro/kokoro_voices.h"
@@ -30,7 +30,7 @@ static void die(const char *message) {
     exit(1);
 }
 
-/* Seconds of sound that the items [from, to) became. */
+/* Synthesises the items [from, to). Returns the seconds of sound. */
 static double run(struct ko_model *model, const struct ko_voice *voice, const struct ko_items *items,
                   size_t from, size_t to) {
     int64_t tokens[KO_TOKENS_MAX + 2] = {KO_TOKEN_END};

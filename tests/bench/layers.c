@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the layers over the visible speech cost: six minutes of speech with its lips alone, with life, with
- * expressions (for each sentence a performative, an affect, an emphasis and a boundary), with both, and so
- * densely marked up as nobody does (a mood, and two cues for every word). Usage: layers MODELS-FOLDER FPS. */
+/* Cost of the layers on top of visible speech: six minutes of speech with lips only, with life, with
+ * expressions (a performative, an affect, an emphasis and a boundary per sentence), with both, and with
+ * extremely dense markup (a mood, and two cues per word). Usage: layers MODELS-FOLDER FPS. */
 #include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <stdio.h>
@@ -59,7 +59,7 @@ static void mark_up(struct sentence_audio *u, bool dense, struct cue cues[CUES])
 
 static double run(const struct speech_pack *pack, const struct sentence_audio *u,
                   const struct face_options *options, struct placement_options place, double fps) {
-    long sum = 0; /* so that nothing is optimised away */
+    long sum = 0; /* prevents optimising the work away */
     double before = cpu();
     for (int i = 0; i < SENTENCES; i++) {
         struct face_track *track = face_track_new(pack, u, options, NULL, NULL);
@@ -76,7 +76,7 @@ static double run(const struct speech_pack *pack, const struct sentence_audio *u
     return cpu() - before + 0 * (double)sum;
 }
 
-/* What of it would be saved by keeping tracks: making one, and placing it, in microseconds. */
+/* Time that caching tracks would save: making a track and placing it, in microseconds. */
 static void make(const struct speech_pack *pack, const struct sentence_audio *u,
                  const struct expressions *all) {
     const struct face_options options = {.expressions = all};

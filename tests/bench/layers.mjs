@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the layers of the face cost beside each other: layers.c. Usage: node tests/bench/run.mjs layers
+// Cost of the layers of the face (layers.c). Usage: node tests/bench/run.mjs layers
 import { execFileSync } from 'node:child_process';
 import path from 'node:path';
 import { root } from '../lib/daemon.mjs';

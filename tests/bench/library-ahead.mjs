@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A passage that was spoken ahead (--library-ahead), next to the same passage that was not, and to its text while other works
-// are being spoken ahead: milliseconds from `speak` on an open socket to the first media message. The three take turns.
+// Latency of a prerendered passage (--library-ahead), beside the same passage without prerendering, and beside its text while other works
+// are being prerendered: ms from `speak` on an open socket to the first media message. The three take turns.
 // Usage: node tests/bench/run.mjs library-ahead [VOICE] [PASSAGES]
 import fs from 'node:fs';
 import os from 'node:os';

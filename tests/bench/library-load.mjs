@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Are speakers late while others search? So many speak at once, each a text of its own in real time, without searches and beside 1,000
-// of them a second from eight clients, in turns; one more client searches four times a second. What is searched for is as hard as can be: three words
-// that are met most. Clients and speakers share the processors with the daemon: as many requests of /healthz, which do nothing, tell what
-// of the lateness is theirs.
+// Effect of library searches on speech: speakers stream different texts in real time, without searches and beside 1,000 searches a second from
+// eight clients, in turns; another client searches four times a second. Queries are the hardest ones: the three most frequent words. Clients and
+// speakers share the processors with the daemon, so the same number of /healthz requests, which do nothing, shows the clients' part of the delay.
 // node tests/bench/run.mjs library-load [SPEAKERS, 50] [SEARCHES A SECOND, 1000] [MEGABYTES, 10] [TURNS, 2]
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -39,7 +38,7 @@ const at = (list, part) => (list.sort((a, b) => a - b)[Math.floor((list.length -
 const daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--max-connections', '3000']);
 await eventually(async () => (await (await daemon.get('/v1/library?limit=1')).json()).state === 'ready', 'the index', 600000);
 
-/** Searches until it is stopped; then what came of it. */
+/** Searches until stopped. Returns the results. */
 function search(perSecond, clients, first, bare) {
   const agents = Array.from({ length: clients }, () => new http.Agent({ keepAlive: true, maxSockets: 150 }));
   const heard = { 200: 0, 503: 0, other: 0, times: [], asked: 0, told: 0 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The library's index: how fast it is built, and how long searches take, beside sqlite3 on the same index and grep on the same files.
+// The library's index: indexing speed and search latency, beside sqlite3 on the same index and grep on the same files.
 // node tests/bench/run.mjs library [MEGABYTES, 20] [SEARCHES, 500]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -28,9 +28,9 @@ for (let i = 0; i < megabytes; i++) {
   }
   fs.writeFileSync(path.join(works, `work-${i}.it.txt`), text.join('\n\n'));
 }
-/** Processor seconds of a process. */
+/** CPU seconds of a process. */
 const used = (pid) => fs.readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ').slice(11, 13).reduce((sum, ticks) => sum + Number(ticks) / 100, 0);
-/** The same in ms, by the scheduler's own clock. */
+/** The same in ms, by the scheduler's accounting. */
 const spent = (pid) => fs.readdirSync(`/proc/${pid}/task`).reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'utf8').split(' ')[0]) / 1e6, 0);
 const quantiles = (times) => {
   times.sort((a, b) => a - b);
@@ -45,7 +45,7 @@ const size = fs.statSync(index).size;
 console.log(`${megabytes} MiB in ${megabytes} works: read and indexed in ${seconds.toFixed(1)} s (${(megabytes / seconds).toFixed(2)} MiB/s), ${used(daemon.process.pid).toFixed(1)} s of processor; index ${(size / 2 ** 20).toFixed(0)} MiB`);
 await eventually(async () => { const now = used(daemon.process.pid); await new Promise((resolve) => setTimeout(resolve, 1000)); return used(daemon.process.pid) - now < 0.1; }, 'quiet', 600000);
 
-// words as often as they are met in the text, one to three of them
+// queries of one to three words, by their frequency in the text
 const all = [...words].flatMap(([word, n]) => Array(Math.ceil(n / 3)).fill(word));
 let state = 7;
 const pick = () => all[(state = (Math.imul(state, 1664525) + 1013904223) >>> 0) % all.length];
@@ -67,7 +67,7 @@ for (const q of queries) {
 console.log(`${count} searches over HTTP, one after the other: ${quantiles(times)}`);
 console.log(`of the processor, all of the daemon's threads, whatever ran beside: ${quantiles(costs)}`);
 
-// passages by id: of any work and section; then spoken, next to their text, by turns
+// passages by id, from any work and section; then speaking them, beside speaking their text, in turns
 const shelf = (await (await daemon.get('/v1/library?limit=1000')).json()).works;
 const places = [];
 for (let i = 0; places.length < count; i++) {

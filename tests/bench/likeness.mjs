@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How alike two sounds are to an ear, as far as numbers can say: both become spectrograms of what an ear resolves (bands of one
-// ERB, Glasberg and Moore 1990, 40 ms every 10 ms, in dB, what lies far below the loudest of its moment cut off), and these are compared
-// where they are neighbours in time and band, as Hines and others do for ViSQOL (2015): NSIM, 1 for the same. It is no listening
-// test; sound.mjs says what known damage does to it.
+// Perceptual similarity of two sounds: compares auditory spectrograms (bands of one ERB, Glasberg and Moore 1990; 40 ms every 10 ms, in dB,
+// clipped far below the loudest band of the moment) over neighbouring times and bands, as ViSQOL does (Hines et al. 2015): NSIM, 1 for
+// identical sounds. Not a substitute for listening tests; sound.mjs shows its values for known distortions.
 
 const RATE = 48000;
 const WINDOW = 1920;
 const SIZE = 2048;
 const HOP = 480;
-const DEEP = 45; // dB below the loudest band of a moment that is not heard beside it
-const SILENT = 70; // dB below the loudest of all
+const DEEP = 45; // dB below the loudest band of a moment: masked
+const SILENT = 70; // dB below the overall maximum
 
-/** The power spectrum of SIZE real samples, in place: real parts, imaginary parts. */
+/** In-place FFT of SIZE real samples: real and imaginary parts. */
 function transform(re, im) {
   for (let i = 1, j = 0; i < SIZE; i++) {
     let bit = SIZE >> 1;
@@ -34,7 +33,7 @@ function transform(re, im) {
 
 const erbOf = (hertz) => 21.4 * Math.log10(1 + 0.00437 * hertz);
 
-/** Bands of one ERB, half overlapping triangles, up to that frequency: for each its first bin and weights. */
+/** Half-overlapping triangular bands of one ERB up to a frequency: first bin and weights of each. */
 function bands(top) {
   const count = Math.floor(erbOf(top) - erbOf(50));
   return Array.from({ length: count }, (_, b) => {
@@ -51,7 +50,7 @@ function bands(top) {
   }).filter(({ first }) => first > 0);
 }
 
-/** @param {Float64Array} sound at 48 kHz @returns {Float64Array[]} for each moment, for each band, dB */
+/** @param {Float64Array} sound at 48 kHz @returns {Float64Array[]} dB by moment and band */
 function spectrogram(sound, list) {
   const rows = [];
   const [re, im] = [new Float64Array(SIZE), new Float64Array(SIZE)];
@@ -66,12 +65,12 @@ function spectrogram(sound, list) {
   return rows;
 }
 
-const SMOOTH = [0.0113, 0.0838, 0.0113, 0.0838, 0.6193, 0.0838, 0.0113, 0.0838, 0.0113]; // a Gaussian of 3 by 3
+const SMOOTH = [0.0113, 0.0838, 0.0113, 0.0838, 0.6193, 0.0838, 0.0113, 0.0838, 0.0113]; // 3 x 3 Gaussian
 
 /**
  * @param {Float64Array} original @param {Float64Array} coded at 48 kHz, in step
- * @param {number} top Hz: what lies above is not looked at
- * @returns {{nsim: number, off: number}} likeness, 0 to 1; by how many dB the bands that are heard differ, on average
+ * @param {number} top Hz: ignores higher frequencies
+ * @returns {{nsim: number, off: number}} nsim: similarity, 0 to 1; off: mean difference of audible bands, dB
  */
 export function likeness(original, coded, top = 11000) {
   const list = bands(top);
@@ -83,7 +82,7 @@ export function likeness(original, coded, top = 11000) {
     const peak = Math.max(...a[t]);
     const floor = Math.max(peak - DEEP, loudest - SILENT);
     heard.push(peak > loudest - SILENT);
-    // from there on: 0 is what is not heard
+    // relative to the masking threshold; 0 = inaudible
     for (const row of [a[t], b[t]]) for (let i = 0; i < row.length; i++) row[i] = Math.max(0, row[i] - floor);
   }
   const range = DEEP;

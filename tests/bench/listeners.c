@@ -27,7 +27,7 @@ struct listener {
     uint32_t heard; /* messages since "begin" */
 };
 
-/* What the processes have in common. */
+/* Memory shared by the processes. */
 struct heard {
     atomic_size_t quiet, done; /* processes */
     atomic_size_t messages;
@@ -37,7 +37,7 @@ struct heard {
     float late[]; /* of each message of each listener, ms */
 };
 
-/* A process of them. */
+/* One process of listeners. */
 struct crowd {
     struct clients clients;
     struct heard *heard;
@@ -100,7 +100,7 @@ static size_t read_ports(char *list, int ports[PORTS_MAX]) {
     return count;
 }
 
-/* Listens, until it is ended. from: the number of its first listener. */
+/* Listens until the process ends. from: number of its first listener. */
 static void listen_on(struct crowd *s, const int *ports, size_t port_count, size_t from, const char *path) {
     clients_open(&s->clients);
     s->all = calloc(s->count, sizeof *s->all);
@@ -122,7 +122,7 @@ static void listen_on(struct crowd *s, const int *ports, size_t port_count, size
         clients_serve(&s->clients, 1000);
 }
 
-/* Until all processes have got so far; one that ends has failed. */
+/* Waits until all processes have reached a stage; a process that exits has failed. */
 static void wait_for(const atomic_size_t *count, size_t all) {
     while (*count < all) {
         if (waitpid(-1, NULL, WNOHANG) > 0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From a sample to its face over the stream: how long after the moment at which it was spoken a frame is there, at each lookahead. The sound is sent every 10 ms as it
-// is spoken, 16 kHz. What the daemon adds to the lookahead is beside how late a `ping` is answered on the same connection meanwhile: that is the machine's.
+// Latency of live voices: time from a sample's moment of speaking to the arrival of its frame, at each lookahead. Sends sound in real time every 10 ms at
+// 16 kHz. The daemon's share beyond the lookahead is shown beside the latency of pings on the same connection, which is the machine's share.
 // node tests/bench/run.mjs live [SECONDS, 20]
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Daemon } from '../lib/daemon.mjs';

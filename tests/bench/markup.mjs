@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading of marked-up documents: MB/s on one core, next to expat alone on the same file. Usage: node tests/bench/run.mjs markup
+// Parsing speed of marked-up documents: MB/s on one core, beside expat alone on the same file. Usage: node tests/bench/run.mjs markup
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

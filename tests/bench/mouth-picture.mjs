@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws web/mouth.png, the twelve mouths of the README, as the program speaks them: FACCIA_BUILD=build node tests/bench/run.mjs mouth-picture [MODEL] [OUT]
+// Draws web/mouth.png, the README's twelve mouths, from faccia's own speech: FACCIA_BUILD=build node tests/bench/run.mjs mouth-picture [MODEL] [OUT]
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -27,7 +27,7 @@ const tiles = [];
 for (const [name, faps] of mouths) {
   const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width: WIDTH, height: HEIGHT, level: 'high' };
   const tile = PNG.sync.read(await page.shot('head', faps, camera));
-  // What is behind the head is as on the page.
+  // Uses the page's background.
   for (let i = 0; i < tile.data.length; i += 4) {
     for (let k = 0; k < 3; k++) tile.data[i + k] = Math.min(255, tile.data[i + k] + ((255 - tile.data[i + 3]) * 200) / 255);
     tile.data[i + 3] = 255;

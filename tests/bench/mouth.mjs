@@ -2,8 +2,8 @@
 // Contacts and openings of 25 sentences a language, at four rates, neutral and in five emotions, by both blends, with all engines of the
 // language. Usage: node tests/bench/run.mjs mouth [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320]
 // [--engines dominance,syllable] [--list] [LANG]...
-// In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of the first --sentences (3), neutral and in
-// two emotions at 320 words a minute, or of --all. --list names what fails.
+// Measures mm from the FAPs at 50 fps; with --pixels, drawn frames at 25 fps while the sounds are heard, of the first --sentences (3), neutral and in
+// two emotions at 320 words a minute, or of --all. --list prints failures.
 import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { launch } from '../lib/browser.mjs';
@@ -33,7 +33,7 @@ async function speak(lang, engine, rate, emotion, blend) {
   try {
     track = spoken(text, ...args);
   } catch {
-    track = spoken(text, ...args); // a voice may be too slow to start on a busy machine
+    track = spoken(text, ...args); // retries, because a voice may start too slowly on a busy machine
   }
   return screen ? readPixels(screen.look, track.phones, track) : readMouth(track.phones, track);
 }

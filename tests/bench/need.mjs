@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a benchmark needs beyond the two commands of the README: it is installed and built when it is asked for.
+// Installs and builds on demand what benchmarks need beyond the two commands of the README.
 import { execFileSync } from 'node:child_process';
 import path from 'node:path';
 import { build, root } from '../lib/daemon.mjs';
 
 const quiet = { stdio: ['ignore', 'ignore', 'inherit'] };
 
-/** Debian packages, as run.sh installs them. */
+/** Installs Debian packages like run.sh. */
 export function needPackages(...packages) {
   execFileSync('sh', ['-euc', 'root=$1; shift; die() { echo "bench: $*" >&2; exit 1; }; . "$root/server/setup.sh"; need_packages "$@"', 'sh', root, ...packages], { stdio: 'inherit' });
 }
@@ -20,8 +20,8 @@ const known = (target) => {
 };
 
 /**
- * A program of this folder, built.
- * @param {string} name without `bench_` @param {...string} packages without which the build does not know it
+ * Builds a program of this folder.
+ * @param {string} name without `bench_` @param {...string} packages that its build requires
  * @returns {string} its path
  */
 export function needProgram(name, ...packages) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Text that is spoken while it is written: from the last token of the first sentence to the first media message, next to a `speak` of that
-// sentence alone, in turns. The writer is a stand-in for a language model: a token of up to five characters in each interval.
+// Latency of open texts: from the last token of the first sentence to the first media message, beside a `speak` of that sentence alone, in
+// turns. The writer imitates a language model: a token of up to five characters per interval.
 // Usage: node tests/bench/run.mjs open [RUNS]; FACCIA_BUILD=... measures another build
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Daemon } from '../lib/daemon.mjs';
@@ -15,10 +15,10 @@ const TEXTS = {
   tr: ['Poyraz ile güneş birbirlerinden daha güçlü olduklarını ileri sürerek tartışıyorlardı.', ' Sonra ikinci bir cümle gelir. Bir de üçüncü.'],
   en: ['The north wind and the sun were arguing about which of them was the stronger.', ' Then comes a second sentence. And a third one.'],
 };
-let lang, first, rest; // what is measured at present
+let lang, first, rest; // the current case
 const tokens = (text) => text.match(/[^]{1,5}/g);
 
-/** Milliseconds from what `act` gives, the moment of the last token, to the first media. */
+/** ms from the last token, whose time `act` returns, to the first media. */
 async function measure(act) {
   const stream = await daemon.stream();
   await stream.wait({ type: 'hello' });
@@ -37,7 +37,7 @@ const speak = (stream) => {
   return now;
 };
 
-/** All but the full stop is there; what happens then. */
+/** Opens a text without its final full stop, then calls `then`. */
 const open = (then) => async (stream) => {
   stream.send({ type: 'speak', id: 'a', lang, open: true });
   for (const text of tokens(first.slice(0, -1))) stream.send({ type: 'text', id: 'a', text });

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How much of the machine other programs take during a measurement: what is not used by this process and what it started.
+// Measures the CPU use of other programs: everything but this process and its descendants.
 import fs from 'node:fs';
 import { processes } from './figures.mjs';
 
 const STEP_MS = 500;
 const HZ = 100; // of the times in /proc
 
-/** Processor ticks that this process and all that come from it have used. */
+/** CPU ticks of this process and its descendants. */
 function own() {
   const all = new Map(processes().map((p) => [p.pid, p]));
   const ours = (pid) => pid === process.pid || (all.has(pid) && ours(all.get(pid).parent));
   return [...all.values()].reduce((sum, { pid, seconds }) => (ours(pid) ? sum + HZ * seconds : sum), 0);
 }
 
-/** Ticks that anybody has used, also other machines on the same processors. */
+/** CPU ticks of everything, including other virtual machines (steal). */
 function all() {
   const [user, nice, system, , , irq, softirq, steal] = fs.readFileSync('/proc/stat', 'latin1').split('\n')[0].trim().split(/\s+/).slice(1).map(Number);
   return user + nice + system + irq + softirq + steal;
 }
 
-/** Watches until it is stopped. */
+/** Samples until stopped. */
 export function watchOthers() {
   const samples = [];
   const take = () => samples.push({ at: Number(process.hrtime.bigint()) / 1e6, ticks: all() - own() });
@@ -28,7 +28,7 @@ export function watchOthers() {
   return () => {
     clearInterval(timer);
     take();
-    /** Processors that others used between two times of the monotonic clock, in milliseconds, and half a second round them. */
+    /** Number of processors used by others between two times of the monotonic clock in ms, plus half a second around. */
     return (from, to) => {
       const a = samples.findLast(({ at }) => at <= from - STEP_MS) ?? samples[0];
       const b = samples.find(({ at }) => at >= to + STEP_MS) ?? samples.at(-1);

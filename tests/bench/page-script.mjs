@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scripts of the benchmarks' pages: they may import what web/ has, and what it is made with.
+// Bundles scripts of the benchmarks' pages, which may import from web/ and its packages.
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { root } from '../lib/daemon.mjs';

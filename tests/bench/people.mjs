@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How near the engines come to people: node tests/bench/run.mjs people LANG CURVES TIMES [CURVES TIMES]...
-// Prints a table in Markdown: correlation and error for each parameter, the mean over the recordings. Recordings of the same sentence are laid beside each
-// other (the last line). With two recordings or more, a pack is fitted to each of them, too, and measured on the others.
+// Accuracy of the engines against people: node tests/bench/run.mjs people LANG CURVES TIMES [CURVES TIMES]...
+// Prints a Markdown table of correlation and error per parameter, averaged over the recordings. The last line compares recordings of the same sentence
+// with each other. With two or more recordings, also fits a pack to each and measures it on the others.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the phones' times of the voices lie beside what is heard, and the table that moves them there (models/boundaries.md).
+// Errors of the voices' phone times against the sound, and the table that corrects them (models/boundaries.md).
 // Usage: node tests/bench/run.mjs phones [--write FILE] [VOICE]...
-// By voice and event: the median of a boundary's time less that of its event in the spectrum, ms (positive: the boundary is late), ± how far half
-// of them lie from it; the mean of all without their signs (how many), as the voice says; below it, where a correction is worth while, what is left
-// where it was not learned: what every other sentence says moves those between, and the reverse. --write FILE: the table of what is learned from all, as far as it holds on the other halves; of voices
-// that are not named the file keeps what it has.
+// By voice and event: median of a boundary's time minus that of its spectral event, ms (positive: the boundary is late), ± half-width that contains half of
+// them; mean absolute error (count) of the voice. Below it, if a correction is useful, the error after cross-validated correction: each half of the sentences
+// (every other one) is corrected by the other half. --write FILE: writes the table learned from all sentences, where it holds in cross-validation; the file
+// keeps entries of voices that are not named.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -18,16 +18,15 @@ const { values: wanted, positionals } = parseArgs({ allowPositionals: true, opti
 const VOICES = ['espeak:it', 'espeak:it+f2', 'espeak:pt-br', 'espeak:tr', 'espeak:en-us', 'festival:lp', 'festival:pc', 'festival:slt', 'festival:kal'];
 const LANG = { it: 'it', lp: 'it', pc: 'it', slt: 'en', kal: 'en', 'pt-br': 'pt-BR', tr: 'tr', 'en-us': 'en' };
 const STEP = 0.001; // s
-const NEAR = 0.06; // s: an event farther from its boundary is another's
-const LEAST = 6, ENOUGH = 8; // ms, boundaries: what is smaller, or told by fewer, is left as it is,
-const WORTH = 0.9; // and what leaves more than this of the error where it was not learned
+const NEAR = 0.06; // s: an event farther away belongs to another boundary
+const LEAST = 6, ENOUGH = 8; // ms, number of boundaries: smaller corrections, or those from fewer, are not made,
+const WORTH = 0.9; // nor those that leave more than this share of the error in cross-validation
 
-// The letters that end or begin a phone; the same names stand in the table.
+// First and last letters of phones by class; the table uses the same names.
 const { sounds } = JSON.parse(fs.readFileSync(path.join(root, 'models/boundaries.json')));
 
-// What is looked for at a boundary: the sounds before and after it, the band that tells, Hz, and whether it rises or falls there. `lead`, s: so long
-// before the boundary, since the packs let the lips go before a stop's end (contact.release of /p/ and /b/). `seen`: shown beside the others, and
-// nothing is moved by it.
+// Spectral events of boundaries: sounds before and after, frequency band in Hz, and whether it rises or falls. `lead`, s: the event precedes the boundary
+// by this, because the packs release the lips before a stop's end (contact.release of /p/ and /b/). `seen`: only reported, not corrected.
 const EVENTS = {
   'hiss begins': { before: 'vowel', after: 'sibilant', band: [3500, 7500], sign: 1 },
   'f begins': { before: 'vowel', after: 'f', band: [3500, 7500], sign: 1 },
@@ -41,11 +40,11 @@ const EVENTS = {
   'b lets go': { before: 'b', after: 'vowel', band: [900, 7500], sign: 1, lead: 0.012 },
 };
 
-/** The first letter of a phone, or its last, without marks of length and the like. */
+/** First or last letter of a phone, without diacritics. */
 const letter = (ipa, last) => [...ipa.normalize('NFC').replace(/[\u02b0-\u036f\u1dc0-\u1dff]/gu, '')].at(last ? -1 : 0);
 const fits = ({ before, after }, [a, b]) => a.ipa && b.ipa && sounds[before].includes(letter(a.ipa, true)) && sounds[after].includes(letter(b.ipa, false));
 
-/** A band's energy in dB, a value each STEP: two poles on either side, squared, smoothed over 4 ms. */
+/** Energy of a band in dB every STEP: two-pole filters on both sides, squared, smoothed over 4 ms. */
 function band(pcm, rate, [low, high]) {
   const pass = (input, hz, kind) => {
     const w = (2 * Math.PI * Math.min(hz, 0.45 * rate)) / rate, alpha = Math.sin(w) / Math.SQRT2, cos = Math.cos(w);
@@ -55,7 +54,7 @@ function band(pcm, rate, [low, high]) {
       out[i] = (b[0] * input[i] + b[1] * input[i - 1] + b[2] * input[i - 2] + 2 * cos * out[i - 1] - (1 - alpha) * out[i - 2]) / (1 + alpha);
     return out;
   };
-  const twoWays = (input, hz, kind) => pass(pass(input, hz, kind).reverse(), hz, kind).reverse(); // no delay
+  const twoWays = (input, hz, kind) => pass(pass(input, hz, kind).reverse(), hz, kind).reverse(); // zero phase
   const filtered = twoWays(twoWays(pcm, low, 'high'), high, 'low');
   const sums = new Float64Array(filtered.length + 1);
   filtered.forEach((x, i) => (sums[i + 1] = sums[i] + x * x));
@@ -67,12 +66,12 @@ function band(pcm, rate, [low, high]) {
 }
 
 /**
- * Where the band changes most within 10 ms, between the two times, s; undefined when it hardly does. `first`: where it does so first and
- * is loud enough to be heard beside the vowel: a burst may be weaker than that.
+ * Time of the largest change of the band within 10 ms between the two times, s; undefined if there is hardly any. `first`: the first change that
+ * is audible beside the vowel, because a burst may be weaker than the vowel.
  */
 function steepest(levels, from, to, sign, first) {
   const side = 5;
-  let best = 6, at; // dB at least
+  let best = 6, at; // minimum, dB
   const audible = first ? Math.max(...levels.subarray(Math.round(from / STEP), Math.round((to + NEAR) / STEP))) - 40 : -Infinity;
   for (let k = Math.max(side, Math.round(from / STEP)); k <= Math.min(levels.length - 1 - side, Math.round(to / STEP)); k++) {
     if (first && at !== undefined && k * STEP > at + 0.006) break;
@@ -85,7 +84,7 @@ function steepest(levels, from, to, sign, first) {
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'phones-'));
 process.on('exit', () => fs.rmSync(folder, { recursive: true }));
 
-/** What a voice says of every other sentence, from `half` on: its phones, and its sound. */
+/** Speaks every other sentence, from `half` on. Returns phones and sound. */
 function say(voice, lang, half, table) {
   const [wav, json, models] = ['a.wav', 'a.json', 'models'].map((name) => path.join(folder, name));
   fs.rmSync(models, { recursive: true, force: true });
@@ -99,7 +98,7 @@ function say(voice, lang, half, table) {
   return { phones: JSON.parse(fs.readFileSync(json)).phones, rate, pcm: Float64Array.from({ length: (bytes.length - 44) >> 1 }, (_, i) => bytes.readInt16LE(44 + 2 * i)) };
 }
 
-/** By event: the numbers of the phones that begin there, and when the event is heard. */
+/** By event: indices of the phones that begin there, and times of the event in the sound. */
 function heard({ phones, rate, pcm }) {
   const levels = new Map();
   const levelsOf = (hz) => levels.get(String(hz)) ?? levels.set(String(hz), band(pcm, rate, hz)).get(String(hz));
@@ -108,7 +107,7 @@ function heard({ phones, rate, pcm }) {
     for (let i = 1; i < phones.length; i++) {
       const [before, after] = [phones[i - 1], phones[i]];
       if (!fits(event, [before, after]) || /ː/.test(before.ipa + after.ipa)) continue;
-      // A burst lies within the stop; other events are sought as far as the middles of the two sounds.
+      // A burst lies within the stop; other events are searched between the middles of the two sounds.
       const from = event.lead ? before.start + (before.end - before.start) / 4 : Math.max((before.start + before.end) / 2, after.start - NEAR);
       const to = event.lead ? after.start + 0.01 : Math.min((after.start + after.end) / 2, after.start + NEAR);
       const at = steepest(levelsOf(event.band), from, to, event.sign, event.lead);
@@ -125,7 +124,7 @@ const told = (values) => {
 };
 const mean = (values) => values.reduce((sum, x) => sum + Math.abs(x), 0) / values.length;
 
-/** What is to be added to the boundaries of each event, by what was heard. */
+/** Corrections of the boundaries of each event. */
 function learned(events, names) {
   return names.map((name) => ({ before: EVENTS[name].before, after: EVENTS[name].after, ms: -Math.round(median(events[name])) }));
 }
@@ -137,7 +136,7 @@ function measure(voice, lang) {
   });
   const all = Object.fromEntries(Object.keys(EVENTS).map((name) => [name, halves.flatMap(({ values }) => values[name])]));
   const candidates = Object.keys(EVENTS).filter((name) => !EVENTS[name].seen && all[name].length >= ENOUGH && halves.every(({ values }) => values[name].length));
-  /** Each half as it is after what was learned of the other one alone. */
+  /** Cross-validation: each half corrected by what the other one gives. */
   const crossed = (names) => {
     const moved = halves.map(({ half, events }, k) => {
       const { phones } = say(voice, lang, half, learned(halves[1 - k].values, names));

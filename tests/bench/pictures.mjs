@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a picture of a face of pictures costs: node tests/bench/run.mjs pictures. A sentence's FAPs are drawn by the engine in a real
-// Chromium without WebGL, as fast as it can. The processor's time on the page's thread is told for each picture, and the pictures a second on the
-// clock with the processor as it is and slowed down four and six times (Emulation.setCPUThrottlingRate).
+// Cost of drawing the picture face: node tests/bench/run.mjs pictures. Draws a sentence's FAPs in Chromium without WebGL as fast as possible.
+// Reports CPU time of the page's thread per frame, and frames per second at full speed and throttled four and six times
+// (Emulation.setCPUThrottlingRate).
 import { createRequire } from 'node:module';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -29,7 +29,7 @@ window.draw = (frames) => {
   for (const frame of frames) {
     view.head.setFaps(frame);
     view.draw();
-    view.context.getImageData(0, 0, 1, 1); // so that it is drawn, not only asked for
+    view.context.getImageData(0, 0, 1, 1); // forces the drawing
   }
   return performance.now() - before;
 };`;
@@ -53,7 +53,7 @@ await session.send('Performance.enable', { timeDomain: 'threadTicks' });
 const spent = async () => (await session.send('Performance.getMetrics')).metrics.find(({ name }) => name === 'TaskDuration').value * 1000;
 const made = await page.evaluate((json) => window.begin(json), set);
 console.log(`${set.width} x ${set.height}, ${frames.length} frames of a sentence with life; ready in ${made.toFixed(0)} ms`);
-await page.evaluate((list) => window.draw(list), frames); // warm
+await page.evaluate((list) => window.draw(list), frames); // warms up
 for (const rate of [1, 4, 6]) {
   await session.send('Emulation.setCPUThrottlingRate', { rate });
   const runs = [];

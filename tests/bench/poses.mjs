@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Do somebody's own ways of moving come back from pictures of poses? A head of ours (luca) gets ways that no tool knows, is drawn at rest and in six poses, made a head
-// by `make-portrait.mjs` on another (--like, mara) with --poses and without, and both are told what was played: how far does their skin go otherwise than the drawn
-// one's? In the poses that were shown, and in others. node tests/bench/run.mjs poses [HEAD] [--like HEAD] [--only POSE[,POSE]...]; pictures are kept in build/poses.
+// Recovery of individual movements from pictures of poses. A head (luca) gets individual movements unknown to the tools and is drawn at rest and in six poses;
+// `make-portrait.mjs` makes a head from these on another one (--like, mara), with and without --poses. Measures how differently their skin moves from the
+// original, in shown and in other poses. node tests/bench/run.mjs poses [HEAD] [--like HEAD] [--only POSE[,POSE]...]; build/poses contains the pictures.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';

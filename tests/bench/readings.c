@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Usage: bench_readings LANG FILE ROUNDS: CPU seconds, as JSON, of putting each line of FILE into words, of
- * ICU finding its sentences and words, and of copying its letters composed, as for a language without a file.
+/* Usage: bench_readings LANG FILE ROUNDS: CPU seconds, as JSON, of normalising each line of FILE, of ICU
+ * segmenting it into sentences and words, and of only composing its letters, as for a language without a
+ * file.
  */
 #include "server/base/buf.h"
 #include "server/normalize/normalizers.h"
@@ -22,7 +23,7 @@ static double now(void) {
 
 typedef size_t (*each)(void *ctx, const char *line, size_t size);
 
-/* Returns the CPU seconds of doing it to each line, negative if nothing came of it. */
+/* Returns the CPU seconds of applying the function to each line; negative on failure. */
 static double spend(const struct buf *text, each act, void *ctx) {
     const char *s = (const char *)text->data;
     size_t made = 0;

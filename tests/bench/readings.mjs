@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Putting numbers, signs and short forms into words: processor time for each kilobyte of text in four languages, next to ICU finding its
-// sentences and words, in one run; and the first media of short and long texts with it and without (`normalize=off`), in turns.
+// Normalising numbers, signs and abbreviations: CPU time per kilobyte in four languages, beside ICU's sentence and word segmentation, in one
+// run; and latency to first media of short and long texts with and without it (`normalize=off`), in turns.
 // Usage: node tests/bench/run.mjs readings [ROUNDS] [LONGEST TEXT, kB]
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -17,9 +17,9 @@ const program = needProgram('readings');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const file = path.join(folder, 'text');
 
-/** The texts of a language's table of readings: nearly each has something to be put into words. */
+/** Texts of a language's table of readings, nearly all of which need normalising. */
 const table = (lang) => fs.readFileSync(path.join(root, `tests/readings/${lang}.tsv`), 'utf8').split('\n').filter(Boolean).map((line) => line.split('\t')[0]);
-/** Lines again and again, of so many kilobytes. */
+/** Repeats lines up to that many kilobytes. */
 function fill(lines, kilobytes, end = '\n') {
   let text = '';
   for (let i = 0; text.length < kilobytes * 1000; i++) text += lines[i % lines.length] + end;

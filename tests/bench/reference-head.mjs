@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A head of the kind that others draw, to measure ours against: three.js's own physically based material (MeshStandardMaterial with a
-// prefiltered surrounding and three lamps, four samples for each pixel), every triangle of one of our heads at every distance, 52 morph
-// targets with their normals in the vertex shader. Runs in a page: `reference(canvas, model)` returns what draws it at a time.
+// A typical head of other software as a reference: three.js's physically based material (MeshStandardMaterial with a prefiltered environment, three
+// lamps, 4x multisampling), all triangles of a faccia head at any distance, and 52 morph targets with normals in the vertex shader. Runs in a page:
+// `reference(canvas, model)` returns a drawing function.
 import {
   AmbientLight, BufferAttribute, BufferGeometry, DirectionalLight, DoubleSide, FrontSide, Group, Mesh, MeshStandardMaterial,
   PerspectiveCamera, PMREMGenerator, Scene, SpotLight, SRGBColorSpace, Texture, WebGLRenderer, ACESFilmicToneMapping, Color,
@@ -9,10 +9,10 @@ import {
 import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 
 const TARGETS = 52;
-const ACTIVE = 14; // of the targets, that a face which speaks moves at a time
-const MOST_MM = 4; // that a target moves its farthest vertex
+const ACTIVE = 14; // targets moved at a time by a speaking face
+const MOST_MM = 4; // largest displacement of a target
 
-/** The parts of a model that stand for the targets: those with the most vertices. */
+/** The parts that get targets: those with the most vertices. */
 const targetsOf = (parts) => {
   const sizes = new Map();
   for (const { moves } of parts)
@@ -49,7 +49,7 @@ function geometryOf(part, targets) {
 }
 
 /**
- * @param {HTMLCanvasElement} canvas @param {object} model as readModel gives it
+ * @param {HTMLCanvasElement} canvas @param {object} model as returned by readModel
  * @param {(texture: object) => Promise<ImageBitmap>} decode its textures
  * @returns {Promise<{draw: (seconds: number) => void, triangles: number, gl: WebGL2RenderingContext}>}
  */

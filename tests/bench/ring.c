@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reference of broadcast.mjs: the least that libwebsockets can do to send the same messages to many. All
- * lie in one ring; each connection has its place in it, and is cut off when it falls a round behind. (With
- * lws_ring it would cost more: that looks for the hindmost of all connections again and again.) Usage: ring
+/* The reference of broadcast.mjs: the minimum that libwebsockets must do to send the same messages to many
+ * connections. All messages are in one ring; a connection that falls a whole round behind is closed.
+ * (lws_ring would cost more, because it searches for the slowest connection again and again.) Usage: ring
  * FILE; prints its port, and on SIGUSR1 plays the messages of FILE, as listeners.c records them, at their
  * times. Ends with SIGTERM. */
 #include <libwebsockets.h>
@@ -13,7 +13,7 @@
 enum { RING = 1024, HEAD = 9 };
 
 struct message {
-    uint8_t *bytes; /* behind room for the frame header */
+    uint8_t *bytes; /* after space for the frame header */
     size_t size;
     enum lws_write_protocol type;
 };
@@ -30,7 +30,7 @@ struct ring {
     uv_signal_t start, stop;
     struct lws_context *context;
     struct message messages[RING];
-    size_t count; /* of messages so far */
+    size_t count; /* messages so far */
     struct session *sessions;
     uint8_t *file;
     size_t size, at;
@@ -53,7 +53,7 @@ static void send_message(struct ring *r, const uint8_t *record) {
         lws_callback_on_writable(s->wsi);
 }
 
-/* The times are ms from the first message on. */
+/* Sends due messages. Times are ms since the first message. */
 static void on_timer(uv_timer_t *timer) {
     struct ring *r = timer->data;
     uint64_t now = uv_now(&r->loop) - r->started;
@@ -167,5 +167,5 @@ int main(int argc, char **argv) {
     printf("%d\n", lws_get_vhost_listen_port(vhost));
     fflush(stdout);
     uv_run(&r.loop, UV_RUN_DEFAULT);
-    return 0; /* the end of the process frees what is left */
+    return 0; /* the exit frees the rest */
 }

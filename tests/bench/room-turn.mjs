@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One speech in a room to many listeners at several daemons that share it by Redis, or at one: what the processors do for it, in making,
-// sending and handing on, and how much later than the first listener of all a listener has a message.
+// One utterance in a room with many listeners on several daemons that share it over Redis, or on one: total CPU time, and the delay of
+// listeners after the first listener of all.
 import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
 import readline from 'node:readline';
@@ -12,7 +12,7 @@ import { needProgram } from './need.mjs';
 const sum = (list) => list.reduce((a, b) => a + b, 0);
 const pin = (pid) => execFileSync('taskset', ['-a', '-c', '-p', '0', String(pid)]);
 
-/** One daemon alone, or several that share a Redis. */
+/** Starts one daemon alone, or several that share a Redis. */
 export async function startDaemons(count, options) {
   const redis = count > 1 ? await Redis.start() : null;
   const daemons = [];
@@ -22,10 +22,10 @@ export async function startDaemons(count, options) {
 }
 
 /**
- * Daemons and Redis on core 0, the listeners on core 1. restSeconds: looks so long at what they do while nothing is said; `rest` is then what
- * they would have done of that in the time that the speech took. In seconds of processor time: `all` of daemons and Redis, `redis`, `clients`
- * of the listeners. `took`: seconds from the request until all had the end; `waited`: for how much of them the one of daemons and Redis that
- * waited longest for a processor did. `homes`: how often a daemon came to speak in the room; more than once: it split.
+ * Runs daemons and Redis on core 0, the listeners on core 1. restSeconds: how long to measure idle daemons; `rest` is their idle CPU time scaled
+ * to the duration of the speech. CPU seconds: `all` of daemons and Redis, `redis`, `clients` of the listeners. `took`: seconds from the request
+ * until all had the end; `waited`: longest time in it that a daemon or Redis waited for a processor. `homes`: how often a daemon became the
+ * room's leader; more than once means that the room split.
  */
 export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   const listeners = needProgram('listeners');
@@ -37,7 +37,7 @@ export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   const lines = readline.createInterface(child.stdout)[Symbol.asyncIterator]();
   const line = async () => (await lines.next()).value;
   if ((await line()) !== 'ready') throw new Error('the listeners ended');
-  // the home knows of all
+  // until the leader knows of all listeners
   await eventually(async () => {
     const rooms = await Promise.all(daemons.map(async (daemon) => (await (await daemon.get('/v1/rooms')).json()).rooms[0]?.listeners ?? 0));
     return Math.max(...rooms) === count;

@@ -2,8 +2,8 @@
 // Runs benchmarks, after installing what they need beyond server/run.sh: npm packages of the tests, Debian packages.
 //     node tests/bench/run.mjs                      lists them
 //     node tests/bench/run.mjs NAME [ARGUMENT]...   runs one
-//     node tests/bench/run.mjs --moment [NAME]...   runs each with the least work that prints its result, to see that it still can
-// Imports only what Node.js brings: it must run before anything is installed.
+//     node tests/bench/run.mjs --moment [NAME]...   runs each with minimal work, to check that it still works
+// Imports only Node.js modules, because it runs before anything is installed.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -19,8 +19,8 @@ const [lp, pc, slt, kal] = ['festvox-italp16k', 'festvox-itapc16k', 'festvox-us-
 const picture = (name) => path.join(process.env.FACCIA_ARTEFACTS ?? os.tmpdir(), `bench-${name}`);
 
 /**
- * Each benchmark: `packages`, Debian's; `moment`, arguments of its shortest run; `long`, why that still takes over some seconds; `without`, why it has no
- * such run.
+ * Benchmarks: `packages`, Debian packages; `moment`, arguments of the shortest run; `long`, why even that takes more than seconds; `without`, why there is
+ * no short run.
  */
 export const benchmarks = {
   ablation: { moment: ['tr'], long: 'speaks 25 sentences at three rates with five engines' },
@@ -79,7 +79,7 @@ export const benchmarks = {
 
 const say = (text) => process.stderr.write(`${text}\n`);
 
-/** What server/setup.sh installs, if it is missing: npm packages of the tests, and Debian's. */
+/** Installs missing npm packages of the tests and Debian packages with server/setup.sh. */
 function install(names) {
   const packages = [...new Set(names.flatMap((name) => benchmarks[name].packages ?? []))];
   execFileSync('sh', ['-euc', `root=$1; shift; die() { echo "bench: $*" >&2; exit 1; }; . "$root/server/setup.sh"
@@ -87,7 +87,7 @@ function install(names) {
   if (!fs.existsSync(path.join(root, 'build/build.ninja'))) throw new Error('build first: sh server/run.sh --build-only');
 }
 
-/** Runs one. @returns {{status: number, output: string, errors: string}} */
+/** Runs a benchmark. @returns {{status: number, output: string, errors: string}} */
 export function run(name, argv, { stdio = 'inherit', timeout } = {}) {
   const { status, signal, stdout = '', stderr = '' } = spawnSync(process.execPath, [path.join(folder, `${name}.mjs`), ...argv],
     { stdio, timeout, killSignal: 'SIGKILL', encoding: 'utf8', maxBuffer: 1 << 26 });

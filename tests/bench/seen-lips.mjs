@@ -31,10 +31,10 @@ const faccia = path.join(root, 'build/server/cli/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
 const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.', 'Mio padre beve il vino.', 'La pioggia batte sui vetri.',
   'Domani vado a Bologna.', 'Che bella giornata di maggio!', 'Il fiume scorre sotto il ponte.', 'Vorrei una tazza di latte.', 'Le mele cadono dagli alberi.', 'Papà compra pane e burro.'];
-const FITTED = Number(wanted.fitted); // the first of them; the others are to be foretold
-const IRIS = 10.9; // mm: our heads'
-const BELIEVED = 0.25; // as faccia fit has it
-const REST = 0.3; // s before and behind, in which the mouth is still
+const FITTED = Number(wanted.fitted); // number of sentences to fit; the others are predicted
+const IRIS = 10.9; // diameter in faccia's heads, mm
+const BELIEVED = 0.25; // as in faccia fit
+const REST = 0.3; // s of rest before and after
 
 fs.mkdirSync(models, { recursive: true });
 fs.cpSync(path.join(root, 'models/speech'), path.join(models, 'speech'), { recursive: true });
@@ -48,7 +48,7 @@ function writeSpeaker() {
   fs.writeFileSync(path.join(models, 'speech/it-x-true.json'), JSON.stringify(pack));
 }
 
-/** The frames of a sentence, and its phones beside the curves that will be. */
+/** Speaks a sentence: its frames, and its phones in a file. */
 function speak(text, n) {
   const base = path.join(folder, `s${n}`);
   execFileSync(faccia, ['say', '--still', '--lang', 'it-x-true', '--fps', String(fps), '--fap', `${base}.fap`, '--json', `${base}.say.json`, text], { env });
@@ -68,7 +68,7 @@ const told = (head, f) => {
   return [-f[5] * mns, -f[4] * mns, (f[6] + f[7]) * mw, f[16] * mns, f[17] * mns, f[3] * mns];
 };
 
-/** Curves beside what was played: as they are, without their mean, and after the line that fits best; and where they say themselves that it is seen. */
+/** Compares curves with the played FAPs: raw, without means, after linear regression, and only where they claim visibility. */
 function compare(head, takes) {
   for (const [p, parameter] of PARAMETERS.entries()) {
     const pairs = takes.flatMap(({ csv, frames }) => {
@@ -89,9 +89,9 @@ function compare(head, takes) {
   }
 }
 
-const POINTS = ['9.3', '8.1', '8.3', '8.4', '8.2', '2.1', '10.5', '10.6']; // in the order of the thesis
+const POINTS = ['9.3', '8.1', '8.3', '8.4', '8.2', '2.1', '10.5', '10.6']; // the thesis's order
 
-/** Tracks of eight markers on the face, mm. */
+/** Writes the tracks of eight face markers, mm. */
 function track(head, frames, file) {
   const skin = head.parts.find(({ name: part }) => part === 'skin');
   const distance = (v, p) => Math.hypot(...p.map((x, k) => x - skin.position[3 * v + k]));
@@ -107,13 +107,13 @@ function track(head, frames, file) {
   fs.writeFileSync(file, `${rows.join('\n')}\n`);
 }
 
-/** Degrees by which the plane of nose and ears falls. */
+/** Inclination of the plane through nose and ears, degrees. */
 function tiltOf({ fdp }) {
   const [nose, left, right] = ['9.3', '10.5', '10.6'].map((point) => fdp[point]);
   return (Math.atan2((left[1] + right[1]) / 2 - nose[1], nose[2] - (left[2] + right[2]) / 2) * 180) / Math.PI;
 }
 
-/** The pictures as a camera of so many lines would have them, or through x264. */
+/** Scales pictures to a camera's resolution, or compresses them with x264. */
 function filmOf(pictures) {
   if (lines === 1080 && wanted.crf === undefined) return pictures;
   const out = `${pictures}-${lines}-${wanted.crf ?? 0}.mp4`;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the heads have in common, and what it saves: on the way, if a second head left out what came with the first; in the browser's memory, where
-// what is the same is kept once. FACCIA_BUILD=build node tests/bench/run.mjs sharing
+// Data shared by heads and its savings: in transfers, if a second head omitted what came with the first; in the browser's memory, which stores equal
+// data once. FACCIA_BUILD=build node tests/bench/run.mjs sharing
 import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
@@ -9,13 +9,13 @@ import { readModel } from '../../web/element/head/model/model.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
-const LEAST = 400; // characters: shorter ones cost more to refer to than they save
+const LEAST = 400; // characters: references to shorter ones cost more than they save
 const heads = fs.readdirSync(built).filter((file) => file.endsWith('.json')).map((file) => JSON.parse(fs.readFileSync(path.join(built, file))));
 heads.sort((a, b) => a.rank - b.rank);
 const packed = (value) => zlib.gzipSync(typeof value === 'string' ? value : JSON.stringify(value), { level: 9 }).length;
 const kB = (bytes) => (bytes / 1000).toFixed(0);
 
-/** All long texts of a head (arrays and images in base64), with what they are. */
+/** All long strings of a head (arrays and images in base64) with their paths. */
 function texts(value, place = [], out = new Map()) {
   if (typeof value === 'string') {
     if (value.length >= LEAST) out.set(value, place[0] === 'parts' ? `${place[1]} ${place[2]}` : place.slice(0, 2).join(' '));
@@ -45,7 +45,7 @@ const rest = heads.slice(1).map((head) => packed(without(head, own[0])));
 const mean = (list) => list.reduce((sum, x) => sum + x, 0) / list.length;
 console.log(`\nAfter ${heads[0].title}: ${heads.slice(1).map(({ title }, i) => `${title} ${kB(rest[i])} of ${kB(whole[i + 1])}`).join(', ')} kB; ${kB(mean(whole.slice(1)) - mean(rest))} kB less in the mean, ${((1 - mean(rest) / mean(whole.slice(1))) * 100).toFixed(0)} %.`);
 
-/** Bytes of arrays and pictures that models hold, each once. */
+/** Bytes of distinct arrays and pictures in models. */
 function memory(models, jsons) {
   const [buffers, images] = [new Set(), new Map()];
   const walk = (value) => {

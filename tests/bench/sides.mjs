@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What pictures from the side bring to a portrait: node tests/bench/run.mjs sides. Bruno, drawn from the front and half turned to either side, is made on Mara; told are
-// how far the head's feature points are from his own, laid onto each other, and how far the face is from his, seen from the side, in colour.
+// Benefit of side pictures for a portrait: node tests/bench/run.mjs sides. Makes a head of Bruno from pictures of the front and both half-profiles, based on Mara. Reports the
+// distance of its feature points from the original after alignment, and the colour difference of the face seen from the side.
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -13,7 +13,7 @@ import { makeHead } from '../../web/portrait/portrait.mjs';
 import sharp from '../../models/node_modules/sharp/lib/index.js';
 
 const built = fileURLToPath(new URL('../../build/', import.meta.url));
-const TURN = 45; // degrees; the detector takes it for 27
+const TURN = 45; // degrees; the detector estimates 27
 const SIZE = { width: 480, height: 624, shadows: false };
 const read = (name) => JSON.parse(fs.readFileSync(path.join(built, 'models/heads', `${name}.json`), 'utf8'));
 const points = JSON.parse(fs.readFileSync(path.join(built, 'web/face-points.json'), 'utf8'));
@@ -37,7 +37,7 @@ for (const yaw of [0, TURN, -TURN]) {
 }
 const names = Object.keys(bruno.fdp).filter((name) => /^(2|3|4|5|8|9|10|11)\./.test(name));
 
-/** Root mean square of what feature points miss, mm: in all, and along x, y and z. */
+/** RMS error of feature points, mm: total, and along x, y and z. */
 function missed(head) {
   const [from, to] = [head, bruno].map(({ fdp }) => names.map((name) => fdp[name]));
   const { apply } = align(from, to, [...names.keys()]);
@@ -46,7 +46,7 @@ function missed(head) {
   return `${rms(([x, y, z]) => x * x + y * y + z * z)} (x ${rms(([x]) => x * x)}, y ${rms(([, y]) => y * y)}, z ${rms(([, , z]) => z * z)})`;
 }
 
-/** Root mean square of colours over the landmarks of the side, blurred: of 255. */
+/** RMS difference of blurred colours at the landmarks of the side, of 255. */
 async function unlike(head, yaw, { picture, landmarks }) {
   const soft = async ({ data, width, height }) => sharp(Buffer.from(data.buffer), { raw: { width, height, channels: 4 } }).blur(3).raw().toBuffer();
   const [own, his] = await Promise.all([draw(head, yaw), picture].map(async (one) => soft(await one)));

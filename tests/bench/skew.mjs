@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The skew between what is seen and what is heard, in headless Chromium with software rendering, 640 x 480, while she speaks
-// Italian: for each picture the speech that is heard when it comes on the display, less the speech whose face it shows. Both
-// times are those that the browser records of its compositor and its sound system, not those that the page goes by. In the
-// same run: the same pictures as simpler players would have drawn them. Then once more without the page's word for
-// anything: of a recording whose jaw moves and whose sound clicks, from the pixels and the samples alone.
+// Skew between face and sound in headless Chromium with software rendering, 640 x 480, during Italian speech: for each frame the
+// position in the speech heard when it is displayed, minus that of the face it shows. Both times come from the browser's traces of
+// its compositor and sound system, not from the page. The same run also evaluates simpler players. Then a second, independent
+// measurement from pixels and samples alone, with a recording whose jaw moves and whose sound clicks.
 // Usage: node tests/bench/run.mjs skew [SECONDS [low|high|auto]]
 import { Daemon } from '../lib/daemon.mjs';
 import { launch, openPage } from '../lib/browser.mjs';
@@ -16,15 +15,15 @@ import { categories, pictures, soundOf } from './trace.mjs';
 const seconds = Number(process.argv[2] ?? 60);
 const quality = process.argv[3] ?? 'low';
 const JAW_SECONDS = 12;
-const QUIET = 0.1; // of a processor, taken by other programs: what they take, drawing lacks, and nobody foresees it
+const QUIET = 0.1; // maximum load by other programs, in processors, because it delays drawing unpredictably
 
-/** Has the page note, for each picture: which speech it belongs to, and what the sound's clocks say. */
+/** Makes the page record, for each frame, its position in the speech and the sound clocks. */
 const note = (page) => page.evaluate(() => {
   const element = document.querySelector('talking-head');
   const { stage, player } = element.debugParts();
   const { frame } = stage.ports;
   window.drawn = [];
-  window.reports = new Map(); // where the speech stands at frames of the sound
+  window.reports = new Map(); // position in the speech at audio frames
   stage.ports.frame = (now, ahead) => {
     performance.mark(`picture${window.drawn.length}`);
     const shown = frame(now, ahead);
@@ -43,9 +42,9 @@ const note = (page) => page.evaluate(() => {
   };
 });
 
-const PATIENCE_MS = 120000; // beyond the speech itself, on a machine that does much else
+const PATIENCE_MS = 120000; // in addition to the duration of the speech, for busy machines
 
-/** Says it (or plays it), and waits for the end, but not for ever. */
+/** Speaks (or plays) and waits for the end, with a timeout. */
 const until = (page, seconds, text) => page.evaluate(({ words, most }) => new Promise((resolve, reject) => {
   const element = document.querySelector('talking-head');
   const timer = setTimeout(() => reject(new Error(`not at its end after ${most / 1000} s: ${JSON.stringify(element.debug())}`)), most);
@@ -76,7 +75,7 @@ await page.evaluate(() => new Promise((resolve) => {
   element.setAttribute('room', 'bench');
 }));
 
-// The jaw and the clicks: first, so that the sound begins with the recording.
+// Jaw and clicks come first, so that the sound starts with the recording.
 const read = await probe(page);
 const form = new FormData();
 form.append('fap', new Blob([fap(JAW_SECONDS)]), 'jaw.fap');
@@ -105,7 +104,7 @@ if (sound !== 'on') throw new Error(`no sound: ${sound}`);
 const seenAt = pictures(events, 'picture');
 const heardAt = soundOf(events, rate);
 
-/** The speech that is heard at a frame of the sound, in seconds of the player; null: none. */
+/** Position in the speech at an audio frame, in seconds of the player; null: none. */
 const speechAt = (frame) => {
   const report = reports.findLast((r) => r.frame <= frame);
   return report?.running ? (report.position + frame - report.frame) / rate : null;
@@ -147,7 +146,7 @@ for (const { picture, opening } of openings) {
   const frame = heardAt(seen);
   const k = clicks.findLastIndex((click) => click <= frame);
   if (k < 0 || k + 1 >= clicks.length) continue;
-  const heard = (PERIOD * (frame - clicks[k])) / (clicks[k + 1] - clicks[k]); // since the click
+  const heard = (PERIOD * (frame - clicks[k])) / (clicks[k + 1] - clicks[k]); // s since the click
   const late = sinceOpen(opening, heard);
   if (!Number.isNaN(late)) jaw.push(1000 * late);
 }

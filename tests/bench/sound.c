@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Speech through the daemon's Opus coder and back, for sound.mjs. Usage: sound RATE BITRATE [LEVEL] < PCM >
- * PCM: 16 bit, mono; what comes out is at 48 kHz and in step with what went in. The number of coded bytes,
- * lengths included, and the ms of CPU that coding took go to standard error. LEVEL: one of coder_pool.h's. */
+/* Encodes speech with the daemon's Opus coder and decodes it, for sound.mjs. Usage: sound RATE BITRATE
+ * [LEVEL] < PCM > PCM: 16 bit, mono; the output has 48 kHz and is aligned with the input. Prints the number
+ * of coded bytes, including lengths, and the CPU ms of coding to standard error. LEVEL: see coder_pool.h. */
 #include "server/codec/opus_audio.h"
 #include <opus/opus.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What coding takes from the sound: the daemon's own coder at several bit rates, next to what known damage does, voice by voice.
-// likeness.mjs says what is measured. Usage: node tests/bench/run.mjs sound [VOICE]... (default: espeak:it and Festival's LP)
+// Quality loss by coding: the daemon's coder at several bit rates, beside known distortions, by voice, as measured by likeness.mjs.
+// Usage: node tests/bench/run.mjs sound [VOICE]... (default: espeak:it and Festival's LP)
 import { execFileSync, spawnSync } from 'node:child_process';
 import { Daemon } from '../lib/daemon.mjs';
 import { likeness } from './likeness.mjs';
@@ -17,11 +17,11 @@ const { voices } = await (await daemon.get('/v1/voices')).json();
 const wanted = process.argv.length > 2 ? process.argv.slice(2) : ['espeak:it', 'festival:lp'];
 
 const raw = (rate) => ['-t', 's16', '-c', '1', '-r', String(rate)];
-/** Through sox: 16 bit mono from one rate to another, with effects. */
+/** Converts 16-bit mono sound with sox: sample rate, effects. */
 const sox = (pcm, from, to, ...effects) => execFileSync('sox', ['-G', ...raw(from), '-', ...raw(to), '-', ...effects], { input: pcm, maxBuffer: 1 << 28 });
 const samples = (pcm) => Float64Array.from(new Int16Array(pcm.buffer.slice(pcm.byteOffset, pcm.byteOffset + (pcm.length & ~1))));
 
-/** White noise so many dB below the sound. */
+/** Adds white noise at that many dB below the sound. */
 function noisy(sound, decibels) {
   const power = sound.reduce((sum, x) => sum + x * x, 0) / sound.length;
   const scale = Math.sqrt((3 * power) / 10 ** (decibels / 10));

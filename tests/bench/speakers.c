@@ -17,7 +17,7 @@ struct speaker {
     struct client client; /* first */
     struct compact reader;
     char *text;
-    double asked, begun, until; /* ms; until: of the media that have come */
+    double asked, begun, until; /* ms; until: end of the media received */
 };
 
 struct media_segment {
@@ -90,7 +90,7 @@ static void serve_until(struct media_segment *s, double end) {
         clients_serve(&s->clients, (int)most(1, end - now_ms()));
 }
 
-/* Chunks that should have been heard from by now. */
+/* Counts chunks that should have arrived by now. */
 static void count_missing(struct media_segment *s, double now) {
     for (size_t i = 0; i < s->count; i++) {
         const struct speaker *k = &s->all[i];

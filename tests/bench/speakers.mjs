@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many can speak at once until media come late: separate streams, each with an Italian text of its own (none is in the
-// cache), in real time, heard as any client hears them (Opus and FAPC). Doubled until more than 1 % of the chunks come after their
-// play time, then bisected. The hearers share the cores: their CPU is said, too.
+// Maximum number of simultaneous speakers before media are late: separate streams with different, uncached Italian texts in real
+// time, in the default encoding (Opus and FAPC). Doubles until more than 1 % of the chunks arrive after their play time, then
+// bisects. The clients share the cores, so their CPU time is reported, too.
 // Usage: node tests/bench/run.mjs speakers [--workers N] [--seconds S] [--query '&audio=none'] [N]... (N: only these; default: search from 50)
 import { spawn } from 'node:child_process';
 import os from 'node:os';
@@ -20,11 +20,11 @@ const { values: options, positionals } = parseArgs({
 });
 const [SPREAD, WARM, SECONDS] = [4, 3, Number(options.seconds)];
 const LATE = 0.01;
-const STEP = 25; // bisected until it is this fine
-// what is said lasts longer than the measurement, so that the voice works to its end
+const STEP = 25; // resolution of the bisection
+// texts last longer than the measurement, so that the voice works until its end
 const LENGTH = 13 * (SPREAD + WARM + SECONDS + 25);
 
-/** So many speak. */
+/** Measures `count` speakers. */
 async function speak(count) {
   const daemon = await Daemon.start(['--max-connections', String(count + 10), '--workers', options.workers]);
   const parts = { daemon: [daemon.process.pid], voices: childrenOf(daemon.process.pid) };

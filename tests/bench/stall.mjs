@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How long others wait while long texts are read: the slowest of the pings that another client, in a thread of its own,
-// sends every 2 ms, for each kind of text. Usage: node tests/bench/run.mjs stall [BYTES...]
+// Delay of other clients while long texts are parsed: the slowest ping of another client, which runs in a thread and sends one every
+// 2 ms, for each kind of text. Usage: node tests/bench/run.mjs stall [BYTES...]
 import { isMainThread, parentPort, Worker, workerData } from 'node:worker_threads';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
@@ -16,7 +16,7 @@ const kinds = {
 };
 
 
-/** The other client: tells, when asked, the slowest answer since it was asked before. */
+/** The other client: reports, on request, the slowest answer since the last request. */
 async function ping(port) {
   const socket = new WebSocket(`ws://127.0.0.1:${port}/v1/stream?audio=none&fap=none`, [], { perMessageDeflate: false });
   let slowest = 0, sent = 0;

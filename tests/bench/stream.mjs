@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life as a .fapc file,
-// ASCII .fap, that gzipped, and JSON of 52 blend shapes at 60 a second, which takes a few seconds; and the beginning of it heard
-// live (Opus and FAPC), by a client that says no more, by one that has the events packed, as the page does, and by one that also
-// wants only 12 kbit/s of Opus, which takes as long as she speaks. Usage: node tests/bench/run.mjs stream [SECONDS [LIVE]]
+// Size of the stream, and errors of the lips by coding: five minutes of Italian with expressions and life as .fapc, ASCII .fap, gzipped
+// .fap, and JSON of 52 blend shapes at 60 fps, which takes a few seconds; and its beginning streamed live (Opus and FAPC) with default
+// options, with packed events like the page, and with 12 kbit/s Opus in addition, in real time.
+// Usage: node tests/bench/run.mjs stream [SECONDS [LIVE]]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -26,10 +26,10 @@ const ask = (format, fps = 25) => fetch(`${daemon.url}/v1/speech?lang=it&format=
   method: 'POST', body: text, headers: { 'content-type': 'application/emotionml+xml' },
 });
 
-/** Bytes of a frame's header on a socket, of the server (RFC 6455, 5.2). */
+/** Size of a server frame's header (RFC 6455, 5.2). */
 const framing = (size) => (size < 126 ? 2 : size < 65536 ? 4 : 10);
 
-/** All that a client which asks for that hears, as bytes, and for how long. */
+/** Streams with these options. Returns received bytes and duration. */
 async function hear(query) {
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it${query}`, { perMessageDeflate: false });
   const sum = { chunks: 0, audio: 0, fap: 0, heads: 0, framing: 0, texts: 0, duration: 0 };
@@ -37,7 +37,7 @@ async function hear(query) {
     socket.on('error', reject).on('open', () => socket.send(JSON.stringify({ type: 'speak', markup: 'emotionml', text: felt(live) })));
     let begun = false;
     socket.on('message', (data, binary) => {
-      if (!begun && !binary) begun = JSON.parse(data).type === 'begin'; // hello, with the list of heads and voices, comes once
+      if (!begun && !binary) begun = JSON.parse(data).type === 'begin'; // excludes hello with the list of heads and voices, which is sent once
       if (!begun) return;
       sum.framing += framing(data.length);
       if (!binary) {
@@ -61,7 +61,7 @@ async function hear(query) {
   return sum;
 }
 
-/** The bytes of sound and face in a compact chunk (protocol/README.md, "Compact chunks"). */
+/** Bytes of sound and face in a compact chunk (protocol/README.md, "Compact chunks"). */
 function partsOf(data) {
   if (!isCompact(data)) throw new Error('not a compact chunk');
   let at = 1;
@@ -79,7 +79,7 @@ function partsOf(data) {
   return { audio, events, fap: data.length - at - audio - events };
 }
 
-// the 52 shapes that head trackers of phones send, each driven by the FAP that comes nearest to it
+// the 52 shapes of phone face trackers, each driven by the most similar FAP
 const shapes = { browDownLeft: 31, browDownRight: 32, browInnerUp: 31, browOuterUpLeft: 35, browOuterUpRight: 36, cheekPuff: 39,
   cheekSquintLeft: 41, cheekSquintRight: 42, eyeBlinkLeft: 19, eyeBlinkRight: 20, eyeLookDownLeft: 25, eyeLookDownRight: 26,
   eyeLookInLeft: 23, eyeLookInRight: 24, eyeLookOutLeft: 23, eyeLookOutRight: 24, eyeLookUpLeft: 25, eyeLookUpRight: 26,
@@ -105,7 +105,7 @@ const original = parseFap(ascii);
 const duration = original.frames.length / original.fps;
 const rate = (bytes) => (bytes * 8) / 1000 / duration;
 
-/** Every lip point's way from where it should be, in mm, over all frames: what coding takes. */
+/** Errors of all lip points over all frames, mm. */
 function lipErrors(decoded) {
   const units = JSON.parse(fs.readFileSync(path.join(build, 'models/heads/mara.json'), 'utf8')).fapu;
   const points = new Map();
@@ -116,7 +116,7 @@ function lipErrors(decoded) {
 }
 const faccia = (args, input) => spawnSync(path.join(build, 'server/cli/faccia'), ['fap', ...args, '-'], { input, maxBuffer: 1 << 28 }).stdout;
 const lossless = faccia(['encode', '--quality', '0'], ascii);
-// of the same frames: what is spoken anew for another answer is not the same to the last unit
+// from the same frames, because repeated speech differs slightly
 const errors = lipErrors(parseFap(String(faccia(['decode'], faccia(['encode'], ascii)))));
 const exact = lipErrors(parseFap(String(faccia(['decode'], lossless))));
 const mean = errors.reduce((a, b) => a + b, 0) / errors.length;

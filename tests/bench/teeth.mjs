@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen of teeth and tongue in each sound of each language, on every head, and what must be seen, as tables:
+// Tables of visible teeth and tongue in each sound of each language on every head, with requirements:
 // FACCIA_BUILD=build node tests/bench/run.mjs teeth [--all] [HEAD]...; --all: sound by sound
 import fs from 'node:fs';
 import path from 'node:path';
@@ -19,7 +19,7 @@ const UNITS = { area: 'mm²', white: 'mm²', width: 'mm', height: 'mm', flat: ''
 const limits = ([what, least, most]) =>
   what in UNITS ? `${what} ${least} to ${most} ${UNITS[what]}`.trim() : `${what} ${Math.round(100 * least)} to ${Math.round(100 * most)} %`;
 
-/** From the least to the greatest. */
+/** Formats minimum and maximum. */
 const range = (list, unit = '') => {
   const [low, high] = [Math.min(...list), Math.max(...list)].map((x) => Math.round(unit ? 100 * x : x));
   return `${low === high ? low : `${low} to ${high}`}${unit}`;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording at other rates than its own: pitch, times. A person's (Debian's asterisk-core-sounds-it and
-// -it-wav), and a voice's.
+// Recordings at other rates: accuracy of pitch and times, for a person (Debian's asterisk-core-sounds-it and
+// -it-wav) and a synthetic voice.
 // node tests/bench/run.mjs tempo [PROMPTS, 30] [person|voice, both]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -31,7 +31,7 @@ console.log('        speed  duration  pitch off (places)   off in time: median, 
 for (const name of process.argv[3] ? [process.argv[3]] : Object.keys(sounds)) {
   const own = say(['-v', `recording:${name}`], texts[name], env);
   if (own.status !== 0) throw new Error(own.stderr);
-  const pace = Math.trunc(texts[name].match(/[\p{L}\p{N}]+/gu).length / (sounds[name].pcm.length / sounds[name].rate / 60)); // as the plugin counts
+  const pace = Math.trunc(texts[name].match(/[\p{L}\p{N}]+/gu).length / (sounds[name].pcm.length / sounds[name].rate / 60)); // like the plugin
   for (const speed of [0.5, 0.7, 0.85, 1.15, 1.3, 1.6, 2]) {
     const rate = Math.round(pace * speed), real = rate / pace, is = say(['-v', `recording:${name}`, '-r', String(rate)], texts[name], env);
     const c = compareTempo(own, is, real);

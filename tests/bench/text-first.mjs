@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How long until a text of the library can be read on a slow phone: milliseconds from asking for the page until its first line is painted, in
-// headless Chromium with empty caches, slowed by the DevTools protocol (150 ms there and back, 1.6 Mbit/s down, a quarter of the processor, as
-// Lighthouse's mobile setting), the bytes that have come by then, and when the head's files were asked for first. The page without scripts
-// stands beside it, and the pages of another build (a folder as build/web), turn by turn.
+// Time to readable text of the library on a slow phone: ms from requesting the page until its first line is painted, in headless Chromium with empty
+// caches, throttled by DevTools (150 ms round trip, 1.6 Mbit/s down, a quarter of the CPU, as Lighthouse's mobile setting), bytes transferred by then,
+// and the time of the first request for the head. Compared with the page without scripts and with another build (a folder like build/web), in turns.
 // FACCIA_BUILD=build FACCIA_MODELS=build/models FACCIA_WEB=build/web node tests/bench/run.mjs text-first [TURNS] [WEB]
 import fs from 'node:fs';
 import os from 'node:os';
@@ -22,7 +21,7 @@ const daemon = await serve('index'), before = other ? await serve('other', { FAC
 const browser = await launch({ webgl: false, idling: true, forced: true, whole: true });
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
-/** Notes when the line stands there, after the picture with it. */
+/** Records when the line is painted. */
 function watch() {
   const look = () => {
     if (document.getElementById('mare:1:l1')) requestAnimationFrame(() => setTimeout(() => (window.readable = performance.now())));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The texts that the benchmarks speak: plain Italian prose of our own, as long as asked for.
+// Texts for the benchmarks: Italian prose written for them, of any length.
 import { manzoni } from '../lib/texts.mjs';
 
 const paragraph = `La mattina il bibliotecario apre le grandi finestre della sala e lascia entrare la luce. Sui tavoli aspettano
@@ -8,7 +8,7 @@ bassa voce, come si saluta un amico. Poi prepara il caffè, sfoglia il giornale 
 bambini, che vogliono storie di lupi e di mare. Verrà il signore che non sente bene, e che guarda le labbra di chi parla per
 capire ogni parola. Per lui il bibliotecario parla piano, senza fretta, e non copre mai la bocca con la mano. `;
 
-/** Italian text that espeak-ng at its own rate speaks for about so many seconds (13 characters a second). */
+/** Italian text of about that many seconds at espeak-ng's default rate (13 characters a second). */
 export function prose(seconds) {
   const one = paragraph.replace(/\s+/g, ' ');
   const count = Math.max(1, Math.ceil((seconds * 13) / one.length));
@@ -18,10 +18,10 @@ export function prose(seconds) {
 /** One sentence of it. */
 export const sentence = 'Per lui il bibliotecario parla piano, senza fretta, e non copre mai la bocca con la mano.';
 
-/** What sentences can be made of: the parts of a novel's sentences. */
+/** Building blocks of sentences: clauses of a novel. */
 const clauses = manzoni.split(/[,;:.]\s+/).map((part) => part.trim()).filter((part) => part.length > 12);
 
-/** Sentences of so many characters in all, put together at random: another seed gives others. */
+/** Random sentences of that total length; each seed gives others. */
 export function varied(length, seed) {
   let [text, state] = ['', seed * 2654435761 >>> 0];
   const dice = (count) => {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What Chromium itself records (chrome://tracing): when each picture was on the display, and when each sample of an
-// AudioContext leaves the loudspeaker, as its sound system says. In milliseconds of one clock, which is not the page's.
+// Reads Chromium's traces (chrome://tracing): when each frame was displayed, and when each sample of an AudioContext is played,
+// according to its sound system. Times are ms of one clock, which is not the page's.
 
-/** What has to be recorded. */
+/** Trace categories to record. */
 export const categories = ['blink.user_timing', 'disabled-by-default-devtools.timeline.frame', 'webaudio'];
 
 const FRAME = 'PipelineReporter';
-const MAIN = 'SendBeginMainFrameToCommit'; // the page's own part of a frame: its animation callbacks run in it
+const MAIN = 'SendBeginMainFrameToCommit'; // the main thread's part of a frame, which runs animation callbacks
 
-/** Frames of the compositor: {from, to} of the page's part and `seen`, of those that were shown. */
+/** Displayed compositor frames: {from, to} of the main thread's part, and display time `seen`. */
 function shown(events) {
   const open = new Map();
   const frames = [];
@@ -26,8 +26,8 @@ function shown(events) {
 }
 
 /**
- * The pictures that were drawn after the marks `PREFIX0`, `PREFIX1`, ... (performance.mark).
- * @returns {Map<number, {begun: number, seen: number|null}>} by number; null: never shown
+ * Frames drawn after the marks `PREFIX0`, `PREFIX1`, ... (performance.mark).
+ * @returns {Map<number, {begun: number, seen: number|null}>} by number; null: never displayed
  */
 export function pictures(events, prefix) {
   const frames = shown(events);
@@ -41,23 +41,23 @@ export function pictures(events, prefix) {
   return found;
 }
 
-const QUANTUM = 128; // frames that an AudioContext renders at a time
+const QUANTUM = 128; // audio frames rendered at a time by an AudioContext
 
 /**
- * The sound of the only AudioContext that was made since the recording began.
+ * Sound of the only AudioContext created since the trace began.
  * @param {number} rate of the context in Hz
- * @returns {(time: number) => number} the context's frame that is heard then
+ * @returns {(time: number) => number} the context's audio frame heard at a time
  */
 export function soundOf(events, rate) {
-  const anchors = []; // {at, frame}: a frame that leaves the loudspeaker at that time
+  const anchors = []; // {at, frame}: the audio frame is played at that time
   let rendered = 0;
-  let waiting = 0; // rendered, and not yet taken by the sound system
+  let waiting = 0; // rendered but not yet taken by the sound system
   let asked = null;
   for (const { name, args } of events.filter(({ cat }) => cat === 'webaudio').sort((a, b) => a.ts - b.ts)) {
     if (name === 'RealtimeAudioDestinationHandler::Render') rendered += QUANTUM;
     if (name === 'AudioDestination::Render') asked = args;
     if (name !== 'PushPullFIFO frames') continue;
-    // The count falls when the sound system takes its share: what it takes begins that much earlier.
+    // The count drops when the sound system takes frames, which begin that much earlier.
     if (asked && args.value < waiting && waiting - args.value === asked.frames)
       anchors.push({ at: asked['delay_timestamp (ms)'] + asked['playout_delay (ms)'], frame: rendered - waiting });
     waiting = args.value;
@@ -66,7 +66,7 @@ export function soundOf(events, rate) {
   return (time) => {
     let k = anchors.findIndex(({ at }) => at > time);
     if (k < 0) k = anchors.length;
-    // The sound system is called in steps, some of them late; the loudspeaker runs evenly.
+    // Calls of the sound system are bursty and sometimes late, but playback is even, so the median is used.
     const near = anchors.slice(Math.max(0, k - 25), k + 25).map(({ at, frame }) => frame - ((at - time) * rate) / 1000);
     return near.sort((a, b) => a - b)[near.length >> 1];
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each voice plugin next to its bare engine's own program, on the same text in one run: speed against real time, the time to the
-// first audio of one sentence in a running daemon, and memory.
+// Each voice plugin beside its engine's own program, on the same text in one run: speed relative to real time, latency to the first
+// audio of a sentence in a running daemon, and memory.
 // Usage: node tests/bench/run.mjs voices [SECONDS OF TEXT] [VOICE]...
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
@@ -17,7 +17,7 @@ const chosen = process.argv.slice(3);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const wav = path.join(folder, 'bare.wav');
 
-// A further plugin: its voice, and a program of its engine that reads the file `text` and writes the file `wav`.
+// Engines by voice: a command that reads the file `text` and writes the file `wav`.
 const festival = (voice) => (text) => ['text2wave', '-eval', `(voice_${voice})`, '-o', wav, text];
 const engines = {
   'espeak:it': (text) => ['espeak-ng', '-v', 'it', '-w', wav, '-f', text],
@@ -29,10 +29,10 @@ const { voices } = await (await daemon.get('/v1/voices')).json();
 const bare = path.join(build, 'tests/bench/bench_kokoro_bare');
 if (voices.some((voice) => voice.id === 'kokoro:if_sara')) {
   needProgram('kokoro_bare');
-  engines['kokoro:if_sara'] = (text) => [bare, 'if_sara', text]; // the same graph; prints what it measured
+  engines['kokoro:if_sara'] = (text) => [bare, 'if_sara', text]; // the same graph; prints its measurements
 }
 
-/** Runs a program: {wall: seconds, memory: MB at most, told: the numbers that it printed}. */
+/** Runs a program: {wall: seconds, memory: peak in MB, told: printed numbers}. */
 function run(argv) {
   return new Promise((resolve, reject) => {
     const start = performance.now();
@@ -50,7 +50,7 @@ const durationOf = (file) => {
   return (bytes.length - 44) / bytes.readUInt32LE(28);
 };
 
-/** Memory of the plugin's worker and what it has started: the most that each has had, MB. */
+/** Peak memory of the plugin's worker and its children, MB. */
 function memoryOf(daemon, plugin) {
   const processes = fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).flatMap((name) => {
     try {
@@ -58,7 +58,7 @@ function memoryOf(daemon, plugin) {
       const field = (key) => Number(status.match(new RegExp(`^${key}:\\s+(\\d+)`, 'm'))?.[1] ?? 0);
       return [{ pid: Number(name), parent: field('PPid'), peak: field('VmHWM') / 1024, command: fs.readFileSync(`/proc/${name}/cmdline`, 'latin1') }];
     } catch {
-      return []; // it has ended meanwhile
+      return []; // it has just ended
     }
   });
   const below = (p) => [p, ...processes.filter((q) => q.parent === p.pid).flatMap(below)];
@@ -71,7 +71,7 @@ async function firstAudio(daemon, voice) {
   for (let i = 0; i < 12; i++) {
     const before = stream.chunks.length;
     const start = performance.now();
-    stream.send({ type: 'speak', lang: 'it', voice, id: `u${i}`, text: `${sentence.slice(0, -1)}, ${"ancora ".repeat(i % 6)}${i > 5 ? "e poi" : "poi"} basta.` }); // each its own: the daemon remembers
+    stream.send({ type: 'speak', lang: 'it', voice, id: `u${i}`, text: `${sentence.slice(0, -1)}, ${"ancora ".repeat(i % 6)}${i > 5 ? "e poi" : "poi"} basta.` }); // each text is unique, because of the cache
     await stream.until(() => stream.chunks.length > before, 60000);
     times.push(performance.now() - start);
     stream.send({ type: 'stop' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The documentation as the daemon serves it, under the daemon's own policy: pages are drawn, searched and walked through, and a face in them speaks.
+// The documentation served by the daemon under its policy: pages render, search and links work, and a face in them speaks.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -16,7 +16,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page whose violations and errors are kept. */
+/** Opens a page and records policy violations and errors. */
 async function open(address, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
   page.problems = [];

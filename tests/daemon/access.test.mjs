@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who is let in: tokens, origins, limits for each address and each subject.
+// Access control: tokens, origins, and limits per address and per subject.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -23,7 +23,7 @@ const token = (options = [], file = secretFile) => {
 };
 const bearer = (text) => ({ headers: { authorization: `Bearer ${text}` } });
 
-/** fetch sends no Origin of one's own choice. */
+/** Sends a request with any headers; fetch does not allow setting Origin. */
 const request = (port, { path: address = '/', method = 'GET', headers = {}, body } = {}) =>
   new Promise((resolve, reject) => {
     const request = http.request({ host: '127.0.0.1', port, path: address, method, headers }, (response) => {
@@ -84,7 +84,7 @@ test('a token among the sub-protocols, as a browser can send it', async () => {
   await forged.wait({ type: 'error', code: 'bad-token' });
   await forged.wait({ type: 'error', code: 'token-needed' });
   await forged.close();
-  // it is good elsewhere, too
+  // other routes accept the same token
   assert.equal((await daemon.get('/v1/speech?lang=it', { method: 'POST', body: 'Sì.', ...bearer(token()) })).status, 200);
 });
 
@@ -154,7 +154,7 @@ test('without a list, pages of this machine alone', async () => {
     if (allowed) await (await opened).close();
     else await assert.rejects(opened, /403/);
   }
-  // a name that an attacker lets point here: page and host agree
+  // DNS rebinding: a name that an attacker points to this machine; Origin and Host agree
   const rebound = await request(open.port, { path: '/v1/speech', method: 'POST', headers: { origin: 'http://evil.example', host: 'evil.example' }, body: 'Sì.' });
   assert.equal(rebound.status, 421);
   assert.equal((await open.stop()).code, 0);
@@ -166,12 +166,12 @@ test('limits for an address and for a subject', async () => {
   const second = await tight.stream('', bearer(token()));
   const third = await tight.stream('', bearer(token(['--subject', 'anna'])));
   await third.wait({ type: 'error', code: 'too-many-per-address' });
-  // of the same address, but another subject
+  // same address, another subject
   const other = await tight.stream('', bearer(token(['--subject', 'bruno'])));
   assert.equal(await speaks(other), true);
   const asked = [];
   for (let i = 0; i < 4; i++) asked.push(await speaks(i % 2 ? first : second, `n${i}`));
-  // a minute may end in between, never two
+  // the minute may end once in between, never twice
   assert.ok(asked.filter((a) => a === 'too-many-requests').length <= 1);
   for (let i = 4; i < 8; i++) asked.push(await speaks(first, `n${i}`));
   assert.ok(asked.includes('too-many-requests'));

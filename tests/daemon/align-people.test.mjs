@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A person's recording, and its text that differs from what is read: a sentence is left out, one is read that is not in the text, one is read twice. Prompts of Debian's
-// asterisk-core-sounds-it.
+// Aligns a person's recording to a text that differs from it: one sentence is skipped, one is not in the text, one is read twice.
+// The sounds are prompts of Debian's asterisk-core-sounds-it.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -55,6 +55,6 @@ for (const [what, read, unread] of [
       } else if (places.some((p) => known.length && Math.abs(known[0].start - p.start) < 0.4 && Math.abs(known.at(-1).end - p.end) < 0.4)) good++;
     });
     const wanted = story.length - (unread < 0 ? 0 : 1);
-    assert.ok(good >= wanted - 1, `${good} of ${wanted} sentences lie where they are`); // two that are alike may be taken for each other
+    assert.ok(good >= wanted - 1, `${good} of ${wanted} sentences lie where they are`); // two similar sentences may be confused
     assert.ok(sentences.length >= 4 && sentences.every((s) => s.confidence >= 0 && s.confidence <= 1));
   });

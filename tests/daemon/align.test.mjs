@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings with their texts: found by alignment, measured where the truth is known; times from files; voices of a folder.
+// Recordings with their texts: accuracy of alignment against known times; times read from files; a folder of recordings as voices.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -25,7 +25,7 @@ const write = (name, data) => {
   return file(name);
 };
 const run = (args, from = build, env = {}) => faccia(args, { from, env });
-/** A sound file of samples. */
+/** Writes samples as a sound file. */
 const wav = (name, pcm, rate) => write(name, wavOf(pcm, rate));
 const align = (sound, text, { lang = 'it', from = build, more = [] } = {}) => {
   const result = run(['align', sound, '--text', write('transcript.txt', text), '-l', lang, '--json', file('out.json'), ...more], from);
@@ -37,7 +37,7 @@ const aligned = (sound, text, options) => {
   checkOrder(result);
   return result;
 };
-/** A voice as a recording, with what is known of it. */
+/** Synthesised speech as a recording, with its true times. */
 const recordings = new Map();
 const recorded = (voice, lang, text) => {
   const key = voice + text;
@@ -57,7 +57,7 @@ const join = (...parts) => {
   }
   return all;
 };
-/** Noise that is the same in every run. */
+/** Reproducible noise. */
 const noise = (samples, loudness, seed = 1) => {
   let state = seed;
   return Int16Array.from({ length: samples }, () => {
@@ -89,7 +89,7 @@ test('noise and silence at the ends, and long pauses between sentences', () => {
   const truth = recorded('festival:pc', 'it', short);
   const { pcm, rate } = truth;
   const quiet = (seconds) => noise(seconds * rate, 20);
-  // a pause of half a minute goes into the middle of the pause before "Il sole"
+  // inserts half a minute of silence into the pause before "Il sole"
   const at = truth.json.words.find((w) => w.text === 'Il').start, cut = Math.round((at - 0.15) * rate);
   const parts = join(noise(1.5 * rate, 1500), quiet(4), pcm.subarray(0, cut), quiet(30), pcm.subarray(cut), quiet(3), noise(2 * rate, 1500));
   const found = aligned(wav('pauses.wav', parts, rate), short);
@@ -97,14 +97,14 @@ test('noise and silence at the ends, and long pauses between sentences', () => {
   let last = 0;
   for (const word of truth.json.words) {
     const expected = word.start + 5.5 + (word.start >= at - 0.01 ? 30 : 0), start = starts[word.byte_start];
-    if (start === undefined) continue; // the two voices do not cut all words alike
+    if (start === undefined) continue; // the two voices split some words differently
     assert.ok(Math.abs(start - expected) < 0.15, `${word.text} at ${start}, not ${expected}`);
     last = start;
   }
   assert.ok(last > 38);
 });
 
-// Sentences of "Sense and Sensibility", read for LibriVox, in Debian's pocketsphinx-testdata.
+// Sentences of "Sense and Sensibility", read for LibriVox; from Debian's pocketsphinx-testdata.
 const people = '/usr/share/pocketsphinx/test/data/librivox';
 test('people who read: vowels are louder than stops, pauses are silent, all is covered', () => {
   const lines = fs.readFileSync(path.join(people, 'transcription'), 'utf8').trim().split('\n');
@@ -125,7 +125,7 @@ test('people who read: vowels are louder than stops, pauses are silent, all is c
     for (const { ipa, start, end } of json.phones) {
       const middle = (start + end) / 2;
       if (!ipa && end - start > 0.05) loudness.pause.push(level(start + 0.02, end - 0.02));
-      // the quietest of a stop is its closure
+      // a stop's quietest moment is its closure
       else if (/^[ptkbdɡ]/.test(ipa)) loudness.closure.push(Math.min(...[0, 0.01, 0.02, 0.03].map((t) => level(start + t, start + t + 0.01))));
       else if (/^[aeiouɑɔɛɪʊʌæə]/.test(ipa)) loudness.vowel.push(level(middle - 0.015, middle + 0.015));
     }
@@ -158,7 +158,7 @@ test('beside noise no word that is sure begins a second off', () => {
   for (const voice of ['pc']) {
     const truth = recorded(`festival:${voice}`, 'it', short), { pcm, rate } = truth;
     const at = truth.json.words.find((w) => w.text === 'Pippo').start, cut = Math.round((at - 0.02) * rate);
-    for (const loud of [1000]) { // with 3000 a word that is sure still begins 3 s off: not mended
+    for (const loud of [1000]) { // known problem: with 3000, a word of high confidence begins 3 s off
       const parts = join(noise(2 * rate, loud), pcm.subarray(0, cut), noise(3 * rate, loud), pcm.subarray(cut));
       const found = aligned(wav('noisy.wav', parts, rate), short, { from: ordinary });
       const real = wordStarts(truth);
@@ -281,7 +281,7 @@ test('a chapter of eleven minutes, in the memory of a short one', further, async
     seed = (seed * 16807) % 2147483647;
     text += `${sentences[seed % sentences.length].replace(/[,;:.]$/, '')}. `;
   }
-  const truth = say(['-l', 'it', '-v', 'espeak:it+f2', '-r', '140'], text, {}, ordinary); // speaking is not what is tried here
+  const truth = say(['-l', 'it', '-v', 'espeak:it+f2', '-r', '140'], text, {}, ordinary); // ordinary build: speaking is not under test
   assert.equal(truth.status, 0, truth.stderr);
   const sound = wav('chapter.wav', truth.pcm, truth.rate), seconds = truth.pcm.length / truth.rate;
   assert.ok(seconds > 660, `${seconds} s`);
@@ -293,7 +293,7 @@ test('a chapter of eleven minutes, in the memory of a short one', further, async
       try {
         peak = Math.max(peak, Number(fs.readFileSync(`/proc/${child.pid}/status`, 'latin1').match(/VmHWM:\s+(\d+)/)?.[1] ?? 0));
       } catch {
-        // it has ended
+        // the process has ended
       }
     }, 20);
     const [status] = await once(child, 'exit');
@@ -326,7 +326,7 @@ test('times from files, with the words found in the sound', () => {
     if (starts[word.byte_start] !== undefined) assert.ok(Math.abs(starts[word.byte_start] - word.start) < 0.15, word.text);
   const on = found.json.words.filter((w) => boundaries.has(w.start.toFixed(3))).length;
   assert.ok(on > 0.8 * found.json.words.length, `${on} of ${found.json.words.length} words begin with a phone`);
-  // words that the file tells need no alignment; without a text, the file is all there is
+  // words whose times are in the file need no alignment; without a text, only the file is used
   const own = write('own.json', JSON.stringify(truth.json));
   assert.deepEqual(words(aligned(truth.path, short, { more: ['--timing', own] })).join(' ').replace(/[^\p{L} ]/gu, ' ').split(/\s+/), words(truth).join(' ').replace(/[^\p{L} ]/gu, ' ').split(/\s+/));
   const alone = run(['align', truth.path, '--timing', lab, '--names', names]);
@@ -343,7 +343,7 @@ test('a TextGrid with words needs no text: its tiers are found by their names, o
   const tier = (name, list) => `"IntervalTier"\n${quoted(name)}\n0\n${truth.json.duration}\n${list.length}\n${list.map(({ start, end, text, ipa }) => `${start}\n${end}\n${quoted(text ?? ipa)}`).join('\n')}\n`;
   const grid = (...tiers) => write('own.TextGrid', `File type = "ooTextFile"\nObject class = "TextGrid"\n0\n${truth.json.duration}\n<exists>\n${tiers.length}\n${tiers.join('')}`);
   const said = truth.json.words.flatMap(({ text, start, end }) => {
-    const parts = text.split(/(?<=')/); // what an apostrophe cuts are two words
+    const parts = text.split(/(?<=')/); // an apostrophe separates two words
     return parts.map((part, i) => ({ text: part, start: start + (i / parts.length) * (end - start), end: start + ((i + 1) / parts.length) * (end - start) }));
   });
   const check = (timing, ...more) => {
@@ -362,7 +362,7 @@ test('a TextGrid with words needs no text: its tiers are found by their names, o
   assert.match(unknown.stderr, /none of the tiers is named "phones": tell which of "one", "two"/);
 });
 
-// However slow the machine is, it has the time that it takes.
+// Seconds: a generous deadline for slow machines.
 const PATIENCE = '300';
 const patience = ['--deadline-base', PATIENCE];
 const library = (name, config = {}) => ({ FACCIA_DEADLINE_BASE: PATIENCE, FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), seconds: 300, ...config } })) });
@@ -381,7 +381,7 @@ test('a folder of recordings: voices, sentences, the whole text, what is not in 
   assert.match(voices, /recording:pride +en +male +recorded +Pride/);
   assert.match(voices, /recording:promessi +it +neutral +recorded +promessi/);
   assert.doesNotMatch(voices, /untold/);
-  // the whole text is the whole sound
+  // the whole text plays the whole recording
   const whole = say(['-v', 'recording:promessi'], manzoni, env, ordinary);
   assert.equal(whole.status, 0, whole.stderr);
   assert.equal(whole.stderr, '');
@@ -392,7 +392,7 @@ test('a folder of recordings: voices, sentences, the whole text, what is not in 
   assert.deepEqual([...whole.pcm.subarray(20000, 20050)], [...truth.pcm.subarray(20000, 20050)]);
   assert.ok(errors(truth.json.phones, whole.json.phones).within50 > 0.9);
   assert.ok(fs.existsSync(file('shelf/promessi.timing.json')), 'the alignment is kept');
-  // some words of it, in other spelling
+  // some of its words, spelled differently
   const words_ = say(['-v', 'recording:promessi', '--pitch', '1.5'], 'DALL\'ALTRA  parte: e il ponte', env);
   assert.equal(words_.status, 0, words_.stderr);
   assert.match(words_.stderr, /recordings keep their pitch/);
@@ -423,13 +423,13 @@ test('kept alignments: others\' are found out, a folder for them, user\'s own', 
   const kept = JSON.parse(fs.readFileSync(file('kept/cache/a.timing.json')));
   assert.ok(!fs.existsSync(file('kept/a.timing.json')));
   assert.equal(kept.samples, truth.pcm.length);
-  // what is kept is used
+  // the stored alignment is used
   write('kept/cache/a.timing.json', JSON.stringify({ ...kept, phones: kept.phones.map((p) => ({ ...p, ipa: 'm' })) }));
   assert.match(phones(speak(short)), /^[m_ ]+$/);
-  // the text has changed: found anew
+  // a changed text is aligned again
   write('kept/a.txt', `${short} `);
   assert.equal(phones(speak(short)), phones(before));
-  // a TextGrid of the user's counts first
+  // the user's TextGrid takes precedence
   const grid = `File type = "ooTextFile"\nObject class = "TextGrid"\n0\n1\n<exists>\n2\n"IntervalTier"\n"words"\n0\n1\n2\n0.1\n0.4\n"La"\n0.4\n1\n"mamma"\n"IntervalTier"\n"phones"\n0\n1\n1\n0.1\n1\n"l"\n`;
   write('kept/a.TextGrid', grid);
   assert.equal(phones(speak('La mamma')).replaceAll('_', '').trim(), 'l');
@@ -462,7 +462,7 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
   t.after(() => daemon.process.kill('SIGKILL'));
   const { voices } = await (await daemon.get('/v1/voices')).json();
   assert.equal(voices.find((v) => v.id === 'recording:a').quality, 'recorded');
-  // slower and faster: the pitch stays, sound and phones come when they should
+  // slower and faster: the pitch stays, and phones match the sound
   const pace = voices.find((v) => v.id === 'recording:a').words_per_minute;
   assert.equal(pace, Math.trunc(short.match(/[\p{L}\p{N}]+/gu).length / (truth.pcm.length / truth.rate / 60)));
   const speech = (format, more = '') => daemon.get(`/v1/speech?voice=recording:a&format=${format}${more}`, { method: 'POST', body: short, headers: { 'content-type': 'text/plain' } });
@@ -482,7 +482,7 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
     own.json.words.forEach((w, i) => assert.ok(Math.abs(is.json.words[i].end * speed - w.end) < 0.03, `${what}, ${w.text}`));
     assert.deepEqual(is.json.warnings ?? [], []);
   }
-  // a stretch of a sentence alone, and a mark after it
+  // a change within a sentence, and a mark after it
   const ssml = (body) => `<speak xml:lang="it">${body}</speak>`, slow = ssml('La mamma prepara il pane, e <prosody rate="50%">il bambino mangia</prosody> <mark name="m"/>una mela.');
   const asked = await daemon.get('/v1/speech?voice=recording:a&format=json', { method: 'POST', body: slow, headers: { 'content-type': 'application/ssml+xml' } });
   const parts = await asked.json(), lasts = ({ words }, i) => words[i].end - words[i].start;
@@ -523,7 +523,7 @@ test('the same words twice are two places of the recording, in spite of the cach
     while (start < truth.rate && heard.subarray(0, 50).some((x, k) => x !== pcm[start + k])) start++;
     assert.ok(heard.every((x, k) => x === pcm[start + k]), 'what is heard is the recording, sample by sample');
   }
-  // The text around a sentence tells which of two places is meant, whatever was spoken before.
+  // The text around a sentence decides which of two places is played, independent of earlier speech.
   for (const [part, last] of [[text.slice(text.lastIndexOf('La mamma')), true], [text.slice(0, 45), false]]) {
     const heard = await spoken(part);
     const at = last ? pcm.length - heard.length : 0;

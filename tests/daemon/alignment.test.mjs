@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings of the library are aligned in the background: what is told of them, what is killed in the middle, what changes.
+// Background alignment of the library's recordings: reports, killed processes, changed files.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -9,7 +9,7 @@ import Ajv from 'ajv/dist/2020.js';
 import { Daemon, build, eventually, ordinary, root } from '../lib/daemon.mjs';
 import { further } from '../lib/long.mjs';
 
-// not in /tmp, which the aligner may read anyway; and named as an operator does who stands beside it
+// not in /tmp, which the aligner may always read; given as a relative path, as an operator may
 const folder = fs.mkdtempSync(path.join(fs.realpathSync(build), 'alignment-'));
 const works = path.join(folder, 'works');
 const kept = path.join(folder, 'index.voices');
@@ -34,7 +34,7 @@ let daemon;
 const ask = async (address) => (await daemon.get(`/v1/library${address}`)).json();
 const list = async () => valid('library', await ask(''));
 const recording = async (id) => valid('work', await ask(`/works/${id}`)).recordings[0];
-/** The processes that align this library. */
+/** Lists the processes that align this library. */
 const aligners = () => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).filter((pid) => {
   try {
     const [program, where] = fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
@@ -43,7 +43,7 @@ const aligners = () => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(nam
     return false;
   }
 });
-/** Beside other tests, what gives way to everybody would never come to its end: from here on it does not. */
+/** Raises the aligners' priority: idle processes would never finish beside other tests. */
 const hurry = () => {
   for (const pid of aligners())
     for (const one of [pid, ...fs.readFileSync(`/proc/${pid}/task/${pid}/children`, 'utf8').split(' ').filter(Boolean)]) {
@@ -51,7 +51,7 @@ const hurry = () => {
       spawnSync('renice', ['-n', '0', '-p', one]);
     }
 };
-const hurried = (condition, what) => eventually(() => { try { hurry(); } catch { /* it has just ended */ } return condition(); }, what, 240000);
+const hurried = (condition, what) => eventually(() => { try { hurry(); } catch { /* the process has just ended */ } return condition(); }, what, 240000);
 const until = (id, state) => hurried(async () => { const one = await recording(id); return one?.state === state && one; }, `${id} ${state}`);
 const stop = async () => assert.equal((await daemon.stop()).code, 0, daemon.log);
 
@@ -80,7 +80,7 @@ test('one after the other, behind everybody else and within its share; killed wi
   const pids = aligners();
   assert.equal(pids.length, 1);
   const stat = () => fs.readFileSync(`/proc/${pids[0]}/stat`, 'utf8').replace(/^.*\) /, '').split(' ');
-  await eventually(() => stat()[16] === '19' && stat()[38] === '5', 'nice 19, SCHED_IDLE'); // it sets them itself
+  await eventually(() => stat()[16] === '19' && stat()[38] === '5', 'nice 19, SCHED_IDLE'); // set by the aligner itself
   const ticks = Number(execFileSync('getconf', ['CLK_TCK'], { encoding: 'utf8' }));
   await hurried(async () => (await daemon.metric('faccia_library_alignment_share')) > 0 && (await list()).alignment.share > 0, 'the first sentence');
   const share = () => {
@@ -137,7 +137,7 @@ test('what is known is not found again; another text or sound is; what is only t
   await until('detto', 'aligned');
   assert.equal(fs.statSync(times).mtimeMs, made, 'the same sound has the same times');
 
-  put('detto.md', work(`${MONTE}\n\n${NOTTE}`)); // the voice has the other text loaded
+  put('detto.md', work(`${MONTE}\n\n${NOTTE}`)); // while the voice has the old text loaded
   const detto = await hurried(async () => { const one = await recording('detto'); return one.state === 'aligned' && one.missing === 0 && one; }, 'the other text');
   assert.equal(detto.sentences, 3);
   assert.ok(detto.unwritten.length > 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia-say: what a shell script learns of an announcement by its exit status.
+// faccia-say: the exit status tells a shell script what became of an announcement.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -21,7 +21,7 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** Runs it; gives its status and what it wrote on standard error. */
+/** Runs faccia-say. Returns its status and standard error. */
 async function run(options, { input, url = daemon.url, env = {} } = {}) {
   const child = spawn(path.join(build, 'server/bridges/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
   let stderr = '';
@@ -44,7 +44,7 @@ test('it is accepted at once, and waits until it is heard where that is wanted',
 });
 
 test('a listener is needed: status 3, at once or when what was held is given up', async () => {
-  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'])).status, 0); // held for whom may come
+  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'])).status, 0); // held until somebody joins
   const given = await run(['--room', 'cellar', '--lang', 'it', '--wait', 'Ciao.']);
   assert.equal(given.status, 3);
   assert.match(given.stderr, /nobody came/);
@@ -78,7 +78,7 @@ test('what is wrong is told', async () => {
     assert.equal(status, 1, stderr);
     assert.match(stderr, message);
   }
-  // also to one that does not wait, and so does not follow the room
+  // also without waiting, when it does not follow the room
   for (const [option, value] of [['--lang', 'xx'], ['--voice', 'nobody:x'], ['--markup', 'nroff']]) {
     const { status, stderr } = await run(['--room', 'kitchen', option, value, 'x']);
     assert.deepEqual([status, stderr.includes(value)], [1, true], stderr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speech by GET and by JSON, members that nobody knows, what was meant instead, and rooms where nobody listens.
+// Speech by GET and by JSON, unknown members and suggestions for them, and speech to empty rooms.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -22,9 +22,9 @@ test('GET, POST of text and POST of JSON speak the same', async () => {
   assert.ok(posted.length > 20000);
   assert.deepEqual(await bytes(`/v1/speech?lang=it&rate=200&seed=3&text=${encodeURIComponent(text)}`), posted);
   assert.deepEqual(await bytes('/v1/speech', json({ text, lang: 'it', rate: 200, seed: 3 })), posted);
-  // a body counts for more than the address; its charset is said
+  // members of the body override the query; the content type may name a charset
   assert.deepEqual(await bytes('/v1/speech?lang=tr&rate=100', json({ text, lang: 'it', rate: 200, seed: 3 }, { 'content-type': 'application/json; charset=utf-8' })), posted);
-  // markup is found in all of them, or said
+  // markup is detected or stated in every form
   const marked = '<speak xml:lang="it">Uno <mark name="m"/>due.</speak>';
   for (const answer of [
     await asked(`/v1/speech?format=json&text=${encodeURIComponent(marked)}`),
@@ -93,14 +93,14 @@ test('members that nobody knows are warned of, in the way of each format', async
   const read = await daemon.get(`/v1/speech?${query}`, { headers: { origin: 'http://localhost:5173' } });
   assert.equal(read.headers.get('access-control-expose-headers'), 'etag, faccia-warning');
   await read.arrayBuffer();
-  // known ones are not, and an answer without warnings says nothing of them
+  // known parameters get no warning, and then there is no warning header
   const clean = await daemon.get('/v1/speech?lang=it&format=wav&seed=1&life=1&text=Ciao');
   assert.equal(clean.headers.get('faccia-warning'), null);
   await clean.arrayBuffer();
   const said = await asked('/v1/speech?format=json', json({ text: 'Ciao', lang: 'it', speeed: 1, Voice: 'x' }));
   has(said.warnings, { code: 'unknown-member', field: 'speeed' });
   assert.match(has(said.warnings, { code: 'unknown-member', field: 'Voice' }).message, /near: voice/);
-  // other answers in JSON, and errors
+  // other JSON responses, and errors
   has((await asked('/v1/voices?rat=1')).warnings, unknown);
   assert.equal('warnings' in (await asked('/v1/voices')), false);
   const refused = await daemon.get('/v1/speech?rat=1&lang=xx&text=Ciao');
@@ -156,7 +156,7 @@ test('what may have been meant', async () => {
   stream.send({ type: 'speak', id: 'mood', lang: 'it', markup: 'ssml', text: '<speak><emotion><category name="hapiness"/>Ciao.</emotion></speak>' });
   const warning = await stream.wait((m) => m.type === 'warning' && m.id === 'mood');
   assert.match(warning.message, /near: /);
-  // a name that is near to none gets none
+  // no suggestion for a name unlike any other
   const from = stream.messages.length;
   stream.send({ type: 'speak', text: 'a', voice: 'zzzzzzzzzz' });
   assert.doesNotMatch((await stream.wait({ type: 'error' }, { from })).message, /near/);
@@ -171,13 +171,13 @@ test('say tells how many listen; where nobody does, it is accepted and lost', as
   await Promise.all([one.wait({ type: 'joined' }), two.wait({ type: 'joined' })]);
   assert.equal((await asked('/v1/say?room=hall&lang=it', json({ text: 'Buongiorno.', id: 'j' }))).listeners, 2);
   for (const stream of [one, two]) await stream.wait({ type: 'end', id: 'j', reason: 'done' });
-  // it was not kept
+  // the refused speech was not held
   const late = await daemon.stream('?room=empty');
   await late.wait({ type: 'joined' });
   late.send({ type: 'ping', id: 1 });
   await late.wait({ type: 'pong' });
   assert.ok(!late.messages.some((m) => m.type === 'begin'));
-  // what is wrong is told whether or not somebody listens
+  // errors are reported with and without listeners
   assert.equal((await asked('/v1/say?room=empty&rate=3', plain('a'))).code, 'bad-field');
   await Promise.all([one, two, late].map((stream) => stream.close()));
 });
@@ -197,13 +197,13 @@ test('--hold keeps it for who comes in time, in its order, and not without end',
   assert.deepEqual(await say('hall', 'Ora sì.', 'e'), { status: 202, type: 'accepted', room: 'hall', listeners: 1 });
   await stream.wait({ type: 'end', id: 'e', reason: 'done' });
   await stream.close();
-  // it is told once
+  // held speech is spoken only once
   const again = await own.stream('?room=hall');
   await again.wait({ type: 'joined' });
   again.send({ type: 'ping', id: 1 });
   await again.wait({ type: 'pong' });
   assert.ok(!again.messages.some((m) => m.type === 'begin'));
-  // all rooms together hold a hundred
+  // limit of held speech in all rooms: 100
   let statuses = [];
   for (let i = 0; i < 110; i++) statuses.push((await say(`r${i}`, 'Sì.', 'z')).status);
   assert.equal(statuses.filter((s) => s === 202).length, 99);
@@ -213,7 +213,7 @@ test('--hold keeps it for who comes in time, in its order, and not without end',
 test('what is held too long is forgotten', async () => {
   const own = await Daemon.start(['--hold', '1']);
   assert.equal((await asked('/v1/say?room=hall&lang=it', plain('Presto!'), own)).held, 1);
-  await new Promise((resolve) => setTimeout(resolve, 1100)); // the clock that is tested
+  await new Promise((resolve) => setTimeout(resolve, 1100)); // the hold time under test
   const stream = await own.stream('?room=hall');
   await stream.wait({ type: 'joined' });
   stream.send({ type: 'ping', id: 1 });

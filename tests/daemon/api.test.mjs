@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// openapi.json and asyncapi.json against the running daemon: all that is in them is there, what is there is in them.
+// openapi.json and asyncapi.json against the running daemon: everything described exists, and everything that exists is described.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -36,10 +36,10 @@ after(async () => {
 
 const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md' };
 
-/** What the reference inside the document stands for. */
+/** Resolves a reference within the document. */
 const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
 
-/** The response as the document describes it. */
+/** Checks a response against its description in the document. */
 async function check(response, operation) {
   let described = operation.responses[response.status];
   assert.ok(described, `${response.url} answered ${response.status}`);
@@ -58,12 +58,12 @@ const parameters = (operation) => (operation.parameters ?? []).map((p) => (p.$re
 const methodsOf = (address) => ['get', 'post', 'put', 'delete'].filter((method) => method in openapi.paths[address]);
 const operations = Object.keys(openapi.paths).flatMap((address) =>
   methodsOf(address).map((method) => ({ address, method: method.toUpperCase(), operation: openapi.paths[address][method] })));
-// served as they are
+// documents served unchanged
 const documents = Object.keys(openapi.paths).filter((address) => /^\/v1\/\w+\.json$/.test(address));
 
 test('the routes of the daemon are the paths of the document', async () => {
   const routes = [...read('server/api/routes.c').matchAll(/^ {4}\{\.path = "(\/[^"]+)"/gm)].map(([, address]) => address);
-  routes.push('/v1/rooms'); // which stands in the table by its name, for the commands below it
+  routes.push('/v1/rooms'); // in the table of routes only by name, for the commands below it
   assert.ok(routes.length > 10);
   const below = [...read('server/api/routes.c').matchAll(/^ {4}\{\.path = "(\/[^"]+)"[^}]*\.below = true/gm)].map(([, address]) => `${address}/`);
   const own = (address) => routes.includes(address) || (!address.includes('{') && !below.some((folder) => address.startsWith(folder)));
@@ -112,7 +112,7 @@ for (const { address, method, operation } of operations) {
       assert.ok(response.status < 300, `${response.status}`);
       await check(response, operation);
     }
-    // without what it needs, and with what it does not have
+    // without required parameters, and with a room that does not exist
     if (wantsRoom) await check(await daemon.get(url, options), operation);
     if (wantsRoom && method === 'POST') await check(await daemon.get(`${url}?room=nobody`, options), operation);
     if (address.includes('{')) await check(await daemon.get(address.replace(/\{\w+\}/g, 'nobody'), method === 'POST' ? options : {}), operation);
@@ -139,7 +139,7 @@ for (const { address, method, operation } of operations) {
       });
 }
 
-// but the client's sound, which is no text
+// except client.sound, which is a binary message
 const types = (side) =>
   Object.entries(asyncapi.components.messages).filter(([key]) => key.startsWith(side) && key !== 'client.sound').map(([key, message]) => {
     assert.equal(key, `${side}.${message.name}`);
@@ -165,7 +165,7 @@ test('the daemon takes each message of the client, and sends each of the server'
     choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 } };
   const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
-  const desk = await daemon.stream(); // who looks on hears of the desks
+  const desk = await daemon.stream(); // observers are notified of each other (desks)
   desk.send({ type: 'join', room: 'api', watch: true });
   await desk.wait({ type: 'desks' });
   const mix = [{ name: 'joy' }];
@@ -179,7 +179,7 @@ test('the daemon takes each message of the client, and sends each of the server'
   await stream.wait({ type: 'pong', id: 'last' });
   const messages = [...stream.messages, ...desk.messages];
   assert.ok(!messages.some((m) => m.code === 'unknown-type' || m.code === 'bad-message'));
-  // authorized only comes where there are tokens
+  // authorized is sent only when tokens are required
   const heard = new Set([...messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized']);
   assert.deepEqual(types('server').filter((type) => !heard.has(type)), []);
   for (const { arrived, ...message } of messages)

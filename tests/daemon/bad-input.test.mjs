@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bad input gets a clear error with its place; the connection and everybody else live on.
+// Bad input gets an error with its place; the connection and all others stay usable.
 import assert from 'node:assert/strict';
 import net from 'node:net';
 import { after, before, test } from 'node:test';
@@ -9,7 +9,7 @@ let daemon;
 before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-/** Sends what is given on one connection, expects the error, and shows that the same connection still speaks. */
+/** Sends the message, expects the error, then speaks on the same connection. */
 async function refuses(message, expected) {
   const stream = await daemon.stream();
   stream.socket.send(message);
@@ -124,7 +124,7 @@ test('a WebSocket at another address is refused', async () => {
   })));
 });
 
-/** Raw bytes to the port; resolves when the daemon closes. */
+/** Sends raw bytes. Resolves when the daemon closes the connection. */
 function raw(bytes) {
   return new Promise((resolve) => {
     const socket = net.connect(daemon.port, '127.0.0.1');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Boundaries between a voice's phones go where the table says that they are heard, in sound's events and in the face, unless that is turned off.
+// The boundary table moves a voice's phone boundaries, in events and in the face, unless it is disabled.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';

@@ -19,7 +19,7 @@ const file = (name, text) => {
   return where;
 };
 
-// what would be sent to a daemon
+// collects what a bridge would send to a daemon
 let listener, sent = '';
 before(async () => {
   listener = net.createServer((socket) => socket.on('data', (data) => (sent += data)).on('error', () => {}));
@@ -36,7 +36,7 @@ const nothing = { secret: `${secret}\n`, 'two parts': 'abc.def\n', 'four parts':
 async function run(program, options, env = {}, input = 'ignore') {
   const child = spawn(path.join(build, 'server/bridges', program), options, { env: { ...process.env, ...env }, stdio: [input, 'ignore', 'pipe'] });
   let stderr = '';
-  // one that complains and goes on, as it does of FACCIA_TOKEN, is ended
+  // with FACCIA_TOKEN the program warns and goes on, so it is stopped after its first line
   child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text) && env.FACCIA_TOKEN && stderr.includes('\n') && child.kill());
   const timer = setTimeout(() => child.kill(), 30000);
   const [status] = await once(child, 'close');
@@ -63,7 +63,7 @@ if (fs.existsSync(path.join(build, 'server/bridges/sd_faccia')))
   test('sd_faccia, whose file is named in its configuration, does the same', async () => {
     const config = (text) => file('faccia.conf', `FacciaUrl "http://127.0.0.1:${listener.address().port}"\nFacciaTokenFile "${file('token', text)}"\n`);
     for (const [name, text] of Object.entries(nothing)) {
-      const { status, stderr } = await run('sd_faccia', [config(text)], {}, 'pipe'); // speech-dispatcher starts it with a pipe
+      const { status, stderr } = await run('sd_faccia', [config(text)], {}, 'pipe'); // as speech-dispatcher starts it
       assert.equal(status, 1, `${name}: ${stderr}`);
       assert.match(stderr, /token: no token is in it/, name);
       assert.equal(stderr.includes(secret), false, 'the secret is not written anywhere');

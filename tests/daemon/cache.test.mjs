@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was spoken once is not spoken again, in this process and in the next.
+// The cache of sentences: nothing is synthesised twice, also after a restart.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -31,12 +31,12 @@ test('the same sentence is the same sound, to the sample, with its words in thei
   assert.ok(second.wav.equals((await say(daemon)).wav));
   assert.deepEqual(await counts(daemon), [hits + 12, misses]);
   assert.deepEqual(second.json.words.map((w) => w.text), first.json.words.map((w) => w.text));
-  // elsewhere in a text, a word is at its own place
+  // a cached sentence elsewhere in a text: word offsets are those of the new place
   const moved = await say(daemon, 'lang=it', `Prima di tutto. ${text}`);
   const sea = moved.json.words.filter((w) => w.text === 'mare');
   assert.equal(sea.length, 2);
   assert.ok(sea[1].start > sea[0].start);
-  // what sounds different is another sentence
+  // other prosody is another cache entry
   const [, before] = await counts(daemon);
   await say(daemon, 'lang=it&rate=250');
   await say(daemon, 'lang=it&pitch=1.5');
@@ -69,7 +69,7 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   daemon = await Daemon.start(options);
   assert.ok(before.equals((await say(daemon)).wav));
   assert.equal((await daemon.stop()).code, 0);
-  // after the header, which says whose file it is
+  // after the header, which identifies the file as a cache
   const handle = fs.openSync(file, 'r+');
   fs.writeSync(handle, 'x'.repeat(20000), 100);
   fs.closeSync(handle);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many clients at once that send valid, damaged and hostile messages and requests in random order, cut as a network may cut
-// them, and vanish when they like. Meanwhile the daemon answers; afterwards it speaks as ever, and ends without a complaint.
-// FACCIA_CHAOS_SECONDS and FACCIA_CHAOS_SEED make it last longer, and otherwise. What was sent lies in the artefacts.
+// Many clients at once send valid, damaged and hostile messages and requests in random order, split at random places, and
+// disconnect at any time. The daemon must keep answering, speak normally afterwards, and stop cleanly. FACCIA_CHAOS_SECONDS and
+// FACCIA_CHAOS_SEED set duration and seed; the artefacts contain everything that was sent.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { copyFileSync, createWriteStream, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -16,10 +16,10 @@ import { artefacts, build, Daemon, eventually, root } from '../lib/daemon.mjs';
 const seconds = Number(process.env.FACCIA_CHAOS_SECONDS ?? 15);
 const seed = Number(process.env.FACCIA_CHAOS_SEED ?? 1);
 const clients = 8;
-/** A daemon that says nothing for so long hangs, ms. */
+/** ms without any answer after which the daemon counts as hanging. */
 const silence = 20000;
 
-/** A connection that never fails: what went wrong with it is its sender's business. */
+/** A connection that never throws: errors are expected here. */
 class Connection {
   constructor(port, log) {
     this.log = log;
@@ -33,7 +33,7 @@ class Connection {
     });
   }
 
-  /** Whole, or in pieces. */
+  /** Sends the bytes whole or in pieces. */
   async send(bytes, chance) {
     if (!this.socket.writable) return;
     this.log.write(`${this.socket.localPort ?? '-'} ${bytes.length > 2000 ? `${bytes.subarray(0, 2000).toString('latin1')}... ${bytes.length} bytes` : bytes.toString('latin1')}\n`);
@@ -50,14 +50,14 @@ class Connection {
     const how = chance.below(4);
     if (how === 0) this.socket.resetAndDestroy();
     else if (how === 1) this.socket.destroy();
-    else this.socket.end(); // the other half stays open for a while
+    else this.socket.end(); // half-close
     if (how === 2) await Promise.race([this.ended, sleep(chance.below(200))]);
     this.socket.destroy();
     await this.ended;
   }
 }
 
-/** A WebSocket that is rarely well-behaved. */
+/** A WebSocket client that rarely follows the protocol. */
 async function socketClient(port, chance, log) {
   const connection = new Connection(port, log);
   await connection.send(Buffer.concat([upgradeRequest(chance), ...(chance.one(4) ? webSocketFrames(chance, messageText(chance)) : [])]), chance);
@@ -69,7 +69,7 @@ async function socketClient(port, chance, log) {
   await connection.end(chance);
 }
 
-/** Requests, several at once, before their answers have come. */
+/** Sends several pipelined requests. */
 async function requestClient(port, chance, log) {
   const connection = new Connection(port, log);
   for (let i = 1 + chance.below(3); i > 0; i--) {
@@ -79,7 +79,7 @@ async function requestClient(port, chance, log) {
   await connection.end(chance);
 }
 
-/** Who keeps to the rules gets answers, whatever the others do. */
+/** A well-behaved client, which must always get answers. */
 async function goodClient(daemon, chance) {
   const stream = await daemon.stream(chance.one(2) ? '?room=hall' : '');
   for (let i = 0; i < 3; i++) {
@@ -91,7 +91,7 @@ async function goodClient(daemon, chance) {
   await stream.close();
 }
 
-/** What it may answer when all is well, and when it has its hands full. */
+/** Polls /healthz and records the statuses. */
 async function watchHealth(daemon, until, statuses) {
   while (performance.now() < until) {
     const response = await daemon.get('/healthz', { signal: AbortSignal.timeout(silence) }).catch((error) => {
@@ -99,11 +99,11 @@ async function watchHealth(daemon, until, statuses) {
     });
     assert.ok(!response || statuses.includes(response.status), `healthz answers ${response?.status}`);
     await response?.arrayBuffer();
-    await sleep(200); // it is asked now and then
+    await sleep(200); // polling interval
   }
 }
 
-/** It speaks as ever, and nobody is left in a room but who is there. */
+/** Checks that the daemon speaks normally, and that rooms contain only connected clients. */
 async function speaksAsEver(daemon, token) {
   const query = token ? `?token=${token}` : '';
   const stream = await daemon.stream(query);
@@ -116,7 +116,7 @@ async function speaksAsEver(daemon, token) {
   await eventually(async () => !(await left()), 'no room: it does not outlive its members');
 }
 
-/** @param {{options: string[], token: string, statuses: number[]}} token: that all may use; statuses: of /healthz */
+/** @param {{options: string[], token: string, statuses: number[]}} token: shared by all clients; statuses: allowed for /healthz */
 async function chaos(seconds, { options = [], token, statuses = [200] } = {}) {
   const log = createWriteStream(path.join(artefacts, `chaos-messages${token ? '-limited' : ''}.log`));
   const daemon = await Daemon.start(['--media', folder, ...options]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The npm package @faccia/client, as an application has it, against the real daemon.
+// The npm package @faccia/client, installed as in an application, against the real daemon.
 import assert from 'node:assert/strict';
 import { execFile, execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';

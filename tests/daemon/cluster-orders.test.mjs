@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is asked of a room's home that falls silent, forgets, or numbers as another one did: each asker is told one end, and in the order in which it asked.
+// Commands to a room's leader that falls silent, forgets them, or reuses another leader's numbers: each sender gets exactly one end per utterance, in order.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon, eventually } from '../lib/daemon.mjs';
@@ -21,7 +21,7 @@ const begin = (utterance, id) => ({ type: 'begin', utterance, id, rate: 22050 })
 const ended = (utterance, id, reason) => ({ type: 'end', utterance, id, reason, duration: 0 });
 const ends = (asker, id) => asker.messages.filter((message) => message.type === 'end' && message.id === id).map(({ reason }) => reason);
 
-/** Somebody in the room of a stand-in, which has told what goes on. */
+/** Opens a room led by a stand-in and joins a client, which has received the recap. */
 async function enter(t, room) {
   const home = await StandInHome.open(redis, room, 1000);
   const asker = await daemon.stream(`?lang=it&room=${room}`);
@@ -33,7 +33,7 @@ async function enter(t, room) {
   home.recap(from);
   return { home, asker, from };
 }
-/** All that was said before has come. */
+/** Waits until everything sent before has arrived. */
 async function settled(home, from, asker) {
   home.say(from, null, begin(99, 'last'), ended(99, 'last', 'done'));
   await eventually(() => ends(asker, 'last').length, 'the last');
@@ -44,7 +44,7 @@ test('what was told to have failed, unanswered, has no second end when the home 
   asker.send({ type: 'speak', id: 'waits', text: 'Uno.' });
   asker.send({ type: 'speak', id: 'speaks', text: 'Due.' });
   const [waits, speaks] = [await home.told('order', ({ order }) => order.request.id === 'waits'), await home.told('order', ({ order }) => order.request.id === 'speaks')];
-  home.recap(from); // once more: something was missed
+  home.recap(from); // a second recap: messages were missed
   const { visit } = await home.told('here', (head) => head.visit > waits.visit);
   assert.ok(visit);
   await eventually(() => ends(asker, 'waits').length && ends(asker, 'speaks').length, 'to be told');
@@ -62,7 +62,7 @@ test('an answer that is lost: what is heard counts as answered', async (t) => {
   const order = await home.told('order');
   home.say(from, order, begin(5, 'heard'), ended(5, 'heard', 'done'));
   await eventually(() => ends(asker, 'heard').length, 'its end');
-  // the next home is not asked for it
+  // the next leader does not get the command again
   const next = await StandInHome.open(redis, 'unanswered', 1001);
   t.after(() => next.close());
   await next.told('here');
@@ -114,7 +114,7 @@ test('what a home refuses has an end, also when that is lost with it', async (t)
   home.answer(told, 5);
   await eventually(() => ends(asker, 'told').length, 'to be told');
   asker.send({ type: 'speak', id: 'lost', text: 'Due.' });
-  home.answer(await home.told('order', ({ order }) => order.request.id === 'lost'), 6); // and its end went out under no lease
+  home.answer(await home.told('order', ({ order }) => order.request.id === 'lost'), 6); // its end was sent without a lease, so it was not delivered
   const next = await StandInHome.open(redis, 'refuses', 1001);
   t.after(() => next.close());
   await next.told('here');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A room that three daemons share, by a real Redis: one speaks, all are heard by, and any may die.
+// A room shared by three daemons over a real Redis: one speaks, the followers of all hear it, and any daemon may die.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import WebSocket from 'ws';
@@ -30,7 +30,7 @@ const end = (daemon, signal = 'SIGKILL') => {
   return daemon.exited;
 };
 
-/** All that a listener of a room gets, as the bytes are. */
+/** Records all messages of a listener of a room, media as raw bytes. */
 class Listener {
   static async open(daemon, room, query = '&audio=pcm&fap=plain') {
     const listener = Object.assign(new Listener(), { frames: [], daemon });
@@ -58,7 +58,7 @@ class Listener {
     return this.frames.filter((frame) => frame.hex);
   }
 
-  /** What the room said, without what concerns this client alone. */
+  /** Returns the room's messages, without those for this client alone. */
   said() {
     return this.frames.filter((frame) => frame.hex || !['hello', 'joined', 'left'].includes(frame.type));
   }
@@ -68,20 +68,20 @@ class Listener {
   }
 }
 
-/** The daemon that speaks in the room, and the others. */
+/** Returns the room's leader and the other daemons. */
 async function homeOf(room) {
   const lease = await eventually(() => redis.cli('get', `faccia:lease:room:${room}`), `somebody to have ${room}`);
   const token = lease.split(' ')[1];
   const home = await eventually(() => daemons.find((daemon) => daemon.log.includes(`room ${room}: spoken by this daemon from now on (${token})`)), `the home of ${room}`);
   return { home, token: Number(token), others: daemons.filter((daemon) => daemon !== home) };
 }
-/** The first who comes into the room: that daemon is its home. Who has joined may be there before its daemon has the lease. */
+/** Joins an empty room and waits until the client's daemon leads it, because the lease may come after the join. */
 async function first(daemon, room, query) {
   const listener = await Listener.open(daemon, room, query);
   assert.equal((await homeOf(room)).home, daemon);
   return listener;
 }
-/** Who joined is known to the home with what it wants. */
+/** Waits until the leader knows of all followers and the encodings they want. */
 const followed = async (room, count) => {
   const { home } = await homeOf(room);
   await eventually(async () => (await (await home.get('/v1/rooms')).json()).rooms.find(({ name }) => name === room)?.listeners === count, `${count} listeners in ${room}`);
@@ -127,7 +127,7 @@ test('who joins late is told what goes on, wherever it comes in', async () => {
   two.send({ type: 'consent', consent: 'asked', text: 'Si registra?' });
   two.send({ type: 'speak', id: 'long', text: LONG });
   await one.heard({ type: 'word', text: 'frase' });
-  // what fails meanwhile does not end what is spoken
+  // a request that fails meanwhile does not end the current utterance
   two.send({ type: 'speak', id: 'bad', voice: 'no:such', text: 'Ciao' });
   for (const listener of [one, two]) await listener.heard({ type: 'end', id: 'bad', reason: 'failed' });
   const late = [];
@@ -270,7 +270,7 @@ test('a home that dies while it speaks: the listeners are told, and another daem
     const { utterance, duration } = await listener.heard({ type: 'end', id: 'cut', reason: 'failed' });
     assert.ok(utterance === listener.find({ type: 'begin' }).utterance && duration > 0);
   }
-  // what waited has its end where it was asked for
+  // waiting utterances end on the daemon that received their requests
   await others[1].heard({ type: 'end', id: 'waited', reason: 'failed' });
   await others[0].heard({ type: 'end', id: 'posted', reason: 'failed' });
   const next = await homeOf(room);
@@ -298,7 +298,7 @@ for (const [how, signal] of [
     await followed(room, 3);
     const wishes = { zero: true, one: true, two: false, three: true };
     for (const [id, again] of Object.entries(wishes)) others[0].send({ type: 'speak', id, text: id === 'zero' ? TEXT : `${id}.`, again });
-    // what is sent on another way may come before that
+    // the next message takes another path and might overtake this one
     await there.heard({ type: 'begin', id: 'zero' });
     there.send({ type: 'speak', id: 'own', text: 'Mia.', again: true });
     assert.equal((await post(daemons[1], `/v1/say?room=${room}&lang=it&id=posted&again=1`, 'Postata.')).listeners, 3);
@@ -308,7 +308,7 @@ for (const [how, signal] of [
     }
     if (signal === 'SIGKILL') await end(fourth);
     else fourth.process.kill('SIGSTOP');
-    // who asks meanwhile comes after those
+    // later requests are spoken after these
     others[0].send({ type: 'speak', id: 'later', text: 'Poi.', again: true });
     for (const listener of others) {
       for (const id of ['zero', 'one', 'three', 'posted', 'later']) await listener.heard({ type: 'end', id, reason: 'done' });
@@ -322,7 +322,7 @@ for (const [how, signal] of [
       const order = listener.frames.filter(({ type }) => type === 'end').map(({ id }) => id);
       assert.deepEqual(order.filter((id) => ['zero', 'one', 'three', 'later'].includes(id)), ['zero', 'one', 'three', 'later']);
     }
-    // what did not ask for it has failed where it was asked for, and only there
+    // requests without `again` fail, only on the daemon that received them
     await others[0].heard({ type: 'end', id: 'two', reason: 'failed' });
     for (const id of ['two', 'own']) assert.equal(others[1].find({ id }), undefined, JSON.stringify(others[1].frames.filter(({ type }) => ['begin', 'error', 'warning', 'end'].includes(type))));
     if (signal === 'SIGSTOP') {
@@ -348,7 +348,7 @@ test('a daemon that loses Redis for a moment hears nothing anew that was told to
   others[0].send({ type: 'speak', id: 'asked', text: 'Uno.' });
   others[0].send({ type: 'speak', id: 'again', text: 'Due.', again: true });
   for (const listener of listeners) await listener.heard({ type: 'word', text: 'piano' });
-  // every connection is cut, and made anew at once
+  // kills every connection; the daemons reconnect at once
   redis.cli('client', 'kill', 'type', 'normal');
   redis.cli('client', 'kill', 'type', 'pubsub');
   for (const listener of others) await listener.heard({ type: 'end', id: 'own', reason: 'failed' });
@@ -419,7 +419,7 @@ test('a home that stood still and wakes cannot speak into the room', async () =>
   one.send({ type: 'speak', id: 'cut', text: LONG });
   await two.heard({ type: 'word', text: 'frase' });
   home.process.kill('SIGSTOP');
-  // who asks meanwhile is told that nobody answers
+  // a request meanwhile fails because the leader does not answer
   const lost = post(daemons[1], `/v1/say?room=${room}`, 'Chi mi sente?');
   assert.equal((await lost).code, 'room-away');
   for (const listener of [one, two]) await listener.heard({ type: 'end', id: 'cut', reason: 'failed' });
@@ -435,7 +435,7 @@ test('a home that stood still and wakes cannot speak into the room', async () =>
   const after = there.said().slice(last + 1).filter(({ hex }) => hex).map(({ hex }) => hex);
   const expected = one.media().map(({ hex }) => hex);
   assert.deepEqual(after, expected.slice(expected.length - after.length));
-  // and it follows now
+  // the daemon is a replica now
   one.send({ type: 'speak', id: 'third', text: 'Uno.' });
   for (const listener of [one, two, there]) await listener.heard({ type: 'end', id: 'third', reason: 'done' });
   for (const listener of [one, two, there]) listener.close();
@@ -458,14 +458,14 @@ test('without Redis each daemon speaks for its own, and they heal', async () => 
   others[0].send({ type: 'speak', id: 'own', text: 'Uno.' });
   await others[0].heard({ type: 'end', id: 'own', reason: 'done' });
   assert.ok(!others[1].find({ id: 'own' }) && !mine.find({ id: 'own' }));
-  // what each numbers by itself has a number that nobody else has given or heard
+  // utterances numbered by a daemon alone use numbers of no other daemon
   others[1].send({ type: 'speak', id: 'too', text: 'Uno.' });
   await others[1].heard({ type: 'end', id: 'too', reason: 'done' });
   mine.send({ type: 'speak', id: 'mine', text: 'Uno.' });
   await mine.heard({ type: 'end', id: 'mine', reason: 'done' });
   const numbers = [...listeners.map((one) => one.find({ type: 'begin', id: 'through' })), others[0].find({ type: 'begin', id: 'own' }), others[1].find({ type: 'begin', id: 'too' }), mine.find({ type: 'begin', id: 'mine' })].map(({ utterance }) => utterance);
   assert.equal(new Set(numbers).size, 4, `${numbers}: one that all heard, three of which each daemon has one`);
-  // one that is speaking when they can meet again comes to its end
+  // an utterance in progress when the bus is back is spoken to its end
   others[1].send({ type: 'speak', id: 'last', text: TEXT });
   await others[1].heard({ type: 'begin', id: 'last' });
   redis.again();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What holds for all daemons of a cluster, by a real Redis: what an address or a subject uses on all of them together, and which secrets
-// of tokens count no more. Redis goes, and comes back empty.
+// State shared by all daemons of a cluster over a real Redis: quotas of addresses and subjects, and revoked token secrets. Also after
+// Redis is lost and comes back empty.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -37,7 +37,7 @@ const stop = async (daemon, signal = 'SIGTERM') => {
   daemon.process.kill(signal);
   await daemon.exited;
 };
-/** The status of a request with a connection of its own. */
+/** Returns the status of a request on a new connection. */
 const status = async (daemon, who, address = '/v1/rooms', method = 'GET') => {
   const response = await daemon.get(address, { method, headers: { ...who.headers, connection: 'close' } });
   const text = await response.text();
@@ -48,7 +48,7 @@ const metric = async (daemon, name) => {
   const text = await (await daemon.get('/metrics', { headers: { ...as(`prometheus ${looks++}`).headers, connection: 'close' } })).text();
   return Number(new RegExp(`^${name} (.*)$`, 'm').exec(text)[1]);
 };
-/** As many as may be open, one after another: until its token is read a connection counts for its address. */
+/** Opens as many streams as allowed, one by one, because a connection counts for its address until its token is read. */
 const streams = async (daemon, who) => {
   const open = [];
   while (open.length < STREAMS) open.push(await daemon.stream('', who));
@@ -67,7 +67,7 @@ after(async () => {
 });
 
 test('what a subject asks in a minute counts at all daemons', async () => {
-  for (const who of [as('anna'), as('anna again')]) { // the second, should the first see the minute end
+  for (const who of [as('anna'), as('anna again')]) { // the second subject, in case the minute ends during the first
     const minute = Math.floor(redis.cli('time').split('\n')[0] / 60);
     const asked = async (daemon) => (await status(daemon, who, '/v1/stop?room=empty', 'POST')) !== 'too-many-requests';
     let here = 0;
@@ -107,7 +107,7 @@ test('a daemon that starts later knows what is open; without Redis each counts i
   await eventually(async () => (await status(c, elio)) === 'too-many-per-address', 'the new one to know');
   redis.stop();
   for (const daemon of [a, b, c]) await health(daemon, 'away');
-  await c.logged(/cluster: .*\(counts\): .*; this daemon goes on by itself/); // each connection notices by itself
+  await c.logged(/cluster: .*\(counts\): .*; this daemon goes on by itself/); // each connection to Redis reports separately
   await eventually(async () => (await metric(c, 'faccia_board_up')) === 0, 'the metric');
   assert.equal(await status(c, elio), 'well');
   assert.equal(await status(a, elio), 'too-many-per-address');
@@ -143,7 +143,7 @@ test('a secret that one daemon gives up counts no more at any, nor at one that s
   redis.again();
   await health(a, 'up');
   await late('after it was away');
-  // not even if its file is read anew
+  // not even after its settings are reloaded
   b.process.kill('SIGHUP');
   await b.logged(/settings read anew/);
   assert.equal(await status(b, old), 'bad-token');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several daemons and a real Redis: what one has spoken no other speaks again, and without Redis each goes on by itself.
+// Several daemons and a real Redis: a sentence spoken by one is not synthesised by another, and without Redis each works alone.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import net from 'node:net';
@@ -12,7 +12,7 @@ import { Redis } from '../lib/redis.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-cluster-'));
 const spoken = path.join(folder, 'spoken');
 const PASSWORD = 'p@ss:1';
-// A voice that takes its time, and leaves a line for each sentence that it is asked for.
+// A slow voice that logs a line for each sentence.
 const SLOW = `echo "$1" >> ${spoken}; sleep 1.2; head -c 32000 /dev/zero`;
 const config = path.join(folder, 'voices.json');
 fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'slow', lang: 'it', raw: 16000, argv: ['sh', '-c', SLOW, 'sh', '{text}'] }] } }));
@@ -40,7 +40,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** That Redis has, and no claim of one. */
+/** Keys of the sentences in Redis, or [] while one is claimed. */
 const sentences = () => (redis.names('*making').length ? [] : redis.names('*speech'));
 
 test('what one daemon has spoken no other speaks again, and it is the same', async () => {
@@ -49,7 +49,7 @@ test('what one daemon has spoken no other speaks again, and it is the same', asy
   await eventually(() => sentences().length === 1, 'the sentence in Redis');
   assert.equal(await say(two, text), first);
   assert.deepEqual([await counted(one, 'miss'), await counted(two, 'hit'), await counted(two, 'miss')], [1, 1, 0]);
-  // now it is in the daemon's own cache, and Redis is not asked
+  // now the daemon's own cache has it, so Redis is not queried
   await say(two, text);
   assert.equal(await counted(two, 'hit'), 1);
   const left = Number(redis.cli('ttl', ...sentences()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The media as they come when nobody asks otherwise: Opus and coded FAPs, a few kilobits a second.
+// The default media encoding: Opus and FAPC, a few kbit/s.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { CompactReader, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../protocol/compact.mjs';
@@ -13,7 +13,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 const text = 'La mamma prepara il pane con la farina bianca. Il bambino guarda fuori, e vede passare un gatto. Poi torna il sole.';
 const DEFAULT = '?audio=opus&fap=fapc';
 
-/** A room, so that all hear the same. */
+/** Joins one room with several encodings, so that all streams carry the same speech. */
 const hear = async (room, ways) => {
   const streams = await Promise.all(ways.map((way) => daemon.stream(`?room=${room}&${way}`)));
   streams[0].send({ type: 'speak', id: 's', lang: 'it', text, seed: 5 });
@@ -40,7 +40,7 @@ test('the Opus packets cover the utterance without a gap, and belong to the fram
   let packets = 0;
   for (const chunk of coded.chunks) {
     assert.equal(chunk.firstPacket, packets);
-    // what is heard begins no later than what is seen, and not much earlier
+    // sound starts no later than the frames of the same chunk, and not much earlier
     const heard = (packets * OPUS_PACKET_SAMPLES - OPUS_SKIP) / OPUS_RATE;
     assert.ok(heard <= chunk.start / chunk.sampleRate + 1e-9);
     assert.ok(heard > chunk.start / chunk.sampleRate - 0.1, `${heard} ${chunk.start / chunk.sampleRate}`);

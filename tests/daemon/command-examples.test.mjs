@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The voices that the documentation shows, as it shows them: programs that Debian has are run; servers and programs that it does not have are
-// played by stand-ins that speak their protocol.
+// Runs the command voices of the documentation as printed: programs packaged by Debian directly; others, and servers, as stand-ins that
+// speak their protocol.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -30,16 +30,16 @@ const exampleOf = (id) => {
   return text;
 };
 
-/** Writes a configuration; gives the environment that names it. */
+/** Writes a configuration. Returns an environment that names it. */
 const configured = (text) => {
   const file = path.join(folder, `config-${fs.readdirSync(folder).length}.json`);
   fs.writeFileSync(file, text);
-  // programs as Debian has them: what somebody keeps at home is not a plugin's to read
+  // only Debian's programs: plugins may not read a user's home
   // some programs are slow to start on a busy machine
   return { FACCIA_VOICE_CONFIG: file, FACCIA_DEADLINE_BASE: '60', PATH: '/usr/local/bin:/usr/bin:/bin' };
 };
 
-/** Starts a server of lib/ in a thread; gives its port. */
+/** Starts a server of lib/ in a thread. Returns its port. */
 async function serve(name, workerData) {
   const worker = new Worker(new URL(`../lib/${name}.mjs`, import.meta.url), { workerData });
   workers.push(worker);
@@ -55,7 +55,7 @@ const speaks = (env, lang, id, text, ...options) => {
   return said;
 };
 
-/** The lips of a voice close on every p, b and m. */
+/** Checks that the lips close on every p, b and m of a voice. */
 const closes = (env, lang, id, text) => {
   const { stdout, stderr } = faccia(['eval', '-l', lang, '-v', `command:${id}`, '-e', 'dominance', '-r', '170', '--json', '-', '-'], { input: text, env });
   assert.equal(stderr, '');
@@ -89,7 +89,7 @@ test('MaryTTS: its sound, the times of its phones, words', async () => {
   const port = await serve('marytts', { names: times.names });
   const env = configured(example.replaceAll('localhost:59125', `localhost:${port}`));
   const text = 'Perché "mamma & papà" = ciò che gli gnomi, 100% felici, dicono?';
-  const spoken = speaks(env, 'it', 'mary', text, '--normalize', 'off'); // whose & and % the server gets as they are
+  const spoken = speaks(env, 'it', 'mary', text, '--normalize', 'off'); // the server gets & and % unchanged
   const asked = { INPUT_TYPE: 'TEXT', LOCALE: 'it', VOICE: 'istc-lucia-hsmm', INPUT_TEXT: text };
   const answer = async (more) => fetch(`http://127.0.0.1:${port}/process`, { method: 'POST', body: new URLSearchParams({ ...asked, ...more }) });
   const durations = await (await answer({ OUTPUT_TYPE: 'REALISED_DURATIONS' })).text();
@@ -116,7 +116,7 @@ test('MaryTTS: a server that refuses, or is not there', async () => {
   assert.match(say(['-v', 'command:mary'], 'Ciao.', nobody).stderr, /"curl" exited with status 7: curl: \(7\)/);
 });
 
-// Piper's options and behaviour: each line of its input is spoken, at 22050 Hz, as samples or as a file.
+// Behaves like Piper: speaks each line of its input at 22050 Hz, as samples or into a file.
 const piper = `#!/bin/sh
 scale=1 raw=
 while [ $# -gt 0 ]; do
@@ -172,7 +172,7 @@ test('a Wyoming server', async () => {
   const spoken = speaks(env, 'it', 'wyoming', italian);
   assert.equal(spoken.rate, 22050);
   assert.deepEqual(words(spoken), said(italian));
-  // the server's sound is what is heard, all of it
+  // the output is exactly the server's sound
   const { stdout } = spawnSync('espeak-ng', ['-v', 'it', '--stdout', '--', 'La mamma.']);
   const { pcm } = speaks(env, 'it', 'wyoming', 'La mamma.');
   assert.deepEqual(pcm, new Int16Array(stdout.buffer.slice(stdout.byteOffset + 44, stdout.byteOffset + stdout.length)));
@@ -205,7 +205,7 @@ test('short sentences move the lips, too', () => {
   const list = austen.replace(/[^\p{L} ]/gu, '').split(/\s+/).filter(Boolean);
   const text = Array.from({ length: 20 }, (_, i) => `${list.slice(4 * i, 4 * i + 4).join(' ')}.`).join('\n\n');
   const { json } = speaks(configured(exampleOf('flite')), 'en', 'flite', text);
-  assert.ok(json.words.length > 70, `${json.words.length} of 80 words`); // espeak-ng takes some for one, "of a"
+  assert.ok(json.words.length > 70, `${json.words.length} of 80 words`); // espeak-ng reports some pairs as one word, such as "of a"
   for (const phone of json.phones) assert.ok(phone.ipa || phone.end - phone.start < 1, `the mouth is closed at ${phone.start}`);
 });
 
@@ -217,7 +217,7 @@ test('sound that is far too short for its text leaves the mouth closed', () => {
   assert.equal(phones(spoken).replace(/[_ ]/g, ''), '');
 });
 
-// A text in ASCII, without quotation marks: text2wave takes each of its sentences for one.
+// Makes the text ASCII without quotation marks, so that text2wave finds the same sentences.
 const plain = (text) => text.normalize('NFD').replace(/[\p{M}"]/gu, '').replace(/Mrs?\./g, 'Mister').replace(/[;:.] *(\w)/g, (_, first) => `. ${first.toUpperCase()}`);
 
 for (const [voice, lang, gender, text] of cases([['lp', 'it', 'female', manzoni]], [['pc', 'it', 'male', manzoni], ['kal', 'en', 'male', austen]]))
@@ -227,7 +227,7 @@ for (const [voice, lang, gender, text] of cases([['lp', 'it', 'female', manzoni]
     const told = { ...unknown, id: 'told', times: { format: 'lab', names },
       argv: [...unknown.argv, '-eval', '(set! after_synth_hooks (list (lambda (utt) (utt.save.segs utt "{times}"))))'] };
     const env = configured(JSON.stringify({ command: { voices: [unknown, told] } }));
-    const [known, found] = ['told', 'unknown'].map((id) => say(['-l', lang, '-v', `command:${id}`], plain(text), env, ordinary)); // a minute with the sanitizers
+    const [known, found] = ['told', 'unknown'].map((id) => say(['-l', lang, '-v', `command:${id}`], plain(text), env, ordinary)); // ordinary build: takes a minute with the sanitizers
     for (const { status, stderr } of [known, found]) assert.deepEqual([status, stderr], [0, '']);
     const e = errors(known.json.phones, found.json.phones);
     if (process.env.FACCIA_SHOW) console.log(voice, e);

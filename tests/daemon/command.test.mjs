@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Programs as voices: real ones, ones that fail, and a configuration with mistakes in it.
+// Programs as voices: real programs, failing ones, and invalid configurations.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -40,7 +40,7 @@ test('espeak-ng writes to standard output, with the rate that is asked for', () 
   const slow = say(['-v', 'command:e', '--rate', '90'], 'La mamma parla piano.', configure(voice));
   const fast = say(['-v', 'command:e', '--rate', '250'], 'La mamma parla piano.', configure(voice));
   assert.ok(length(slow) > 1.7 * length(fast));
-  // the program's own sound is what is heard
+  // the output is exactly the program's sound
   const { stdout } = spawnSync('espeak-ng', ['-v', 'it', '-s', '170', '--stdout', '--', 'La mamma.']);
   const plain = speaks(voice, 'La mamma.');
   assert.deepEqual(plain.pcm.slice(0, 1000), new Int16Array(stdout.buffer.slice(stdout.byteOffset + 44, stdout.byteOffset + 44 + 2000)));
@@ -154,7 +154,7 @@ test('a stop ends the program and what it has started', async (t) => {
   const pids = path.join(folder, 'pids');
   const waits = script('waits', `sleep 1000 & echo $! $$ >${pids}; wait`);
   const daemon = await Daemon.start(['--voice-config', configure({ id: 'w', argv: [waits, '{text}'] }).FACCIA_VOICE_CONFIG]);
-  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
+  t.after(() => daemon.process.kill('SIGKILL')); // in case an assertion fails
   const stream = await daemon.stream();
   stream.send({ type: 'speak', lang: 'it', voice: 'command:w', id: 'w', text: 'Ciao.' });
   const written = Date.now() + 20000;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of commands: what a stream may ask for a room may be asked over HTTP with the same JSON, with the same effect, by those
-// who have the right. The list is that of the table, so that a new command is tried without a word here.
+// The table of commands: every command of a stream also works over HTTP with the same JSON, effect and permissions. The list comes from
+// the table, so new commands are tested automatically.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -37,7 +37,7 @@ const enter = async (room, from = daemon, options = {}) => {
   return stream;
 };
 
-// what each asks for, and what is told in the room for it
+// each command, and the message that the room gets for it
 const LONG = '<speak>Uno, due, tre, quattro. <mark name="m"/> Cinque, sei, sette, otto, nove. Dieci, undici, dodici.</speak>';
 const cases = {
   speak: [{ id: 's', text: LONG, markup: 'ssml' }, { type: 'begin', id: 's' }],

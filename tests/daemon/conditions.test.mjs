@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every program that is built, started under what it cannot choose: closed descriptors, pipes that nobody reads, files that may not grow, signals that are blocked.
+// Starts every program in adverse conditions: closed descriptors, pipes without a reader, file size limits, blocked signals.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';

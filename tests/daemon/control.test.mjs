@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Directing what speaks: stop, pause, rate, jumps, and what comes before what. The puppet speaks 10 ms for each byte.
+// Controlling speech: stop, pause, rate, jumps, and the order of utterances. The puppet voice speaks 10 ms per byte.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -25,7 +25,7 @@ const valid = (stream) => {
   for (const { arrived, ...message } of stream.messages) assert.equal(violations('server', message), null, `${arrived} ${JSON.stringify(message)}`);
 };
 
-/** The chunks of an utterance follow each other to the sample and to the frame. */
+/** Checks that the utterance's chunks are contiguous in samples and frames. */
 function checkClock(stream, utterance) {
   const chunks = stream.chunks.filter((c) => c.utterance === utterance);
   let at = 0, frame = 0;
@@ -43,7 +43,7 @@ const open = async (query = '') => {
   stream.speak = (id, text, more = {}) => stream.send({ type: 'speak', id, voice: 'puppet:plain', text, ...more });
   return stream;
 };
-/** Of three seconds: far more than what is sent ahead. */
+/** A sentence of three seconds, far longer than the lead of sent media. */
 const sentence = (name) => `Questa frase si chiama ${name} e dura ${'molto '.repeat(43)}poco.`;
 
 test('replace forgets all, interrupt cuts one, queue waits', async () => {
@@ -80,7 +80,7 @@ test('an interruption that cannot be spoken interrupts nothing; an unknown mode 
 
 test('stop before the synthesis, between sentences, inside a word; of all that waits', async () => {
   const stream = await open();
-  // one that the voice never finishes: only a cancelled worker speaks again
+  // the voice hangs on this sentence: it speaks again only if its worker was cancelled
   stream.speak('before', 'hang.');
   stream.speak('waits', sentence('due'));
   stream.send({ type: 'stop' });
@@ -99,7 +99,7 @@ test('stop before the synthesis, between sentences, inside a word; of all that w
   await stream.wait({ type: 'end', id: 'after', reason: 'done' });
   const later = stream.chunks.slice(count).map((c) => c.utterance);
   assert.ok(later.length && later.every((n) => n === 5), 'no media of what was stopped');
-  stream.send({ type: 'stop' }); // of nothing
+  stream.send({ type: 'stop' }); // nothing is being spoken
   stream.send({ type: 'ping', id: 1 });
   await stream.wait({ type: 'pong' });
   valid(stream);
@@ -120,7 +120,7 @@ test('2000 pairs of speak and stop leave nothing behind', async () => {
   await stream.wait({ type: 'end', id: 'last', reason: 'done' });
   assert.equal(ends(stream).length, 2001);
   assert.equal(new Set(ends(stream)).size, 2001);
-  assert.ok(memory() - early < 2048, `${memory() - early} pages more`); // 8 MiB
+  assert.ok(memory() - early < 2048, `${memory() - early} pages more`); // 8 MiB of pages
   assert.deepEqual(words(stream, 'last'), ['Ancora', 'qui.']);
   await stream.close();
 });
@@ -137,7 +137,7 @@ test('a pause holds the clock; what comes after it follows to the sample', async
   const sent = stream.chunks.filter((c) => c.utterance === 1).reduce((sum, c) => sum + c.samples, 0);
   assert.ok(paused.sample <= sent && paused.sample >= sent - 0.5 * RATE, `${paused.sample} of ${sent}`);
   assert.equal(paused.time, Math.round((paused.sample / RATE) * 1e6) / 1e6);
-  // the face lives on; nothing is spoken
+  // idle media continue; nothing is spoken
   await stream.until(() => stream.chunks.length >= at + 12);
   assert.ok(stream.chunks.slice(at).every((c) => c.utterance === 0));
   stream.send({ type: 'resume' });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The schema of the client's messages and the daemon that reads them see the same broken messages (tests/corpus/client), and refuse
-// the same; and agree on each message that is damaged in one place.
+// The schema of client messages and the daemon must agree: both refuse the same messages of tests/corpus/client, and the same variants
+// of valid messages that are damaged in one place.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -11,7 +11,7 @@ import { agrees, corpus, schema } from '../lib/verdicts.mjs';
 
 const refused = schema('protocol/schema/client.json');
 
-/** Right ones, of each kind. */
+/** A valid message of each type. */
 const messages = [
   { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true, gender: 'female', contacts: 'on', priority: 'chat', topic: 't', again: true },
   { type: 'stop' },
@@ -33,13 +33,13 @@ const messages = [
   { type: 'flush', id: 'x' },
   { type: 'close', id: 'x' },
   { type: 'cancel', id: 'x' },
-  { type: 'choose', id: 'q', choice: 1 }, // while nothing is offered
+  { type: 'choose', id: 'q', choice: 1 }, // without choices on offer
   { type: 'choices', id: 'q', question: 'Sì?', choices: ['Sì', 'No'] },
   { type: 'state', state: 'thinking', text: 'x', mix: [{ name: 'hope', intensity: 0.3 }], ease: 1 },
   { type: 'voice', id: 'v', codec: 'pcm_s16le', rate: 16000, channels: 1, lookahead: 80, lang: 'it', engine: 'network', fps: 25, life: 1, still: false, mode: 'queue', priority: 'chat', topic: 't' },
 ];
 
-/** What only the daemon can know, by the code that it answers with. */
+/** Errors that only the daemon can detect, by code. */
 const readerOnly = {
   'unknown-voice': 'hello names the voices',
   'unknown-language': 'hello names the languages',
@@ -54,7 +54,7 @@ const readerOnly = {
   'no-choices': 'it depends on what is offered',
 };
 
-/** What the daemon takes although the schema advises against it. */
+/** Invalid by the schema, but accepted by the daemon. */
 const lenient = [[/^(speak|play|idle|voice)$/, (edit) => Object.values(edit.set ?? {})[0] === null, 'null is taken as left out: protocol/README.md']];
 
 let daemon, stream, number = 0;
@@ -64,7 +64,7 @@ before(async () => {
 });
 after(() => daemon.stop());
 
-/** What the daemon answers before it comes to the next message: an error, or undefined. */
+/** Sends a message and then a ping. Returns the error that comes before the pong, or undefined. */
 async function answer(message) {
   const from = stream.messages.length, id = `next-${++number}`;
   stream.send({ type: 'stop' });
@@ -99,7 +99,7 @@ for (const message of messages)
     const wrong = [];
     for (const edit of damages(message)) {
       const damaged = edited(message, edit);
-      if (typeof damaged !== 'object' || Array.isArray(damaged) || !damaged) continue; // what is no JSON object is a text to be spoken
+      if (typeof damaged !== 'object' || Array.isArray(damaged) || !damaged) continue; // anything but a JSON object is spoken as text
       const error = await answer(damaged), places = refused(damaged);
       const what = `${JSON.stringify(edit)}: daemon ${JSON.stringify(error)}, schema ${JSON.stringify(places)}`;
       const known = error ? error.code in readerOnly : lenient.some(([type, of]) => type.test(message.type) && of(edit));

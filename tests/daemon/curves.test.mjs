@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curves for other engines: ARKit's shapes and visemes. What the weights mean is asked of the definitions that they are made from
-// (models/shapes/arkit.json): the lips and lids that they make are those of the FAPs.
+// Curves for other engines: ARKit weights and visemes. By the shapes' definitions (models/shapes/arkit.json), the weights must move lips
+// and lids as the FAPs do.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import dgram from 'node:dgram';
@@ -33,7 +33,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** Runs faccia; gives what it wrote into those formats. */
+/** Runs faccia and returns its output in these formats. */
 function faccia(args, formats, text) {
   const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), [...args, ...formats.flatMap((format) => [`--${format}`, file(format)])],
     { input: text, encoding: 'utf8' });
@@ -48,10 +48,10 @@ const get = async (query) => {
   return { type: response.headers.get('content-type'), text: await response.text() };
 };
 
-/** What the weights make of a FAP. */
+/** The value of a FAP by the weights. */
 const made = (weights, fap) => Object.entries(weights).reduce((sum, [name, weight]) => sum + weight * (shapes[name].faps[fap] ?? 0), 0);
-const MNS = 21 / 1024; // mm of the definitions' face
-/** mm between the lips, in the middle and on both sides, as FAPs and as weights have it; below 0: pressed. */
+const MNS = 21 / 1024; // mm per FAP unit on the face of the definitions
+/** Gap between the lips, in mm, in the middle and on both sides, by FAPs and by weights; below 0: pressed. */
 const gaps = (faps, arkit) => [[4, 5], [8, 10], [9, 11]].map(([upper, lower]) => ({
   was: -MNS * (faps[upper] + faps[lower]),
   is: -MNS * (made(arkit, upper) + made(arkit, lower)),
@@ -122,7 +122,7 @@ test('visemes: sounds with their times, weights that add up', async () => {
   }
   sounds.slice(1).forEach((sound, i) => assert.ok(Math.abs(sound.time - sounds[i].time - sounds[i].duration) < 2e-3, 'they touch'));
   const of = (wanted) => sounds.filter(({ ipa }) => ipa === wanted).map(({ viseme, id }) => `${viseme} ${id}`);
-  assert.deepEqual(of('m'), ['PP 21', 'PP 21']); // the long one is one
+  assert.deepEqual(of('m'), ['PP 21', 'PP 21']); // a long consonant is one segment
   assert.deepEqual(of('p'), ['PP 21', 'PP 21']);
   assert.deepEqual(of('f'), ['FF 18']);
   const said = frames(text);
@@ -131,7 +131,7 @@ test('visemes: sounds with their times, weights that add up', async () => {
     assert.ok(weights.length <= 2 && Object.keys(visemes).every((name) => VISEMES.includes(name)));
     assert.ok(Math.abs(weights.reduce((sum, w) => sum + w, 0) - 1) < 1e-3);
   }
-  // in the middle of a sound its viseme is what shows most
+  // in the middle of a sound its viseme dominates
   for (const { time, duration, viseme } of sounds.filter(({ ipa, duration: length }) => ipa && length > 0.05)) {
     const frame = said[Math.round((time + duration / 2) * 25)];
     if (frame && Math.abs(frame.time - time - duration / 2) < 0.01) assert.ok((frame.visemes[viseme] ?? 0) > 0.5, JSON.stringify([time, viseme, frame]));
@@ -146,7 +146,7 @@ test('a format that there is not is told, with what is near', async () => {
   assert.match(message, /arkit/);
 });
 
-// What follows waits for programs, and asks the daemon for nothing.
+// The following tests only run programs, without the daemon.
 for (const lang of ['it', 'en', 'tr', 'pt-BR'])
   for (const rate of [160, 320])
     test(`lips that touch touch, ${lang} at ${rate} words a minute`, (t) => {
@@ -240,7 +240,7 @@ test('a puppet gets the same weights by OSC, each when its time has come', async
   const [status] = await once(child, 'close');
   const taken = (performance.now() - begun) / 1000;
   assert.equal(status, 0);
-  // what was sent before it ended is there by now, or on its way
+  // a final packet, behind everything that the program sent
   const fence = dgram.createSocket('udp4');
   fence.send('end', port, '127.0.0.1');
   for (; String(packets.at(-1)) !== 'end'; ) await once(socket, 'message');
@@ -265,7 +265,7 @@ test('a puppet gets the same weights by OSC, each when its time has come', async
   const written = fs.readFileSync(file('osc'), 'utf8');
   const wanted = frames(written).map(({ arkit }) => Object.fromEntries(Object.keys(shapes).map((name) => [name, arkit[name] ?? 0])));
   const same = (a, b) => Object.keys(shapes).every((name) => Math.abs(a[name] - b[name]) < 1e-4);
-  // a machine that is held up leaves out frames, never their order, and not the last
+  // a busy machine may skip frames, but keeps their order and the last one
   let at = 0;
   for (const one of sent) {
     assert.deepEqual(Object.keys(one), Object.keys(shapes));

@@ -24,7 +24,7 @@ before(async () => {
   const { args, env } = container('facciad');
   const values = { FACCIA_CLUSTER: redis.url, FACCIA_SECRET_FILE: path.join(folder, 'tokens') };
   assert.deepEqual(env.map(({ name }) => name).sort(), Object.keys(values).sort());
-  daemon = await Daemon.start(['--host', '*', '--remote', ...args], values); // as the image's entry point begins
+  daemon = await Daemon.start(['--host', '*', '--remote', ...args], values); // like the image's entry point
 });
 after(async () => {
   assert.equal((await daemon.stop()).code, 0);
@@ -32,9 +32,9 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** The series of a daemon: names with the labels and the values that these have. */
+/** Returns a daemon's time series: metric names with their labels and label values. */
 async function series() {
-  const plain = await Daemon.start(['--cluster', redis.url]); // without tokens, which /metrics would ask for
+  const plain = await Daemon.start(['--cluster', redis.url]); // without tokens, which /metrics would require
   const report = await (await plain.get('/metrics')).text();
   await plain.stop();
   return report.split('\n').filter((line) => line && !line.startsWith('#')).map((line) => {
@@ -73,7 +73,7 @@ test('the daemon of the manifest starts, answers its probes, and has no more rig
     assert.equal((await daemon.get(httpGet.path)).status, 200);
   }
   await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster');
-  assert.equal((await daemon.get('/metrics')).status, 401); // tokens are demanded
+  assert.equal((await daemon.get('/metrics')).status, 401); // tokens are required
   for (const name of ['facciad', 'faccia-worker']) {
     const { securityContext, volumeMounts } = container(name);
     const pod = named('Deployment', name).spec.template.spec;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// File descriptors: the process's limit fits the daemon's, or the other way round; and when there are none left,
-// the operator still gets answers.
+// File descriptors: the daemon adapts the process's limit or its own, and when descriptors run out, the operator still gets answers.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -13,7 +12,7 @@ import { ask, Raw } from '../lib/raw.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-descriptors-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 
-/** A daemon under these limits of its process. */
+/** Starts a daemon with these descriptor limits. */
 async function start(t, limits, ...options) {
   const program = path.join(folder, 'build', 'server/daemon/facciad');
   fs.mkdirSync(path.dirname(program), { recursive: true });
@@ -48,7 +47,7 @@ test('where it may not be raised there are fewer connections, it is said, and a 
   assert.ok(used(daemon.process.pid) < 200, `${used(daemon.process.pid)} are used`);
   const workers = execFileSync('pgrep', ['-P', String(daemon.process.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number);
   for (const worker of workers) process.kill(worker, 'SIGKILL');
-  // until the daemon has noticed
+  // waits until the daemon has noticed
   while (workers.some((worker) => fs.existsSync(`/proc/${worker}`))) await new Promise((resolve) => setTimeout(resolve, 10));
   await speaks(stream, 'dopo');
   assert.doesNotMatch(daemon.log, /no connection can be taken/, 'descriptors are never used up by connections');
@@ -61,7 +60,7 @@ test('above the limit of connections the operator is answered, others are told',
   for (const target of ['/healthz', '/metrics']) assert.equal((await ask(daemon.port, request(target))).status, 200);
   const other = await ask(daemon.port, request('/v1/voices'));
   assert.deepEqual([other.status, JSON.parse(other.body).code], [503, 'too-many-connections']);
-  // who has been answered and just stays gives way to who comes
+  // an idle connection is closed for a new one
   crowd[0].write('GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n');
   await crowd[0].answer();
   const late = await daemon.stream();
@@ -77,8 +76,8 @@ test('without a descriptor left: accepting pauses, health is answered, and it go
   assert.equal(spawnSync('prlimit', ['--pid', String(pid), `--nofile=${used(pid) + 10}:4096`]).status, 0);
   const crowd = [];
   const cpu = () => fs.readFileSync(`/proc/${pid}/stat`, 'utf8').split(' ').slice(13, 15).map(Number).reduce((a, b) => a + b) / 100;
-  // a worker that has started gives descriptors back, and who borrows one in vain is let go: the crowd grows until
-  // nobody finds one
+  // a started worker frees descriptors, and connections on reserve descriptors time out: adds connections until the
+  // daemon has none left
   let status;
   do {
     for (let i = 0; i < 18; i++) crowd.push(await Raw.open(daemon.port));
@@ -91,7 +90,7 @@ test('without a descriptor left: accepting pauses, health is answered, and it go
   const [health, metrics] = await Promise.all([ask(daemon.port, request('/healthz')), ask(daemon.port, request('/metrics'))]);
   assert.deepEqual([health.status, metrics.status], [200, 200]);
   await speaks(stream, 'b');
-  await new Promise((resolve) => setTimeout(resolve, Math.max(0, 2000 - (Date.now() - began)))); // processor time is counted over some time
+  await new Promise((resolve) => setTimeout(resolve, Math.max(0, 2000 - (Date.now() - began)))); // measures processor time over at least 2 s
   const seconds = (Date.now() - began) / 1000;
   assert.ok(cpu() - before < seconds * 0.7, `${cpu() - before} s of processor time in ${seconds} s`);
   assert.ok(said() - saidBefore <= seconds + 2, daemon.log);

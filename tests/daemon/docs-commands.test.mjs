@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the commands of the documentation and of the README as they stand there, page by page, but for the port: what a page writes, its later commands find. Blocks that
-// say `sh not-run: REASON` are not run; REASON names the test that runs them.
+// Runs the commands of the documentation and the README as printed, page by page, with another port. Later commands of a page find the files
+// of earlier ones. Blocks marked `sh not-run: REASON` are skipped; REASON names the test that runs them.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -11,7 +11,7 @@ import { after, before, test } from 'node:test';
 import { build, Daemon, eventually, ordinary, root } from '../lib/daemon.mjs';
 
 const pages = ['README.md', ...fs.readdirSync(path.join(root, 'web/docs'), { recursive: true, encoding: 'utf8' }).filter((file) => file.endsWith('.md')).sort().map((file) => `web/docs/${file}`)];
-/** The blocks of a page: { info, code }, info is what stands behind the language. */
+/** The shell blocks of a page: { info, code }, info: the text after the language. */
 const blocks = (page) =>
   [...fs.readFileSync(path.join(root, page), 'utf8').matchAll(/^```(\w+)(?: ([^\n]*))?\n([^]*?)^```/gm)].filter(([, language]) => language === 'sh').map(([, , info = '', code]) => ({ info, code }));
 
@@ -27,7 +27,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** A folder that looks like the top of the tree, without being it. */
+/** Makes a folder that looks like the top of the source tree. */
 function tree(page) {
   const at = path.join(folder, page.replaceAll('/', '-'));
   fs.mkdirSync(at);
@@ -36,7 +36,7 @@ function tree(page) {
   return at;
 }
 
-/** `sh server/run.sh OPTIONS` would build, and start another daemon: whether the daemon takes these options is what is asked. */
+/** Replaces `sh server/run.sh OPTIONS`, which would build and start a daemon, by a check that facciad accepts the options. */
 const here = (code) =>
   code
     .replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`)
@@ -59,7 +59,7 @@ test('commands that are not run here name the test that runs them', () => {
   for (const { page, info, code } of left) {
     const named = info.match(/tests\/[\w/-]+\.test\.mjs/)?.[0];
     if (!named) {
-      assert.match(code, /^sh tests\/run\.sh$/m, `${page}: ${info}`); // this test runs below it
+      assert.match(code, /^sh tests\/run\.sh$/m, `${page}: ${info}`); // tests/run.sh runs this test, so it is not started here
       continue;
     }
     const source = fs.readFileSync(path.join(root, named), 'utf8') + fs.readFileSync(path.join(root, 'tests/run.sh'), 'utf8');

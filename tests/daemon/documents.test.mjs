@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The documents of tests/documents through `faccia check`: what is understood, what is warned of, where errors are.
-// After a change that is meant: faccia check --score - <DOCUMENT >DOCUMENT.expected, and read the difference.
+// Runs `faccia check` on tests/documents and compares scores, warnings and places of errors. After an intended change run
+// faccia check --score - <DOCUMENT >DOCUMENT.expected and review the difference.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';

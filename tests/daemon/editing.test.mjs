@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What editors save over HTTP: works into the library, gestures into their folder; who may, what is refused and where.
+// Editing over HTTP: works of the library and gestures; permissions, and errors with their places.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -89,7 +89,7 @@ test('a gesture goes into its folder, can be asked for at once, and the next sta
   }
   assert.equal((await ask('GET', '/v1/gestures/my-wink')).text, mine, 'a refused one changes nothing');
   const text = `<speak xml:lang="it">${'La mamma <gesture name="my-wink"/> parla piano. '.repeat(3)}</speak>`;
-  /** How far she nods. */
+  /** Amplitude of the nod. */
   const nods = async () => {
     const { text: fap } = await ask('POST', '/v1/speech?format=fap&life=0', { body: text, 'content-type': 'application/ssml+xml' });
     return Math.max(...parseFap(fap).frames.map((frame) => frame[48]));

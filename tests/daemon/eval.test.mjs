@@ -43,7 +43,7 @@ for (const [lang, text] of Object.entries(texts))
     }
     assert.ok(report.rows[0].opening > report.rows[2].opening, 'fast vowels open less');
     assert.ok(report.rows[0].seconds > 1.5 * report.rows[2].seconds);
-    // an engine alone measures what it measures among others
+    // an engine's figures do not depend on the other engines
     const all = json(['eval', '--lang', lang, '--rates', '80', '--json', '-', text]);
     assert.deepEqual(all.rows.find((row) => row.engine === 'dominance'), report.rows[0]);
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of face animation on the command line: looked into, converted, coded, drawn; and .fapc as a format of speech.
+// `faccia fap`: inspects, converts, encodes and draws face animation files; and .fapc as a speech format.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -16,7 +16,7 @@ const file = (name) => path.join(folder, name);
 const vectors = path.join(root, 'protocol/vectors');
 
 const fap = (...args) => faccia(['fap', ...args]);
-/** For very many files: what the sanitizers might find in their reading, the fuzz targets do (fap, fapc). */
+/** Runs the ordinary build, for many files; the fuzz targets fap and fapc cover their parsing with sanitizers. */
 const fast = (args, input) => faccia(['fap', ...args], { input, from: ordinary });
 const well = (result) => {
   assert.equal(result.status, 0, result.stderr);
@@ -24,7 +24,7 @@ const well = (result) => {
 };
 const done = (...args) => well(fap(...args));
 
-/** A face whose mouth moves: frames of FAP 3, 4 and 48. */
+/** A .fap with a moving mouth: FAPs 3, 4 and 48. */
 const moving = (frames, fps = 25) => {
   const mask = Array.from({ length: 68 }, (_, i) => ([3, 4, 48].includes(i + 1) ? 1 : 0)).join(' ');
   const line = (k) => `${k} ${Math.round(300 + 300 * Math.sin(k / 5))} ${Math.round(-90 * Math.cos(k / 7))} ${40 * k}`;
@@ -32,7 +32,7 @@ const moving = (frames, fps = 25) => {
 };
 fs.writeFileSync(file('moving.fap'), moving(600));
 
-/** The packets of an .fapc file: {frames, data, begin}. */
+/** Splits an .fapc file into packets: {frames, data, begin}. */
 function packets(bytes) {
   assert.equal(bytes.toString('latin1', 0, 4), 'FPC1');
   const list = [];
@@ -61,11 +61,11 @@ test('every file of the test vectors is read as they say, or refused at its line
     assert.equal(said('name'), title || '(none)', name);
     assert.equal(Number(said('fps')), fps, name);
     assert.equal(Number(said('frames')), frames.length, name);
-    // what is written anew is version 2.1, and is read as the same
+    // the converted file is version 2.1 with the same contents
     const anew = well(fast(['convert', at])).bytes;
     assert.ok(anew.toString().startsWith('2.1 '), name);
     assert.deepEqual(fast(['convert', '-'], anew).bytes, anew, name);
-    // coded without loss it is the same, too
+    // lossless coding keeps it, too
     if (!frames.length) continue;
     const coded = well(fast(['encode', '--quality', '0', at])).bytes;
     const name_ = title || 'faccia';
@@ -81,7 +81,7 @@ test('info counts, measures and prices', () => {
   assert.match(stdout, /^ *48 +head_pitch +600 +0 +23960 +11980\.0$/m);
   const [coarse, exact] = [...stdout.matchAll(/^coded +(\S+) kbit/gm)].map((m) => Number(m[1]));
   assert.ok(coarse > 0 && coarse < exact, stdout);
-  // the price is that of the file which encode writes
+  // the reported bit rate is that of the file that encode writes
   assert.equal(coarse.toFixed(2), ((done('encode', file('moving.fap')).bytes.length * 8) / 1000 / 24).toFixed(2));
 });
 
@@ -111,10 +111,10 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
   assert.equal(back.frames.length, 600);
   const off = Math.max(...back.frames.map((frame, k) => Math.abs(frame[3] - original[k][3])));
   assert.ok(off > 0 && off <= 12, `${off}`);
-  // 120 ms where that is more than 5 frames
+  // packets of 120 ms if that is more than 5 frames
   fs.writeFileSync(file('fast.fap'), moving(300, 100));
   assert.equal(packets(done('encode', file('fast.fap')).bytes)[0].frames, 12);
-  // JavaScript decodes the same
+  // the JavaScript decoder agrees
   const decoder = new FapcDecoder();
   const frames = list.flatMap((p) => decoder.decode(p.data, p.frames));
   frames.forEach((frame, k) => assert.equal(frame.values[3] ?? frame[3], back.frames[k][3]));
@@ -135,10 +135,10 @@ test('damage is told with its byte', () => {
   refused(without(8, 0), /byte 8: a packet must have 1 to 64 frames/);
   refused(without(8, 65), /byte 8: a packet must have 1 to 64 frames/);
   const first = 3 + coded.readUInt16LE(9);
-  refused(Buffer.concat([coded.subarray(0, 8), coded.subarray(8 + first)]), /byte 8: /); // a packet is lost
-  // far more frames than bytes: refused before memory is taken
+  refused(Buffer.concat([coded.subarray(0, 8), coded.subarray(8 + first)]), /byte 8: /); // with a packet missing
+  // far more frames than bytes: refused before allocating memory
   refused(Buffer.concat([coded.subarray(0, 8), Buffer.alloc(3 * 20000, Buffer.from([64, 0, 0]))]), /byte \d+: more frames than one file may have/);
-  // any byte may be wrong: an answer or an error, never a crash
+  // corrupts any byte: gives a result or an error, never a crash
   for (let at = 8; at < 1000; at += 7) {
     const { status } = fast(['decode', '-'], without(at, coded[at] ^ 0x55));
     assert.ok(status === 0 || status === 1, `byte ${at}: ${status}`);

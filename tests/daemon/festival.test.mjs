@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Festival voices: sound without clicks, phones that the language packs know, words in their places, lips that close; and
-// what happens to a Festival that dies or hangs.
+// The Festival voices: sound without clicks, phones known to the language packs, places of words, lips that close; and Festival
+// processes that die or hang.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -68,7 +68,7 @@ test('what Festival cannot read or dies of is read in plainer form, or told', ()
   const alone = italian('Ecco жизнь qui.', '--normalize', 'off');
   assert.match(alone.stderr, /cannot read the characters/);
   assert.deepEqual(words(alone), ['Ecco', 'qui']);
-  const helped = italian('Ecco жизнь qui.'); // by a voice of that script
+  const helped = italian('Ecco жизнь qui.'); // a voice of that script reads the word
   assert.equal(helped.stderr, '');
   assert.deepEqual(words(helped), ['Ecco', 'жизнь', 'qui']);
   for (const text of ['...', '!?', '« — »', '     '])
@@ -89,13 +89,13 @@ test('rate, pitch and volume', () => {
   const soft = italian('La mamma parla piano.', '--volume', '0.5');
   assert.ok(Math.abs(loudest(soft) / loudest(plain) - 0.5) < 0.08, `${loudest(soft)} ${loudest(plain)}`);
   assert.equal(soft.json.duration, plain.json.duration);
-  // voiced stretches of a higher voice cross zero upwards more often
+  // a higher voice has more upward zero crossings
   const periods = ({ pcm }) => pcm.reduce((n, x, i) => n + (i && pcm[i - 1] < 0 && x >= 0), 0);
   const high = italian('La mamma parla piano.', '--pitch', '1.8');
   assert.ok(periods(high) > 1.1 * periods(plain), `${periods(high)} ${periods(plain)}`);
 });
 
-/** The median of the fundamental frequency, Hz: the lag at which a stretch of sound is most like itself. */
+/** Median fundamental frequency in Hz, by autocorrelation. */
 function pitchOf({ pcm, rate }) {
   const list = [], n = Math.round(rate * 0.04);
   for (let at = 0; at + n + rate / 80 < pcm.length; at += Math.round(rate * 0.01)) {
@@ -124,7 +124,7 @@ test('emotions change rate and pitch by what the table of expressions says', () 
   };
   for (const voice of ['festival:lp', 'festival:pc']) {
     const plain = speak(voice);
-    // the table is the same for every voice; one goes up in pitch, one down
+    // all voices use the same table; one emotion raises the pitch, one lowers it
     for (const name of voice === 'festival:lp' ? ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise'] : cases(['joy', 'sadness'], ['anger', 'fear', 'disgust', 'surprise'])) {
       const { seconds, pitch } = speak(voice, name), { rate, pitch: factor } = affect[name].voice;
       assert.ok(Math.abs((seconds / plain.seconds) * rate - 1) < 0.02, `${voice} ${name}: ${seconds} s, ${plain.seconds} s`);
@@ -142,21 +142,21 @@ test('a long sentence goes through in pieces', () => {
   assert.equal(said.json.words.length, text.match(/[\p{L}’]+/gu).length);
 });
 
-/** The Festival processes below a process. */
+/** The Festival processes that descend from a process. */
 function festivals(pid) {
   const all = fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).map((name) => {
     try {
       const stat = fs.readFileSync(`/proc/${name}/stat`, 'latin1');
       return { pid: Number(name), name: stat.slice(stat.indexOf('(') + 1, stat.lastIndexOf(')')), parent: Number(stat.slice(stat.lastIndexOf(')') + 2).split(' ')[1]) };
     } catch {
-      return { pid: 0 }; // it has ended meanwhile
+      return { pid: 0 }; // it has just ended
     }
   });
   const below = (parent) => all.filter((p) => p.parent === parent).flatMap((p) => [p, ...below(p.pid)]);
   return below(pid).filter((p) => p.name === 'festival');
 }
 
-/** A Festival that dies or hangs when it is asked for the word "adesso". */
+/** Makes a Festival that dies or hangs at the word "adesso". */
 const faulty = (what) => {
   const program = path.join(folder, what);
   fs.writeFileSync(program, `#!/usr/bin/env node

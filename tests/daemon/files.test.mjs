@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the commands write: whole files or none, and nothing in the place of what is no file.
+// Output files of the commands: written completely or not at all, and never over anything but a regular file.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -20,7 +20,7 @@ const fresh = () => {
 const program = path.join(build, 'server/cli/faccia');
 const faccia = (args, env = {}) => spawnSync(program, args, { encoding: 'utf8', env: { ...process.env, ...env } });
 
-// a voice whose program speaks the first sentence only, or none
+// a voice whose program fails on sentences with "guasto"
 const script = path.join(folder, 'voice');
 fs.writeFileSync(script, '#!/bin/sh\ncase "$1" in *guasto*) exit 1 ;; esac\nexec espeak-ng -v it --stdout -- "$1"\n', { mode: 0o755 });
 const config = path.join(folder, 'voices.json');
@@ -108,7 +108,7 @@ test('the other commands write so, too', () => {
   const at = fresh();
   const before = 'what was there';
   for (const name of ['x.svg', 'x.json', 'x.fap', 'x.wav']) fs.writeFileSync(at(name), before);
-  // a recording that is none; an alignment to a text without words
+  // an invalid recording; alignment to a text without words
   fs.writeFileSync(at('bad.fap'), '2.1 x 25 1\nnonsense\n');
   assert.equal(faccia(['play', '--wav', at('x.wav'), at('bad.fap')]).status, 1);
   fs.writeFileSync(at('no-words.txt'), '...');

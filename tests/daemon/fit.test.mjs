@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia fit on recordings made from the face itself: the lips of VCV words, in mm, with noise; the pack that comes out speaks.
+// faccia fit on recordings made from the face itself: lips of VCV words in mm, with noise. The resulting pack must speak.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -19,8 +19,8 @@ const models = path.join(folder, 'models');
 fs.cpSync(path.join(root, 'models/speech'), path.join(models, 'speech'), { recursive: true });
 fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'expressions.json'));
 
-/** Records a text as somebody of that language says it: the phones, and lower lip and jaw at 100 Hz, `scale` times as far, with up to 0.2 mm of noise; silence
- * stands before and behind it. */
+/** Records a text in that language: the phones, and lower lip and jaw at 100 Hz, scaled by `scale`, with up to 0.2 mm of noise, and silence at both
+ * ends. */
 function record(file, text, seed, { lang = 'it', scale = 1 } = {}) {
   const name = path.join(folder, file);
   const { status, stderr } = faccia(['say', '--still', '--lang', lang, '--fps', '100', '--fap', `${name}.fap`, '--json', `${name}.say.json`, text], { env: { FACCIA_MODELS: models } });
@@ -143,7 +143,7 @@ test('curves and phones in every form that is read, in one command: the same pac
   assert.ok(packs[0]['ɑ'].targets.LI && packs[0].p.targets.EM);
   for (const [i, pack] of packs.entries()) assert.ok(isDeepStrictEqual(pack, packs[0]), Object.keys(forms)[i]);
 
-  // an articulograph's own file through the converter: lower lip and jaw as sensors 1 and 2, 250 Hz
+  // an articulograph's file through the converter: sensors 1 and 2 are lower lip and jaw, 250 Hz
   const sensors = Array.from({ length: 225 }, (_, i) => {
     const t = i / 250;
     const k = t * 100;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The gender of a voice that is not named, and the kind of voice that suits a head.
+// Choosing a voice by gender when none is named, and the voice that suits a head.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import path from 'node:path';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Named gestures: those of the models, those of an operator's own folder, in every markup, at their places, and what is wrong with them.
+// Named gestures of the models and of an operator's folder: in every markup, at their times, and errors in their files.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -50,7 +50,7 @@ test('an own gesture: it wins over one of the same name, and lips that must clos
   const gap = (frame) => -(frame[4] + frame[5]);
   assert.equal(gaping.frames.length, plain.frames.length);
   assert.ok(gaping.frames.some((frame, k) => gap(frame) > gap(plain.frames[k]) + 50), 'she gapes where she may');
-  // in each stretch of frames in which they are closed without it they close with it, too
+  // every closure without the gesture is also closed with it
   const closures = plain.frames.reduce((runs, frame, k) => (gap(frame) > -4 ? runs : gap(plain.frames[k - 1]) > -4 ? [...runs, [k]] : [...runs.slice(0, -1), [...runs.at(-1), k]]), []);
   assert.ok(closures.length >= 4, `${closures.length}`);
   for (const run of closures) assert.ok(run.some((k) => gap(gaping.frames[k]) <= 0), `${run}: ${run.map((k) => gap(gaping.frames[k]))}`);

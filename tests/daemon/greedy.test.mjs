@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// By default one address cannot take everything: a greedy client and a modest one, each of an address of this machine.
+// Default limits stop one address from using up the daemon: a greedy and a modest client, on different local addresses.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import net from 'node:net';
@@ -14,7 +14,7 @@ before(async () => (daemon = await Daemon.start(['--max-connections', '300', '--
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
 const stream = (from, query = '') => Stream.open(`ws://127.0.0.1:${daemon.port}/v1/stream${query}`, { localAddress: from });
-/** The modest client joins a room of its own, and is spoken to. */
+/** Checks that the modest client can join a new room and hear speech. */
 async function served(room) {
   const modest = await stream(MODEST);
   modest.send({ type: 'join', room, id: 'j' });
@@ -37,7 +37,7 @@ test('rooms', async () => {
   greedy.forEach((each, i) => each.send({ type: 'join', room: `greedy-${i}`, id: 'j' }));
   await eventually(() => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-rooms')).length === 5, 'five to be refused', 20000);
   await served('modest-2');
-  // one that is there may be joined
+  // existing rooms can still be joined
   greedy[29].send({ type: 'join', room: 'greedy-0' });
   await greedy[29].wait({ type: 'joined', room: 'greedy-0' });
   await Promise.all(greedy.map((each) => each.close()));
@@ -49,7 +49,7 @@ test('live voices, and one that hardly says anything', async () => {
   await eventually(() => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-voices')).length === 2, 'two to be refused', 20000);
   const modest = await stream(MODEST);
   modest.send({ type: 'voice', id: 'm', rate: 16000, lang: 'it' });
-  // the modest one speaks, the others send two bytes now and then: theirs end
+  // the modest client sends sound, the others only two bytes now and then: their live voices are closed
   const timer = setInterval(() => {
     for (const each of greedy) each.socket.send(Buffer.alloc(2));
     modest.socket.send(Buffer.alloc(3200, 5));
@@ -62,14 +62,14 @@ test('live voices, and one that hardly says anything', async () => {
   await Promise.all([...greedy, modest].map((each) => each.close()));
 });
 
-// Everybody behind one proxy has one address: there, it is connections that come by turns.
+// All clients behind a proxy share an address: there, connections take turns.
 test('texts with hundreds of pauses, on many connections of one address', async () => {
   const text = `<speak>${'a<break time="10s"/>'.repeat(150)}</speak>`;
   const greedy = await Promise.all(Array.from({ length: 30 }, () => stream(GREEDY, '?audio=none&fap=none')));
   const modest = await stream(GREEDY);
   const begun = () => greedy.filter((each) => each.messages.some(({ type }) => type === 'begin')).length;
   for (const each of greedy) each.send({ type: 'speak', id: 'g', lang: 'en', text });
-  // The first part is spoken, and then comes from the cache for all: nobody else has a turn meanwhile, unless that is seen to.
+  // The part is cached after its first synthesis. Replays from the cache must not starve other clients.
   const others = [];
   for (let i = 0; i < 3; i++) {
     modest.send({ type: 'speak', id: `m${i}`, lang: 'it', text: `Sì, ${i}.`, mode: 'replace' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the ordinary build's programs and plugins are hardened, read from the files that were built.
+// Checks the hardening of the ordinary build's programs and plugins in the built files.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -14,7 +14,7 @@ const isElf = (file) => {
   return head.toString('latin1') === '\x7fELF';
 };
 
-/** The programs and modules below the folder: no objects, no archives. */
+/** Lists the programs and shared modules below the folder. */
 const built = (folder) => fs.readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
   const name = path.join(folder, entry.name);
   if (entry.isDirectory()) return entry.name.endsWith('.p') ? [] : built(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What browsers are told to do with each answer: policies of content, frames, referrers, resources.
+// Security headers: policies for content, frames, referrers and resources.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -42,7 +42,7 @@ test('every answer: no guessing of types, no referrer, nothing loaded', async ()
     const { headers } = await fetched(address);
     assert.equal(headers.get('x-content-type-options'), 'nosniff', address);
     assert.equal(headers.get('referrer-policy'), 'no-referrer', address);
-    const script = address.endsWith('.js') ? " connect-src 'self';" : ''; // a worker's own
+    const script = address.endsWith('.js') ? " connect-src 'self';" : ''; // for web workers
     if (address !== '/') assert.equal(headers.get('content-security-policy'), `default-src 'none';${script} frame-ancestors 'none'`, address);
   }
 });
@@ -52,7 +52,7 @@ test('scripts and heads may be embedded anywhere, answers of the API may not', a
     assert.equal((await fetched(address)).headers.get('cross-origin-resource-policy'), 'cross-origin', address);
   for (const address of ['/v1/voices', '/v1/speech?text=Ciao', '/healthz'])
     assert.equal((await fetched(address)).headers.get('cross-origin-resource-policy'), 'same-origin', address);
-  // not changed means the same headers
+  // a 304 response has the same headers
   const { headers } = await fetched('/talking-head.js');
   const again = await fetched('/talking-head.js', daemon, { headers: { 'if-none-match': headers.get('etag') } });
   assert.equal(again.status, 304);
@@ -68,7 +68,7 @@ test('--embed lets pages be framed by those that it names', async () => {
   assert.equal(response.headers.get('x-frame-options'), null);
   for (const page of ['/library.html', '/room.html'])
     assert.equal(policy(await fetched(page, own))['frame-ancestors'], "'self' https://portal.example https://*.school.example", page);
-  // where a click changes something, or what others say is shown
+  // pages where a click has effects or other people's text is displayed
   for (const page of ['/operator.html', '/editor.html', '/avatar.html', '/player.html', '/emotion.html', '/examples.html']) {
     const answer = await fetched(page, own);
     assert.deepEqual([answer.status, policy(answer)['frame-ancestors'], answer.headers.get('x-frame-options')], [200, "'none'", 'DENY'], page);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The face of a voice whose words nobody knows: any sound, in any pieces; what is said by a voice that the network was not trained on.
+// Lip recognition from sound alone: any sound format, in any pieces; accuracy with a voice that the network was not trained on.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -29,7 +29,7 @@ const heard = (args, input, options = []) => {
   const all = lines(stdout);
   return { frames: all.filter((l) => l.type === 'frame'), phones: all.filter((l) => l.type === 'phone') };
 };
-/** How far the inner lips are apart in the middle, FAP units. */
+/** Gap between the inner lips in the middle, FAP units. */
 const gap = ({ faps }) => -((faps[4] ?? 0) + (faps[5] ?? 0));
 
 const say = (name, lang, voice, text) => {
@@ -37,7 +37,7 @@ const say = (name, lang, voice, text) => {
   assert.equal(status, 0, stderr);
   return { wav: file(`${name}.wav`), phones: JSON.parse(fs.readFileSync(file(`${name}.json`))).phones };
 };
-// Spanish is not among what it was trained on
+// Spanish is not in the training set
 const spoken = say('es', 'es', 'espeak:es', `Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.
   El tren de la mañana sale a las siete, y nosotros tenemos que llegar antes. ¿Dónde está la llave de la puerta grande? La busco desde el lunes.
   En el jardín de mi abuela hay rosas, limones y un banco viejo. Todos los domingos comemos juntos bajo el árbol.`);
@@ -60,7 +60,7 @@ test('after speech the lips go to rest', () => {
   assert.ok(frames.slice(-25).every((f) => gap(f) === 0));
 });
 
-/** Chords of four, a beat of noise and a thump, and a tune over them, of our own: nobody speaks. Seconds to -1..1. */
+/** Synthetic music without speech: chords, a beat of noise and thumps, and a tune. Takes s, returns -1..1. */
 const noise = ((seed) => () => ((seed = (seed * 1103515245 + 12345) % 2147483648) / 1073741824 - 1))(7);
 const band = (t) => {
   const beat = t % 0.5, bar = Math.floor(t / 2) % 4, root = [196, 147, 165, 131][bar];
@@ -69,7 +69,7 @@ const band = (t) => {
   return 0.5 * (chord * Math.exp(-0.6 * (t % 2)) + 0.2 * tune + 0.5 * Math.exp(-25 * beat) * Math.sin(6.2832 * 65 * beat) + 0.25 * Math.exp(-40 * ((t + 0.25) % 0.5)) * noise());
 };
 
-/** A folder of models with another network. */
+/** Makes a models folder with a modified network. */
 function modelsWith(change) {
   const own = path.resolve(build, process.env.FACCIA_MODELS ?? 'models'), models = fs.mkdtempSync(file('models-'));
   fs.mkdirSync(path.join(models, 'hear'));
@@ -82,7 +82,7 @@ function modelsWith(change) {
 test('in music the lips rest after a second, and who speaks then is shown', further, () => {
   const alone = heard([sound('music.wav', 12, 16000, 1, band)]).frames, resting = alone.slice(25).filter((f) => gap(f) === 0).length;
   assert.ok(resting >= 0.9 * (alone.length - 25), `${resting} of ${alone.length - 25} frames at rest`);
-  // it is the network's head for it that makes them: with its bias, which is last in the file, as high as can be they do not
+  // the network's speech detector keeps the mouth closed: with its bias (last in the file) at the maximum it does not
   const models = modelsWith((network) => Buffer.concat([network.subarray(0, -2), Buffer.of(0xff, 0x7b)]));
   const deaf = heard([file('music.wav')], undefined, ['--models', models]).frames.slice(25);
   assert.ok(deaf.filter((f) => gap(f) === 0).length < 0.3 * deaf.length);
@@ -149,7 +149,7 @@ for (const ms of cases([0, 120], [40, 80]))
     const chance = lucky.reduce((sum, x) => sum + x.found, 0) / lucky.reduce((sum, x) => sum + x.said, 0);
     assert.ok(found.said > 15 && found.found > 0.7 * found.said, `${found.found} of ${found.said}`);
     assert.ok(found.found / found.said > chance + 0.25, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
-    // and what is heard is shown: the lips meet, and they open for the vowels
+    // the face shows it: lips meet, and open for vowels
     const closed = phones.filter((p) => p.class === 'closed' && p.end - p.start > 0.03);
     const shut = closed.filter((p) => frames.some((f) => f.time >= p.start - 0.01 && f.time <= p.end + 0.01 && gap(f) <= 0)).length;
     assert.ok(shut >= 0.9 * closed.length, `${shut} of ${closed.length} closures are seen`);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a markup says is heard: several voices and languages in a sentence, sounds, ways of reading, given phones.
+// Effects of markup on sound: several voices and languages in a sentence, sound files, say-as, given phones.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -13,7 +13,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const plugins = path.join(folder, 'plugins');
 const sounds = path.join(folder, 'sounds');
 
-/** A mono WAV file with a tone. */
+/** Writes a mono WAV file with a tone. */
 const tone = (file, rate, seconds) =>
   fs.writeFileSync(file, wavOf(Int16Array.from({ length: Math.round(rate * seconds) }, (_, i) => Math.round(8000 * Math.sin((2 * Math.PI * 700 * i) / rate))), rate));
 
@@ -28,7 +28,7 @@ before(() => {
 });
 after(() => fs.rmSync(folder, { recursive: true }));
 
-/** `faccia say` of an SSML document's content. */
+/** Runs `faccia say` on the content of an SSML document. */
 function say(content, { lang = 'it', voice = 'espeak:it', options = [] } = {}) {
   const wav = path.join(folder, 'out.wav');
   const result = faccia(['say', '-l', lang, '-v', voice, '--audio', sounds, '--wav', wav, '--json', '-', ...options,
@@ -57,7 +57,7 @@ test('a word in another language is spoken by a voice of that language', () => {
   assert.ok(phones.includes('ɹ'), String(phones));
   assert.ok(between(said, 'il', 'rock') < 0.05);
   assert.ok(between(said, 'roll', 'davvero') > 0.1);
-  assert.equal(said.stderr, ''); // the lips know the phones of both languages
+  assert.equal(said.stderr, ''); // the pack knows the phones of both languages
 });
 
 test('voices of plugins with different sample rates speak one sentence, at the rate of the first', () => {
@@ -71,7 +71,7 @@ test('voices of plugins with different sample rates speak one sentence, at the r
 });
 
 test('a gender chooses a voice of the language', () => {
-  /** Of the stressed vowel, Hz: the lag at which it is most like itself. */
+  /** Pitch of the stressed vowel in Hz, by autocorrelation. */
   const pitch = (s) => {
     const vowel = s.phones.find((p) => p.ipa.startsWith('a'));
     const pcm = s.pcm.subarray(vowel.start * s.rate, vowel.end * s.rate);
@@ -85,7 +85,7 @@ test('a gender chooses a voice of the language', () => {
     return s.rate / lags.find((lag) => alike(lag) > 0.95 * best);
   };
   const he = say('<voice gender="male">Mamma</voice>'), she = say('<voice gender="female">Mamma</voice>'), usual = say('Mamma');
-  assert.deepEqual(he.pcm.length, usual.pcm.length); // the usual voice is a man's
+  assert.deepEqual(he.pcm.length, usual.pcm.length); // the default voice is male
   assert.ok(pitch(she) > 1.4 * pitch(he), `${pitch(she)}, ${pitch(he)} Hz`);
 });
 
@@ -153,7 +153,7 @@ test('over the network: warnings with their places, then speech; nothing outside
   const warnings = first.filter((m) => m.type === 'warning');
   assert.deepEqual(warnings.map((w) => [w.code, w.line]), [['no-sound', 1], ['unknown-voice', 2]]);
   assert.deepEqual(first.filter((m) => m.type === 'word').map((m) => m.text), ['Senti', 'il', 'segreto', 'e', 'poi']);
-  // many voices and sounds in one sentence, and a stop in the midst of it
+  // stops in the middle of a sentence of many voices and sounds
   const turns = '<voice name="puppet:plain">uno</voice> <audio src="bell.wav"/> <voice name="espeak:en-gb">two</voice> '.repeat(30);
   const many = await speak('b', `<speak>${turns}</speak>`);
   assert.ok(many.some((m) => m.type === 'warning' && /more than 16 sounds/.test(m.message)));

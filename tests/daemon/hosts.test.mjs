@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// By which names the daemon may be asked, and by which pages: DNS rebinding, and what browsers send without an origin.
+// Allowed Host names and pages: DNS rebinding, and browser requests without an Origin.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import net from 'node:net';
@@ -45,7 +45,7 @@ test('a daemon for this machine alone: localhost and loopback addresses, and not
     assert.equal((await request(daemon.port, { path: '/healthz', headers: { host } })).status, 200, host);
     await (await daemon.stream('', { headers: { host } })).close();
   }
-  // browsers do not say for which page they fetch from these
+  // hosts to which browsers send requests without Sec-Fetch headers
   const others = ['0.0.0.0', `[::ffff:7f00:1]:${daemon.port}`, '[::ffff:127.0.0.1]', '[::]', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()];
   for (const host of others) {
     const { status, text } = await request(daemon.port, { path: '/v1/speech?text=Ciao', headers: { host } });
@@ -104,19 +104,19 @@ test('what a page of another site has its browser fetch without an origin', asyn
   }
   const speech = '/v1/speech?text=Ciao&lang=it&format=json';
   const allowed = [
-    {}, // no browser
+    {}, // not a browser
     { 'sec-fetch-site': 'none', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1' }, // typed
     { 'sec-fetch-site': 'same-origin', 'sec-fetch-mode': 'no-cors' },
     { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1', 'sec-fetch-dest': 'document' }, // a link that was followed
     { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'cors', origin: 'http://localhost:5173' },
   ];
   for (const headers of allowed) assert.equal((await get(speech, headers)).status, 200, JSON.stringify(headers));
-  // a frame that a page fills by itself
+  // a frame that a page navigates without user action
   assert.equal((await get(speech, { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-dest': 'document' })).status, 403);
   const frame = { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-dest': 'iframe' };
   assert.equal((await get(speech, frame)).status, 403);
   assert.equal((await get(speech, { ...frame, 'sec-fetch-user': '?1' })).status, 403); // after a click anywhere on the page
-  // scripts and heads are for all
+  // any page may load scripts and heads
   for (const address of ['/talking-head.js', '/v1/models/mara']) assert.equal((await get(address, embedded)).status, 200);
 });
 
@@ -147,7 +147,7 @@ test('a browser that says nothing of the page: an old one, or by a name that it 
   const curl = { 'user-agent': 'curl/8.5.0' }, shell = { 'user-agent': 'Mozilla/5.0 (Windows NT; it-IT) WindowsPowerShell/5.1.22621' };
   for (const headers of [curl, shell, { ...agent, origin: 'http://localhost' }])
     assert.equal((await request(daemon.port, { path: speech, headers })).status, 200, JSON.stringify(headers));
-  assert.equal((await request(daemon.port, { path: '/', headers: agent })).status, 200); // a page that is typed
+  assert.equal((await request(daemon.port, { path: '/', headers: agent })).status, 200); // typed into the address bar
   const own = await Daemon.start(['--secret-file', path.join(folder, 'secrets')]);
   assert.equal((await request(own.port, { path: `${speech}&token=${sign({ secret })}`, headers: agent })).status, 200);
   assert.equal((await own.stop()).code, 0);

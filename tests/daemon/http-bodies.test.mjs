@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies of requests: chunked ones, lengths that cannot be trusted, 100-continue, forms.
+// Request bodies: chunked, false lengths, 100-continue, forms.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { after, before, test } from 'node:test';
@@ -25,7 +25,7 @@ test('a chunked body is read, however it is cut', async () => {
     await new Promise((resolve) => setImmediate(resolve));
   }
   assert.deepEqual(JSON.parse((await raw.answer()).body).words.map((w) => w.text), ['Uno', 'due']);
-  raw.write(healthy); // and the next request is where it should be
+  raw.write(healthy); // the next request begins in the right place
   assert.equal((await raw.answer()).status, 200);
   await raw.close();
 });
@@ -72,7 +72,7 @@ test('a body over the limit: 413, chunked or not', async (t) => {
     const answer = await ask(daemon.port, bytes);
     assert.deepEqual([answer.status, JSON.parse(answer.body).code], [413, 'text-too-long']);
   }
-  // one that never ends is not read to its end
+  // an endless body is not read to its end
   const raw = await Raw.open(daemon.port);
   t.after(() => clearInterval(flood));
   raw.write(head('Transfer-Encoding: chunked\r\n'));
@@ -120,7 +120,7 @@ test('limits for each address: idle connections count, and requests count that w
   assert.deepEqual([fifth.status, JSON.parse(fifth.body).code, fifth.headers.connection], [429, 'too-many-per-address', 'close']);
   assert.ok(Number(fifth.headers['retry-after']) > 0);
   await Promise.all(idle.map((raw) => raw.close()));
-  // a minute may end in between, never two
+  // the minute may end once in between, never twice
   const statuses = [];
   for (let i = 0; i < 12; i++) {
     let answer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HTTP requests as RFC 9110 and 9112 have them, and those that they refuse; several at once; connections that stay.
+// HTTP requests that RFC 9110 and 9112 allow and forbid; pipelining; persistent connections.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -31,7 +31,7 @@ test('requests in one segment are answered in their order', async () => {
   }
   assert.deepEqual(kinds, ['200 voices', '200 lang', '200 models', '404 type', '200 lang', '200 status'].map((kind, i) => (i === 1 || i === 4 ? kinds[i] : kind)));
   assert.match(kinds[1], /^200 (?!type)/);
-  // POST before GET in one segment made the loop hang once
+  // regression: POST before GET in one segment made the loop hang
   raw.write(post('Tre.') + get());
   assert.equal((await raw.answer()).status, 200);
   assert.equal(JSON.parse((await raw.answer()).body).status, 'ok');
@@ -133,7 +133,7 @@ test('every parameter is decoded, wherever it stands, whatever is before it', as
   const long = await RawSocket.open(guarded.port, {}, `/v1/stream?x-note=${'n'.repeat(2000)}&token=${token}&r%6Fom=h%61ll&lang=it`);
   await long.message({ type: 'joined', room: 'hall', may_speak: true });
   await long.close();
-  // as a sub-protocol, which may be longer than 126 bytes
+  // as a sub-protocol longer than 126 bytes
   const protocol = await RawSocket.open(guarded.port, { 'Sec-WebSocket-Protocol': `faccia.v1, token.${token}` }, '/v1/stream?room=hall');
   assert.match(protocol.accepted, /sec-websocket-protocol: faccia\.v1/i);
   await protocol.message({ type: 'joined', room: 'hall', may_speak: true });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The HTTP side: speech in three formats, the model and the page as cacheable files.
+// HTTP: speech in three formats, models and pages as cacheable files.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import http from 'node:http';
@@ -26,7 +26,7 @@ test('wav: sound that can be played', async () => {
 
 test('sound that is coded for one keeps nobody waiting', async () => {
   const text = `Una frase ${'assai lunga e senza una virgola '.repeat(20)}.`;
-  await (await post('lang=it', text)).arrayBuffer(); // spoken from now on
+  await (await post('lang=it', text)).arrayBuffer(); // now in the cache
   let coded = 0;
   const all = Array.from({ length: 6 }, async () => {
     const response = await post('lang=it&format=ogg', text);
@@ -47,7 +47,7 @@ test('wav is the default, json and fap fit it', async () => {
   const json = await (await post('lang=it&format=json', text)).json();
   const fap = await (await post('lang=it&format=fap', text)).text();
   const seconds = (wav.length - 44) / 2 / json.rate;
-  // espeak-ng does not say the same thing twice to the sample
+  // espeak-ng's output varies by some samples
   assert.ok(Math.abs(json.duration - seconds) < 0.02, `${json.duration} ${seconds}`);
   assert.equal(json.phones[0].start, 0);
   json.phones.forEach((p, i) => i && assert.ok(Math.abs(p.start - json.phones[i - 1].end) < 1e-4));
@@ -74,7 +74,7 @@ test('speech begins before the last sentence is made', async () => {
 
 test('what is asked for by HTTP counts as speech, too', async () => {
   const seconds = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (.*)$/m)[1]);
-  await daemon.left(2); // the request that was broken off is noticed
+  await daemon.left(2); // the aborted request is noticed
   const before = await seconds();
   const { duration } = await (await daemon.get('/v1/speech?lang=it&format=json', { method: 'POST', body: 'Una frase. Un’altra.' })).json();
   assert.ok(Math.abs((await seconds()) - before - duration) < 0.01);
@@ -102,7 +102,7 @@ test('many requests on one connection', async () => {
   agent.destroy();
 });
 
-/** A GET that leaves the body as it travels. */
+/** GET without decoding the body. */
 async function plain(address, headers) {
   const request = http.get(daemon.url + address, { headers });
   const [response] = await once(request, 'response');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What `meson install` puts where, and that it runs from there, staged and moved, without the tree that it was built in; and a
-// voice that somebody else builds, with nothing but the installed header.
+// `meson install`: where files go, and that they run from there, staged and moved, without the build tree; and an external voice plugin
+// built with only the installed header.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -9,7 +9,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, Daemon, root } from '../lib/daemon.mjs';
 
-// The heads and the page are in the ordinary build alone, which lies around the models.
+// Only the ordinary build has heads and pages; it contains the models folder.
 const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-install-'));
 after(() => fs.rmSync(folder, { recursive: true }));
@@ -18,7 +18,7 @@ const run = (program, args, options) => {
   assert.equal(status, 0, `${program} ${args.join(' ')}: ${error ?? stderr}`);
   return stdout;
 };
-// What a user's environment does not have.
+// Variables of the test run, which users do not set.
 const { FACCIA_MODELS, FACCIA_WEB, FACCIA_BUILD, FACCIA_ARTEFACTS, ...plain } = process.env;
 const clean = { FACCIA_MODELS: undefined, FACCIA_WEB: undefined, FACCIA_BUILD: undefined, FACCIA_ARTEFACTS: undefined };
 const options = Object.fromEntries(JSON.parse(run('meson', ['introspect', ordinary, '--buildoptions'])).map(({ name, value }) => [name, value]));
@@ -41,13 +41,13 @@ test('everything lies where Debian expects it', () => {
   ];
   for (const file of files) assert.ok(fs.statSync(file, { throwIfNoEntry: false })?.size, file);
   assert.match(fs.readFileSync(path.join(installed, 'lib/systemd/system/facciad.service'), 'utf8'), new RegExp(`^ExecStart=${path.join(options.prefix, options.bindir)}/facciad$`, 'm'));
-  // what is built for the tests, or with sources of the host, is not for installation
+  // files built for tests must not be installed
   const all = fs.readdirSync(installed, { recursive: true, encoding: 'utf8' });
   assert.deepEqual(all.filter((name) => /\.(a|c\.o|h)$/.test(name)), [path.join(options.includedir, 'faccia-voice.h')]);
   assert.deepEqual(all.filter((name) => name.endsWith('.so')).map((name) => path.basename(name, '.so')).filter((name) => !['command', 'espeak', 'festival', 'kokoro', 'libonnxruntime', 'recording'].includes(name)), []);
 });
 
-/** Speaks with what is installed below the folder, and looks at which files it opens meanwhile. */
+/** Speaks with the installation below the folder, and checks which files it opens. */
 async function lives(prefix) {
   const trace = path.join(folder, 'trace');
   const env = { ...clean, STRACE: trace, PROGRAM: path.join(prefix, options.bindir, 'facciad') };
@@ -71,7 +71,7 @@ async function lives(prefix) {
     const fap = await (await daemon.get('/v1/speech?text=Papa.&lang=tr&format=fap')).text();
     assert.ok(fap.split('\n').length > 20);
   } finally {
-    // strace ends with what it traces
+    // strace ends with the traced process
     const pid = Number(fs.readFileSync(trace, 'utf8').match(/^\d+/)[0]);
     process.kill(pid, 'SIGTERM');
     await daemon.exited;
@@ -93,7 +93,7 @@ test('so does one that was moved, and its faccia', async () => {
   assert.ok(json.phones.length > 12);
   assert.match(faccia('voices', '--lang', 'it'), /espeak:it/);
   assert.match(faccia('models'), /mara/);
-  // alignment has a worker speak, too
+  // alignment also uses a voice worker
   const aligned = JSON.parse(faccia('align', path.join(folder, 'say.wav'), '--text', write('say.txt', 'La mamma parla piano.'), '--quiet'));
   assert.deepEqual(aligned.words.map(({ text }) => text), ['La', 'mamma', 'parla', 'piano']);
 });

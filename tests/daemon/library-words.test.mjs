@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every word of a work once, in its order and its language, by each reader; what a work may take; nothing outside the library's folder.
+// Every reader delivers every word of a work once, in order and with its language; limits of a work; no file outside the library's folder.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import fs from 'node:fs';
@@ -11,14 +11,14 @@ import { epub, writeZip } from '../lib/works.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-words-'));
 const works = path.join(folder, 'works');
-const bounds = path.join(folder, 'bounds'); // not of the daemon's: reading alone is quick
+const bounds = path.join(folder, 'bounds'); // not in the daemon's folder: `faccia library` alone is quick
 const secret = path.join(folder, 'secret.txt');
 const program = path.join(build, 'server/cli/faccia');
 const header = (inner) => `<teiHeader><fileDesc>${inner}</fileDesc></teiHeader>`;
 const tei = (body, { attributes = '', head = '', doctype = '' } = {}) =>
   `<?xml version="1.0"?>${doctype}<TEI xmlns="http://www.tei-c.org/ns/1.0">${head}<text xml:lang="it" ${attributes}><body><div>${body}</div></body></text></TEI>`;
 
-// name: [the text's body, what is read of it (a block a line; "LANG|words" where a stretch is in another language)]
+// name: [body of the text, expected result (a line per block; "LANG|words" for a stretch in another language)]
 const TEI = {
   alone: ['<p>Vostra <abbr>Ecc.</abbr> vide <sic>la le</sic> <orig>virtude</orig>.</p>', 'Vostra Ecc. vide la le virtude.'],
   pairs: ['<p>Era <choice><sic>bela</sic><corr>bella</corr></choice>, <choice><corr>alta</corr><sic>atla</sic></choice>, <choice><expan>signora</expan><abbr>sig.ra</abbr></choice>, <choice><orig>huomo</orig><reg>uomo</reg></choice>.</p>', 'Era bella, alta, signora, uomo.'],
@@ -49,7 +49,7 @@ const EPUB = {
   tongues: ['<p>Disse <em lang="en">good night</em> e <i xml:lang="fr">merci</i>.</p><h2 lang="en">A chapter</h2>', 'Disse good night e merci. {en:good night} {fr:merci}\n[en] A chapter'],
 };
 
-/** The blocks of all sections, a line each, with what is in another language. */
+/** Returns the blocks of all sections, one per line, with stretches in other languages marked. */
 const read = async (work) => {
   const { sections } = await (await fetch(`${daemon.url}/v1/library/works/${work}`)).json();
   const out = [];
@@ -65,7 +65,7 @@ const read = async (work) => {
 };
 
 let daemon, all;
-/** `faccia library DIR`; not synchronously, as the daemon may close a connection that waits. */
+/** Runs `faccia library DIR`; asynchronously, because the daemon may close idle connections meanwhile. */
 const check = (directory) =>
   new Promise((done) => {
     execFile(program, ['library', directory], { timeout: 120000, maxBuffer: 1 << 26 }, (error, stdout) => done({ stdout, status: error ? error.code : 0 }));
@@ -81,18 +81,18 @@ before(async () => {
   fs.writeFileSync(path.join(works, 'old.xml'), '<TEI.2><teiHeader/><text lang="it"><body><div7><p>Vecchia forma.</p></div7></body></text></TEI.2>');
   const beside = epub({ '../Testo/uno.xhtml': '' });
   writeZip(path.join(works, 'beside.epub'), { ...beside, 'Testo/uno.xhtml': '<html xmlns="http://www.w3.org/1999/xhtml"><body><p>Accanto.</p></body></html>' });
-  // one document, a thousand references; another name for the same
+  // a thousand references to one document; another path of the same document
   const again = epub({ 'uno.xhtml': '<p>Una volta sola.</p>' });
   again['OEBPS/book.opf'] = again['OEBPS/book.opf'].replace('</manifest>', '<item id="e" href="./x/../uno.xhtml" media-type="application/xhtml+xml"/></manifest>')
     .replace('<spine>', `<spine>${'<itemref idref="d0"/>\n'.repeat(1000)}<itemref idref="e"/>`);
   writeZip(path.join(works, 'again.epub'), again);
-  // what is repeated on each block, by defaults that a document gives to its elements
+  // values repeated on each block, by attribute defaults of the document
   fs.writeFileSync(path.join(works, 'repeats.xml'), tei(`<sp><speaker>${'Nome '.repeat(20000)}</speaker>${'<p>a</p>'.repeat(3000)}</sp><lg>${'<l>b</l>'.repeat(3000)}</lg>`, { doctype: `<!DOCTYPE TEI [<!ATTLIST l n CDATA "${'9'.repeat(50000)}">]>` }));
   fs.writeFileSync(path.join(works, 'alone.xml'), tei('<p>Due&nbsp;parole &mdash; caff&egrave;.</p><p>Dopo.</p>').replace('version="1.0"', 'version="1.0" encoding="UTF-8" standalone = \'yes\' '));
-  // entities that make much of little: 200 blocks each, and each with the name of who speaks
+  // entities that expand to 200 blocks each, every block with a speaker's name
   fs.mkdirSync(bounds);
   fs.writeFileSync(path.join(bounds, 'entities.xml'), tei(`<p>Prima.</p><sp><speaker>${'Nome '.repeat(40)}</speaker>${'&much;\n'.repeat(1500)}</sp>`, { doctype: `<!DOCTYPE TEI [<!ENTITY much "${'<p>a</p>'.repeat(200)}">]>` }));
-  // nothing outside the folder
+  // files outside the folder
   fs.writeFileSync(secret, 'Questo non si legge.\n');
   fs.writeFileSync(path.join(folder, 'secret.wav'), 'RIFF');
   fs.mkdirSync(path.join(folder, 'other'));

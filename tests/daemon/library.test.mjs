@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The library: works of all kinds, good, bad and hostile; search; passages that are spoken, by a voice and by a recording; what changes,
-// and what is killed in the middle.
+// The library: works in all formats, valid, broken and hostile; search; passages spoken by a voice and by a recording; changed files, and
+// killed processes.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -213,7 +213,7 @@ test('what cannot be searched for is said, and where', async () => {
   assert.equal((await ask('/v1/library/nothing', 404)).code, 'not-found');
 });
 
-/** A search by a client at that address: its status, with Retry-After, and the answer. */
+/** Searches from that local address. Returns status, Retry-After and answer. */
 const searchFrom = (localAddress, q) => new Promise((resolve, reject) => {
   const request = http.get({ host: '127.0.0.1', port: daemon.port, localAddress, agent: false, path: `/v1/library/search?q=${encodeURIComponent(q)}` }, async (response) => {
     let text = '';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia life: what the face does of itself, in figures and as a .fap file.
+// faccia life: statistics of the idle face, and its .fap file.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a voice plugin may not do: be killed, hang, take memory or processor time without end, lie about times, use the
-// network, start programs. Each costs a sentence, or is mended; the daemon and its other clients notice nothing.
+// Misbehaving voice plugins: killed, hanging, using up memory or processor time, false times, network access, starting programs.
+// Each loses at most a sentence; the daemon and other clients are unaffected.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -26,7 +26,7 @@ function start(...options) {
   return Daemon.start(['--plugins', folder, '--workers', '2', '--worker-memory', '1024', ...options]);
 }
 
-/** One client meets the trick between two sentences, another one speaks meanwhile. */
+/** One client triggers the misbehaviour between two sentences while another one speaks. */
 async function suffer(trick, code, message, { at = daemon, meanwhile } = {}) {
   const [victim, other] = await Promise.all([at.stream(), at.stream()]);
   victim.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 'v', text: `Una frase.\n\n${trick} adesso.\n\nPoi si continua.` });
@@ -48,7 +48,7 @@ async function speak(body, at = daemon) {
   return response.json();
 }
 
-/** What came of the puppet's attempts: the warnings of the sentence. */
+/** Returns the results of the puppet's attempts, which it reports as warnings. */
 async function attempts(trick, at = daemon) {
   const { warnings } = await speak(trick, at);
   return Object.fromEntries(warnings.map((w) => w.message.split(': ')));
@@ -74,7 +74,7 @@ test('out of processor time', async () => {
   assert.deepEqual(await at.stop(), { code: 0, signal: null });
 });
 
-// A text alone may ask for that much, so the voice is not told to be at fault.
+// A long text may need that much sound, so the error does not blame the voice.
 test('flood: more sound than a sentence can hold', () => suffer('flood', 'text-too-long', /exceeds the maximum duration/));
 
 test('chatter: more than a sentence can hold', () => suffer('chatter', 'voice-failed', /^the voice puppet reported more/));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Links in the folders of recordings and of gestures: what lies elsewhere is not taken.
+// Symbolic links in the folders of recordings and gestures: targets outside are not used.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';

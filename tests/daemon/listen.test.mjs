@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the daemon listens: what the kernel lists, what another machine reaches, and what is said about it.
+// Listening addresses: as the kernel lists them, as another machine reaches them, and as the log reports them.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -15,7 +15,7 @@ const secrets = path.join(folder, 'secrets');
 fs.writeFileSync(secrets, `${'a secret'.repeat(5)}\n`);
 const remote = ['--remote', '--secret-file', secrets];
 
-// two machines with a cable between them: the daemon's, and another
+// two network namespaces as two machines with a cable between them; the daemon runs on the first
 const [here, there] = [`faccia-${process.pid}-a`, `faccia-${process.pid}-b`];
 const run = (...command) => spawnSync(command[0], command.slice(1), { encoding: 'utf8', timeout: 30000 });
 const within = (place, ...command) => run('ip', 'netns', 'exec', place, ...command);
@@ -35,7 +35,7 @@ after(() => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** Starts it on the first machine, has `look` look at it, and ends it. */
+/** Starts the daemon on the first machine, calls `look`, and stops it. */
 async function listens(options, look) {
   const child = spawn('ip', ['netns', 'exec', here, facciad, '--port', '0', ...options], { stdio: ['ignore', 'ignore', 'pipe'], env: { ...process.env, FACCIA_STOP_SECONDS: '0' } });
   const ended = once(child, 'exit');
@@ -71,7 +71,7 @@ const cases = [
   ['*', ['--host', '*', ...remote], ['0.0.0.0', '[::]'], { here: ['127.0.0.1', '10.77.0.1', '[::1]', '[fd77::1]'], there: ['10.77.0.1', '[fd77::1]'] }],
 ];
 const all = ['127.0.0.1', '10.77.0.1', '[::1]', '[fd77::1]'];
-// what differs from link to link
+// link-local addresses vary
 const plain = (addresses) => addresses.map((address) => (/fe80/.test(address) ? 'link' : address)).sort();
 for (const [name, options, bound, reached] of cases)
   test(`--host ${name}: exactly that`, { skip: refused }, () =>
@@ -92,7 +92,7 @@ test('others are let in only when that is said, and with tokens', { skip: refuse
   }
 });
 
-// what systemd does: it listens, and hands the socket over as descriptor 3
+// like systemd: listens, and passes the socket as descriptor 3
 const passing = `
 import os, socket, sys
 kind, address, program = sys.argv[1], sys.argv[2], sys.argv[3:]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The living face of a stream: idling, the mood, and the way from idling to speech and back.
+// The idle face of a stream: idling, mood, and transitions between idling and speech.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon, framesOf } from '../lib/daemon.mjs';
@@ -14,7 +14,7 @@ before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
 const idle = (stream) => stream.chunks.filter((c) => c.utterance === 0);
-/** Waits for so many seconds of the idle clock. */
+/** Waits until the idle clock reaches `seconds`. */
 const idled = (stream, seconds) => stream.until(() => idle(stream).some((c) => (c.start + c.samples) / c.sampleRate >= seconds));
 
 patient('idle media are silent chunks of utterance 0, without a gap, little ahead of time', async () => {
@@ -39,14 +39,14 @@ patient('off is off, and on again counts from 0', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle' });
   await idled(stream, 0.5);
-  stream.send({ type: 'idle', on: true }); // the same again changes nothing
+  stream.send({ type: 'idle', on: true }); // repeating it changes nothing
   await idled(stream, 1);
   assert.deepEqual(stream.chunks.map((c) => c.start), stream.chunks.map((_, i) => 960 * i));
   stream.send({ type: 'idle', on: false });
   stream.send({ type: 'ping', id: 'x' });
   await stream.wait({ type: 'pong' });
   const before = stream.chunks.length;
-  // for as long as another face lives
+  // another idle face serves as a clock
   const clock = await daemon.stream();
   clock.send({ type: 'idle' });
   await clock.until(() => clock.chunks.length > 10);
@@ -91,7 +91,7 @@ test('life 0 and still keep her from moving', async () => {
   }
 });
 
-/** Idles, speaks, idles; `during` may do something in each part. */
+/** Idles, speaks and idles again; calls `during` in each phase. */
 async function listened(speak, during = () => {}) {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', on: true, seed: 3 });
@@ -118,15 +118,15 @@ patient('from idling to speech and back nothing jumps', async () => {
   const { frames, begin, end, chunks } = await listened({});
   assert.ok(largestStep(frames, HEAD, handOver).step < 200, JSON.stringify(largestStep(frames, HEAD, handOver)));
   for (const faps of [BROWS, MOUTH, CHEEKS]) assert.ok(largestStep(frames, faps, handOver).step < 40, JSON.stringify(largestStep(frames, faps, handOver)));
-  // no frame is missing, neither before nor after
+  // no frame is missing around the transition
   assert.ok(!frames.slice(1).some(({ time }, i) => time - frames[i].time >= 0.081), 'nothing comes before');
-  // idling goes on where the clock stands
+  // idling continues at the clock's time
   const back = chunks.slice(chunks.findIndex((c) => c.utterance === 1)).find((c) => c.utterance === 0);
   assert.ok(back.start / 8000 >= begin.idle + end.duration - 0.01);
 });
 
 test('an utterance with a seed of its own is the same whatever was before', async () => {
-  // Lids and head; nearly the same, as the voice never says the same thing twice to the sample and the head goes with it.
+  // Compares lids and head. They are only nearly equal: the voice's output varies by some samples, and the head follows it.
   const alive = [...HEAD, 19, 20, 21, 22];
   const face = (chunks) => framesOf(chunks, 1).map(({ values }) => alive.map((n) => values[n]));
   const alone = async (seed) => {
@@ -186,7 +186,7 @@ patient('a pause leaves the face of the utterance as it would have been, and she
   }
   assert.ok(said[0].length > 50);
   assert.deepEqual(said[1], said[0]);
-  // and the idle clock counts on through all of it
+  // the idle clock keeps counting
   const starts = idle(stream).map((c) => c.start);
   assert.ok(starts.every((start, i) => !i || start > starts[i - 1]));
   await stream.close();
@@ -277,7 +277,7 @@ test('all expressions are listed, the affects in hello', async () => {
   assert.ok(affects.length >= 29);
   for (const { activation, evaluation } of affects) assert.ok(Math.abs(activation) <= 1 && Math.abs(evaluation) <= 1);
   for (const kind of ['performative', 'certainty', 'emphasis', 'boundary']) assert.ok(expressions.some((e) => e.kind === kind), kind);
-  // two engines speak every language, the others those that they have tables for
+  // the general engines speak every language, the others those with a table
   for (const { tag, engines } of hello.languages)
     assert.deepEqual(engines, ['dominance', 'cohen-massaro', ...({ 'pt-BR': ['context'], tr: ['syllable'] }[tag] ?? []), 'table'], tag);
   for (const tag of ['it', 'en', 'pt-BR', 'tr']) assert.ok(hello.languages.some((l) => l.tag === tag), tag);

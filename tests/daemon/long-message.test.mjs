@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Long messages are read in another thread: others are served meanwhile, and what the same client says next waits its turn.
+// Long messages are parsed on another thread: other clients are served meanwhile, and the client's next messages wait.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -8,7 +8,7 @@ let daemon;
 before(async () => (daemon = await Daemon.start(['--max-text', '20000000', '--max-message', '20000000'])));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-// reading it takes a fraction of a second
+// parsing takes a fraction of a second
 const long = (more) => JSON.stringify({ type: 'ping', ...more, much: Array.from({ length: 300000 }, (_, i) => i % 1000) });
 
 test('others are served while a long message is read', async () => {
@@ -17,7 +17,7 @@ test('others are served while a long message is read', async () => {
   talker.socket.send(text.slice(0, -1), { fin: false });
   other.send({ type: 'ping', id: 'first' });
   await other.wait({ type: 'pong', id: 'first' });
-  // all but the last byte may be on its way still: a control frame comes after it
+  // the pong to a control frame shows that all but the last byte have arrived
   await new Promise((resolve) => {
     talker.socket.once('pong', resolve);
     talker.socket.ping();
@@ -31,7 +31,7 @@ test('others are served while a long message is read', async () => {
     if (served >= 0) served++;
   }
   await answered;
-  // what the loop served beside it; if it had read the message itself, it would have been one or two
+  // requests that the loop served meanwhile; it would be one or two if it parsed the message itself
   assert.ok(-served > 4, `${-served} were served`);
 });
 
@@ -57,7 +57,7 @@ test('a close behind a long message is answered after it; a client may go meanwh
   goes.send(long({ id: 1 }));
   closes.send(long({ id: 1 }));
   closes.socket.close(1000);
-  setTimeout(() => goes.socket.terminate(), 30); // nothing tells how far it has been read: at any moment
+  setTimeout(() => goes.socket.terminate(), 30); // somewhere in the middle of parsing
   assert.equal((await closes.closed).code, 1000);
   assert.ok(closes.messages.some((m) => m.type === 'pong'));
   await goes.closed;
@@ -68,7 +68,7 @@ test('a daemon stops while a long message is read', async () => {
   const own = await Daemon.start(['--max-message', '20000000']);
   const stream = await own.stream();
   stream.send(long({ id: 1 }));
-  await new Promise((resolve) => setTimeout(resolve, 50)); // nothing tells how far it has been read: at any moment
+  await new Promise((resolve) => setTimeout(resolve, 50)); // somewhere in the middle of parsing
   assert.deepEqual(await own.stop(), { code: 0, signal: null });
 });
 

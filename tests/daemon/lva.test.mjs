@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia-lva beside a stand-in of Linux Voice Assistant that speaks its peripheral API (docs/peripheral_api.md there; it is packaged nowhere).
+// faccia-lva with a stand-in for Linux Voice Assistant, which is not packaged: it speaks its peripheral API (docs/peripheral_api.md there).
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -20,7 +20,7 @@ const start = (...options) => {
   child.exited = once(child, 'exit').then(([code]) => code);
   return child;
 };
-/** The assistant: events to all peripherals. */
+/** Starts the assistant, which sends events to all peripherals. */
 async function open(port = 0) {
   const server = new WebSocketServer({ port, host: '127.0.0.1' });
   await once(server, 'listening');
@@ -32,7 +32,7 @@ async function open(port = 0) {
     close: () => (server.clients.forEach((socket) => socket.terminate()), new Promise((resolve) => server.close(resolve))),
   };
 }
-/** Tells an event; gives the state that the room is told next. */
+/** Sends an event. Returns the next state that the room gets. */
 async function shows(event, data) {
   const from = kiosk.messages.length;
   assistant.tell(event, data);
@@ -44,7 +44,7 @@ before(async () => {
   await kiosk.wait({ type: 'joined' });
   assistant = await open();
   door = start('--assistant', `ws://localhost:${assistant.port}`, '--room', 'kitchen', '--lang', 'it', '--url', daemon.url);
-  await kiosk.wait({ type: 'state', state: 'idle' }); // the snapshot
+  await kiosk.wait({ type: 'state', state: 'idle' }); // the initial state
 });
 after(async () => {
   door.kill('SIGTERM');
@@ -101,14 +101,14 @@ test('what is no event costs nothing, and an assistant that goes is found again'
     await kiosk.wait({ type: 'state', state: 'listening' });
   };
   await listens();
-  // a message that is too long ends the connection, which is made again
+  // a message that is too long ends the connection; the bridge reconnects
   told = door.text.length;
   assistant.tell(`raw:"${'x'.repeat(1 << 21)}"`);
   await found(told);
   await listens();
 });
 
-/** A server that says what it likes, frame by frame, to each who comes. */
+/** A server that sends arbitrary frames to each client. */
 async function strange(serve) {
   const came = [], sockets = [];
   const server = net.createServer((socket) => {
@@ -134,7 +134,7 @@ const resident = ({ pid }) => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/pro
 
 test('a message that is too long, and what follows it, is not kept; it is tried again, later each time', async () => {
   let sent = 0;
-  const server = await strange((socket) => { // it heeds no close
+  const server = await strange((socket) => { // ignores the close
     socket.write(frame(1, Buffer.alloc(0), 1 << 30));
     const more = () => {
       if (socket.destroyed || sent >= 64 << 20) return;
@@ -198,7 +198,7 @@ test('a voice or a language that the daemon does not know does not silence the f
   for (const options of [['--voice', 'nobody:x'], ['--lang', 'xx'], ['--voice', 'nobody:x', '--lang', 'xx']]) {
     const from = kiosk.messages.length;
     const other = start('--assistant', `ws://localhost:${assistant.port}`, '--room', 'kitchen', '--speak', 'always', '--url', daemon.url, ...options);
-    await kiosk.wait({ type: 'state' }, { from }); // the snapshot
+    await kiosk.wait({ type: 'state' }, { from }); // the initial state
     await new Promise((resolve) => setTimeout(resolve, 300)); // it looks on in the room, too
     assistant.tell('tts_text', { text: `Parla ${options.join(' ')}.` });
     await kiosk.wait((m) => m.type === 'sentence' && m.text.startsWith(`Parla ${options[0]}`), { from });

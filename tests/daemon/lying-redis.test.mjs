@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A Redis that lies: whatever comes from it, the daemon goes on serving by itself.
+// A Redis that sends garbage: the daemon keeps serving by itself.
 import assert from 'node:assert/strict';
 import crypto from 'node:crypto';
 import net from 'node:net';
@@ -12,7 +12,7 @@ const odd = ['+OK\r\n', '$-1\r\n', ':1\r\n', ':-9223372036854775808\r\n', '*0\r\
   '*1\r\n*1\r\n*1\r\n*1\r\n:1\r\n', '-NOSCRIPT x\r\n', '*5\r\n$-1\r\n:0\r\n$0\r\n\r\n*0\r\n+x\r\n', '*2\r\n*1\r\n*3\r\n:1\r\n:1\r\n:1\r\n*1\r\n:1\r\n',
   '*8\r\n:9\r\n:1\r\n:9\r\n:1\r\n:9\r\n:9\r\n*1\r\n:1\r\n*3\r\n:1\r\n:1\r\n:1\r\n'];
 
-/** What is answered to a command: bytes, several, or nothing. (socket, number of the command on its connection, the command's channel, if any) */
+/** Kinds of false answers. Arguments: socket, number of the command on its connection, the command's channel if any. */
 const lies = {
   noise: (socket) => socket.write(crypto.randomBytes(3000)),
   'a string that never ends': (socket) => socket.write(`$2147483646\r\n${'x'.repeat(100000)}`),
@@ -35,7 +35,7 @@ const lies = {
   'the end': (socket) => socket.destroy(),
 };
 
-/** Each connection has the next lie, from its first word on or once it has been greeted as Redis does. */
+/** Each connection gets the next kind, at once or after a correct greeting. */
 class Liar {
   static async start() {
     const liar = Object.assign(new Liar(), { served: new Map(), next: 0, sockets: new Set() });
@@ -47,7 +47,7 @@ class Liar {
 
   serve(socket) {
     const names = Object.keys(lies);
-    // by turns: one that is greeted comes up, and is soon made anew when it is lost
+    // alternates: a greeted connection counts as established, so the daemon reconnects quickly
     const name = names[(this.next >> 1) % names.length], greets = this.next % 2 === 0;
     let commands = 0, closing;
     this.next++;
@@ -61,7 +61,7 @@ class Liar {
         else {
           if (greets && channel) socket.write(`*3\r\n${bulk('subscribe')}${bulk(channel)}:1\r\n`);
           lies[name](socket, commands++, channel);
-          // the next lie has its turn, though this one be believed
+          // moves on to the next kind even if the daemon accepts this one
           if (!closing) closing = setTimeout(() => socket.destroy(), 150);
           this.served.set(`${name}, ${greets ? 'greeted' : 'at once'}`, true);
         }

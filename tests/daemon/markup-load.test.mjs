@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Long texts: others are served while one is read, its place in the queue is kept, and it can be stopped at any time.
+// Long texts: other clients are served while one is parsed, it keeps its place in the queue, and it can be stopped at any time.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -22,7 +22,7 @@ for (const [kind, text] of Object.entries(texts))
   test(`while a long text is read, others are answered: ${kind}`, async () => {
     const [speaker, other] = [await daemon.stream('?lang=it'), await daemon.stream('?lang=it')];
     speaker.send({ type: 'speak', id: 'long', text });
-    // as soon as the message is there it is being read: the first answer to this comes after that
+    // parsing begins when the message arrives, so this pong comes after its start
     speaker.send({ type: 'ping', id: 'taken' });
     await speaker.wait({ type: 'pong', id: 'taken' });
     assert.ok(!speaker.messages.some((m) => m.id === 'long'), 'it is still being read');

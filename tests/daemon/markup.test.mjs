@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Marked-up text through the daemon: it is recognised, spoken without its tags, warned of with places; and what
-// cannot be read costs nobody anything.
+// Marked-up text through the daemon: detected, spoken without its tags, with warnings and their places; malformed documents
+// harm nobody.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -64,7 +64,7 @@ test('a document that names a weight is shown by weights', async () => {
     return parseFap(await response.text()).frames;
   };
   const weights = [' WEIGHT="0.02"', ' WEIGHT="0.2"', ' WEIGHT="0.9"'];
-  /* brows and cheeks over the frames: they are the emotion's alone */
+  /* brows and cheeks over all frames: only the emotion moves them */
   const raised = (frames) => frames.reduce((sum, f) => sum + Math.abs(f[31]) + Math.abs(f[41]), 0);
   const [little, some, much] = await Promise.all(weights.map(async (w) => raised(await faps(w))));
   assert.ok(little < 0.3 * some && some < 0.7 * much, `${little} ${some} ${much}`);
@@ -96,7 +96,7 @@ test('bad documents are refused with their place, and the next one is spoken', a
     if (!expected.includes(': error: ') || bytes.includes(0) || Buffer.compare(Buffer.from(bytes.toString()), bytes) !== 0) continue;
     stream.send({ type: 'speak', lang: 'it', text: bytes.toString() });
     const end = await stream.wait({ type: 'end' }, { from });
-    // a stream speaks the words of what is no document, and says where it is none
+    // a stream speaks the words of an invalid document, and reports where it is invalid
     const error = stream.messages.slice(from).find((m) => m.type === 'error' || (m.type === 'warning' && m.code === 'bad-xml'));
     assert.equal(end.reason, error.type === 'error' ? 'failed' : 'done', name);
     if (error.type === 'warning') assert.ok(expected.startsWith(`-:${error.line}:${error.column}: error: `), `${name}: ${JSON.stringify(error)}`);

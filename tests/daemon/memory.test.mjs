@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a greedy client made the daemon take is given back to the system when it has gone, while a modest one is served.
+// Memory used for a greedy client returns to the system after it disconnects; a modest client is served meanwhile.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -27,7 +27,7 @@ test('memory is given back', { skip }, async (t) => {
     const stream = await Stream.open(address, { localAddress: '127.0.0.2' });
     greedy.push(stream);
     stream.send({ type: 'join', room: `greedy-${i}`, id: 'j' });
-    // a text that is still being written stays in memory, and so do those that wait behind it
+    // an open text stays in memory, and so do the texts that wait behind it
     stream.send({ type: 'speak', open: true, id: 'o', lang: 'it', text: '' });
     for (let k = 0; k < 4; k++) stream.send({ type: 'speak', id: `w${k}`, lang: 'it', text: `Parola ${i} ${k}. `.repeat(8000) });
   }

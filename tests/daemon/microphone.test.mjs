@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia-live: what somebody says himself goes from a pipe or a file to a room, whose listeners hear and see it.
+// faccia-live: sends a person's live speech from a pipe or a file to a room, whose listeners hear and see it.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -36,13 +36,13 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** Starts it; `exited` gives {status, stderr, seconds}. stdin: what spawn takes. */
+/** Starts faccia-live; `exited` resolves to {status, stderr, seconds}. stdin: as for spawn. */
 function start(options, { url = daemon.url, stdin = 'pipe', env = {} } = {}) {
   const child = spawn(program, options, { stdio: [stdin, 'ignore', 'pipe'], env: { ...process.env, FACCIA_URL: url, FACCIA_ROOM: 'kitchen', ...env } });
   const began = performance.now();
   child.text = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (child.text += text));
-  child.stdin?.on('error', () => {}); // it may be gone
+  child.stdin?.on('error', () => {}); // the process may have exited
   child.exited = once(child, 'close').then(([status]) => ({ status, stderr: saidBy(child.text), seconds: (performance.now() - began) / 1000 }));
   return child;
 }
@@ -55,8 +55,8 @@ const well = { status: 0, stderr: '' };
 const told = ({ status, stderr }) => ({ status, stderr });
 const soundOf = (utterance) => kiosk.chunks.filter((c) => c.utterance === utterance).flatMap((c) => [...c.audio]);
 /**
- * A file waits for its turn, in silence: where it began, s. All of it is heard: its first second as it is, and the rest, too, unless the daemon has measured on
- * a busy machine that it comes otherwise than in time.
+ * Checks that a file is heard completely. Its first second must be identical; the rest may be resampled if the daemon, on a busy machine, measured that sound
+ * arrives faster or slower than real time. Returns where it begins, after silence, s.
  */
 function heardWhole(utterance) {
   const sound = soundOf(utterance), lead = sound.findIndex((x) => x) - spoken.samples.findIndex((x) => x), count = sound.length - lead;
@@ -65,7 +65,7 @@ function heardWhole(utterance) {
   assert.equal(spoken.samples.findIndex((x, i) => i < spoken.rate && x !== sound[lead + i]), -1);
   return lead / spoken.rate;
 }
-/** What is begun in the room from now on. */
+/** Returns the next `begin` in the room after `act`. */
 async function begins(act) {
   const from = kiosk.messages.length, child = act();
   const begin = await kiosk.wait({ type: 'begin', captions: false }, { from, milliseconds: 15000 });
@@ -104,7 +104,7 @@ test('a pipe, in whatever pieces, of two channels; and a file as standard input'
   assert.deepEqual(told(await piped.child.exited), well);
   const { duration } = await piped.ended;
   assert.equal(piped.begin.lookahead, 0);
-  // what stalls on a busy machine is made up for, by silence
+  // on a busy machine, gaps are filled with silence
   assert.ok(duration > spoken.seconds - 0.05 && duration < spoken.seconds + 1.5, `${duration} s of ${spoken.seconds}`);
 
   for (const options of [['--raw', String(spoken.rate), '-'], ['-'], ['--raw', String(spoken.rate), file('es.raw')]]) {
@@ -152,7 +152,7 @@ test('a daemon that does not read holds it, and it goes on after that', async ()
   await sleep(6000);
   const resident = Number(fs.readFileSync(`/proc/${child.pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
   daemon.process.kill('SIGCONT');
-  assert.ok(resident < 200000, `${resident} kB`); // 9 MB came to be said meanwhile
+  assert.ok(resident < 200000, `${resident} kB`); // while 9 MB arrived
   await sleep(500);
   child.kill('SIGINT');
   assert.equal((await ended).reason, 'done');
@@ -168,7 +168,7 @@ test('it waits for its turn, or cuts, or does not speak; what is more urgent cut
   const waits = await begins(() => start([file('es.wav')]));
   assert.ok(kiosk.messages.slice(from).some((m) => m.type === 'end' && m.id === 'first'));
   assert.equal((await waits.ended).reason, 'done');
-  heardWhole(waits.begin.utterance); // a file waits until it is heard
+  heardWhole(waits.begin.utterance); // a file waits for its turn
   assert.deepEqual(told(await waits.child.exited), well);
 
   const cut = await begins(() => start([file('es.wav')]));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sample of tests/bench/mouth.mjs: every contact is made and every vowel opens, in each language, fast, neutral and in anger, by both blends.
+// A sample of tests/bench/mouth.mjs: every contact closes and every vowel opens, in each language, fast, neutral and in anger, with both blends.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -39,7 +39,7 @@ test('without the layer of contacts they do not', async () => {
   assert.ok(part.misses.length > 0 || part.gaps.some(({ mm }) => mm < 3));
 });
 
-// Sentences that begin with the lips: what is before the first sound must be enough for them, whatever the face does then.
+// Sentences that begin with a lip contact: the silence before the first sound must suffice, in every expression.
 const BEGINNINGS = {
   it: 'Bene. Poi parte. Ma no! Beppe beve.', 'pt-BR': 'Bom dia. Pode vir. Meu pai! Bebe logo.',
   tr: 'Baba geldi. Bu ne? Pek iyi! Mavi boya.', en: 'But why? Put it down. My map! Bob, be quick.',
@@ -50,7 +50,7 @@ for (const [lang, own] of [['it', []], ['pt-BR', ['context']], ['tr', ['syllable
   test(`${lang}: a sentence that begins with the lips shows them closed while that is heard, in every expression, engine and blend`, async () => {
     const query = `lang=${lang}&rate=320&contacts=on`;
     const open = [];
-    for (const emotion of EMOTIONS) { // which has a voice of its own, too
+    for (const emotion of EMOTIONS) { // each emotion also changes the voice
       const text = voiced(BEGINNINGS[lang], emotion);
       const { phones } = await post(`${query}&format=json`, text).then((r) => r.json());
       const first = phones.filter((phone, i) => 'pbm'.includes(phone.ipa[0]) && phone.ipa && (i === 0 || !phones[i - 1].ipa));

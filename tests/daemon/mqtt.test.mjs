@@ -24,7 +24,7 @@ function start(program, options, env = {}) {
 }
 const stop = (child) => (child.kill('SIGTERM'), child.exited);
 
-/** An authority of our own, a certificate of the broker by it, another authority that knows nothing of it; and a user. */
+/** Makes a private authority, a broker certificate signed by it, an unrelated authority, and a user. */
 function certify() {
   const run = (program, ...options) => {
     const { status, stderr } = spawnSync(program, options, { cwd: folder });
@@ -47,13 +47,13 @@ const startBroker = async () => {
   broker = start('/usr/sbin/mosquitto', ['-c', path.join(folder, 'mosquitto.conf')]);
   await eventually(() => broker.text.includes('running') || broker.text.includes('Opening ipv4'), 'the broker');
 };
-/** All that is published, one line each: topic, whether retained, payload. */
+/** Records everything published, one line each: topic, retained flag, payload. */
 const listen = async () => {
   heard = start('mosquitto_sub', ['-p', String(port), '-q', '1', '-t', '#', '-F', '%t %r %p']);
-  await publish('test', 'listening', ['-r']); // retained: whoever is first
+  await publish('test', 'listening', ['-r']); // retained: the subscriber gets it even if it starts later
   await saidOn('test');
 };
-const lines = () => heard.text.split('\n').slice(0, -1) // the last may not have come whole
+const lines = () => heard.text.split('\n').slice(0, -1) // the last line may be incomplete
   .map((line) => {
   const [topic, retained, ...payload] = line.split(' ');
   return { topic, retained: retained === '1', payload: payload.join(' ') };
@@ -159,7 +159,7 @@ test('Home Assistant finds a device with all that the room does, again when it s
   assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 10);
   assert.ok(config.cmps.voice.options.includes('espeak:it') && config.cmps.mood.options.includes('joy'));
   for (const { topic } of config.availability) assert.ok(await saidOn(topic, 'online'), topic);
-  // what it would send
+  // commands as Home Assistant sends them
   await publish(config.cmps.voice.command_topic, 'espeak:it');
   await saidOn(config.cmps.voice.state_topic, 'espeak:it');
   await publish(config.cmps.say.command_topic, 'Detto da casa.');
@@ -264,7 +264,7 @@ test('the daemon goes in the middle of a word: it is told, and what comes meanwh
   await saidOn('two/bridge', 'offline');
 });
 
-/** A bridge of a room of its own. */
+/** Starts a bridge for its own room. */
 const bridgeOf = (room, broker, options = [], env = {}) =>
   start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', room, '--client', room, '--base', room, '--discovery', 'none', '--broker', `127.0.0.1:${broker}`, '--url', daemon.url, ...options], env);
 
@@ -292,9 +292,9 @@ test('TLS and a password: who has both is let in, and whoever lacks one says so'
 
 test('a broker that lies, or stops in the middle of a frame, is left and tried again', async () => {
   const lies = [
-    Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff]), // no packet
-    Buffer.from([0x20, 0x02, 0x00]), // half of its greeting
-    Buffer.from([0x20, 0x02, 0x00, 0x00, 0x90, 0xff, 0xff, 0xff, 0x7f]), // greeted, then a frame of 256 MB
+    Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff]), // not a packet
+    Buffer.from([0x20, 0x02, 0x00]), // half of a CONNACK
+    Buffer.from([0x20, 0x02, 0x00, 0x00, 0x90, 0xff, 0xff, 0xff, 0x7f]), // a CONNACK, then a frame of 256 MB
   ];
   let came = 0;
   const liar = net.createServer((socket) => {

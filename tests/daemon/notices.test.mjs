@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Choices, states, the points of a face: who is told, who may, what is refused.
+// Choices, states and calibrations: recipients, permissions and errors.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -47,7 +47,7 @@ test('all in the room are told, who comes later too, until somebody has chosen',
   late.send({ type: 'choose', id: 'q', choice: 3 });
   await late.wait({ type: 'error', code: 'bad-field', field: 'choice' });
   late.send({ type: 'choose', id: 'q', choice: 2 });
-  packed.send({ type: 'choose', id: 'q', choice: 0 }); // at the same time
+  packed.send({ type: 'choose', id: 'q', choice: 0 }); // concurrently
   for (const stream of [operator, packed, late]) await stream.wait({ type: 'chosen', id: 'q', stream: 'a' });
   for (const stream of [operator, late]) assert.equal(stream.messages.filter((m) => m.type === 'chosen').length, 1, 'once');
   const last = await enter('a');
@@ -129,7 +129,7 @@ test('whether somebody consents is asked by who directs, answered by who listens
   kiosk.send({ type: 'consent', consent: 'given' });
   await desk.wait({ type: 'consent', consent: 'given', text: 'Per una tesi.', by: 'kitchen' });
   const since = desk.messages.length;
-  desk.send({ type: 'consent', consent: 'asked', text: 'Per una tesi.' }); // as after a link that was lost
+  desk.send({ type: 'consent', consent: 'asked', text: 'Per una tesi.' }); // as after a lost connection
   await desk.wait({ type: 'consent' }, { from: since });
   assert.equal(desk.messages.slice(since).find((m) => m.type === 'consent').consent, 'given');
   const late = await enter('c', { from: guarded, options: claims('listen', 'late') });
@@ -173,7 +173,7 @@ test('who looks on is told of others who do, by name; listeners are not', async 
     await stream.wait({ type: 'joined' });
     return stream;
   };
-  const first = await sit(0); // those that came first are told of
+  const first = await sit(0); // the earliest are listed
   const rest = await Promise.all(Array.from({ length: 39 }, (_, i) => sit(i + 1)));
   const { desks } = await first.wait({ type: 'desks', count: 40 });
   assert.equal(desks.length, 32);
@@ -252,7 +252,7 @@ test('who may listen may choose; who may speak may offer', async () => {
 });
 
 const points = { '8.3': [26.1, -62, 18], '8.4': [-26.3, -61.8, 18] };
-/** The first bytes of a PNG of that size: what is measured, and no more. */
+/** Header of a PNG of that size, the only part that is examined. */
 function headOfPng(width, height) {
   const bytes = Buffer.alloc(64);
   bytes.set([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13, 0x49, 0x48, 0x44, 0x52]);
@@ -387,7 +387,7 @@ test('a flood of anything that a room is told of is bounded, and costs nobody el
     await watcher.wait({ type: 'state', text: name });
     const told = watcher.messages.slice(before).filter((each) => each.type === type).length;
     assert.ok(told >= 400 && told <= 3001 - refused, `${name}: ${told} of 3000 reached the others, ${refused} were refused`);
-    await new Promise((resolve) => setTimeout(resolve, 3500)); // until its budget is whole again
+    await new Promise((resolve) => setTimeout(resolve, 3500)); // until the rate limit has recovered
   }
   for (const stream of [sender, other, watcher]) await stream.close();
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts that are spoken while they are written. The writer here is a stand-in for a language model: tokens of a few letters, in bursts, with stalls.
+// Open texts, spoken while they are written. The writer imitates a language model: tokens of a few letters, in bursts, with stalls.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import http from 'node:http';
@@ -22,17 +22,17 @@ const texts = {
   en: 'Sure. Node.js is fast. Dr. Who said "No." Then he left… or not? 👍 Fine.',
 };
 
-/** A generator of its own, so that a failure can be had again. */
+/** A seeded generator, so that failures can be reproduced. */
 const random = (seed) => () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
 
-/** Tokens as models cut them: a few letters, mostly with the space before them. */
+/** Splits a text like a model's tokens: a few letters, mostly with a leading space. */
 function tokens(text, next) {
   const characters = [...text], found = [];
   while (characters.length) found.push(characters.splice(0, 1 + Math.floor(next() * 6)).join(''));
   return found;
 }
 
-/** Writes like a model of so many tokens a second: some come together, and now and then none do. */
+/** Writes like a model at perSecond tokens per second, with bursts and stalls. */
 async function write(stream, id, text, { perSecond = 100, seed = 1 } = {}) {
   const next = random(seed);
   for (const token of tokens(text, next)) {
@@ -84,7 +84,7 @@ test('she begins before the text ends, and is silent where it is awaited', async
   stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Prima frase. Se' });
   await stream.wait({ type: 'word', id: 'a', text: 'frase' });
   const last = of(stream, 'a', 'word').at(-1);
-  // the second sentence is heard where it is written, behind the silence
+  // the second sentence plays when it is written, after the silence
   await stream.until(() => stream.chunks.some((c) => c.start > last.sample + 22050), 60000, 'a second of silence');
   stream.send({ type: 'text', id: 'a', text: 'conda frase' });
   stream.send({ type: 'flush', id: 'a' });
@@ -124,10 +124,10 @@ test('what seems to have ended is spoken ahead; a wrong guess is never heard', a
   const wrong = await speaks('wrong', ['We use Node.', 'js here.']);
   assert.deepEqual([wrong.sentences, wrong.words.at(-1), wrong.asked], [['We use Node.js here.'], 'here', 2]);
   assert.deepEqual(await speaks('longer', ['She said no.', '"', ' Then she left.']), { words: ['She', 'said', 'no', 'Then', 'she', 'left'], sentences: ['She said no."', 'Then she left.'], asked: 3 });
-  // a text full of stops asks for no more than a few
+  // a text full of full stops causes only a few speculative requests
   const dots = await speaks('dots', Array.from({ length: 40 }, (_, i) => `word${'abcdefghij'[i % 10]}.`));
   assert.ok(dots.asked <= 3 + dots.sentences.length, `${dots.asked} of ${dots.sentences.length}`);
-  // spoken before the next token comes, it is heard with that one
+  // a speculative sentence plays as soon as the next token confirms it
   const early = await daemon.stream(), before = await daemon.metric('faccia_sentences_total{result="spoken"}');
   early.send({ type: 'speak', id: 'e', lang: 'en', open: true, text: 'She runs' });
   early.send({ type: 'text', id: 'e', text: ' away.' });
@@ -139,7 +139,7 @@ test('what seems to have ended is spoken ahead; a wrong guess is never heard', a
   }
   assert.equal(of(early, 'e', 'begin').length, 1);
   await early.close();
-  // cut in the middle of a guess, and gone in the middle of one
+  // cancels during speculation, and disconnects during speculation
   const stream = await daemon.stream();
   for (const how of [{ type: 'cancel', id: 'g' }, { type: 'stop' }]) {
     stream.send({ type: 'speak', id: 'g', lang: 'en', open: true, text: 'She runs' });
@@ -180,7 +180,7 @@ test('a text that nobody closes is taken as it is, with a warning', async () => 
   assert.equal((await writer.wait({ type: 'warning', id: 'a' })).code, 'unfinished');
   assert.equal((await writer.wait({ type: 'end', id: 'a' })).reason, 'done');
   writer.send({ type: 'text', id: 'a', text: 'Nessuno lo sente.' });
-  // one who goes in the middle of a word: what was written is heard by those who stay
+  // the writer disconnects within a word: the others hear what was written
   writer.send({ type: 'speak', id: 'b', lang: 'it', open: true, text: 'La cena è pron' });
   await writer.wait((m) => m.type === 'begin' && m.id === 'a');
   writer.socket.terminate();
@@ -245,7 +245,7 @@ test('limits and mistakes are told, and cost nobody else anything', async () => 
   await stream.close();
 });
 
-/** A body that is sent as it is written. */
+/** Starts a POST whose chunked body is sent piece by piece. */
 function post(address) {
   const request = http.request(daemon.url + address, { method: 'POST', headers: { 'Transfer-Encoding': 'chunked' } });
   request.answer = new Promise((resolve, reject) => {
@@ -280,7 +280,7 @@ test('the same over HTTP: the sound of a body goes back while it is written', as
   const left = http.request(`${daemon.url}/v1/speech?open=1&lang=it`, { method: 'POST', headers: { 'transfer-encoding': 'chunked' } });
   left.on('error', () => {});
   left.write('Questa frase non la sente nessuno, e ');
-  left.destroy(); // and the daemon is as it was
+  left.destroy(); // the daemon must not be affected
 });
 
 test('the same over HTTP: a body is spoken in a room while it is written', async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Starting and stopping the daemon as an operator does: options, refusals, signals.
+// Starting and stopping the daemon: options, refusals, signals.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -100,7 +100,7 @@ test('a reader that stands still holds nobody up, and is let go', async () => {
   other.send({ type: 'speak', lang: 'it', text: 'Io sento bene.' });
   assert.equal((await other.wait({ type: 'end' })).reason, 'done');
   await daemon.logged(/listening/);
-  await daemon.left(2); // the one that stands still was let go
+  await daemon.left(2); // the stalled connection was closed
   stuck.socket.terminate();
   await other.close();
   assert.equal((await daemon.stop()).code, 0);
@@ -125,7 +125,7 @@ test('settings: the file, then the environment, then the options', () => {
   assert.deepEqual([limits.text_bytes, limits.queue, limits.connections], [1000, 6, 9]);
   assert.deepEqual(access.origins, ['https://a.example']);
   assert.equal(listen.port, 8080);
-  // what is printed is a file that says the same
+  // the printed configuration gives the same configuration
   const again = facciad(['--print-config', '--config', file('b.json', stdout)]);
   assert.deepEqual(JSON.parse(again.stdout), JSON.parse(stdout));
 });
@@ -229,7 +229,7 @@ test('log lines as JSON', async () => {
 });
 
 test('as a service: the socket is given, and what happens is told', async () => {
-  // what systemd does: it listens, hands the socket over as descriptor 3, and hears datagrams
+  // like systemd: listens, passes the socket as descriptor 3, and receives notifications
   const script = `
 import os, socket, subprocess, sys, urllib.request, signal
 heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sound is coded beside the loop: what is said still comes in its order, to each as he wants it, and nothing after the end.
+// Sound is coded on threads: messages must still arrive in order in every encoding, and nothing after the end.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { CompactReader, isCompact } from '../../protocol/compact.mjs';
@@ -12,7 +12,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 
 const text = 'Uno, due e tre. Quattro, cinque, sei e sette. Otto!';
 
-/** All that comes, in its order: events, and chunks as {chunk}. */
+/** Records all events, and chunks as {chunk}, in order. */
 async function listen(query) {
   const stream = await daemon.stream(`?lang=it&${query}`);
   const [heard, reader] = [[], new CompactReader()];
@@ -20,7 +20,7 @@ async function listen(query) {
   return { stream, heard };
 }
 
-/** Of one utterance, told in full. */
+/** Checks one utterance that was received completely. */
 function check(heard, utterance) {
   const of = heard.filter((m) => (m.chunk ?? m).utterance === utterance);
   assert.equal(of[0].type, 'begin');
@@ -41,7 +41,7 @@ function check(heard, utterance) {
 test('events come before the media in which they begin, the end after all', async () => {
   const ways = ['audio=opus&fap=fapc', 'audio=opus&fap=fapc&kilobits=12', 'audio=pcm&fap=plain', 'audio=pcm&fap=fapc', 'audio=none&fap=fapc'];
   const all = await Promise.all(ways.flatMap((way) => ['', '&room=hall'].map((room) => listen(way + room))));
-  // those of the room are all in it when one of them speaks
+  // all members of the room join before one of them speaks
   for (const { stream } of all.filter((_, i) => i % 2)) await stream.wait({ type: 'joined' });
   all.forEach(({ stream }, i) => (i % 2 === 0 || i === 1) && stream.send({ type: 'speak', id: 'it', text }));
   await Promise.all(all.map(async ({ stream, heard }) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Events inside the media chunks, for clients that ask for them so: the same as in text, in a tenth of the bytes.
+// Packed events inside media chunks: the same as text events, in a tenth of the bytes.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -13,7 +13,7 @@ const speak = { type: 'speak', id: 's', lang: 'it', markup: 'ssml', text, phones
 const PACKED = 'audio=opus&fap=fapc&events=packed';
 const INSIDE = ['sentence', 'word', 'mark', 'phone'];
 
-/** What of the messages both forms have to say. */
+/** The members that both forms have in common. */
 const essence = ({ packed: _, arrived: _a, stream: _s, id: _i, ...message }) => message;
 const inside = (stream) => stream.messages.filter(({ type }) => INSIDE.includes(type));
 

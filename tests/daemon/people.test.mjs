@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Engines beside people: the "people" are the face itself, written down as curves, so that the answers are known. And the layer of contacts by every door.
+// Comparing engines with people: curves recorded from the face itself serve as people, so results are known. And the contact layer in all interfaces.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -19,7 +19,7 @@ const run = (...args) => {
 };
 const MNS = 21; // mm, of the Italian pack's speaker
 
-/** Says a text with an engine and writes its lips down as a person's, `late` seconds later, in marker columns. Returns the phones. */
+/** Speaks a text with an engine and saves its lips as a person's marker data, delayed by `late` seconds. Returns the phones. */
 function record(name, text, engine, late = 0) {
   run('say', '--still', '--fps', '100', '--engine', engine, '--fap', at('say.fap'), '--json', at('say.json'), text);
   const { phones } = JSON.parse(fs.readFileSync(at('say.json')));

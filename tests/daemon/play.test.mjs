@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings: out of a folder, uploaded, on the command line; and speech in all its formats.
+// Recordings from a folder, uploaded, and on the command line; and speech in all formats.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -17,13 +17,13 @@ const media = path.join(folder, 'media');
 const file = (name) => path.join(media, name);
 const faccia = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), args, { encoding: 'utf8', maxBuffer: 1 << 26 });
 
-/** A .fap of so many frames: FAP 3 counts them. */
+/** Makes a .fap whose FAP 3 is the number of the frame. */
 const fap = (frames, fps = 25, value = (k) => k) => {
   const mask = Array.from({ length: 68 }, (_, i) => (i === 2 ? 1 : 0)).join(' ');
   return `2.1 recording ${fps} ${frames}\n` + Array.from({ length: frames }, (_, k) => `${mask}\n${k} ${value(k)}\n`).join('');
 };
 
-/** Sound of so many samples: the number of each, on both channels. */
+/** Makes sound whose samples are their own numbers, on all channels. */
 const wav = (samples, rate = 16000, channels = 2) =>
   wavOf(Int16Array.from({ length: samples * channels }, (_, i) => Math.floor(i / channels) % 30000), rate, channels);
 
@@ -47,7 +47,7 @@ before(async () => {
   const high = [0, 1, 2].map((k) => `${mask}\n${k} 10 2 ${30 + k} 1 1 40 3 ${20 + k} 0 1 ${5 + k}\n`).join('');
   fs.writeFileSync(file('high.fap'), `2.1 high 25 3\n${high}`);
   const two = Array.from({ length: 68 }, (_, i) => (i < 2 ? 1 : 0)).join(' ');
-  // /p/, then /a/ half way to /p/, then /a/; neutral, then half glad, then glad
+  // /p/, half /a/ and half /p/, /a/; with joy at 0, half and full
   const shown = [[1, 0, 63, 0], [10, 1, 32, 32], [10, 0, 63, 63]].map(([a, b, blend, joy], k) => `${two}\n${k} ${a} ${b} ${blend} 0 1 ${joy} 0 0 0 0\n`);
   fs.writeFileSync(file('visemes.fap'), `2.1 visemes 25 3\n${shown.join('')}`);
   fs.mkdirSync(file('folder.fap'));
@@ -194,13 +194,13 @@ test('visemes and expressions move the face of a recording that moves it by noth
   const gap = (f) => -f[4] - f[5];
   assert.ok(gap(p) < gap(half) && gap(half) < gap(a), `lips ${[gap(p), gap(half), gap(a)]}`);
   assert.ok(a[corner] > half[corner] && half[corner] > 50, `corners ${[p[corner], half[corner], a[corner]]}`);
-  // the command line shows the same
+  // the command line gives the same frames
   const played = faccia('play', file('visemes.fap'), '--fap', '-');
   assert.equal(played.status, 0, played.stderr);
   const same = parseFap(played.stdout).frames;
   assert.equal(same.length, 3);
   for (const [k, f] of [p, half, a].entries()) for (let n = 3; n <= 68; n++) assert.equal(same[k][n] ?? 0, f[n], `frame ${k}, FAP ${n}`);
-  // by the default codec, which leaves FAP 1 and 2 out
+  // with the default codec, which omits FAPs 1 and 2
   const coded = await daemon.stream('?fap=fapc');
   coded.send({ type: 'play', name: 'visemes' });
   await coded.wait({ type: 'end', reason: 'done' });
@@ -238,7 +238,7 @@ test('uploaded, from memory; what is no recording is told in the room', async ()
   await room.close();
 });
 
-/** The processes that the daemon has started to decode sound. */
+/** The daemon's processes that decode sound. */
 const decoding = () => fs.readdirSync('/proc').filter((pid) => {
   try {
     const [, parent] = fs.readFileSync(`/proc/${pid}/stat`, 'utf8').match(/\) \S (\d+) /);
@@ -261,7 +261,7 @@ test('sound is decoded in a process of its own: what kills that costs the rest o
   assert.match(warning.message, /^the sound is not whole: its reading ended its process, by signal 6/);
   assert.equal((await room.wait({ type: 'end', id: 'k' })).reason, 'done');
   assert.deepEqual(room.chunks.flatMap((c) => c.frames).map((f) => f[3]).slice(0, 150), Array.from({ length: 150 }, (_, k) => k));
-  // stopped, none is left
+  // after a stop none is left
   assert.equal((await upload('room=killed&id=l', { fap: fap(150), sound: wav(80000, 8000, 1) })).status, 202);
   await room.wait({ type: 'begin', id: 'l' });
   room.send({ type: 'stop' });
@@ -304,7 +304,7 @@ test('on the command line: the same, in other forms', () => {
   assert.equal(faccia('play', '/nowhere.fap').status, 1);
 });
 
-/** The pages of an Ogg stream, with what is wrong with them. */
+/** Parses the pages of an Ogg stream and lists their errors. */
 function pages(data) {
   const list = [];
   for (let at = 0; at < data.length; ) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is spoken once is played as the listener wants it: cut, paused, jumped in, put off. Nothing of it is spoken twice, and
-// the head does not step, for those who show the frames in the order in which they come.
+// Playback of synthesised sentences when listeners interrupt, pause, jump or defer them: nothing is synthesised twice, and the head
+// does not jump for clients that show frames in order of arrival.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -13,10 +13,10 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 
 const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
-/** Sentences that the voices were asked for so far. */
+/** Total number of sentences requested from voices. */
 const asked = () => daemon.metric('faccia_sentences_asked_total');
 
-/** What the voices were asked for while something was done. */
+/** Number of sentences requested from voices during `act`. */
 async function askedBy(act) {
   const before = await asked();
   await act();
@@ -37,7 +37,7 @@ test('jumps back and forth, and pauses, are played from what was spoken', async 
     stream.send({ type: 'pause' });
     await stream.wait({ type: 'paused' });
     const heard = stream.chunks.length;
-    await stream.until(() => stream.chunks.slice(heard).some(({ utterance }) => utterance === 0)); // it idles meanwhile
+    await stream.until(() => stream.chunks.slice(heard).some(({ utterance }) => utterance === 0)); // idle media play meanwhile
     stream.send({ type: 'resume' });
     stream.send({ type: 'jump', mark: 'tre' });
     await spokenSo(stream, 'a', 3);
@@ -65,7 +65,7 @@ test('what waits stays spoken when somebody else comes first', async () => {
     stream.send({ type: 'speak', id: 'a', lang: 'it', text: 'La mamma parla piano con Beppe, e poi dorme davvero molto a lungo.' });
     stream.send({ type: 'speak', id: 'b', lang: 'it', text: 'Il secondo aspetta. E poi parla.' });
     await stream.wait({ type: 'word', id: 'a' });
-    while ((await asked()) < before + 3) await pause(20); // it is being spoken ahead
+    while ((await asked()) < before + 3) await pause(20); // synthesised ahead of its turn
     for (const id of ['c', 'd']) {
       stream.send({ type: 'speak', id, lang: 'it', text: 'Ecco!', mode: 'interrupt' });
       await stream.wait({ type: 'word', id });
@@ -117,7 +117,7 @@ test('another life, seed or mood is played at once, and speaks nothing', async (
   await stream.close();
 });
 
-/** The largest step of the head from one frame to the next, in the order in which they come, in radians at 25 fps. */
+/** Largest step of the head between consecutive frames in order of arrival, in radians at 25 fps. */
 function largestHeadStep({ chunks }, from = 0) {
   const frames = chunks.slice(from).flatMap((c) => c.frames);
   let largest = 0;
@@ -125,7 +125,7 @@ function largestHeadStep({ chunks }, from = 0) {
   return largest;
 }
 
-/** Idles, speaks, is paused, jumps and is interrupted; gives what moved the head by how much. */
+/** Idles, speaks, pauses, jumps and interrupts. Returns the largest step of the head for each. */
 async function steered(seed) {
   const stream = await daemon.stream('?audio=pcm&fap=plain');
   const steps = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What goes before what in a room: priorities, topics, who only looks on, and what nobody came to hear.
+// Order of utterances in a room: priorities and topics; observers, and speech that no listener came to hear.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -18,7 +18,7 @@ const long = 'Una frase che dura abbastanza a lungo perché qualcosa le passi da
 const speak = (id, more = {}) => stream.send({ type: 'speak', id, text: 'Sì.', ...more });
 const told = () => stream.messages.filter((m) => m.type === 'begin' || m.type === 'end').map((m) => `${m.id} ${m.reason ?? 'begins'}`);
 
-/** What was told while that was done, until nothing waits. */
+/** Returns the events during `act`, until the queue is empty. */
 async function during(act) {
   stream.messages.length = 0;
   await act();
@@ -51,7 +51,7 @@ for (const mode of ['replace', 'interrupt'])
       speak('talk');
       speak('now', { mode });
     });
-    const rest = mode === 'replace' ? [] : ['talk begins', 'talk done']; // what waits comes afterwards
+    const rest = mode === 'replace' ? [] : ['talk begins', 'talk done']; // with `interrupt`, waiting utterances follow
     assert.deepEqual(lines.filter((line) => line !== 'talk stopped'), ['fire begins', 'fire done', 'smoke begins', 'smoke done', 'now begins', 'now done', ...rest]);
     assert.equal(lines.includes('talk stopped'), mode === 'replace');
   });
@@ -138,7 +138,7 @@ test('who looks on is no listener: what is held waits for one, alarms first, and
   await kiosk.wait({ type: 'end', id: 'new', reason: 'done' });
   assert.deepEqual(desk.messages.filter((m) => m.type === 'begin').map((m) => m.id), ['b', 'a', 'new']);
   assert.equal((await say('c')).listeners, 1);
-  // who has looked on may begin to listen
+  // an observer may become a listener
   await kiosk.close();
   await own.left(2);
   await say('d');

@@ -27,7 +27,7 @@ const free = () => new Promise((resolve) => {
   });
 });
 
-/** Each proxy: its file, set to these daemons, and how it is begun. */
+/** For each proxy: its file, adapted to these daemons, and how to start it. */
 const proxies = {
   nginx: (port) => {
     const site = read('nginx.conf').replace('127.0.0.1:8081', place(daemons[0])).replace('127.0.0.1:8082', place(daemons[1]))
@@ -54,7 +54,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** A client of a room, through the proxy. */
+/** Opens a client of a room through the proxy. */
 async function client(port, query, message) {
   const socket = new WebSocket(`wss://localhost:${port}/v1/stream?events=text&${query}`, { rejectUnauthorized: false });
   socket.heard = [];
@@ -91,7 +91,7 @@ for (const [name, command] of Object.entries(proxies))
       assert.deepEqual([...first, ...second].sort(), [...rooms].sort());
       assert.ok(first.length && second.length, `all at one: ${first} | ${second}`);
 
-      // one is lost: its rooms are found at the other, and who was in them knows
+      // one daemon dies: its clients are disconnected, and the other daemon serves its rooms
       const lost = sockets.filter(({ joined }) => first.includes(joined.room));
       const closed = lost.map((socket) => once(socket, 'close'));
       daemons[0].process.kill('SIGKILL');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One sentence with numbers, signs and short forms through every door and every markup: it sounds as if all of it had been written in words.
+// A sentence with numbers, signs and abbreviations, in every interface and markup: it sounds as if written in words.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -42,7 +42,7 @@ async function wavOf(text, query = '', type = 'text/plain') {
   assert.equal(response.status, 200);
   return bytesOf(await response.arrayBuffer());
 }
-/** The sound of the utterance with that id, or of the first one, as a stream has it. */
+/** Returns the sound of the utterance with that id, or of the first one, from a stream. */
 async function soundOn(stream, id = undefined) {
   const { utterance } = await stream.wait({ type: 'begin', ...(id && { id }) });
   await stream.wait((message) => message.type === 'end' && message.utterance === utterance);
@@ -88,7 +88,7 @@ const markups = {
 for (const [markup, [type, text]] of Object.entries(markups))
   test(`HTTP, ${markup}`, async () => same(await wavOf(text, `&markup=${markup}`, type)));
 
-for (const markup of ['plain', 'ssml']) // it takes seconds to start
+for (const markup of ['plain', 'ssml']) // only these two, because starting takes seconds
   test(`the command line, ${markup}`, () => {
     const [, text] = markups[markup];
     const { status, stderr } = faccia(['say', '--still', '--voice', voice, '--markup', markup, '--wav', at('wav'), '-'], { input: text });
@@ -174,7 +174,7 @@ test('speech-dispatcher', async () => {
   }));
 });
 
-/** Its phones, words and warnings, as the JSON export has them. */
+/** Returns phones, words and warnings of the JSON export. */
 async function export_(text, query = '&lang=it', type = 'text/plain') {
   const response = await post(`/v1/speech?format=json${query}`, text, type);
   assert.equal(response.status, 200, await response.clone().text());

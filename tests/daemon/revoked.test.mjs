@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Single tokens that count no more: by the file, over HTTP, of a subject; and of all daemons of a cluster, by a real Redis.
+// Revoked tokens: by file, over HTTP and by subject; and on all daemons of a cluster with a real Redis.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -18,7 +18,7 @@ const file = (name, ...lines) => {
 };
 const secrets = file('secrets', secret);
 let tokens = 0;
-/** A token that there is once. */
+/** Makes a unique token. */
 const make = (claims = {}) => {
   const jti = `token ${tokens++}`;
   return { jti, text: sign({ secret, claims: { jti, iat: now() - 60, rights: 'listen speak operate', ...claims } }) };
@@ -72,7 +72,7 @@ test('what `faccia token` makes can be taken back by what it prints for it, and 
   await stream.wait({ type: 'authorized' });
   still.send({ type: 'speak', id: 'still', lang: 'it', text: 'Sì.' });
   await still.wait({ type: 'end', id: 'still', reason: 'done' });
-  // the line may go: it stays so
+  // the token stays revoked after its line is removed
   file('revoked', '');
   await hup(daemon);
   assert.equal(await code(daemon, one), 'revoked-token');
@@ -174,7 +174,7 @@ test('of all daemons of a cluster: those that are there, those that start later,
     await late();
     redis.cli('flushall');
     await late();
-    // what ends is forgotten by Redis, too; what is nonsense hurts nobody
+    // Redis drops expired entries, too; malformed entries do no harm
     const kept = Number(redis.cli('zcard', 'faccia:board:marks'));
     await revoke(a, { jti: 'short', exp: now() + 3 });
     await eventually(() => Number(redis.cli('zcard', 'faccia:board:marks')) === kept + 1, 'it to be written up');

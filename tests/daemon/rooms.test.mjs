@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rooms: one speaks, all hear the same at the same time; who comes late, who is slow, who may not.
+// Rooms: all listeners hear the same at the same time; late joiners, slow clients, permissions.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -36,7 +36,7 @@ test('what one says, all hear, to the byte; nobody elsewhere does', async () => 
     assert.equal(listener.messages.find((m) => m.type === 'begin').stream, 'hall');
   }
   assert.equal(elsewhere.chunks.length + alone.chunks.length, 0);
-  // anybody in it may stop it, where there are no tokens
+  // without tokens, any member may stop the speech
   speaker.send({ type: 'speak', id: 't', lang: 'it', text: text.repeat(5) });
   await listeners[1].wait({ type: 'word', id: 't' });
   listeners[2].send({ type: 'stop' });
@@ -172,7 +172,7 @@ test('a member that reads nothing is moved on, and holds nobody up', async () =>
   slow.socket._socket.pause();
   const long = 'Una frase dopo l’altra, senza fine e senza fretta. '.repeat(40);
   speaker.send({ type: 'speak', id: 's', lang: 'it', text: long, rate: 400 });
-  // faster than it is spoken: the kernel's buffers take the first of it
+  // the kernel's buffers take the first media
   await speaker.until(() => speaker.chunks.length > 60, 40000);
   slow.socket._socket.resume();
   await slow.until(() => slow.chunks.at(-1)?.firstFrame >= speaker.chunks.at(-1)?.firstFrame - 10, 20000);
@@ -219,7 +219,7 @@ test('1000 connections that come and go leave nothing behind', async () => {
     const sockets = await Promise.all(
       Array.from({ length: 100 }, async (_, i) => {
         if (i % 3 === 0) {
-          // one that does not even finish its request
+          // a client that never finishes its request
           const socket = net.connect(busy.port, '127.0.0.1');
           await new Promise((resolve) => socket.on('connect', resolve));
           socket.on('error', () => {});

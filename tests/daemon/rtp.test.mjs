@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A telephone: RTP through GStreamer into faccia-live, by the line that stands in protocol/scripting.md, but for the ports. The packets are made here for PCMU,
-// lost, late, of another sender and wrong; those of the other codecs come from ffmpeg.
+// A telephone: RTP through GStreamer into faccia-live, with the command of protocol/scripting.md and other ports. PCMU packets are made here, also lost, late,
+// foreign and invalid ones; ffmpeg sends the other codecs.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import dgram from 'node:dgram';
@@ -23,7 +23,7 @@ let daemon, kiosk, spoken;
 before(async () => {
   const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.']);
   assert.equal(status, 0, String(stderr));
-  // the clocks find each other before it begins
+  // the padding lets the jitter buffer settle before the sentence
   assert.equal(spawnSync('sox', [file('es.wav'), file('padded.wav'), 'pad', '1.5']).status, 0);
   const samplesOf = (name) => {
     const raw = spawnSync('sox', [file(name), '-t', 'raw', '-r', '8000', '-e', 'signed', '-b', '16', '-']).stdout;
@@ -50,7 +50,7 @@ async function freePort() {
   return port;
 }
 
-/** What of the line is another codec's. */
+/** Adapts the command to other codecs. */
 const codecs = {
   PCMU: (text) => text,
   PCMA: (text) => text.replace('encoding-name=PCMU,payload=0', 'encoding-name=PCMA,payload=8').replace('rtppcmudepay ! mulawdec', 'rtppcmadepay ! alawdec'),
@@ -58,7 +58,7 @@ const codecs = {
   Opus: (text) => text.replace('clock-rate=8000,encoding-name=PCMU,payload=0', 'clock-rate=48000,encoding-name=OPUS,payload=96').replace('rtppcmudepay ! mulawdec', 'rtpopusdepay ! opusdec plc=true'),
 };
 
-/** Has the line hear what `send` sends to its port; what the room heard of it. */
+/** Runs the command while `send` sends to its port. Returns what the room heard. */
 async function through(codec, send) {
   const port = await freePort(), from = kiosk.messages.length;
   const text = codecs[codec](line).replace('port=5004', `address=127.0.0.1 port=${port}`).replace('faccia-live', path.join(build, 'server/bridges/faccia-live'));
@@ -69,7 +69,7 @@ async function through(codec, send) {
   const exited = once(child, 'close');
   try {
     await eventually(() => new RegExp(`:${port.toString(16).toUpperCase().padStart(4, '0')} `).test(fs.readFileSync('/proc/net/udp', 'utf8')), `port ${port}: ${said}`);
-    // one says something when there is something to hear
+    // the utterance begins when sound arrives
     const [begin] = await Promise.all([kiosk.wait({ type: 'begin', captions: false }, { from, milliseconds: 15000 }), send(port)]);
     await sleep(1500);
     process.kill(-child.pid, 'SIGINT');
@@ -89,7 +89,7 @@ const loudness = (samples, rate) => Array.from({ length: Math.floor((samples.len
 });
 const likeness = (a, b, at) => b.reduce((sum, x, i) => sum + x * (a[at + i] ?? 0), 0) / Math.sqrt(b.reduce((sum, x) => sum + x * x, 0) * b.reduce((sum, _, i) => sum + (a[at + i] ?? 0) ** 2, 1e-9));
 
-/** Where in what was heard the sentence begins, s, and how like it that is. */
+/** Finds the sentence in the received sound: its start in s, and the correlation. */
 function found({ sound, rate }) {
   const a = loudness(sound, rate), b = loudness(spoken.samples, 8000);
   const all = Array.from({ length: Math.max(1, a.length - b.length + 20) }, (_, at) => likeness(a, b, at)), best = all.indexOf(Math.max(...all));
@@ -106,7 +106,7 @@ function check(heard, least) {
   return `${closed.length} of ${said.length} /p b m/`;
 }
 
-/** A sample of 16 bits in ITU-T G.711's mu-law. */
+/** Encodes a 16-bit sample in mu-law (ITU-T G.711). */
 function mulaw(sample) {
   const sign = sample < 0 ? 0x80 : 0, size = Math.min(32635, Math.abs(sample)) + 132, segment = Math.floor(Math.log2(size)) - 7;
   return ~(sign | (segment << 4) | ((size >> (segment + 3)) & 15)) & 255;
@@ -122,7 +122,7 @@ function packet(payload, { sequence, time, ssrc = 1, type = 0 }) {
   return Buffer.concat([head, payload]);
 }
 
-/** The sentence as packets of 20 ms, in time; `mangle` makes of them what arrives. */
+/** Sends the sentence in real time as packets of 20 ms, modified by `mangle`. */
 async function telephone(port, mangle = (packets) => packets.map((p) => [p])) {
   const payloads = Array.from({ length: Math.ceil(spoken.padded.length / 160) }, (_, k) => Buffer.from(Array.from({ length: 160 }, (_, i) => mulaw(spoken.padded[160 * k + i] ?? 0))));
   const due = mangle(payloads.map((payload, k) => packet(payload, { sequence: 65500 + k, time: 0xfffffe00 + 160 * k })), payloads);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scenes that operators keep on the server: who may, what is refused and where, and that nobody loses what another has saved.
+// Operators' scenes on the server: permissions, errors with their places, and no overwriting of concurrent changes.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import net from 'node:net';
@@ -152,7 +152,7 @@ test('who hangs up in the middle of a body leaves what is there as it was', asyn
   }
   const after = await ask('GET', 'turno');
   assert.deepEqual([after.etag, after.text], [before.etag, before.text]);
-  // gone while the disk is waited for
+  // disconnects while the disk is busy
   const socket = net.connect(daemon.port, '127.0.0.1');
   await new Promise((resolve) => socket.on('connect', resolve));
   socket.write(`PUT /v1/scenes/turno HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer ${operator}\r\nIf-Match: *\r\nContent-Length: ${scene('Via.').length}\r\n\r\n${scene('Via.')}`, () => socket.destroy());

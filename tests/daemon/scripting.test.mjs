@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the examples of protocol/scripting.md as they stand there, but for the port.
+// Runs the examples of protocol/scripting.md as printed, with another port.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -20,7 +20,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** Runs it in the folder; its standard input stays open, as a terminal's does, unless it is said. Gives what it printed. */
+/** Runs a program in the folder and returns its output. Its standard input stays open like a terminal unless given. */
 async function run(program, args, stdin) {
   const child = spawn(program, args, {
     cwd: folder,
@@ -40,7 +40,7 @@ const interpreters = {
   sh: (code, stdin) => run('sh', ['-ec', code], stdin),
   python: (code, stdin) => run('python3', ['-c', code], stdin),
   js: (code) => {
-    // in a folder from which it finds ws
+    // in a folder where it finds the package ws
     fs.writeFileSync(path.join(folder, 'script.mjs'), code);
     fs.rmSync(path.join(folder, 'node_modules'), { force: true });
     fs.symlinkSync(path.join(root, 'tests/node_modules'), path.join(folder, 'node_modules'));
@@ -65,7 +65,7 @@ for (const { language, room, needs, stdin, code } of examples) {
     if (code.includes('faccia.text.v1')) assert.match(out, /word [\d.]+ mamma[^]*end done/);
     if (room) await listener.wait({ type: 'end' });
     if (code.includes('/v1/play')) {
-      // the recording that was uploaded, in the middle of which it was stopped
+      // the uploaded recording may have been stopped in the middle
       const end = await listener.wait((m) => m.type === 'end' && m.utterance === 3);
       assert.ok(['stopped', 'done'].includes(end.reason), end.reason);
     }
@@ -86,7 +86,7 @@ test('a close in the text protocol is answered when all has been said', async ()
   const [code] = await once(socket, 'close');
   assert.equal(code, 1000);
   assert.equal(lines.filter((line) => line.startsWith('end done')).length, 2, lines.join('\n'));
-  // one that has nothing to hear is let go at once
+  // a client with nothing to receive can disconnect at once
   const silent = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream`, ['faccia.text.v1']);
   await once(silent, 'open');
   silent.close();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The unit for systemd: what it leaves open, and that the daemon and its workers live within it.
+// The systemd unit: what its sandbox allows, and that daemon and workers run inside it.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -34,7 +34,7 @@ test('it takes no more of the memory than leaves the machine to others', () => {
   assert.ok(high >= 20 && high < most && most <= 90, `MemoryHigh=${high}% MemoryMax=${most}%`);
 });
 
-/** The system calls that a list allows, as systemd reads it: later lines add, and those with ~ take away. */
+/** Lists the allowed system calls as systemd does: later lines add, lines with ~ remove. */
 function allowed() {
   const group = (name) =>
     analyze('syscall-filter', name).split('\n').slice(1).map((line) => line.trim()).filter((word) => word && !word.startsWith('#'))
@@ -77,7 +77,7 @@ os.execv('${path.join(build, 'server/daemon/facciad')}', ['facciad'] + sys.argv[
   const response = await daemon.get('/v1/speech?lang=it&format=json', { method: 'POST', body: 'Sì.' });
   assert.equal(response.status, 200);
   assert.ok((await response.json()).phones.length);
-  // a voice that starts programs
+  // a voice that starts another program
   const festival = voices.find((v) => v.plugin === 'festival');
   if (festival)
     assert.equal((await daemon.get(`/v1/speech?voice=${festival.id}`, { method: 'POST', body: 'Sì.' })).status, 200);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// sd_faccia as a module of speech-dispatcher: its protocol line by line, and under the real speech-dispatcher with spd-say.
+// sd_faccia as a speech-dispatcher module: its protocol line by line, and the real speech-dispatcher with spd-say.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -25,7 +25,7 @@ function start(file, options, env = {}) {
   return child;
 }
 
-/** A module whose server we are: lines in, lines and sound out. */
+/** Starts a module with this test as its server: lines in, lines and sound out. */
 function load(options = [config]) {
   const child = start(program, options);
   let bytes = Buffer.alloc(0);
@@ -152,7 +152,7 @@ test('a mark’s name writes no lines of the protocol', async () => {
   module.send('SET', 'language=xx', '.');
   await module.told('203 OK SETTINGS RECEIVED');
   await module.speak('<speak>Seven.</speak>');
-  await module.told('702 END'); // the room refuses it after it has taken it: the sound alone is given
+  await module.told('702 END'); // the room accepts the request and then fails it: the module plays only the sound
   assert.ok(Buffer.concat(module.sound).length > 8000);
   module.send('SET', 'language=it', '.');
   for (const looks of [true, false]) {
@@ -189,7 +189,7 @@ test('where somebody looks on, the face reads it; stop and pause are obeyed at o
     await module.told(told);
     await screen.wait({ type: 'end', reason: 'stopped' });
   }
-  // a reader that changes its mind, many times
+  // a screen reader that stops again and again
   for (let i = 0; i < 50; i++) {
     await module.speak(`<speak>Numero ${i}, e ancora qualcosa.</speak>`);
     module.send('STOP');
@@ -241,9 +241,9 @@ test('under the real speech-dispatcher spd-say is spoken', async () => {
   assert.equal((await say('-w', '-l', 'it', '-r', '20', 'La cena è pronta.')).status, 0);
   assert.ok(screen.messages.some((m) => m.type === 'word' && m.text === 'cena'));
   assert.ok(screen.messages.some((m) => m.type === 'end' && m.reason === 'done'), 'it has waited until it was said');
-  // what a desktop may have set up: nobody who cannot see is left in silence
+  // settings of desktops that name no voice of ours: blind users must never be left in silence
   for (const [i, options] of [['-l', 'xx'], ['-l', 'c'], ['-l', 'POSIX'], ['-l', 'de-XX'], ['-y', 'nonsense'], ['-y', 'nonsense', '-l', 'xx'], ['-t', 'child_female', '-l', 'c']].entries()) {
-    // by the face, or without it: a sentence is spoken, and waited for
+    // with or without a face, the sentence is spoken and -w waits for it
     const before = await daemon.metric('faccia_sentences_total{result="spoken"}');
     assert.equal((await say('-w', ...options, `Parola ${i}.`)).status, 0, String(options));
     assert.ok((await daemon.metric('faccia_sentences_total{result="spoken"}')) > before, `${options}: silence`);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Clients that take nothing, or too little: the daemon keeps little for them, lets them go, and others notice nothing.
+// Clients that read nothing or too little: the daemon buffers little, disconnects them, and others are unaffected.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
@@ -12,7 +12,7 @@ const pcm = 'lang=it&audio=pcm&fap=plain';
 const speak = JSON.stringify({ type: 'speak', text });
 const megabytes = (daemon) => (Number(fs.readFileSync(`/proc/${daemon.process.pid}/statm`, 'utf8').split(' ')[1]) * 4096) / 1e6;
 
-/** A daemon that ends with the test, however that ends. */
+/** Starts a daemon that always ends with the test. */
 async function start(t, ...options) {
   const daemon = await Daemon.start(options);
   t.after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
@@ -24,7 +24,7 @@ const stuck = async (t, daemon, ...args) => {
   return client;
 };
 
-/** A room with a speaker and a listener; done() tells that neither missed anything. */
+/** Opens a room with a speaker and a listener; done() checks that neither missed anything. */
 async function room(daemon, name) {
   const [speaker, listener] = [await daemon.stream(`?room=${name}&lang=it`), await daemon.stream(`?room=${name}`)];
   for (const stream of [speaker, listener]) await stream.wait({ type: 'joined' });
@@ -42,7 +42,7 @@ async function room(daemon, name) {
   };
 }
 
-/** Waits until only the two of the hall are in it. */
+/** Waits until only those two are in the hall. */
 async function left(daemon) {
   const ask = async () => (await (await daemon.get('/v1/rooms')).json()).rooms;
   await eventually(async () => (await ask())[0].followers === 2, 'the others to have left');
@@ -80,10 +80,10 @@ test('one in a room who reads again is at the live edge, and is told that media 
   const all = speaker.chunks.map((c) => c.start);
   const gap = starts.findIndex((start, i) => i && all.indexOf(start) !== all.indexOf(starts[i - 1]) + 1);
   assert.ok(gap > 0, 'something was left out');
-  // media may be one second old, in chunks of a fifth
+  // media may be up to one second old; chunks are 0.2 s
   assert.ok(all.indexOf(starts[gap]) >= missed - 8, 'and it goes on with what is said now');
   assert.deepEqual(starts.slice(gap), all.slice(all.indexOf(starts[gap]), all.indexOf(starts.at(-1)) + 1), 'without a gap from there on');
-  // words are not left out
+  // no word is missing
   const words = (messages) => messages.filter((m) => m.type === 'word').map((m) => m.start);
   assert.deepEqual(words(heard), words(speaker.messages).slice(0, words(heard).length));
 });
@@ -92,7 +92,7 @@ test('a stream of one’s own waits, then is closed; so is a request', async (t)
   const daemon = await start(t, '--stall-seconds', '3');
   await stuck(t, daemon, `/v1/stream?${pcm}`, speak);
   const before = megabytes(daemon);
-  // more than an hour of speech: 200 MB, were it kept
+  // more than an hour of speech, which would be 200 MB
   await stuck(t, daemon, '/v1/speech?lang=it', text.repeat(18));
   await daemon.logged(/an HTTP client takes nothing/);
   const grown = megabytes(daemon) - before;
@@ -113,7 +113,7 @@ test('one that answers no ping is let go; one that says nothing but answers stay
   assert.equal((await mute.closed).code, 1006, 'cut, not closed');
   await daemon.logged(/s1 does not answer: closed/);
   assert.equal(pings.mute, 1);
-  // asked again and again
+  // pinged repeatedly
   await eventually(() => pings.quiet >= 3, 'three pings');
   quiet.send({ type: 'ping', id: 'p' });
   await quiet.wait({ type: 'pong', id: 'p' });
@@ -127,8 +127,8 @@ test('listeners that are cut off cost the others nothing', async (t) => {
   for (let round = 0; round < 10; round++) {
     const crowd = await Promise.all(Array.from({ length: 10 }, () => daemon.stream('?room=hall')));
     const chunks = speaker.chunks.length;
-    await speaker.until(() => speaker.chunks.length > chunks); // so that they are written to
-    daemon.process.kill('SIGSTOP'); // when it goes on, it writes before it hears that they are gone
+    await speaker.until(() => speaker.chunks.length > chunks); // so that the daemon writes to them
+    daemon.process.kill('SIGSTOP'); // when resumed, it writes before it notices that they are gone
     for (const stream of crowd) stream.socket._socket.resetAndDestroy();
     await Promise.all(crowd.map(({ closed }) => closed));
     daemon.process.kill('SIGCONT');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A daemon that has just started: a request at once gets the voice that it would get later.
+// Requests right after the start get the same voice that they would get later.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -8,7 +8,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
 
-// "sleepy" starts when a file is there. It has a French voice, and comes before espeak in the order of names.
+// The plugin "sleepy" starts once a file exists. It has a French voice and sorts before espeak.
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-start-'));
 const plugins = path.join(folder, 'plugins'), gate = path.join(folder, 'gate'), config = path.join(folder, 'voices.json');
 fs.mkdirSync(plugins);
@@ -32,7 +32,7 @@ test('requests wait for the voice that they get when all are there, and for no o
   const other = await daemon.stream();
   other.send({ type: 'speak', id: 'italian', lang: 'it', text: 'Buongiorno.' });
   const posted = [post(daemon, 'lang=fr'), post(daemon, 'voice=early:late'), post(daemon, 'voice=early:nobody')];
-  // what could not change any more comes at once
+  // a request whose voice is already certain is spoken at once
   assert.equal((await other.wait({ type: 'begin', id: 'italian' })).voice, 'espeak:it+f2');
   assert.equal((await other.wait({ type: 'end', id: 'italian' })).reason, 'done');
   const health = await daemon.get('/healthz');
@@ -64,7 +64,7 @@ test('a voice that does not come is waited for no longer than the setting says',
   assert.deepEqual([other.status, (await other.json()).voice], [200, 'espeak:fr-fr']);
   assert.deepEqual([named.status, (await named.json()).code], [400, 'unknown-voice']);
   assert.equal((await daemon.get('/healthz')).status, 200);
-  // it comes all the same, later
+  // the slow plugin is still used when it starts later
   wakeUp();
   let late;
   do late = await post(daemon, 'voice=early:late');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every message, every typed command and every route, in every state that a daemon may be in: each is answered or ends, and the
-// daemon lives. The lists are those of the schemas and of the commands' table, so that a new one is tried without a word here.
+// Every message, typed command and route, in every state of a daemon: each gets an answer or an end, and the daemon survives. The lists
+// come from the schemas and the table of commands, so new ones are tested automatically.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import net from 'node:net';
@@ -23,7 +23,7 @@ after(() => fs.rmSync(folder, { recursive: true }));
 const gate = path.join(folder, 'gate'), config = path.join(folder, 'voices.json');
 fs.writeFileSync(config, JSON.stringify({ early: { file: gate } }));
 
-/** A folder of voice plugins; name: of the file that it is there. */
+/** Makes a folder of voice plugins. files: name in the folder to plugin. */
 function plugins(name, files) {
   const place = path.join(folder, name);
   fs.mkdirSync(place);
@@ -35,21 +35,21 @@ const none = plugins('none', { refuses: 'tests/plugins/refuses.so' });
 const espeak = plugins('espeak', { espeak: 'server/plugins/espeak.so' });
 const start = (place, env = {}, more = []) => Daemon.start([...more, '--plugins', place, '--voice-config', config, '--lang', 'it', '--voice-start', '30'], env, { voices: false });
 
-const WAIT = 20000; // ms: only what hangs takes longer
+const WAIT = 20000; // ms: anything slower hangs
 
-/** The promise, or a failure that says what did not come. */
+/** Rejects after WAIT with a message that names what is missing. */
 function bounded(promise, what) {
   let timer;
   const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(`waited in vain for ${what}`)), WAIT)));
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
 
-/** Ends the daemon as an operator would; it has to go. */
+/** Stops the daemon like an operator and checks that it exits cleanly. */
 async function stops(daemon, left = daemon.stop()) {
   assert.deepEqual(await bounded(left, `the daemon's end:\n${daemon.log.slice(-2000)}`), { code: 0, signal: null }, daemon.log.slice(-3000));
 }
 
-/** A value that the schema allows. */
+/** Makes a value that the schema allows. */
 function sample(name, of) {
   const known = { id: 'u', room: 'hall', text: 'Ciao a tutti.', token: 'x', passage: 'x:1', voice: 'x', mark: 'x', name: 'x' };
   if (of === true) return known[name] ?? 'x'; // anything
@@ -63,7 +63,7 @@ function sample(name, of) {
   return known[name] ?? 'x';
 }
 
-/** Of each type: with what it needs, with all that it may have, and with nothing. */
+/** Messages of a type: with required members, with all members, and with none. */
 function messages(type) {
   const { required = [], properties = {} } = schema.$defs[type] ?? {};
   const made = (names) => ({ ...Object.fromEntries(names.map((name) => [name, sample(name, properties[name] ?? {})])), type });
@@ -92,7 +92,7 @@ async function everyCommand(daemon) {
   socket.terminate();
 }
 
-/** Begins them all; what waits for voices is answered later. */
+/** Requests every route; some answers wait for voices. */
 function everyRoute(daemon) {
   return Object.entries(openapi.paths).flatMap(([address, item]) =>
     ['get', 'post', 'put', 'delete'].filter((method) => method in item).map(async (method) => {
@@ -110,7 +110,7 @@ function everyRoute(daemon) {
     }));
 }
 
-/** A text as a program writes it, faster than a voice can start; its end is told. */
+/** Writes an open text faster than a voice can start. Resolves at its end. */
 async function written(daemon, lang) {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', open: true, id: 'u', lang, text: '' });
@@ -144,7 +144,7 @@ test('while the voices are starting, and when they are ready', async () => {
   await stops(daemon);
 });
 
-/** A Redis that takes connections and never answers. */
+/** A Redis that accepts connections and never answers. */
 async function silent() {
   const server = net.createServer(() => {}).listen(0, '127.0.0.1');
   await new Promise((resolve) => server.on('listening', resolve));
@@ -201,7 +201,7 @@ test('while it is about to stop', async () => {
     await Promise.race([stream.wait({ type: 'pong', id: type }, { milliseconds: WAIT }), stream.closed]);
     if (type === 'speak' && stream.socket.readyState === WebSocket.OPEN) assert.ok(stream.messages.some((m) => m.code === 'stopping'));
   }
-  await Promise.allSettled(everyRoute(daemon)); // nobody is let in any more, or is told why
+  await Promise.allSettled(everyRoute(daemon)); // connections are refused, or get an error
   speaks.send({ type: 'stop' });
   assert.equal((await speaks.wait({ type: 'end', id: 'long' })).reason, 'stopped');
   await stops(daemon, left);

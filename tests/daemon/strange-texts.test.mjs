@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts as people and programs send them: nothing that a text says stops a voice, holds up others or is lost in silence.
+// Unusual texts from people and programs: none crashes a voice, delays others, or is dropped without a warning.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
@@ -14,7 +14,7 @@ after(async () => {
 const post = (text, query = '', type = 'application/xml') =>
   daemon.get(`/v1/speech?format=json&lang=en${query}`, { method: 'POST', body: text, headers: { 'content-type': type } });
 
-/** What is heard of a text: its words, and the codes of the warnings with their places. */
+/** Speaks a text. Returns its words, and the codes of warnings with their places. */
 async function spoken(text, more = {}) {
   const stream = await daemon.stream('?audio=none&fap=none');
   stream.send({ type: 'speak', id: 'a', lang: 'en', text, ...more });
@@ -148,7 +148,7 @@ test('two halves of a character in two pieces of an open text are one', async ()
   const sentence = stream.messages.find((m) => m.type === 'sentence');
   assert.equal(sentence.end - sentence.start, Buffer.byteLength('I love 🍕 and 😀 a lot.'));
   assert.ok(!stream.messages.some((m) => m.type === 'error' || m.type === 'warning'), JSON.stringify(stream.messages.filter((m) => m.type === 'error')));
-  // one that stays alone costs no word, and is told
+  // a lone surrogate loses no word, and is reported
   stream.send({ type: 'speak', id: 'b', lang: 'en', text: 'Half \ud83d a face.' });
   assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'done');
   stream.send({ type: 'speak', open: true, id: 'c', lang: 'en', text: 'The end \ud83d' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a stream carries: order, clocks, offsets, pacing, stop and queue.
+// Streams: order, clocks, offsets, pacing, stop and queue.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon, framesOf } from '../lib/daemon.mjs';
@@ -9,7 +9,7 @@ let daemon;
 before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-/** Speaks and returns all that came for it. */
+/** Speaks and returns all messages of the utterance. */
 async function speak(request) {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', ...request });
@@ -139,7 +139,7 @@ test('queued utterances follow each other, each with its own clock', async () =>
 test('the same seed gives the same face', async () => {
   const face = async (seed) => framesOf((await speak({ text: 'Buongiorno a tutti voi.', lang: 'it', seed })).chunks).map((f) => [...f.values]);
   const [one, again, other] = [await face(7), await face(7), await face(8)];
-  // eyelids and head. The voice never says the same thing twice to the sample, and the head nods with the voice: nearly the same.
+  // Compares eyelids and head. They are only nearly equal: the voice's output varies by some samples, and the head follows it.
   const alive = [19, 20, 21, 22, 48, 49, 50];
   const difference = (a, b) => a.slice(0, b.length).reduce((sum, frame, i) => sum + alive.reduce((s, n) => s + Math.abs(frame[n] - b[i][n]), 0), 0);
   assert.ok(difference(one, other) > 4 * difference(one, again), `${difference(one, again)}, ${difference(one, other)}`);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TLS: a certificate of the operator's or of the daemon's own, what is refused, what is sent elsewhere, and everything else over it as without it.
+// TLS: certificates of the operator and of the daemon, refusals, redirects, and all other features over TLS.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -19,14 +19,14 @@ const own = path.join(folder, 'own');
 const file = (name) => path.join(folder, name);
 let daemon, ca;
 
-/** A certificate by openssl, with its key. */
+/** Makes a certificate and its key with openssl. */
 function certify(name, days = 30) {
   execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256', '-nodes', '-days', String(days), '-subj', `/CN=${name}`, '-addext', 'subjectAltName=DNS:localhost,IP:127.0.0.1',
     '-keyout', file(`${name}.key`), '-out', file(`${name}.pem`)], { stdio: 'ignore' });
   fs.chmodSync(file(`${name}.key`), 0o600);
   return ['--tls-cert', file(`${name}.pem`), '--tls-key', file(`${name}.key`)];
 }
-/** An answer over TLS. */
+/** Sends a request over TLS. */
 function ask(address, options = {}, body = null) {
   return new Promise((resolve, reject) => {
     const request = https.request({ host: '127.0.0.1', port: daemon.port, path: address, ca, agent: false, ...options }, async (response) => {
@@ -38,7 +38,7 @@ function ask(address, options = {}, body = null) {
     request.end(body);
   });
 }
-/** A handshake with these options: what was agreed, and whose certificate it was. */
+/** Does a handshake. Returns the negotiated parameters and the certificate's name. */
 async function shake(options = {}) {
   const socket = tls.connect({ host: '127.0.0.1', port: daemon.port, rejectUnauthorized: false, ...options });
   await once(socket, 'secureConnect');
@@ -49,7 +49,7 @@ async function shake(options = {}) {
 
 before(async () => {
   daemon = await Daemon.start(['--tls-self-signed', own, '--hsts', '3600']);
-  ca = fs.readFileSync(path.join(own, 'ca.pem')); // what a device takes
+  ca = fs.readFileSync(path.join(own, 'ca.pem')); // as installed on a device
 });
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
@@ -74,7 +74,7 @@ test('a certificate of its own: made once, its fingerprint told, its key nobody 
 test('one that has ended is made anew', async () => {
   const old = file('old');
   fs.mkdirSync(old);
-  certify('ended', 2); // which is sooner than it is looked at again
+  certify('ended', 2); // expires before the next check
   fs.renameSync(file('ended.pem'), path.join(old, 'cert.pem'));
   fs.renameSync(file('ended.key'), path.join(old, 'key.pem'));
   const before = fs.readFileSync(path.join(old, 'cert.pem'), 'utf8');
@@ -207,7 +207,7 @@ test('SIGHUP takes a new certificate; one that is none leaves the old one; conne
   await reload(/error: .*first\.pem.*stays as it was/);
   assert.equal(await seen(), 'CN=second');
   certify('third');
-  fs.copyFileSync(file('third.pem'), file('first.pem')); // of another key
+  fs.copyFileSync(file('third.pem'), file('first.pem')); // does not match the key
   await reload(/error: .*(key|mismatch).*stays as it was/);
   assert.equal(await seen(), 'CN=second');
   kept.send({ type: 'ping', id: 'p' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a token opens, and until when: rooms, dates, headers, secrets that are taken away, the file of them.
+// Tokens: rooms, dates, headers, removed secrets, and the secrets file.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -14,7 +14,7 @@ const secret = 'a secret that is long enough for the daemon';
 const second = 'another one that is long enough for the daemon';
 const file = (name, lines, mode = 0o600) => {
   fs.writeFileSync(path.join(folder, name), `${lines.join('\n')}\n`, { mode });
-  fs.chmodSync(path.join(folder, name), mode); // whatever the umask
+  fs.chmodSync(path.join(folder, name), mode); // independent of the umask
   return path.join(folder, name);
 };
 const token = (claims, more) => sign({ secret, claims, ...more });
@@ -51,14 +51,14 @@ test("a room's token opens what acts on that room, and nothing else", async () =
   assert.equal(await ask('/v1/rooms/secret-meeting/commands', 'POST'), '403 forbidden');
   for (const act of ['say', 'stop', 'play']) assert.equal(await ask(`/v1/${act}?room=secret-meeting`, 'POST'), '403 forbidden');
   assert.equal(await ask('/v1/events?room=secret-meeting'), '403 forbidden');
-  // of the rooms it tells the token's own
+  // lists only the token's rooms
   for (const query of ['', '?room=secret-meeting', '?room=hall']) {
     const { rooms } = await (await daemon.get(`/v1/rooms${query}`, bearer(token(hall)))).json();
     assert.deepEqual(rooms.map((r) => r.name), ['hall'], query);
   }
   const { rooms } = await (await daemon.get('/v1/rooms', bearer(token()))).json();
   assert.deepEqual(rooms.map((r) => r.name).sort(), ['hall', 'secret-meeting']);
-  // nor does the stream's address help
+  // a room in the stream's address does not grant more
   const stream = await daemon.stream('?room=hall', bearer(token(hall)));
   await stream.wait({ type: 'joined', may_speak: true });
   stream.send({ type: 'join', room: 'secret-meeting' });
@@ -123,7 +123,7 @@ for (const [what, claims, more, wanted] of odd)
     await stream.close();
   });
 
-/** Server-sent events, as they come. */
+/** Collects server-sent events. */
 async function events(daemon, room, token) {
   const response = await daemon.get(`/v1/events?room=${room}`, bearer(token));
   assert.equal(response.status, 200);
@@ -142,7 +142,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   const [old, kept] = [sign({ secret }), sign({ secret: second, claims: { sub: 'bruno' } })];
   const [inRoom, alone, other] = await Promise.all([own.stream('?room=hall', bearer(old)), own.stream('', bearer(old)), own.stream('?room=hall', bearer(kept))]);
   const [lost, still] = [await events(own, 'hall', old), await events(own, 'hall', kept)];
-  still.end.catch(() => {}); // the daemon's own end cuts it
+  still.end.catch(() => {}); // stopping the daemon cuts it
   await Promise.all([inRoom.wait({ type: 'joined' }), other.wait({ type: 'joined' })]);
   const long = 'Una frase lunga, che non finisce mai. '.repeat(20);
   alone.send({ type: 'speak', id: 'cut', lang: 'it', text: long });
@@ -155,7 +155,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   await alone.wait({ type: 'end', id: 'cut', reason: 'stopped' });
   await lost.end;
   assert.match(lost.text, /event: error\ndata: .*"revoked-token"/);
-  // what is said in the room comes to members with the right to listen
+  // members with the right to listen hear the room
   other.send({ type: 'speak', id: 'still', lang: 'it', text: 'Ci siamo ancora.' });
   await other.wait({ type: 'end', id: 'still', reason: 'done' });
   assert.ok(!inRoom.messages.some((m) => m.id === 'still'));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// People who speak themselves: their sound goes to the daemon while it is spoken, and comes back with a face. The speaker here is a voice of espeak-ng that the
-// network was not trained on, in real time.
+// Live voices: a client sends sound in real time, and listeners get it with a face. The speaker is a voice of espeak-ng that the network was not trained on.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -38,7 +37,7 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** The sound at another rate, the same in all channels. */
+/** Resamples the sound, the same on all channels. */
 const resampled = (rate, channels = 1) =>
   Int16Array.from({ length: Math.floor((spoken.samples.length / spoken.rate) * rate) * channels }, (_, i) => {
     const x = (Math.floor(i / channels) / rate) * spoken.rate, k = Math.min(spoken.samples.length - 2, Math.floor(x));
@@ -46,7 +45,7 @@ const resampled = (rate, channels = 1) =>
   });
 const bytesOf = (samples) => Buffer.from(samples.buffer, samples.byteOffset, samples.byteLength);
 
-/** Sends as a microphone does, `speed` times as fast: what is due by the clock. */
+/** Sends like a microphone, at `speed` times real time. */
 async function pour(stream, bytes, bytesASecond, { speed = 1, ms = 20 } = {}) {
   const begin = performance.now();
   for (let at = 0; at < bytes.length;) {
@@ -63,8 +62,8 @@ const mouth = ({ values }) => MOUTH.filter((n) => n !== 12 && n !== 13 && n !== 
 const told = (stream, type) => stream.messages.filter((m) => m.type === type).map((m) => m.code);
 
 /**
- * Speaks from beginning to end; anew where the machine was held up for so long that something had to be left out.
- * beside: begun with it each time, and waited for.
+ * Sends the whole sound; repeats it if the machine was so busy that sound was dropped. beside: runs along with each attempt and is
+ * awaited.
  */
 async function live(bytes, bytesASecond, more, { beside = () => {}, ...how } = {}) {
   for (let again = 0; ; again++) {
@@ -95,7 +94,7 @@ test('the sound comes back to the bit, with the face that `faccia hear` makes of
   const frames = framesOf(stream.chunks);
   assert.equal(frames.length, held.length);
   frames.forEach((frame, k) => assert.equal(mouth(frame), mouth({ values: held[k].faps }), `frame ${k}`));
-  // and what was said is seen: most of its /p b m/ are closed
+  // the lips close on most /p b m/
   const found = compared('closed', spoken.phones, spoken.classes);
   assert.ok(found.said >= 8 && found.found >= 0.7 * found.said, `${found.found} of ${found.said}`);
   const gap = ({ values }) => -((values[4] ?? 0) + (values[5] ?? 0));
@@ -181,7 +180,7 @@ test('a clock that runs 3 % fast is followed', async () => {
   const twelve = new Int16Array(12 * spoken.rate).map((_, i) => spoken.samples[i % spoken.samples.length]);
   const { stream, end } = await live(bytesOf(twelve), 2 * spoken.rate, {}, { speed: 1.03 });
   assert.equal(end.reason, 'done');
-  // it was sent within 12 / 1.03 s
+  // sent within 12 / 1.03 s
   assert.ok(end.duration < 11.95, `${end.duration} s are heard of 12, which came in ${(12 / 1.03).toFixed(2)}`);
   assert.deepEqual(told(stream, 'warning'), []);
   await stream.close();
@@ -201,7 +200,7 @@ test('an operator speaks, the kiosk is heard; what is more urgent cuts him, and 
   kiosk.send({ type: 'speak', id: 'fire', priority: 'alarm', lang: 'it', text: 'Attenzione!' });
   assert.equal((await ended(kiosk, 'v')).reason, 'stopped');
   await ended(kiosk, 'fire');
-  await speaking; // passed over
+  await speaking; // the remaining sound is ignored
   assert.deepEqual(told(desk, 'error'), []);
   desk.send({ type: 'close', id: 'v' });
   desk.send({ type: 'ping', id: 'p' });
@@ -356,7 +355,7 @@ test('a token has to allow it', async () => {
   assert.deepEqual(await guarded.stop(), { code: 0, signal: null });
 });
 
-/** Packets of 20 ms as the daemon itself makes them. */
+/** Gets Opus packets of 20 ms from the daemon itself. */
 async function opusPackets() {
   const stream = await daemon.stream('?audio=opus&fap=fapc');
   stream.send({ type: 'speak', id: 'o', lang: 'es', text: 'Mi primo Pablo compra pan y tomates en la plaza.' });
@@ -404,7 +403,7 @@ test('packets that are cut, or none: told once, with the byte, and it goes on', 
   await stream.close();
 });
 
-/** The processes that decode Opus for the daemon. */
+/** The daemon's processes that decode Opus. */
 const decoders = () => fs.readFileSync(`/proc/${daemon.process.pid}/task/${daemon.process.pid}/children`, 'utf8').trim().split(' ').filter(Boolean)
   .filter((pid) => /faccia-reader.*\0opus\0/.test(fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8')));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Voice plugins that crash, hang or never start: a sentence is lost, with an error; nobody else notices.
+// Voice plugins that crash, hang or never start: the sentence fails with an error, and others are unaffected.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -82,7 +82,7 @@ test('a stop reaches a voice at work', async () => {
   await stream.close();
 });
 
-// tests/unit/test_escape.c has them all
+// tests/unit/test_escape.c has all attempts
 for (const attempt of ['memory', 'environment', 'poke', 'signal', 'priority', 'out of memory score', 'datagram of a pair', 'fork'])
   test(`a plugin that tries "${attempt}" is refused, and the daemon lives on`, async () => {
     const stream = await daemon.stream();
@@ -96,7 +96,7 @@ for (const attempt of ['memory', 'environment', 'poke', 'signal', 'priority', 'o
 test('a worker that is stopped in a sentence makes nobody wait for its deadline', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-stopped-'));
   fs.symlinkSync(path.join(build, 'tests/plugins/puppet.so'), path.join(folder, 'puppet.so'));
-  // which is longer than this test may last
+  // a deadline longer than this test may run
   const daemon = await Daemon.start(['--plugins', folder, '--deadline-base', '1000']);
   const [victim, ...others] = await Promise.all(Array.from({ length: 21 }, () => daemon.stream()));
   const worker = Number(spawnSync('pgrep', ['-P', String(daemon.process.pid)], { encoding: 'utf8' }).stdout);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// RFC 6455 by the letter, with a client that sends any frame: what Autobahn checks, as far as it needs no echo.
+// RFC 6455 in detail, with a client that sends any frame: the checks of Autobahn that need no echo.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { after, before, test } from 'node:test';
@@ -14,7 +14,7 @@ const [MORE, TEXT, BINARY, CLOSE, PING, PONG] = [0, 1, 2, 8, 9, 10];
 const open = (fields, path) => RawSocket.open(daemon.port, fields, path);
 const ping = (id, size = 0) => JSON.stringify({ type: 'ping', id, x: 'y'.repeat(size) });
 
-/** Sends frames, and says how the connection is closed. */
+/** Sends frames. Returns how the connection is closed. */
 async function closedBy(...frames) {
   const socket = await open();
   await socket.message({ type: 'hello' });
@@ -91,7 +91,7 @@ test('messages in pieces, with control frames between them', async () => {
     if (got.opcode === PONG || JSON.parse(got.payload).type === 'pong') heard.push(got.opcode === PONG ? String(got.payload) : JSON.parse(got.payload).id);
   }
   assert.deepEqual(heard, ['one', 'two', 'pieces']);
-  // every byte a frame of its own
+  // one frame per byte
   socket.write(Buffer.concat([...ping('bytes')].map((c, i, all) => frame(i ? MORE : TEXT, c, { fin: i === all.length - 1 }))));
   await socket.message({ type: 'pong', id: 'bytes' });
   socket.write(Buffer.concat([frame(TEXT, '', { fin: false }), frame(MORE, '', { fin: false }), frame(MORE, '')]));
@@ -140,16 +140,16 @@ for (const text of bad)
 
 test('UTF-8 that can come to nothing good is told at once, with its place', async () => {
   const socket = await open();
-  socket.write(Buffer.concat([frame(TEXT, 'né ', { fin: false }), frame(MORE, utf8('f490'), { fin: false })])); // no end
+  socket.write(Buffer.concat([frame(TEXT, 'né ', { fin: false }), frame(MORE, utf8('f490'), { fin: false })])); // without a final frame
   const { byte } = await socket.message({ type: 'error', code: 'bad-utf8' });
   assert.equal(byte, 4);
   assert.equal((await socket.goodbye()).code, 1007);
-  // within one frame, of which the rest has not come
+  // within a frame that is incomplete
   const second = await open();
   second.write(frame(TEXT, 'a'.repeat(1000)).subarray(0, 500));
   second.write(Buffer.alloc(8, 0xff));
   assert.equal((await second.goodbye()).code, 1007);
-  // a character that is cut off by the end
+  // a character truncated by the end of the message
   assert.equal((await closedBy(frame(TEXT, utf8('cebae1bd')))).code, 1007);
 });
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every phone that a voice emits has lips: word lists of each language go through its voices, and no warning may come.
-// FACCIA_WORDS = how many words of each list, spread over it (0 = all; that takes a quarter of an hour).
+// Every phone of a voice has a lip shape: speaks word lists of each language with its voices, without a warning. FACCIA_WORDS: number of
+// words, spread over each list (0 = all, which takes a quarter of an hour).
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -16,7 +16,7 @@ const lists = [
   ['en', '/usr/share/dict/american-english', ['espeak:en-us', 'espeak:en-gb']],
 ];
 
-/** The words of a list; a dictionary of hunspell has their number first and flags behind a slash. */
+/** Reads a word list. Hunspell dictionaries begin with their size and have flags after a slash. */
 function words(file) {
   const bytes = fs.readFileSync(file);
   const text = new TextDecoder('utf-8').decode(bytes);

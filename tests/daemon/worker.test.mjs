@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Voices of other machines: faccia-worker, daemons and a real Redis. A worker may die, freeze or be stopped, and Redis may go: a
-// sentence is spoken by another one, or fails with an error that says why.
+// Voices on other machines: faccia-worker, daemons and a real Redis. Workers die, freeze or stop, and Redis is lost: another worker
+// speaks the sentence, or it fails with an error that says why.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -12,7 +12,7 @@ import { bearer, sign } from '../lib/tokens.mjs';
 import { Worker } from '../lib/worker.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-worker-'));
-/** A folder with these plugins. */
+/** Makes a folder with these plugins. */
 const plugins = (name, ...files) => {
   const at = path.join(folder, name);
   fs.mkdirSync(at);
@@ -25,7 +25,7 @@ const far = plugins('far', 'server/plugins/command.so');
 const both = plugins('both', 'server/plugins/espeak.so', 'tests/plugins/puppet.so');
 const spoken = path.join(folder, 'spoken');
 const gate = path.join(folder, 'gate');
-// Leaves a line for each sentence that it is asked for: who, and what. One that is told to wait does so until the gate is open.
+// Logs a line for each sentence: the worker's pid and the text. Sentences that begin with "wait" wait until the gate is open.
 const SCRIPT = `echo "$PPID $1" >> ${spoken}; case $1 in wait*) while [ ! -e ${gate} ]; do sleep 0.05; done;; esac; head -c 16000 /dev/zero`;
 const config = path.join(folder, 'voices.json');
 fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'dear', lang: 'it', raw: 16000, argv: ['sh', '-c', SCRIPT, 'sh', '{text}'] }] } }));
@@ -46,7 +46,7 @@ const has = (daemon, voice, is = true) => eventually(async () => (await voices(d
 
 let redis, one, two;
 const running = new Set();
-/** Its voices are announced anew before it is given: those of one that has gone are there for a while, too. */
+/** Starts a worker and waits until it announces its voices, because those of an earlier worker stay listed for a while. */
 async function worker(...options) {
   const started = await Worker.start(['--cluster', redis.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off', '--deadline-base', '60', ...options]);
   running.add(started);
@@ -118,7 +118,7 @@ for (const [signal, what] of [['SIGKILL', 'dies'], ['SIGSTOP', 'freezes'], ['SIG
     open(true);
     assert.match(String(await answer), /"duration"/);
     if (signal === 'SIGSTOP') {
-      // it comes back, and what it says of the sentence counts for nothing
+      // the frozen worker resumes, and its result is ignored
       first.process.kill('SIGCONT');
       await first.logged(/another worker's by now|nobody waited/);
     }
@@ -151,7 +151,7 @@ test('a sentence that no worker survives is given up', async () => {
 });
 
 
-/** The one entry of the queues. */
+/** Returns the only entry of all queues. */
 const entry = () => {
   const key = redis.names('faccia:{work}:q:*').find((name) => redis.cli('xlen', name) !== '0');
   const fields = redis.cli('xrange', key, '-', '+').split('\n');
@@ -163,7 +163,7 @@ test('who is heard comes before what is made ahead, which gives way', async () =
   fs.mkdirSync(works);
   fs.writeFileSync(path.join(works, 'uno.it.txt'), 'wait ahead');
   const speaker = await worker();
-  // it has no voice of its own, and waits for those of others
+  // a daemon without local voices waits for remote ones
   const ahead = await Daemon.start(['--cluster', redis.url, '--plugins', far, '--library', works, '--library-index', path.join(folder, 'index'), '--library-ahead', 'command:dear']);
   await ahead.logged(/ready: 1 voices/);
   await eventually(() => asked('wait ahead').length === 1, 'the work to be spoken ahead');
@@ -184,7 +184,7 @@ test('who is heard comes before what is made ahead, which gives way', async () =
   await dismiss(speaker);
 });
 
-/** By which of 16 lanes a subject's sentences go: FNV-1a of its key. */
+/** The lane (0 to 15) of a subject's sentences: FNV-1a of its key. */
 const lane = (subject) => [...`s ${subject}`].reduce((hash, c) => Math.imul(hash ^ c.charCodeAt(0), 16777619) >>> 0, 2166136261) % 16;
 
 test('one who asks for much does not hold up another', async () => {
@@ -203,7 +203,7 @@ test('one who asks for much does not hold up another', async () => {
   const all = [by('anna', 'wait anna')];
   await eventually(() => asked('wait anna').length === 1, 'the first to be spoken');
   const queued = (count) => eventually(() => redis.names('faccia:{work}:q:*').reduce((sum, key) => sum + Number(redis.cli('xlen', key)), 0) === count, `${count} in the queue`);
-  const again = ['uno', 'due', 'tre', 'quattro', 'cinque'].map((word) => `anna again ${word}`); // a digit would be read as its word
+  const again = ['uno', 'due', 'tre', 'quattro', 'cinque'].map((word) => `anna again ${word}`); // words, because digits would be normalised
   for (const [i, text] of again.entries()) {
     all.push(by('anna', text));
     await queued(2 + i);
@@ -327,7 +327,7 @@ test('Redis that dies fails the sentences at once; when it is back all goes on',
   open(true);
   assert.match(String(await say(one, 'Di nuovo.')), /"duration"/);
   open(false);
-  // frozen, and back before the voices are given up
+  // frozen, and resumed before its voices expire
   const frozen = ask(one, 'wait for the thaw', 'command:dear');
   await eventually(() => asked('wait for the thaw').length === 1, 'it to be spoken');
   redis.process.kill('SIGSTOP');

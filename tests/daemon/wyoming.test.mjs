@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// faccia-wyoming as an assistant meets it: a client written after the protocol's text, since its own library is packaged nowhere that tests can reach.
+// faccia-wyoming with a client written after the protocol's specification, because its library is not packaged.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -21,7 +21,7 @@ async function start(...options) {
   return { child, port: Number(port), stop: () => (child.kill('SIGTERM'), child.exited) };
 }
 
-/** An assistant: events out, events in. */
+/** Connects an assistant that sends and receives events. */
 async function connect(port) {
   const socket = net.connect(port, '127.0.0.1');
   await once(socket, 'connect');
@@ -90,7 +90,7 @@ test('a text is spoken: the sound of the daemon itself, in chunks with their tim
     assert.ok(Math.abs(data.timestamp - (1000 * at) / 22050) < 0.1);
     at += payload.length / 2;
   }
-  // the next one, by language, its data in the line
+  // the next request selects by language, with its data in the header line
   client.events.length = 0;
   client.send('synthesize', { text: 'Good morning.', voice: { language: 'en' } }, { inLine: true });
   await client.heard('audio-stop');
@@ -106,7 +106,7 @@ test('a text that is written word by word is heard sentence by sentence, and its
   const client = await connect(door.port);
   client.send('synthesize-start', { voice: { name: 'espeak:it' } });
   for (const word of ['Ho chiama', 'to il dott. Rossi', ' per telefono. ', 'Viene ']) client.send('synthesize-chunk', { text: word });
-  await client.heard('audio-chunk'); // before the text has ended
+  await client.heard('audio-chunk'); // before the text ends
   for (const word of ['alle 3', '.30', '? ', 'Bene']) client.send('synthesize-chunk', { text: word });
   client.send('synthesize', { text: 'Ho chiamato il dott. Rossi per telefono. Viene alle 3.30? Bene' });
   client.send('synthesize-stop');
@@ -135,7 +135,7 @@ test('what is written word by word is one utterance in the room; one who goes in
   const client = await connect(both.port);
   client.send('synthesize-start', { voice: { name: 'espeak:it' } });
   for (const word of ['È arrivata ', 'la posta. Ci sono ', 'tre lettere, ']) client.send('synthesize-chunk', { text: word });
-  await kiosk.wait({ type: 'sentence', text: 'È arrivata la posta.' }); // before the text has ended
+  await kiosk.wait({ type: 'sentence', text: 'È arrivata la posta.' }); // before the text ends
   for (const word of ['del dott. Neri. ', 'Le apro?']) client.send('synthesize-chunk', { text: word });
   client.send('synthesize-stop');
   await client.heard('synthesize-stopped');
@@ -172,7 +172,7 @@ test('the face of a room says it at the same time; what goes back may be silence
   await kiosk.close();
 });
 
-// The room accepts a text, and refuses its voice afterwards: the face is not silent for that.
+// The room accepts the text and fails later because of its voice: the face must not stay silent.
 test('the face of a room says it by its own voice where it does not know the one that is asked for', async () => {
   const kiosk = await daemon.stream('?lang=it&room=bath');
   await kiosk.wait({ type: 'joined' });
@@ -204,7 +204,7 @@ const spoken = async (body) => (await daemon.get('/v1/speech?format=wav&voice=es
 test('a long text comes whole, also to a client that takes its time', async () => {
   const client = await connect(door.port);
   const text = 'Una frase lunga, che si ripete sempre. '.repeat(400);
-  // from the cache it sounds the same each time
+  // the second time the sound comes from the cache, so it is reproducible
   const [, whole] = [await spoken(text), await spoken(text)];
   client.send('synthesize', { text, voice: { name: 'espeak:it' } });
   await client.heard('audio-chunk');
@@ -235,7 +235,7 @@ test('what is wrong is told, or ends the connection; nobody else notices', async
   client.send('nonsense', { x: 1 });
   client.send('synthesize', { text: 'Ancora qui.', voice: { name: 'espeak:it' } });
   await client.heard('audio-chunk');
-  client.socket.destroy(); // in the middle of it
+  client.socket.destroy(); // during the speech
   for (const bytes of ['x\n', '{"type":7}\n', '{"type":"a","data_length":-1}\n', '{"type":"a","data_length":99999999}\n', '{"type":"a","data_length":3}\n[1]', '['.repeat(70000)]) {
     const bad = await connect(door.port);
     bad.socket.write(bytes);
@@ -259,7 +259,7 @@ test('every text ends with audio-stop, or with an error and the end of the conne
     return pcmOf(client.events);
   };
   for (const text of ['', ' ', '\n\t ']) assert.equal((await speak({ text })).length, 0, JSON.stringify(text));
-  // a voice or a language that is not there: the daemon's own speaks, and the log says so
+  // an unknown voice or language: the daemon's default speaks, and the log says so
   const usual = await speak({ text: 'Seven.' }), english = await speak({ text: 'Seven.', voice: { language: 'en' } });
   assert.ok(loudest(usual) > 1000 && !usual.equals(english));
   assert.ok((await speak({ text: 'Seven.', voice: { name: 'nobody:x' } })).equals(usual));
@@ -269,7 +269,7 @@ test('every text ends with audio-stop, or with an error and the end of the conne
   client.events.length = 0;
   client.send('synthesize-start', { voice: { name: 'nobody:x' } });
   client.send('synthesize-chunk', { text: 'Uno. Due.' });
-  client.send('describe'); // in the middle of it
+  client.send('describe'); // during the speech
   await client.heard('info');
   client.send('synthesize-chunk', { text: ' Tre.' });
   client.send('synthesize-stop');
@@ -280,7 +280,7 @@ test('every text ends with audio-stop, or with an error and the end of the conne
     const refused = await connect(door.port);
     refused.send('synthesize', data);
     await refused.closed();
-    if (refused.events.some((e) => e.type === 'audio-stop')) continue; // it was spoken after all
+    if (refused.events.some((e) => e.type === 'audio-stop')) continue; // it was spoken nevertheless
     assert.match((await refused.heard('error')).data.text, why);
     assert.equal(refused.events.length, 1);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bills of materials against CycloneDX's own schema, and against themselves.
+// Checks bills of materials (CycloneDX) by their schema and for consistency.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -11,7 +11,7 @@ const ajv = new Ajv({ strict: false, validateFormats: false });
 for (const name of ['spdx.SNAPSHOT.schema.json', 'jsf-0.82.SNAPSHOT.schema.json']) ajv.addSchema({ ...load(name), $id: `http://cyclonedx.org/schema/${name}` });
 const valid = ajv.compile(load('bom-1.5.SNAPSHOT.schema.json'));
 
-/** All that is referred to is there, once, and belongs to what the bill is about. */
+/** Checks that every reference resolves to exactly one component, and that all components are connected to the subject. */
 export function checkBill(bom) {
   assert.ok(valid(bom), ajv.errorsText(valid.errors));
   assert.deepEqual([bom.bomFormat, bom.specVersion, bom.version], ['CycloneDX', '1.5', 1]);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the boundaries of phones that were found lie from those that are known.
+// Errors of aligned phone boundaries against known ones.
 
-/** The sound of a name, so that two voices' names can be compared. */
+/** Reduces a phone's name to its sound, so that names of two voices can be compared. */
 const kind = (phone) => phone.ipa.replace(/[ː͡ˈˌ]/g, '').replace('ɹ', 'r').slice(0, 1);
 
-/** Pairs of the same phones in two lists, in order, by the least number of changes. */
+/** Pairs equal phones of two lists, in order, by minimum edit distance. */
 export function pairs(known, found) {
   const a = known.filter((p) => p.ipa), b = found.filter((p) => p.ipa);
   const cost = Array.from({ length: a.length + 1 }, () => new Float64Array(b.length + 1));
@@ -24,7 +24,7 @@ export function pairs(known, found) {
   return list.reverse();
 }
 
-/** Errors of their beginnings: {phones, pairs, median, p90 (ms), within50 (share)}. */
+/** Errors of phone starts: {phones, pairs, median, p90 (ms), within50 (share)}. */
 export function errors(known, found) {
   const list = pairs(known, found);
   const ms = list.map(([a, b]) => Math.abs(a.start - b.start) * 1000).sort((x, y) => x - y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A real Chromium on the demo page, and pictures of the face.
+// Runs Chromium on the demo page, and takes pictures of the face.
 import fs from 'node:fs';
 import path from 'node:path';
 import { chromium } from 'playwright-core';
@@ -9,16 +9,16 @@ import { artefacts } from './daemon.mjs';
 
 const flags = ['--no-sandbox', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync'];
-/** As Chromium is where there is no graphics processor: WebGL is drawn by SwiftShader, the page by the browser itself. */
+/** Flags for no GPU: SwiftShader draws WebGL, the browser's software renderer draws the page. */
 const PLAIN = ['--disable-gpu'];
-/** The page is drawn by SwiftShader, too, as by a graphics processor: one that shows no face takes more than without. */
+/** Flags that let SwiftShader draw the page, too, as a GPU would; slower for pages without a face. */
 const FORCED = ['--use-angle=swiftshader'];
 
 /**
- * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, whole?: boolean, flags?: string[]}} [options] webgl: false where nobody looks
- *   at the face, which takes most of the time; forced: see FORCED; idling: faces idle, which takes most of a processor: else pages are as for
- *   people who asked for less motion, unless newPage says otherwise; whole: the browser with its windows, which are drawn around each page
- *   though nobody sees them: else the same pages without any; flags: more of the browser's
+ * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, whole?: boolean, flags?: string[]}} [options] webgl: false for tests that need
+ *   no face, because drawing it takes most of the time; forced: see FORCED; idling: let faces idle, which uses most of a processor; else pages
+ *   get prefers-reduced-motion unless newPage overrides it; whole: the full browser with windows, else the headless shell; flags: further flags
+ *   of the browser
  */
 export async function launch({ webgl = true, forced = webgl, idling = false, whole = webgl, flags: more = [] } = {}) {
   const args = [...flags, ...(forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
@@ -32,7 +32,7 @@ export async function launch({ webgl = true, forced = webgl, idling = false, who
   return browser;
 }
 
-/** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */
+/** Opens the demo page, in Italian unless the options of newPage differ, and waits for the head. Collects errors of the page in page.problems. */
 export async function openPage(browser, url, { quality = 'low', ...options } = {}) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 800 }, locale: 'it-IT', ...options });
   page.problems = [];
@@ -45,7 +45,7 @@ export async function openPage(browser, url, { quality = 'low', ...options } = {
   return page;
 }
 
-/** Keeps what the element says of itself, some fifty times a second, in window.log until window.logging is false. */
+/** Records the element's state about fifty times a second in window.log, until window.logging is false. */
 export const record = (page) => page.evaluate(() => {
   const element = document.querySelector('talking-head');
   window.log = [];
@@ -57,7 +57,7 @@ export const record = (page) => page.evaluate(() => {
   }, 20);
 });
 
-/** Poses the face (values by FAP number, or null for rest), waits until it is drawn, and keeps the picture. */
+/** Poses the face (values by FAP number; null: at rest), waits until it is drawn, and saves the picture. */
 export async function picture(page, name, faps) {
   await page.evaluate(async (values) => {
     document.querySelector('talking-head').pose(values);
@@ -70,8 +70,8 @@ export async function picture(page, name, faps) {
 }
 
 /**
- * How many pixels differ clearly between two pictures (in a box of the picture), and the box that holds them. The last row
- * is left out: half of it may be what lies below.
+ * Counts pixels that differ clearly between two pictures (within a box), and returns the box that contains them. Ignores the
+ * last row, which may be partly covered.
  */
 export function difference(a, b, within = { left: 0, top: 0, right: a.width - 1, bottom: a.height - 2 }, threshold = 60) {
   const box = { left: a.width, top: a.height, right: 0, bottom: 0, count: 0 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The built heads, for tests that cannot do without: where there are none the file fails once, with a sentence that says what to do.
+// The built heads. Without them a test file that needs them fails once, with instructions.
 import fs from 'node:fs';
 import path from 'node:path';
 import { ordinary } from './daemon.mjs';

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages and requests as nobody should send them, by a chance that can be repeated.
+// Invalid and hostile messages and requests from a seeded generator.
 import { readFileSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const documentsFolder = path.resolve(fileURLToPath(import.meta.url), '../../documents');
 
-/** A chance that the seed determines (a linear congruential generator, the upper bits of it). */
+/** A seeded random generator (upper bits of a linear congruential generator). */
 export class Chance {
   #state;
-  token = null; // that opens the doors, if there is one
+  token = null; // access token, if the daemon requires one
 
   constructor(seed) {
     this.#state = BigInt(seed) * 2654435761n + 1n;
   }
 
-  /** An integer from 0 on, under the limit. */
+  /** Returns an integer from 0 to limit - 1. */
   below(limit) {
     this.#state = (this.#state * 6364136223846793005n + 1442695040888963407n) & 0xffffffffffffffffn;
     return Number(this.#state >> 33n) % limit;
@@ -41,7 +41,7 @@ const texts = ['Ciao.', 'Uno, due, tre. Quattro!', '', ' ', '<speak>Ciao <mark n
   '<speak><prosody rate="x-slow">Piano</prosody></speak>', '<a', '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', '\u0000', '😀 e poi?', '1234567890'.repeat(50), '/stop', '//x', '/mood joy 0.5 fear', '/rate 9', '/join hall', '/jump qui'];
 const hostile = [null, true, -1, 0, 1e308, -0.5, 1e-320, 2 ** 53, '', 'x', 'x'.repeat(70), 'a\u0000b', '\ud800', [], {}, [[]], ['a'], 'nan', '../../etc/passwd', 'espeak:it', 'it', 'weighted', 'interrupt', 'replace'];
 
-/** A message that is right, by its kind. */
+/** Valid messages by type. */
 const kinds = [
   (c) => ({ type: 'speak', text: c.one(2) ? c.of(texts) : c.of(documents).toString(), lang: c.of(['it', 'en', 'pt-BR', 'tr', undefined]), id: c.of(['a', 'b', undefined]), mode: c.of(['queue', 'replace', 'interrupt', 'quiet', undefined]), priority: c.of(['background', 'alarm', undefined]), topic: c.of(['t', undefined]), phones: c.one(2), blend: c.of(['regions', 'weighted']), fps: c.of([25, 1, 120]), rate: c.of([undefined, 40, 500]) }),
   (c) => ({ type: 'join', room: c.of(rooms) }),
@@ -64,7 +64,7 @@ const kinds = [
   (c) => ({ type: 'voice', id: c.of(['v', 'a']), codec: c.of([undefined, 'pcm', 'opus']), rate: c.of([8000, 16000, 48000, 96000]), channels: c.of([undefined, 1, 2, 8]), lookahead: c.of([undefined, 0, 120, 50]), fps: c.of([undefined, 1, 120]), mode: c.of([undefined, 'replace', 'interrupt']) }),
 ];
 
-/** Bytes changed, taken away, doubled, put in. */
+/** Changes, removes, duplicates or inserts bytes. */
 function damage(c, bytes) {
   let out = Buffer.from(bytes);
   for (let i = 1 + c.below(3); i > 0 && out.length; i--) {
@@ -76,7 +76,7 @@ function damage(c, bytes) {
   return out;
 }
 
-/** The text of a message: right, with members of other types, damaged, or something else altogether. */
+/** The text of a message: valid, with members of wrong types, damaged, or not a message at all. */
 export function messageText(c) {
   const message = c.of(kinds)(c), members = Object.keys(message);
   for (let i = c.one(3) ? 1 + c.below(2) : 0; i > 0; i--) message[c.of([...members, 'rate', 'seed', 'life', 'voice', 'engine', 'markup', 'pitch', 'x'])] = c.of(hostile);
@@ -91,7 +91,7 @@ export function messageText(c) {
   }
 }
 
-/** One frame of RFC 6455; fin, mask and the rest as asked for, be they right or not. */
+/** A frame of RFC 6455 with any flags, valid or not. */
 function frame(c, payload, { opcode = 1, fin = true, reserved = 0, masked = true, length = payload.length } = {}) {
   const head = Buffer.from([(fin ? 128 : 0) | reserved << 4 | opcode]), mask = c.one(2) ? Buffer.alloc(4) : c.bytes(4), flag = masked ? 128 : 0;
   const extended = length < 126 ? Buffer.from([flag | length]) : length < 65536 ? Buffer.from([flag | 126, length >> 8, length & 255]) : Buffer.concat([Buffer.from([flag | 127]), Buffer.alloc(8)]);
@@ -99,7 +99,7 @@ function frame(c, payload, { opcode = 1, fin = true, reserved = 0, masked = true
   return Buffer.concat([head, extended, ...(masked ? [mask, payload.map((byte, i) => byte ^ mask[i & 3])] : [payload])]);
 }
 
-/** A message as frames. Mostly it is sent as it should be. */
+/** Splits a message into frames, mostly valid ones. */
 export function webSocketFrames(c, text) {
   const cut = c.below(text.length + 1), close = (code, reason) => Buffer.concat([Buffer.from([code >> 8, code & 255]), Buffer.from(reason)]);
   switch (c.below(16)) {
@@ -112,8 +112,8 @@ export function webSocketFrames(c, text) {
       () => frame(c, text, { masked: false }),
       () => frame(c, text, { opcode: 3 + c.below(5) }),
       () => frame(c, text, { opcode: 11 + c.below(5) }),
-      () => frame(c, text, { opcode: 0 }), // continues nothing
-      () => Buffer.concat([frame(c, text, { fin: false }), frame(c, text)]), // begins anew before the end
+      () => frame(c, text, { opcode: 0 }), // a continuation without a start
+      () => Buffer.concat([frame(c, text, { fin: false }), frame(c, text)]), // a second start before the end
       () => frame(c, c.bytes(200), { opcode: 9 }),
       () => frame(c, Buffer.from('p'), { opcode: 9, fin: false }),
       () => frame(c, text, { length: c.of([125, 65535, 2 ** 31, 2 ** 52]) }),
@@ -121,7 +121,7 @@ export function webSocketFrames(c, text) {
       () => damage(c, frame(c, text)),
       () => frame(c, close(c.of([0, 999, 1000, 1001, 1005, 1006, 1015, 2999, 4000, 65535]), c.of(['', 'bye', '\xff'.repeat(120)])), { opcode: 8 }),
       () => frame(c, c.bytes(1), { opcode: 8 }),
-      () => Buffer.concat([frame(c, close(1000, ''), { opcode: 8 }), frame(c, text)]), // goes on after its farewell
+      () => Buffer.concat([frame(c, close(1000, ''), { opcode: 8 }), frame(c, text)]), // data after a close frame
     ])()];
     default: return [frame(c, text)];
   }
@@ -131,7 +131,7 @@ const upgradeHeaders = (c) => `Connection: ${c.of(['Upgrade', 'keep-alive, Upgra
   + `Sec-WebSocket-Key: ${c.one(20) ? c.of(['', 'x', 'dGhlIHNhbXBsZSBub25jZQ', 'a'.repeat(500)]) : 'dGhlIHNhbXBsZSBub25jZQ=='}\r\n`;
 const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fapc', 'json', 'ndjson', 'arkit', 'arkit-ndjson', 'visemes', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
 
-/** The beginning of a WebSocket, mostly a right one. */
+/** An upgrade request, mostly valid. */
 export function upgradeRequest(c) {
   const protocol = c.of(['', '', 'Sec-WebSocket-Protocol: faccia.v1\r\n', 'Sec-WebSocket-Protocol: faccia.text.v1\r\n', `Sec-WebSocket-Protocol: x, faccia.v1, token.${'y'.repeat(c.below(300))}\r\n`, 'Sec-WebSocket-Protocol: none\r\n']);
   const extensions = c.one(4) ? 'Sec-WebSocket-Extensions: permessage-deflate; client_max_window_bits\r\n' : '';
@@ -141,7 +141,7 @@ export function upgradeRequest(c) {
 
 const paths = ['/', '/healthz', '/metrics', '/v1/voices', '/v1/models', '/v1/models/mara', '/v1/rooms', '/v1/media', '/v1/expressions', '/v1/speech', '/v1/say', '/v1/play', '/v1/stop', '/v1/rooms/r/commands', '/v1/events', '/v1/stream', '/../x', '/%2e%2e/x', '//', '/v1/speech/', '/talking-head.js'];
 
-/** A body and the headers that tell of it, which may lie. */
+/** A body and its headers, which may be false. */
 function body(c, path_) {
   const form = '--b\r\nContent-Disposition: form-data; name="fap"; filename="a.fap"\r\n\r\n2.1 x 25 1\n' + '0 '.repeat(68) + '\n0\n\r\n--b--\r\n';
   const type = path_ === '/v1/play' ? 'multipart/form-data; boundary=b' : c.of(['text/plain', 'application/ssml+xml', 'application/xml', 'application/json', 'image/png', 'multipart/form-data; boundary=']);
@@ -155,12 +155,12 @@ function body(c, path_) {
     }
     case 1: return [`${head}Content-Length: ${c.of(['-1', '+5', '5a', '', '99999999999999999999', '0x5', ' 5 5', '5, 5', '0'])}\r\n`, bytes];
     case 2: return [`${head}Content-Length: ${bytes.length}\r\n${c.of(['Content-Length: 3', 'Transfer-Encoding: chunked', 'Transfer-Encoding: gzip, chunked'])}\r\n`, bytes];
-    case 3: return [`${head}Content-Length: ${bytes.length + 10}\r\n`, bytes]; // the rest never comes
+    case 3: return [`${head}Content-Length: ${bytes.length + 10}\r\n`, bytes]; // the rest is never sent
     default: return [`${head}Content-Length: ${bytes.length}\r\n`, bytes];
   }
 }
 
-/** A request, right or not. */
+/** A request, valid or not. */
 export function httpRequest(c) {
   const path_ = c.of(paths), method = path_.startsWith('/v1/s') && !c.one(4) ? 'POST' : c.of(['GET', 'GET', 'GET', 'POST', 'HEAD', 'OPTIONS', 'DELETE', 'PUT', 'TRACE', 'CONNECT', 'PRI', 'get', 'X'.repeat(40)]);
   const more = c.one(3) ? c.of([

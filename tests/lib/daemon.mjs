@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Starts the real daemon on a free port, and talks to it.
+// Starts the real daemon on a free port, and provides clients for it.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import path from 'node:path';
@@ -11,17 +11,17 @@ import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
-/** The ordinary build, which lies around the models, for what takes minutes with the sanitizers. */
+/** The ordinary build, for tests that take minutes with the sanitizers; it contains the models. */
 export const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
 export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build', 'test-artefacts');
 
-// A test that failed before it stopped its daemon must not wait for it for ever; those that end in hooks of
-// their own have a while. (A benchmark is no test.)
+// Kills daemons that a failed test left running, so that the test process ends. Hooks that stop daemons get some time first. Not for
+// benchmarks.
 const running = new Set();
 const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 20000).unref());
 
-/** Waits until the condition, asked again and again, gives something true: for what nobody announces. */
+/** Polls until the condition returns something truthy, for states without a notification. Returns that value. */
 export async function eventually(condition, what = String(condition), milliseconds = 60000) {
   const deadline = Date.now() + milliseconds;
   for (;;) {
@@ -34,15 +34,15 @@ export async function eventually(condition, what = String(condition), millisecon
 
 export class Daemon {
   /**
-   * @param {string[]} options of facciad; env: further variables; program: another one that becomes it;
-   *   voices: false = does not wait for the voices
+   * @param {string[]} options of facciad; env: further variables; program: started instead of facciad, which it execs;
+   *   voices: false = do not wait for the voices
    */
   static async start(options = [], env = {}, { voices = true, program = path.join(build, 'server/daemon/facciad') } = {}) {
     const daemon = new Daemon();
     daemon.log = '';
     daemon.process = spawn(program, ['--port', '0', ...options], {
       stdio: ['ignore', 'ignore', 'pipe'],
-      // a test that is done does not wait for the speech's end, and all of its clients have one address
+      // stops without waiting for the end of speech; no limits per address, because all test clients share one
       env: { FACCIA_STOP_SECONDS: '0', FACCIA_MAX_PER_ADDRESS: '0', FACCIA_MAX_REQUESTS: '0', FACCIA_MAX_ROOMS_PER_ADDRESS: '0', FACCIA_MAX_VOICES_PER_ADDRESS: '0', ...process.env, ...env },
     });
     running.add(daemon.process);
@@ -54,11 +54,11 @@ export class Daemon {
     const line = await daemon.logged(/listening on https?:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//, 240000);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 240000); // a voice is waited for up to 30 s, on a machine that may be busy
+    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 240000); // the daemon waits up to 30 s for voices, longer on a busy machine
     return daemon;
   }
 
-  /** Waits until the log matches; fails when the daemon ends first. */
+  /** Waits until the log matches. Fails if the daemon exits first. */
   async logged(pattern, milliseconds = 60000) {
     const deadline = Date.now() + milliseconds;
     for (;;) {
@@ -70,19 +70,19 @@ export class Daemon {
     }
   }
 
-  /** Ends it as an operator would. A sanitizer that found something makes the exit code other than 0. */
+  /** Stops the daemon with SIGTERM. A sanitizer report makes the exit code nonzero. */
   async stop() {
     this.process.kill('SIGTERM');
     return this.exited;
   }
 
-  /** The value of a metric, with its label if it has one. */
+  /** Returns the value of a metric; name: with its labels, if any. */
   async metric(name) {
     const report = await (await this.get('/metrics')).text();
     return Number(report.split('\n').find((line) => line.startsWith(`${name} `)).slice(name.length));
   }
 
-  /** Does what asks a voice for a sentence, and waits until it has been asked. */
+  /** Calls act and waits until that many sentences were requested from voices. */
   async asks(act, sentences = 1) {
     const before = await this.metric('faccia_sentences_asked_total');
     act();
@@ -90,23 +90,23 @@ export class Daemon {
   }
 
   async get(address, options) {
-    // A connection each: one kept open may just be closed by the daemon while a test waits for a program, synchronously.
+    // A new connection each time: the daemon may close an idle one while a test blocks on a child process.
     return fetch(this.url + address, { ...options, headers: { connection: 'close', ...options?.headers } });
   }
 
-  /** Waits until no more than so many connections are open: this question's own is one of them. */
+  /** Waits until at most `most` connections are open, including that of the query itself. */
   async left(most) {
     await eventually(async () => (await (await this.get('/healthz')).json()).connections <= most, `no more than ${most} connections`);
   }
 
-  /** Media as they are, unless the query says how. */
+  /** Opens a stream with PCM and plain FAPs unless the query names an encoding. */
   stream(query = '', options = {}) {
     const media = /[?&](audio|fap)=/.test(query) ? '' : `${query ? '&' : '?'}audio=pcm&fap=plain`;
     return Stream.open(`ws://127.0.0.1:${this.port}/v1/stream${query}${media}`, options);
   }
 }
 
-/** A WebSocket client that keeps all it hears. */
+/** A WebSocket client that records all messages. */
 export class Stream {
   static async open(url, options, protocols = []) {
     const stream = new Stream();
@@ -132,13 +132,13 @@ export class Stream {
     this.socket.send(typeof message === 'string' ? message : JSON.stringify(message));
   }
 
-  /** The first message, from index `from` on, that holds all members of the pattern (or satisfies it). */
+  /** Waits for the first message from index `from` on that contains the pattern's members, or satisfies a function. */
   async wait(pattern, { from = 0, milliseconds = 60000 } = {}) {
     const fits = typeof pattern === 'function' ? pattern : (message) => contains(message, pattern);
     return this.until(() => this.messages.slice(from).find(fits), milliseconds, JSON.stringify(pattern) ?? String(pattern));
   }
 
-  /** Waits until the condition gives something true. */
+  /** Waits until the condition returns something truthy. */
   until(condition, milliseconds = 60000, what = String(condition)) {
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => {
@@ -163,7 +163,7 @@ export class Stream {
   }
 }
 
-/** Does the value hold all that the pattern shows? "..." stands for anything. */
+/** Tells whether the value contains everything in the pattern. "..." matches anything. */
 export function contains(value, pattern) {
   if (pattern === '...') return value !== undefined;
   if (Array.isArray(pattern))
@@ -173,7 +173,7 @@ export function contains(value, pattern) {
   return value === pattern;
 }
 
-/** All FAP frames of an utterance, in order, as {time, values}. */
+/** Returns all FAP frames of an utterance in order: {time, values}. */
 export function framesOf(chunks, utterance) {
   return chunks
     .filter((chunk) => utterance === undefined || chunk.utterance === utterance)

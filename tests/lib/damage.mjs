@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Documents with one thing wrong, or other, in them.
+// Makes variants of a document with an error in one place.
 
-/** "/a~1b/0" as its parts: RFC 6901. */
+/** Splits a JSON pointer such as "/a~1b/0" (RFC 6901). */
 const parts = (pointer) => pointer.split('/').slice(1).map((part) => part.replaceAll('~1', '/').replaceAll('~0', '~'));
 
-/** The document with values set and members removed, by their JSON pointers ("-" is behind the end of a list). "" is all of it. */
+/** Returns a copy with values set and members removed by JSON pointer ("-" appends to a list, "" is the whole document). */
 export function edited(document, { set = {}, remove = [] }) {
   let out = structuredClone(document);
   const holder = (path) => path.slice(0, -1).reduce((value, part) => value[part], out);
@@ -30,15 +30,15 @@ function* nodes(value, path = []) {
   if (value && typeof value === 'object') for (const key of Array.isArray(value) ? value.keys() : Object.keys(value)) yield* nodes(value[key], [...path, key]);
 }
 
-/** What could stand in the place of a value: other types, and other values of its type. */
+/** Replacements for a value: values of other types, and other values of its type. */
 function others(value) {
   const all = [null, true, -1, 0, 1.5, 1e9, '', 'x', [], {}, ['x'], { x: 1 }];
   return typeof value === 'number' ? [...all, -value - 1, value * 1000 + 1000] : all;
 }
 
 /**
- * Edits of one place each, all that there are, of those places that look alike (the same names without numbers, at most `alike` of
- * each): another value, nothing, a member more.
+ * Generates all edits of one place: another value, a removal, an extra member. Of similar places (equal paths except for indices) it
+ * uses at most `alike`.
  */
 export function* damages(document, alike = 1) {
   const seen = new Map();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Photographs of our own heads, from any side, before a grey wall.
+// Synthetic photographs of the built-in heads, from any direction, in front of a grey wall.
 import fs from 'node:fs';
 import path from 'node:path';
 import sharp from '../../models/node_modules/sharp/lib/index.js';
@@ -7,8 +7,8 @@ import { unpack } from '../../models/tools/lib/deform.mjs';
 import { drawHead } from '../../models/tools/lib/portrait.mjs';
 
 /**
- * @param {string} heads folder @param {number} yaw degrees @param {(column: number, row: number) => number} wall its brightness there
- * @param {{faps?: object, width?: number, height?: number, change?: (head: object) => object}} [more] change: of the head before it is drawn
+ * @param {string} heads folder @param {number} yaw degrees @param {(column: number, row: number) => number} wall brightness of the wall
+ * @param {{faps?: object, width?: number, height?: number, change?: (head: object) => object}} [more] change: modifies the head before it is drawn
  */
 export async function photograph(heads, name, yaw, wall = () => 200, { faps = {}, width = 300, height = 390, change = (head) => head } = {}) {
   const head = change(unpack(JSON.parse(fs.readFileSync(path.join(heads, `${name}.json`), 'utf8'))));

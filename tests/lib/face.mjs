@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the face did on a stream, on one time line: the idle clock.
+// Puts the frames of a stream on one timeline, the idle clock.
 
-/** FAPs by what they move. Lids blink and eyes jump: these go as fast as they like. */
+/** FAPs by what they move. Lids and eyes are not listed, because blinks and saccades may be arbitrarily fast. */
 export const HEAD = [48, 49, 50];
 export const BROWS = [31, 32, 33, 34, 35, 36, 37, 38];
 export const MOUTH = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 17, 18, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60];
 export const CHEEKS = [39, 40, 41, 42];
 
 /**
- * The frames as a listener shows them: idle ones, and from an utterance's beginning to its end those of the utterance.
- * @returns {{time: number, utterance: number, values: Int32Array}[]} in the order of their times
+ * Returns the frames that a listener displays: those of an utterance while it lasts, otherwise idle ones.
+ * @returns {{time: number, utterance: number, values: Int32Array}[]} sorted by time
  */
 export function timeline({ chunks, messages }) {
   const spoken = messages
@@ -30,7 +30,7 @@ export function timeline({ chunks, messages }) {
   return frames.filter((frame) => !replaced(frame)).sort((a, b) => a.time - b.time);
 }
 
-/** The largest change of any of the FAPs per 40 ms between frames that follow each other, where `of(before, after)`. */
+/** Largest change of any of the FAPs per 40 ms between consecutive frames that satisfy `of(before, after)`. */
 export function largestStep(frames, faps, of = () => true) {
   let largest = { step: 0 };
   for (let i = 1; i < frames.length; i++) {

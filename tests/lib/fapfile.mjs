@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-/** Reads the .fap text that the daemon writes: {fps, frames: arrays of values by FAP number}. */
+/** Parses .fap text of the daemon: {fps, frames: arrays of values by FAP number}. */
 export function parseFap(text) {
   const [header, ...lines] = text.trim().split('\n');
   const frames = [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One of our avatars as FBX 7.4, in binary and as text: its meshes, their shapes, a colour each; in centimetres, as FBX is.
+// Converts a faccia avatar to FBX 7.4, binary or text: meshes, shapes, a colour per mesh; in centimetres, the unit of FBX.
 import zlib from 'node:zlib';
 import { readGlb } from './glb.mjs';
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The same surfaces as programs write them, in one way or another. A part: {name, position, uv, index}.
+// Writes the same surfaces in the various ways of other programs. A part: {name, position, uv, index}.
 import fs from 'node:fs';
 
 const triples = (list) => Array.from({ length: list.length / 3 }, (_, i) => [...list.slice(3 * i, 3 * i + 3)]);
 const pairs = (list) => Array.from({ length: list.length / 2 }, (_, i) => [...list.slice(2 * i, 2 * i + 2)]);
 const line = (list) => list.map((x) => Number(x.toFixed(6))).join(' ');
 
-/** Triangles as one strip: two that share an edge go on, others begin anew behind a bridge of no area. */
+/** Converts triangles to one strip; degenerate triangles bridge those that share no edge. */
 export function strip(index) {
   const out = [];
   triples(index).forEach(([a, b, c]) => {
@@ -20,9 +20,9 @@ export function strip(index) {
 }
 
 /**
- * @param {string} file .glb, or .gltf with its bytes in it
+ * @param {string} file .glb, or .gltf with embedded data
  * @param {{index?: 'none'|Function, mode?: number, layout?: 'apart'|'woven'|'short'|'sparse', node?: object, above?: object[], cut?: number, uv?: boolean,
- *   color?: Function, material?: object, cornersOf?: Function}} how above: nodes around it, the inner first; cut: into so many primitives; material: more of the file's members
+ *   color?: Function, material?: object, cornersOf?: Function}} how above: parent nodes, innermost first; cut: number of primitives; material: further members of the file
  */
 export function writeGltf(file, parts, { index = Uint32Array, mode = 4, layout = 'apart', node = {}, above = [], cut = 1, uv = true, color = null, material = null, cornersOf = null } = {}) {
   const json = { asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [], meshes: [], accessors: [], bufferViews: [], buffers: [], ...material };
@@ -84,7 +84,7 @@ export function writeGltf(file, parts, { index = Uint32Array, mode = 4, layout =
   return fs.writeFileSync(file, Buffer.concat([words(0x46546c67, 2, 28 + padded.length + size, padded.length, 0x4e4f534a), padded, words(size, 0x004e4942), binary]));
 }
 
-/** @param {{before?: string, end?: string, back?: boolean, color?: Function, goesOn?: boolean, library?: string, uv?: boolean}} how back: corners counted from the last */
+/** @param {{before?: string, end?: string, back?: boolean, color?: Function, goesOn?: boolean, library?: string, uv?: boolean}} how back: negative (relative) indices */
 export function writeObjAs(file, parts, { before = '', end = '\n', back = false, color = null, goesOn = false, library = '', uv = true } = {}) {
   const rows = library ? [`mtllib ${library}`] : [];
   let all = 0;
@@ -103,7 +103,7 @@ export function writeObjAs(file, parts, { before = '', end = '\n', back = false,
   fs.writeFileSync(file, before + rows.join(end) + end);
 }
 
-/** @param {{end?: string, color?: Function, wedges?: boolean, strips?: Uint32Array, noNormals?: boolean}} how wedges: a place on the texture for each corner */
+/** @param {{end?: string, color?: Function, wedges?: boolean, strips?: Uint32Array, noNormals?: boolean}} how wedges: texture coordinates per corner */
 export function writePlyAs(file, [part], { end = '\n', color = null, wedges = false, strips = null, noNormals = false } = {}) {
   const vertices = triples(part.position).map((p) => [line(p), ...(noNormals ? ['nan nan nan'] : []), ...(color ? [color(p).map((x) => Math.round(255 * x)).join(' ')] : [])].join(' '));
   const faces = strips

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** A film of one of our heads: pictures of known FAPs, as a camera before it would take them. */
+/** Films a built-in head: pictures with known FAPs, as a camera in front of it would take them. */
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -11,12 +11,12 @@ const sharp = createRequire(new URL('../../models/package.json', import.meta.url
 const heads = fileURLToPath(new URL('../../build/models/heads/', import.meta.url));
 export const headOf = (name) => unpack(JSON.parse(fs.readFileSync(path.join(heads, `${name}.json`), 'utf8')));
 
-/** Nobody holds his head still: some two degrees, slowly. FAPs 48 to 50 for that second. */
+/** Natural sway of the head, about two degrees: FAPs 48 to 50 at t seconds. */
 export const sway = (t) => ({ 48: Math.round(2500 * Math.sin(2.1 * t)), 49: Math.round(3500 * Math.sin(1.3 * t + 1)), 50: Math.round(1500 * Math.sin(1.7 * t + 2)) });
 
 /**
- * @param {object} head unpacked @param {object[]} frames FAPs by number @param {string} folder gets 0001.png and so on; those that are there are kept
- * @param {{height?: number, tell?: (number: number) => void}} [options] height: of a whole portrait, of which the face is drawn
+ * @param {object} head unpacked @param {object[]} frames FAPs by number @param {string} folder for 0001.png etc.; existing files are kept
+ * @param {{height?: number, tell?: (number: number) => void}} [options] height: of the whole portrait, of which only the face is drawn
  */
 export async function film(head, frames, folder, { height = 360, tell = () => {} } = {}) {
   fs.mkdirSync(folder, { recursive: true });
@@ -34,9 +34,9 @@ export async function film(head, frames, folder, { height = 360, tell = () => {}
   }
 }
 
-const [LINES, SHOWN, DISTANCE] = [820, 205, 700]; // pixels; mm of height at the face, and how far it is from the camera
+const [LINES, SHOWN, DISTANCE] = [820, 205, 700]; // pixels; mm of height at the face; distance from the camera, mm
 
-/** The same as the page draws it. @param {object} page of headPage @param {string} name under which the head was loaded there @param {number} [points] a mm */
+/** The same, drawn by the page. @param {object} page of headPage @param {string} name of the loaded head @param {number} [points] pixels per mm */
 export async function shoot(page, name, frames, folder, points = 4) {
   fs.mkdirSync(folder, { recursive: true });
   const [width, height] = [660, LINES].map((side) => Math.round((side * points) / 4));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A real Firefox without a window, by WebDriver BiDi: no more of it than the tests need.
+// Runs headless Firefox with the parts of WebDriver BiDi that the tests need.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import fs from 'node:fs';
@@ -73,7 +73,7 @@ export class Firefox {
     return this.#send('input.performActions', { context: this.context, actions: [{ type: 'pointer', id: 'mouse', actions }] });
   }
 
-  /** The next line of the page's console that begins so. */
+  /** Waits for the next console message with this prefix. */
   said(beginning) {
     return new Promise((resolve) => {
       const read = () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Avatars as others make them, made from one of ours: with some of its shapes only, under other names, with bones in their place.
+// Derives avatars of other conventions from a faccia avatar: fewer shapes, other names, bones instead of shapes.
 import { readGlb } from './glb.mjs';
 
 const chunk = (bytes, type) => {
@@ -20,13 +20,13 @@ export function writeGlb({ json, binary }) {
   return Buffer.concat([head, ...chunks]);
 }
 
-/** @param {Buffer} bytes @returns {{json: object, binary: Buffer}} to be changed as one likes */
+/** @param {Buffer} bytes @returns {{json: object, binary: Buffer}} a copy that may be modified */
 export function partsOf(bytes) {
   const length = bytes.readUInt32LE(12);
   return { json: readGlb(bytes).json, binary: Buffer.from(bytes.subarray(28 + length)) };
 }
 
-/** Keeps the morph targets that `name` gives a name to; null = goes. */
+/** Renames morph targets by `name`; null removes one. */
 function renamed(json, name) {
   for (const mesh of json.meshes) {
     const names = mesh.extras?.targetNames ?? [];
@@ -46,7 +46,7 @@ function renamed(json, name) {
 
 const without = (json, ...nodes) => json.nodes.filter(({ name }) => nodes.includes(name)).forEach((node) => (node.name = 'joint'));
 
-/** The 15 visemes and the lids under Oculus' names; no VRM, no bones that are known. */
+/** Only the 15 visemes and the lids, with Oculus names; no VRM, no known bones. */
 export function visemesOnly(bytes) {
   const glb = partsOf(bytes);
   renamed(glb.json, (name) => (/^viseme_|^eyeBlink/.test(name) ? name : null));
@@ -57,7 +57,7 @@ export function visemesOnly(bytes) {
 
 const VRM0 = { viseme_aa: 'a', viseme_I: 'i', viseme_U: 'u', viseme_E: 'e', viseme_O: 'o', eyeBlinkLeft: 'blink_l', eyeBlinkRight: 'blink_r' };
 
-/** VRM 0: morph targets without names, expressions by mesh, and it looks along -z. */
+/** VRM 0: unnamed morph targets, expressions by mesh, facing -z. */
 export function vrm0(bytes) {
   const glb = partsOf(bytes);
   const { json } = glb;
@@ -81,7 +81,7 @@ export function vrm0(bytes) {
 
 const ODD = { jawOpen: 'Bocca aperta', mouthClose: 'Labbra 1', mouthPucker: 'bacio', mouthSmileLeft: 'su_sx', mouthSmileRight: 'su_dx', mouthUpperUpLeft: 'K1', mouthUpperUpRight: 'K2', eyeBlinkLeft: 'occhio-A', eyeBlinkRight: 'occhio-B', browInnerUp: 'sopr.' };
 
-/** Ten shapes under names that nobody knows, and bones likewise. @returns {{glb: Buffer, map: object}} */
+/** Ten shapes and bones with unknown names. @returns {{glb: Buffer, map: object}} */
 export function oddNames(bytes) {
   const glb = partsOf(bytes);
   renamed(glb.json, (name) => ODD[name] ?? null);
@@ -91,7 +91,7 @@ export function oddNames(bytes) {
   return { glb: writeGlb(glb), map: { format: 'faccia-avatar-map', version: 1, shapes: ODD, bones } };
 }
 
-/** No morph targets: a jaw's bone takes along what jawOpen moved. */
+/** No morph targets: a jaw bone moves the vertices of jawOpen. */
 export function bonesOnly(bytes) {
   const { numbers } = readGlb(bytes);
   const glb = partsOf(bytes);
@@ -124,9 +124,9 @@ export function bonesOnly(bytes) {
     const [place, joints, weights] = [POSITION, JOINTS_0, WEIGHTS_0].map((accessor) => Uint8Array.from(numbers(accessor)).length && numbers(accessor));
     const count = joints.length / 4;
     for (let v = 0; shift && v < count; v++) {
-      const far = Math.hypot(place[3 * v + 1] - at[1], place[3 * v + 2] - at[2]) * 0.38; // what the bone does to it
+      const far = Math.hypot(place[3 * v + 1] - at[1], place[3 * v + 2] - at[2]) * 0.38; // displacement by the bone
       const share = Math.min(1, Math.hypot(...shift.subarray(3 * v, 3 * v + 3)) / far) || 0;
-      if (joints[4 * v] > 1) continue; // an eye
+      if (joints[4 * v] > 1) continue; // belongs to an eye
       for (let k = 0; k < 2; k++) weights[4 * v + k] = Math.round(weights[4 * v + k] * (1 - share));
       joints[4 * v + 2] = jaw;
       weights[4 * v + 2] = 255 - weights[4 * v] - weights[4 * v + 1];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reads a GLB as far as the tests ask.
+// Reads the parts of a GLB that the tests need.
 
 const ARRAYS = { 5121: Uint8Array, 5123: Uint16Array, 5126: Float32Array };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** A head of ours that moves in ways of its own, which none of the tools knows; poses of it; and how far another head's skin goes otherwise. */
+/** A head with individual movements unknown to the tools, its poses, and a measure of how differently another head's skin moves. */
 import { pose, unitLength } from '../../models/tools/lib/deform.mjs';
 import { fitShape } from '../../web/portrait/fit.mjs';
 import { EYES, LOWER_LIP, UPPER_LIP } from '../../web/portrait/landmarks.mjs';
@@ -7,7 +7,7 @@ import { POSES } from '../../web/portrait/actions/poses.mjs';
 
 const skinOf = (head) => head.parts.find(({ name }) => name === 'skin');
 
-/** Skin about a place goes along with a FAP: mm for a mm. */
+/** Makes the skin around a place move with a FAP: mm per mm. */
 function along(head, fap, sign, middle, reach, by) {
   const { position, moves } = skinOf(head);
   const [vertices, deltas] = [[], []];
@@ -20,7 +20,7 @@ function along(head, fap, sign, middle, reach, by) {
   moves.push({ fap, sign, vertices, deltas });
 }
 
-/** Smiles draw the corners of the mouth aside, and what is beside them; inner brows part as they rise, a frown draws down the middle ones; corners sink as the mouth opens. */
+/** Adds individual movements: smiles pull the mouth corners and the skin beside them outwards, inner brows part as they rise, a frown lowers the middle brows, corners sink as the mouth opens. */
 export function withHabits(head) {
   const { fdp } = head;
   for (const [out, corner, innerBrow, middleBrow, raise, inner, squeeze] of [[1, '8.3', '4.1', '4.3', 59, 31, 37], [-1, '8.4', '4.2', '4.4', 60, 32, 38]]) {
@@ -34,9 +34,9 @@ export function withHabits(head) {
   return head;
 }
 
-/** How strong each pose is that is shown; what it is, the table says. */
+/** Intensities of the poses shown; the table defines the poses. */
 const SHOWN = { smile: 0.8, 'brows-up': 1.1, 'brows-down': 0.9, open: 0.7, kiss: 0.9, sad: 0.5 };
-/** Those that no picture shows: halves, one side, two at once. */
+/** Poses that no picture shows: half intensity, one side, combinations. */
 const OTHERS = {
   'half a smile': { 6: 2, 7: 2, 53: 2, 54: 2, 12: 2.5, 13: 2.5, 59: 2.5, 60: 2.5, 41: 1, 42: 1 },
   'a smile to the left': { 6: 3, 53: 3, 12: 4, 59: 4, 41: 2 },
@@ -48,9 +48,9 @@ const values = (head, poses) => Object.fromEntries(Object.entries(poses).map(([n
 export const othersOf = (head) => values(head, OTHERS);
 
 /**
- * How far skin goes otherwise than on another head that is told the same, seen from the front: mm of the other, which may be larger.
+ * Measures how differently the skin moves from that of another head with the same FAPs, seen from the front, in mm of the other head.
  * @param {object} head @param {object} truth both unpacked @param {object} faps @param {number[][]} places pairs of the same place on both
- * @returns {{rms: number, moved: number}} over those places that move by more than 0.3 mm on either
+ * @returns {{rms: number, moved: number}} over places that move by more than 0.3 mm on either head
  */
 export function otherwise(head, truth, faps, places) {
   const gone = (one, scale) => {
@@ -72,8 +72,8 @@ export function otherwise(head, truth, faps, places) {
 const MOVING = new Set([...UPPER_LIP.slice(1).flat(), ...LOWER_LIP.slice(1).flat(), ...Object.values(EYES).flatMap(({ outer, inner, lower, upper, iris }) => [outer, inner, ...lower, ...upper, ...iris])]);
 
 /**
- * The vertices of both heads' skins where the detector sees the same landmarks, without lids and the inside of lips.
- * @param {object} head made of `truth` @param {object} base landmarks of the head that it is like @param {object} own landmarks of the truth @param {number[][]} landmarks of its picture at rest
+ * Pairs vertices of both skins where the detector finds the same landmarks, except lids and inner lips.
+ * @param {object} head made from `truth` @param {object} base landmarks of the base head @param {object} own landmarks of the truth @param {number[][]} landmarks of its picture at rest
  */
 export function samePlaces(head, truth, base, own, landmarks) {
   const { target } = fitShape([{ landmarks }], base);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A head as files of other programs, made here: OBJ with MTL, PLY as text and binary, VRML97, and the points that belong to them.
+// Writes a head in file formats of other programs: OBJ with MTL, PLY as text and binary, VRML97, each with its points file.
 import fs from 'node:fs';
 import path from 'node:path';
 
@@ -39,7 +39,7 @@ export function writeHeadFiles(head, folder) {
   write('binary.ply', Buffer.concat([Buffer.from(plyHead('binary_big_endian')), bytes]));
   points('ply-points.json', (p) => p);
 
-  // as modelling programs do: z up, cm, with a name for each, a transform, and lists that end with a comma
+  // like modelling programs: z up, cm, names, a transform, and lists with trailing commas
   const shapes = head.parts.map((part) => {
     const place = words(triples(part.position).map(([x, y, z]) => [x, -z, y])).join(',\n');
     const look = `Appearance { material DEF M_${part.name} Material { diffuseColor 0.8 0.7 0.6 } ${part.name === 'skin' ? 'texture ImageTexture { url [ "skin.webp" ] }' : ''} }`;

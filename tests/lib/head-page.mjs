@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A head in a real Chromium without a daemon: drawn as the element draws it, from near and from the side, or with each part in one flat
-// colour, so that a picture says what is seen of which part.
+// Draws a head in Chromium without a daemon: like the element, from any distance and side, or with each part in a flat colour, so that
+// pixels tell the visible parts.
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const web = fileURLToPath(new URL('../../web/', import.meta.url));
 
-// Runs in the page. The parts' colours come in `paint`: [name's beginning, red, green, blue], 0 to 255.
+// Runs in the page. `paint` assigns colours to parts: [prefix of the name, red, green, blue], 0 to 255.
 const script = `
 import { View } from './element/head/view.mjs';
 import { Head } from './element/head/head.mjs';
@@ -36,7 +36,7 @@ const pose = (name, { yaw = 0, pitch = 0, target = [0, -22, 0], distance = 620, 
   view.level = LEVELS.find((one) => one.name === level);
   view.resize(width, height);
   view.setLevel(view.level);
-  head.uniforms.fade.value = 1e-3; // nothing fades: the picture may end in the face
+  head.uniforms.fade.value = 1e-3; // no fading: the picture's edge may cut the face
   view.camera.fov = fov;
   view.camera.aspect = width / height;
   view.camera.position.set(target[0] + distance * Math.sin(yaw) * Math.cos(pitch), target[1] + distance * Math.sin(pitch), target[2] + distance * Math.cos(yaw) * Math.cos(pitch));
@@ -62,7 +62,7 @@ window.counts = (name, frames, camera, colours, half) => {
     draw(values);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     const areas = colours.map(() => 0);
-    const box = { left: width, right: -1, top: height, bottom: -1 }; // of all but the first colour
+    const box = { left: width, right: -1, top: height, bottom: -1 }; // box of all colours but the first
     for (let i = 0; i < pixels.length; i += 4) {
       const part = partAt(i);
       if (part >= 0) areas[part]++;
@@ -73,7 +73,7 @@ window.counts = (name, frames, camera, colours, half) => {
     const columns = [];
     for (let x = Math.round(width / 2) - half; x < Math.round(width / 2) + half; x++) {
       const runs = [];
-      for (let y = height - 1; y >= 0; y--) { // from the top: the rows come from below
+      for (let y = height - 1; y >= 0; y--) { // from the top; rows are bottom-up
         const part = partAt(4 * (y * width + x));
         if (runs.length && runs.at(-1)[0] === part) runs.at(-1)[1]++;
         else runs.push([part, 1]);
@@ -90,8 +90,8 @@ const whole = (faps) => Array.from({ length: 69 }, (_, n) => faps[n] ?? 0);
 /**
  * @param {import('playwright-core').Browser} browser
  * @returns a page with load(name, head, paint), shot(name, faps, camera): a PNG's bytes, and counts(name, frames, camera, colours, half): for
- * each frame the pixels of each colour in the picture, the box about all but the first, and the 2 x half columns in its middle from above: runs of
- * [which colour, how many]
+ * each frame the number of pixels of each colour, the box of all colours but the first, and the 2 x half middle columns from the top, as runs
+ * of [index of the colour, length]
  */
 export async function headPage(browser) {
   const { build } = createRequire(path.join(web, 'package.json'))('esbuild');

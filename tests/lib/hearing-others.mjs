@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What others make of the same sound: rhubarb-lip-sync-wasm and wawa-lipsync, as npm has them, from a folder where they were installed.
+// Lip sync of the same sound by other packages, rhubarb-lip-sync-wasm and wawa-lipsync, installed from npm in a folder.
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -7,7 +7,7 @@ import { pathToFileURL } from 'node:url';
 const moduleOf = (folder, name, file) => import(pathToFileURL(path.join(folder, 'node_modules', name, file)).href);
 export const versionOf = (folder, name) => JSON.parse(fs.readFileSync(path.join(folder, 'node_modules', name, 'package.json'), 'utf8')).version;
 
-/** Samples at another rate, by straight lines. */
+/** Resamples linearly. */
 function resampled(samples, rate, to) {
   return Float64Array.from({ length: Math.floor((samples.length * to) / rate) }, (_, k) => {
     const x = (k * rate) / to, i = Math.min(samples.length - 2, Math.floor(x));
@@ -22,7 +22,7 @@ export async function rhubarb(folder) {
   return async (samples, rate) => {
     const pcm = Int16Array.from(resampled(samples, rate, 16000), (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x))));
     const { log, warn, error } = console;
-    Object.assign(console, { log: () => {}, warn: () => {}, error: () => {} }); // it tells each of its steps
+    Object.assign(console, { log: () => {}, warn: () => {}, error: () => {} }); // silences its progress messages
     try {
       const { mouthCues } = await Rhubarb.getLipSync(Buffer.from(pcm.buffer), {});
       return mouthCues.map(({ start, end, value }) => ({ class: RHUBARB[value] ?? 'other', start, end }));
@@ -32,7 +32,7 @@ export async function rhubarb(folder) {
   };
 }
 
-/** A page's AnalyserNode, as the Web Audio API has it: Blackman's window, smoothed by 0.8, -100 to -30 dB in bytes. `at` samples have been heard. */
+/** Imitates the Web Audio API's AnalyserNode: Blackman window, smoothing 0.8, -100 to -30 dB as bytes. `at`: samples played so far. */
 class Analyser {
   smoothing = 0.8;
   at = 0;
@@ -57,7 +57,7 @@ class Analyser {
   }
 }
 
-/** Fourier's, in place; the length is a power of two. */
+/** In-place FFT; the length is a power of two. */
 function transform(re, im) {
   const n = re.length;
   for (let i = 1, j = 0; i < n; i++) {
@@ -78,7 +78,7 @@ function transform(re, im) {
 }
 
 const WAWA = { viseme_PP: 'closed', viseme_FF: 'teeth', viseme_CH: 'rounded', viseme_O: 'middle-round', viseme_U: 'close-round', viseme_sil: 'silence' };
-/** It wants a page: here a page's sound of 48 kHz without one, looked at 60 times a second, by the sound's own clock. */
+/** Runs wawa-lipsync without the page that it expects: sound at 48 kHz, sampled 60 times a second by the sound's clock. */
 export async function wawa(folder) {
   const { Lipsync } = await moduleOf(folder, 'wawa-lipsync', 'dist/wawa-lipsync.es.js');
   return (samples, rate) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How well what is heard of lips fits what was said.
+// Accuracy of recognised mouth shapes against the phones spoken.
 
 const KINDS = {
   closed: { of: (ipa) => /^[pbm]/.test(ipa), heard: ['closed'] },
@@ -7,10 +7,10 @@ const KINDS = {
   rounded: { of: (ipa) => /^(t͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ])/.test(ipa), heard: ['rounded', 'middle-round', 'close-round'] },
 };
 export const kinds = Object.keys(KINDS);
-/** What is shown of a phone, as `faccia hear` names it, as far as the kinds ask. */
+/** The class of a phone as `faccia hear` names it, for the phones covered by KINDS. */
 export const classOf = (ipa) => Object.values(KINDS).find((kind) => kind.of(ipa))?.heard[0];
 
-/** Stretches in which it is so, each {start, end}; those that touch are one. */
+/** Merges adjacent stretches {start, end}. */
 function joined(list) {
   const out = [];
   for (const { start, end } of list)
@@ -20,8 +20,8 @@ function joined(list) {
 }
 
 /**
- * Of a kind: {said, found, shown, wrong}: how often it was said, and heard within `slack` s of that; for how long it was shown while somebody speaks, pauses
- * not, s, and how much of that lies farther than `slack` from where it was said. `shift` moves what was said: what chance would give.
+ * Compares one kind of sound: {said, found, shown, wrong}. said: occurrences; found: those recognised within `slack` s; shown: total time displayed during
+ * speech without pauses, s; wrong: part of it farther than `slack` from an occurrence. `shift` moves the occurrences, which gives the chance level.
  */
 export function compared(kind, phones, heard, { slack = 0.04, shift = 0 } = {}) {
   const speech = phones.filter((p) => p.ipa), pauses = phones.filter((p) => !p.ipa), [from, to] = [speech[0].start, speech.at(-1).end];
@@ -39,7 +39,7 @@ export function compared(kind, phones, heard, { slack = 0.04, shift = 0 } = {}) 
 
 export const added = (a, b) => (a ? Object.fromEntries(Object.keys(b).map((key) => [key, a[key] + b[key]])) : b);
 
-/** A follower of loudness, as the simplest heads have it: lips are shut where it is 20 dB below the loudest of late. Samples from -1 to 1. */
+/** Baseline that follows loudness: lips close 20 dB below the recent maximum. Samples -1 to 1. */
 export function follower(samples, rate) {
   const hop = rate / 100, out = [];
   let loudest = -60;
@@ -53,7 +53,7 @@ export function follower(samples, rate) {
   return out;
 }
 
-/** White noise of that many dB below the sound's mean power; the same each time. */
+/** Adds reproducible white noise at that signal-to-noise ratio in dB. */
 export function inNoise(samples, decibels) {
   let seed = 1;
   const random = () => ((seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 32) * 2 - 1;
@@ -62,7 +62,7 @@ export function inNoise(samples, decibels) {
   return samples.map((x) => x + gain * random());
 }
 
-/** 300 to 3400 Hz: Butterworth, twice of the second order on each side. */
+/** Band-pass 300 to 3400 Hz: two second-order Butterworth sections on each side. */
 export function telephone(samples, rate) {
   const pass = (x, hz, high) => {
     const w = Math.tan((Math.PI * Math.min(hz, 0.45 * rate)) / rate), n = 1 / (1 + Math.SQRT2 * w + w * w);

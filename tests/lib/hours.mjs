@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hours of a page's life in seconds: the page's date and its timers of a second and more go as fast as they are told to. What is drawn,
-// heard and sent has the time that it really takes, so that sound and link are the real ones (a clock that replaces all of a page's time
-// would part the face from the clock of the sound).
+// Simulates hours of a page in seconds: its date and timers of a second or more advance on command. Drawing, sound and network run in real
+// time, because a fake clock for everything would separate the face from the sound's clock.
 import net from 'node:net';
 import { once } from 'node:events';
 
-/** To be called in the page before its scripts: `window.hours.forward(milliseconds)` lets time pass. */
+/** Call in the page before its scripts. `window.hours.forward(milliseconds)` advances the time. */
 function quicken() {
   const LONG = 1000;
   const real = { Date, WebSocket };
@@ -43,8 +42,8 @@ function quicken() {
       super.send(data);
     }
   };
-  /** A question that has been sent is answered before time goes on: an answer takes no hours. */
-  const { port1, port2 } = new MessageChannel(); // timers of no length are made longer by browsers
+  /** Requests in flight are answered before the time advances, so that no answer takes hours. */
+  const { port1, port2 } = new MessageChannel(); // browsers throttle zero-length timers
   const breathe = async () => {
     await new Promise((resolve) => (port1.onmessage = resolve, port2.postMessage(0)));
     for (const from = performance.now(); unanswered && performance.now() - from < 3000; ) await new Promise((resolve) => real.setTimeout(resolve, 1));
@@ -70,7 +69,7 @@ function quicken() {
   };
 }
 
-/** A wire to the daemon that can be cut. @param {number} port of the daemon */
+/** A TCP proxy to the daemon whose connections can be cut. @param {number} port of the daemon */
 export async function wireTo(port) {
   const ends = new Set();
   const server = net.createServer((near) => {
@@ -87,7 +86,7 @@ export async function wireTo(port) {
   return { url: `http://127.0.0.1:${server.address().port}`, cut, close: () => (server.close(), cut()) };
 }
 
-/** What the page holds once all that can be let go is let go. */
+/** Measures what the page still holds after garbage collection. */
 async function holds(page, cdp) {
   for (let i = 0; i < 3; i++) await cdp.send('HeapProfiler.collectGarbage');
   const { metrics } = await cdp.send('Performance.getMetrics');
@@ -96,12 +95,12 @@ async function holds(page, cdp) {
 }
 
 /**
- * Opens the page of a room and lets its hours pass: each has `says` sentences, each second one with a question that is answered by touch,
- * a mood and states, a night's sleep that somebody ends, and `cuts` of the wire.
+ * Opens the page of a room and simulates hours. Each hour has `says` sentences, every second one with a question answered by touch, a mood,
+ * states, sleep mode and waking, and `cuts` of the connection.
  * @param {import('playwright-core').Browser} browser @param {import('./daemon.mjs').Daemon} daemon
  * @param {{hours: number, says?: number, cuts?: number, each?: (sample: object) => void}} life
  * @returns {Promise<{samples: object[], places: string[], links: number, said: number, answers: number, problems: string[]}>}
- *   a sample after each hour; where the picture was; how often the page was linked
+ *   samples: one per hour; places: positions of the picture; links: number of connections
  */
 export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room = 'mese', each = () => {} }) {
   const wire = await wireTo(daemon.port);
@@ -139,7 +138,7 @@ export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room 
     told.said++;
     if (i % 2) return;
     await post(`choices?room=${room}`, { id: `q${i}`, question: `Va bene, domanda ${i}?`, choices: ['Sì', 'No', 'Non so'] });
-    await until(() => document.querySelector('.answers button') !== null); // no handle on it, which would hold it
+    await until(() => document.querySelector('.answers button') !== null); // keeps no handle, which would prevent garbage collection
     await page.evaluate(() => document.querySelector('.answers button').click());
     await until(() => document.querySelector('#question').hidden);
     told.answers++;

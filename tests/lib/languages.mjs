@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A greeting or some everyday words of the languages that espeak-ng speaks, in their own scripts, by its voices' tags.
+// A greeting or everyday words in each language of espeak-ng, in its own script, by the tags of the voices.
 
 export const samples = {
   af: 'Goeie môre, hoe gaan dit met jou?',

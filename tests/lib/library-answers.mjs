@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Answers of a library as protocol/library.md has them, for pages that are tested without one.
+// Answers of a library (protocol/library.md) for testing pages without one.
 
 const verses = ['Il mare è calmo, la luna è piena,', 'la barca torna con la vela scura,', 'e chi la guarda dalla riva attende', 'una parola, e ancora non la sente.', 'Poi si alza il vento, e il giorno ricomincia.'];
 const lines = (first) => verses.map((line, i) => {
@@ -27,7 +27,7 @@ const result = (passage, n, text, marks) => ({
   snippet: { text, marks, before: false, after: false },
 });
 
-/** By path, each a function of the query. */
+/** Functions of the query, by path. */
 export const answers = {
   '/v1/library': () => ({
     state: 'ready', done: 1, of: 1, languages: ['it'], authors: ['A. Rossi'], characters: 700, problems: [],
@@ -40,7 +40,7 @@ export const answers = {
   }),
 };
 
-/** Gives them to a page. @param {import('playwright-core').Page} page */
+/** Serves the answers to a page. @param {import('playwright-core').Page} page */
 export const answerLibrary = (page) =>
   page.route('**/v1/library**', (route) => {
     const { pathname, searchParams } = new URL(route.request().url());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cases that are tried by hand and not each time: `sh tests/run.sh long` runs the files that import this, with all of them.
-/** Whether all cases are wanted. */
+// Cases that are too slow for every run. `sh tests/run.sh long` runs the files that import this, with all cases.
+/** True when all cases must run. */
 export const long = Boolean(process.env.FACCIA_LONG);
 
 /** The options of a test that is one of the further cases: test('name', further, () => …). */

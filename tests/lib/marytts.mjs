@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A server that answers as MaryTTS does (POST /process, port 59125), with espeak-ng's voice: in a thread of its own, so that it serves
-// while a test waits for a program. It posts its port. workerData: {names: MaryTTS's phones in IPA}
+// A server that imitates MaryTTS (POST /process, port 59125) with espeak-ng's voice. Runs in a thread, so that it serves while a test blocks
+// on a child process. Posts its port. workerData: {names: MaryTTS's phones in IPA}
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -12,13 +12,13 @@ import { build } from './daemon.mjs';
 const named = new Map(Object.entries(workerData.names).map(([name, ipa]) => [ipa, name]));
 const spoken = new Map();
 
-/** What MaryTTS calls a phone of espeak-ng's. */
+/** MaryTTS's name for a phone of espeak-ng. */
 const nameOf = ({ ipa, stress }) => {
   const plain = ipa.replace('ɾ', 'r').replace('ɪ', 'i').replace('ʊ', 'u');
   return (stress ? named.get(`ˈ${plain}`) : undefined) ?? named.get(plain) ?? named.get(plain.replace('ː', '')) ?? '_';
 };
 
-/** {sound: WAV, durations: a line for each phone: when it ends, a number that means nothing, its name} */
+/** {sound: WAV, durations: a line per phone: end time, an unused number, name} */
 function speak(text) {
   if (!spoken.has(text)) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));

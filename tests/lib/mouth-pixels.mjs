@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen of the lips' contacts and openings: frames drawn with each part of the head in one flat colour, and counted.
+// Measures lip contacts and openings in pixels: draws frames with each part of the head in a flat colour and counts.
 import fs from 'node:fs';
 import path from 'node:path';
 import './built-heads.mjs';
@@ -12,15 +12,15 @@ import { kindOf, shownWithin } from './mouth.mjs';
 const [SKIN, UPPER] = [0, 1];
 const [WIDTH, HEIGHT] = [260, 200];
 const MM = SPAN / WIDTH;
-const HALF = Math.round(4 / MM); // of the columns that are looked at: the middle 8 mm of the mouth
+const HALF = Math.round(4 / MM); // half of the columns examined: the middle 8 mm of the mouth
 
-/** Of the opening, mm², where it counts as closed: less is a seam of single pixels. */
+/** Largest opening, mm², that counts as closed: a seam of single pixels. */
 const CLOSED = 1;
-/** The part of the columns in which the lip has to be at the teeth. */
+/** Share of the columns in which the lip must reach the teeth. */
 const MET = 0.9;
 
-/** @returns {Promise<{look: function(number[][]): Promise<object[]>, close: function}>} look: for each frame mm² of the opening, its height in
- * the middle in mm, and whether the lower lip is at the edge of the upper teeth (or over it) */
+/** @returns {Promise<{look: function(number[][]): Promise<object[]>, close: function}>} look: for each frame the area of the opening in mm², its
+ * height in the middle in mm, and whether the lower lip reaches the edge of the upper teeth */
 export async function mouthPixels(browser, model = 'mara') {
   const page = await headPage(browser);
   const head = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), `heads/${model}.json`)));
@@ -40,7 +40,7 @@ function read({ areas, columns }) {
 }
 
 /**
- * Counts over the phones of a .fap that is shown frame by frame.
+ * Counts contacts and openings over the phones of a .fap.
  * @param {function(number[][]): Promise<object[]>} look
  */
 export async function readPixels(look, phones, { fps, frames }) {

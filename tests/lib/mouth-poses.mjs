@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The mouth's shapes as the program really makes them: the middle of a sound, in a language, with an expression or without.
+// Mouth shapes as faccia produces them, in the middle of each sound of a language, with or without an expression.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -9,7 +9,7 @@ import { parseFap } from './fapfile.mjs';
 
 const faccia = (...args) => execFileSync(path.join(build, 'server/cli/faccia'), args, { stdio: ['ignore', 'pipe', 'ignore'] }).toString();
 
-/** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
+/** For each language a text and the sounds examined: one of each visually distinct group. */
 export const LANGUAGES = {
   it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
   'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó, Ana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
@@ -19,7 +19,7 @@ export const LANGUAGES = {
 
 const ROUND = /^[uoɔʊyøœwɯ]/;
 
-/** What `faccia say` makes of a text: its phones, the frames a second and the frames. */
+/** Runs `faccia say`. Returns phones, fps and frames. */
 export function spoken(text, ...args) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'mouth-'));
   try {
@@ -31,23 +31,23 @@ export function spoken(text, ...args) {
   }
 }
 
-/** The same with 100 frames a second and the head straight. */
+/** The same at 100 fps, without head rotation. */
 export function said(text, options) {
   const { phones, fps, frames } = spoken(text, '--fps', 100, ...options);
   return { phones, fps, frames: frames.map(withoutHead) };
 }
 
-/** With an emotion over all of it, or plain. */
+/** SSML of a text, in an emotion if given. */
 export const voiced = (text, emotion) => `<speak>${emotion ? `<emotion><category name="${emotion}"/>${text}</emotion>` : text}</speak>`;
 
-/** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
+/** @returns {Object<string, number[]>} FAPs by sound, taken from the longest phone of each, which is the clearest */
 export function soundPoses(lang, emotion) {
   const [text, wanted] = LANGUAGES[lang];
   const { phones, fps, frames } = said(emotion ? voiced(text, emotion) : text, ['--lang', lang, ...(emotion ? [] : ['--still'])]);
   const out = {};
   for (const ipa of wanted) {
     const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
-    // Beside a rounded vowel a consonant has its lips.
+    // Skips consonants beside rounded vowels, which round the lips.
     const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
     const own = plain.length ? plain : named;
     const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
@@ -57,10 +57,10 @@ export function soundPoses(lang, emotion) {
   return out;
 }
 
-/** An expression, whole: FAPs. */
+/** FAPs of an expression at full intensity. */
 export const expressionPose = (what) => withoutHead(parseFap(faccia('expressions', '--fap', what)).frames[0]);
 
-/** The head straight: its turns move everything alike. */
+/** Removes head rotation, which moves everything equally. */
 export function withoutHead(frame) {
   const out = Array.from(frame);
   for (const n of [48, 49, 50]) out[n] = 0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen in a mouth, counted in pictures with each part in one flat colour, and what must be seen in each sound.
+// Measures what is visible in a mouth, in pictures with flat colours per part, and what must be visible in each sound.
 import fs from 'node:fs';
 import path from 'node:path';
 import { artefacts } from './daemon.mjs';
 
 export const COLOURS = { skin: [0, 0, 255], teeth_upper: [255, 255, 0], teeth_lower: [0, 255, 0], tongue: [255, 0, 0], mouth: [0, 0, 0] };
 const [WIDTH, HEIGHT] = [360, 260];
-export const SPAN = 65; // mm that the picture is wide
+export const SPAN = 65; // width of the picture, mm
 
-/** For load() of a head page: each part in its colour. */
+/** Colours of the parts, for load() of a head page. */
 export const paint = Object.entries(COLOURS).map(([name, colour]) => [name, ...colour]);
 
 export const mouthCamera = (head, yaw = 0, [width, height] = [WIDTH, HEIGHT]) => ({
@@ -17,7 +17,7 @@ export const mouthCamera = (head, yaw = 0, [width, height] = [WIDTH, HEIGHT]) =>
 });
 
 /**
- * mm² of the opening, and what of it is upper teeth, lower teeth, tongue and dark; how wide and high it is, mm.
+ * Area of the opening in mm², its shares of upper teeth, lower teeth, tongue and darkness, and its width and height in mm.
  * @param {{counts: Function}} page a head page @param {string} loaded the flat head's name there @param {number[][]} frames FAPs
  */
 export async function seenIn(page, loaded, head, frames, yaw) {
@@ -30,14 +30,14 @@ export async function seenIn(page, loaded, head, frames, yaw) {
   });
 }
 
-/** The same of one face, and keeps its picture. @param {string} name of the picture */
+/** The same for one face; saves the picture. @param {string} name of the picture */
 export async function seen(page, loaded, head, name, faps, yaw) {
   fs.mkdirSync(artefacts, { recursive: true });
   fs.writeFileSync(path.join(artefacts, `mouth-${name}.png`), await page.shot(loaded, faps, mouthCamera(head, yaw)));
   return (await seenIn(page, loaded, head, [faps], yaw))[0];
 }
 
-/** [what, least, most]: shares of the opening; area and white in mm², height and width in mm, flat: width by height. */
+/** [what, min, max]: shares of the opening; area and white in mm²; height and width in mm; flat: width / height. */
 export const MUST = [
   { of: ['p', 'b', 'm'], why: 'the lips are closed: nothing is seen between them', must: [['area', 0, 2]] },
   { of: ['f', 'v'], why: 'the lower lip is at the edge of the upper incisors, which show above it, and nothing else does',
@@ -60,10 +60,10 @@ export const MUST = [
 ];
 
 /**
- * With age the upper teeth show less and the lower ones more (Vig and Brundo 1978), until in older people the lower ones are seen where the
- * upper ones were: there the two count as one.
+ * With age the upper teeth show less and the lower ones more (Vig and Brundo 1978), until the lower ones appear where the upper ones were. For
+ * such heads both count together.
  * @param {string} name of a sound or an emotion @param {{upperShown: number, lowerShown: number}} figures of the head, mm at rest
- * @returns {string[]} what is not as it must be
+ * @returns {string[]} violations
  */
 export function misses(name, found, { upperShown, lowerShown }) {
   const { width, height, area, upper, lower } = found;
@@ -78,7 +78,7 @@ export function misses(name, found, { upperShown, lowerShown }) {
 
 const percent = (x) => `${Math.round(100 * x)} %`;
 
-/** A line of a table for people. */
+/** A row of a Markdown table. */
 export const row = (name, m) =>
   `| ${name} | ${m.area.toFixed(0)} | ${m.width.toFixed(0)} x ${m.height.toFixed(0)} | ${percent(m.upper)} | ${percent(m.lower)} | ${percent(m.tongue)} | ${percent(m.dark)} |`;
 export const heading = '| | mm² | mm | upper teeth | lower teeth | tongue | dark |\n|---|---|---|---|---|---|---|';

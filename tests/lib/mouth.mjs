@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the lips of a .fap do in each sound: contacts and openings, by the phones' own times.
-export const MNS = 21 / 1024; // mm of the modelled speaker for a unit of the lips' FAPs
+// Checks the lips of a .fap in each sound: contacts and openings at the times of the phones.
+export const MNS = 21 / 1024; // mm of the modelled speaker per unit of the lip FAPs
 
 const labials = ['p', 'b', 'm'];
 const labiodentals = ['f', 'v'];
 const openVowels = ['a', 'ɐ', 'ɑ', 'æ', 'ʌ', 'ɛ', 'ɔ'];
 
-/** What a phone asks of the lips: 'lips' that close, the lip at the 'teeth', an 'open' vowel, or nothing that is looked at. */
+/** What a phone requires: 'lips' closed, lip at the 'teeth', an 'open' vowel, or nothing. */
 export function kindOf({ ipa }) {
   const letter = [...ipa][0];
   return labials.includes(letter) ? 'lips' : labiodentals.includes(letter) ? 'teeth' : openVowels.includes(letter) ? 'open' : undefined;
@@ -14,19 +14,19 @@ export function kindOf({ ipa }) {
 
 export const isClosed = (f) => f[4] + f[5] >= 0 && f[8] + f[10] >= 0 && f[9] + f[11] >= 0;
 
-/** The frames that are on the screen while a phone sounds: each until the next one comes. */
+/** The frames displayed while a phone sounds; each stays until the next. */
 export function shownWithin({ start, end }, fps) {
   const first = Math.floor(start * fps + 1e-6);
   return { first, end: Math.max(first + 1, Math.ceil(end * fps - 1e-6)) };
 }
 
-/** Contacts may lead the sound by 40 ms and lag by 60 (LUCIA, chapter 1); frames are looked at in half of that. */
+/** Contacts may lead the sound by 40 ms and lag by 60 (LUCIA, chapter 1); this allows half of that, s. */
 const SLACK = 0.02;
 
-/** Shorter vowels have no time between two contacts, which last 42 ms each and are felt for 10 ms on either side. */
+/** Shorter vowels, in s, have no time to open between two contacts of 42 ms each with 10 ms transitions. */
 export const SHORT = 0.035;
 
-/** Counts over phones ({ipa, start, end}) and the frames that show them. */
+/** Counts contacts and openings over phones ({ipa, start, end}) and the frames displayed with them. */
 export function readMouth(phones, { fps, frames }) {
   const out = { lips: 0, closed: 0, teeth: 0, met: 0, open: 0, gaps: [], misses: [] };
   phones.forEach((phone) => {

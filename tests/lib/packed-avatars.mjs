@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One of our avatars as others pack theirs: its meshes with Draco, a picture with Basis Universal in KTX2.
+// Compresses a faccia avatar like other exporters: meshes with Draco, a picture with Basis Universal in KTX2.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import { readGlb } from './glb.mjs';
@@ -13,7 +13,7 @@ const DRACO = 'KHR_draco_mesh_compression';
 const BASIS = 'KHR_texture_basisu';
 const WEBP = 'EXT_texture_webp';
 
-/** 16 x 16 points, red, blue, green, yellow in its quarters; encoded by us with Basis Universal 2.5. */
+/** A picture of 16 x 16 pixels with red, blue, green and yellow quarters, encoded with Basis Universal 2.5. */
 export const KTX2 = {
   etc1s: 'q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAABAAAAaAAAACwAAACUAAAAJAAAALgAAAAAAAAAlgAAAAAAAABOAQAAAAAAAAgAAAAAAAAAAAAAAAAAAAAsAAAAAAAAAAIAKACjAQIAAwMAAAgAAAAAAAAAAAA/AAAAAAAAAAAA/////x8AAABLVFh3cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAAAQAAwAyAAAADQAAAC8AAAAAAAAAAAAAAAAAAAAIAAAAAAAAAAAAAAAeQNwAAAAAQEjdwCoDmAgAAAAAAEACDPAA4gYIAAAAQHbFBw6AKQACAAAAIEgaQVzPmQQAAACoqqqqUlVVVQUUwEQAAAAAAAASgQCYAQAAAAAAQEIJEEdgAAAgGBiOGDr2CRoATAAAAAAAACCAAAD1YNHh1hoA',
   uastc: 'q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAACAAAAaAAAACwAAACUAAAAJAAAAAAAAAAAAAAAAAAAAAAAAAC4AAAAAAAAADsAAAAAAAAAAAEAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAABAAAAAAAAAAAAB/AAAAAAAAAAAA/////x8AAABLVFh3cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAACi1L/1gAACNAQDoFxkF5T/IxgAFBfk/MCYDBRnlPzDZAJebm+d/1PoHAAUSAIuZAa0DlgBYbOYEL+AC',
@@ -27,7 +27,7 @@ async function encoderOf() {
   });
 }
 
-/** Sequentially, so that the vertices keep their order and the shapes fit. @returns {{bytes: Uint8Array, ids: object, points: number}} */
+/** Encodes sequentially, so that vertices keep their order and morph targets still fit. @returns {{bytes: Uint8Array, ids: object, points: number}} */
 function encode(draco, index, attributes) {
   const [encoder, builder, mesh, out] = [new draco.Encoder(), new draco.MeshBuilder(), new draco.Mesh(), new draco.DracoInt8Array()];
   builder.AddFacesToMesh(mesh, index.length / 3, Uint32Array.from(index));
@@ -45,10 +45,10 @@ function encode(draco, index, attributes) {
 }
 
 /**
- * @param {Buffer} bytes of a GLB of ours
- * @param {{picture?: string, kind?: 'etc1s'|'uastc', webp?: Buffer|null, spoil?: (draco: Uint8Array) => Uint8Array}} options picture: the one that becomes KTX2;
- *   webp: what takes the place of its clothes'
- * @returns {Promise<Buffer>} the same with its meshes packed, but for those that Draco would change; what was in their accessors is gone
+ * @param {Buffer} bytes of a GLB exported by faccia
+ * @param {{picture?: string, kind?: 'etc1s'|'uastc', webp?: Buffer|null, spoil?: (draco: Uint8Array) => Uint8Array}} options picture: the one to convert to KTX2;
+ *   webp: replaces the picture of the clothes
+ * @returns {Promise<Buffer>} the GLB with compressed meshes, except those that Draco would change; the original accessor data is removed
  */
 export async function packed(bytes, { picture = 'hair', kind = 'etc1s', webp = null, spoil = (draco) => draco } = {}) {
   const { draco } = await encoderOf();
@@ -64,7 +64,7 @@ export async function packed(bytes, { picture = 'hair', kind = 'etc1s', webp = n
     const own = Object.keys(BITS).filter((name) => name in primitive.attributes);
     const attributes = Object.fromEntries(own.map((name) => [name, Float32Array.from(numbers(primitive.attributes[name]))]));
     const { bytes: data, ids, points } = encode(draco, numbers(primitive.indices), attributes);
-    if (primitive.targets && points !== json.accessors[primitive.attributes.POSITION].count) continue; // it has made one of several: no shape would fit
+    if (primitive.targets && points !== json.accessors[primitive.attributes.POSITION].count) continue; // Draco merged vertices, so morph targets would not fit
     for (const name of [primitive.indices, ...own.map((one) => primitive.attributes[one])]) delete json.accessors[name].bufferView;
     primitive.extensions = { [DRACO]: { bufferView: append(Buffer.from(spoil(data))), attributes: ids } };
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a page asks for and sends, and that no picture is in it.
+// Records what a page requests and sends, and checks that no picture leaves it.
 import assert from 'node:assert/strict';
 
-/** Takes down what the page does from now on: {asked, sent, complaints}. */
+/** Records requests, sent data and console errors from now on: {asked, sent, complaints}. */
 export function watchPage(page) {
   const watched = { asked: [], sent: [], complaints: [] };
   page.on('request', (request) => watched.asked.push(request));
@@ -12,7 +12,7 @@ export function watchPage(page) {
   return watched;
 }
 
-/** Nothing of a picture has left the page for the server, which is asked for files and told small texts only. */
+/** Checks that the page only requested files from the server and sent it short texts, no picture. */
 export function checkStayed({ asked, sent, complaints }, server) {
   for (const request of asked) {
     assert.ok(request.url().startsWith(server) || /^(blob|data):/.test(request.url()), request.url());

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Serves pages of a test from an origin of their own, with the headers that the test wants.
+// Serves a test's pages from a separate origin, with chosen headers.
 import http from 'node:http';
 import { once } from 'node:events';
 
 /**
- * @param {Record<string, string | {body: string | Buffer, type?: string, headers?: object, cut?: number}>} files by path; a text is a page; cut: so many
- *   bytes are sent, and no more come
+ * @param {Record<string, string | {body: string | Buffer, type?: string, headers?: object, cut?: number}>} files by path; a string is an HTML page; cut: stops
+ *   sending after so many bytes
  * @returns {Promise<{port: number, url: string, files: object, served: Set<string>, close: () => Promise<void>}>}
  */
 export async function servePages(files) {
@@ -26,7 +26,7 @@ export async function servePages(files) {
     port,
     url: `http://127.0.0.1:${port}`,
     files,
-    served, // paths that were asked for, and were there
+    served, // existing paths that were requested
     close() {
       server.closeAllConnections();
       return new Promise((resolve) => server.close(resolve));
@@ -34,7 +34,7 @@ export async function servePages(files) {
   };
 }
 
-/** The five lines of the README, with the script and the stream of a daemon. */
+/** The five-line page of the README, with the script and the stream of a daemon. */
 export const fiveLines = (daemon, attributes = 'lang="it"') => `<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Five lines</title>
 <script type="module" src="${daemon}/talking-head.js"></script></head>

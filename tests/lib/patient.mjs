@@ -2,8 +2,8 @@
 import { test } from 'node:test';
 
 /**
- * A test of what the daemon promises where it gets its processor in time: held up for longer than media are early, it leaves out
- * what is too late by then. Whoever is wrong is wrong three times; a machine is rarely.
+ * A test of a promise that the daemon keeps only if it gets processor time: delayed for longer than its media lead, it drops what is too
+ * late. Tries three times, because a bug fails every time and a busy machine rarely does.
  */
 export const patient = (name, run) =>
   test(name, async (t) => {

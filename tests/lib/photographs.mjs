@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Photographs of somebody who speaks, as a camera would take them: a head of ours, drawn in poses, in rooms of different light, in frames of
-// different sizes, a little aslant.
+// Synthetic photographs of a speaking person: a built-in head drawn in poses, with varying light, frame sizes and tilt.
 import { createRequire } from 'node:module';
 import { drawHead, seenAt, shadowsOf } from '../../models/tools/lib/portrait.mjs';
 
@@ -11,7 +10,7 @@ const ROOM = { r: 112, g: 128, b: 138, alpha: 1 };
 /**
  * @param {object} head unpacked (lib/deform.mjs)
  * @returns {Promise<(faps: object, camera?: {scale?: number, tilt?: number, shift?: number[], light?: number, blur?: number, yaw?: number}) => Promise<Buffer>>}
- *   PNG. scale: of 480 x 624; tilt: degrees; shift: pixels; light: how many times as bright; blur: sigma; yaw: degrees
+ *   PNG. scale: of 480 x 624; tilt: degrees; shift: pixels; light: factor of brightness; blur: sigma; yaw: degrees
  */
 export async function openStudio(head) {
   const shadows = await shadowsOf(head, {});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A head as a file that says nothing of itself: places and triangles.
+// Writes a head as a file with only vertices and triangles.
 import fs from 'node:fs';
 
-/** @param {(p: number[]) => number[]} place where a point of the head is in the file */
+/** @param {(p: number[]) => number[]} place maps a point of the head to the file's coordinates */
 export function writeObj(file, head, place) {
   let from = 1;
   const text = head.parts.map((part, i) => {
@@ -15,7 +15,7 @@ export function writeObj(file, head, place) {
   fs.writeFileSync(file, `${text.join('\n')}\n`);
 }
 
-/** As GLB: nothing but places and triangles. */
+/** As GLB. */
 export function writeGlb(file, head, place) {
   const [blocks, json] = [[], { asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [] }], nodes: [], meshes: [], accessors: [], bufferViews: [], buffers: [] }];
   let size = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// People who read: the prompts of Debian's asterisk-core-sounds-LANG and -wav or -g722 (CC-BY-SA 3.0), and the closures of stops that can be heard in them.
+// Recordings of people reading: prompts of Debian's asterisk-core-sounds-LANG and -wav or -g722 (CC-BY-SA 3.0), and audible stop closures in them.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -8,7 +8,7 @@ import { wavOf } from './wav.mjs';
 
 const READERS = { it: ['it_IT_m_Carlo', 'male'], en: ['en_US_f_Allison', 'female'], es: ['es_MX_f_Allison', 'female'], fr: ['fr_CA_f_June', 'female'], ru: ['ru_RU_f_IvrvoiceRU', 'female'] };
 
-/** [{name, text, sound}]: those whose text is words only. Lines with lost letters, remarks in brackets or more than one entry are left out. */
+/** [{name, text, sound}] of prompts whose text is only words. Skips lines with damaged letters, remarks in brackets or several entries. */
 export function prompts(lang = 'it', suffix = 'wav') {
   const lines = zlib.gunzipSync(fs.readFileSync(`/usr/share/doc/asterisk-core-sounds-${lang}/core-sounds-${lang}.txt.gz`)).toString('utf8').split(/\r?\n/);
   return lines.flatMap((line) => {
@@ -19,7 +19,7 @@ export function prompts(lang = 'it', suffix = 'wav') {
   });
 }
 
-/** The phones of a recording, by `faccia align`; null when it says that the words are not those. */
+/** Phones of a recording by `faccia align`; null if it reports that the text does not match. */
 export function alignedPhones(program, { text, sound, lang }, folder) {
   const [script, out] = ['prompt.txt', 'prompt.json'].map((file) => path.join(folder, file));
   fs.writeFileSync(script, text);
@@ -48,8 +48,8 @@ export function loudness(file) {
 }
 
 /**
- * Voiceless stops between vowels: [{start, end}], how far the phone begins and ends from the closure that can be heard, in s; null where there is none
- * within 80 ms. A closure: 12 dB and more below the sounds on both sides; its edges are half way down. `shift` moves the phones: what chance would give.
+ * Voiceless stops between vowels: [{start, end}], distances of the phone's start and end from the audible closure in s; null if there is none within 80 ms.
+ * A closure is at least 12 dB below the sounds on both sides; its edges are half-way down. `shift` moves the phones, which gives the chance level.
  */
 export function closures(phones, levels, shift = 0) {
   const at = (seconds) => Math.max(0, Math.min(levels.length - 1, Math.round((seconds - WINDOW / 2) / HOP)));
@@ -83,8 +83,8 @@ const music = (rate, seconds) =>
   });
 
 /**
- * Prompts as one recording, with half a second after each: {wav, seconds, places: [{name, start, end}]}, s; a place is where something of it can be heard.
- * `between(i)`: what comes before prompt i, {silence, music} in s.
+ * Joins prompts to one recording with half a second after each: {wav, seconds, places: [{name, start, end}]}; a place is the audible part, s.
+ * `between(i)`: inserted before prompt i, {silence, music} in s.
  */
 export function madeOf(list, { between = () => 0 } = {}) {
   const parts = [], places = [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Requests with headers that fetch would not send.
+// HTTP requests with any headers, also those that fetch forbids.
 import http from 'node:http';
 
 /** @returns {Promise<{status: number, headers: object, text: string}>} */

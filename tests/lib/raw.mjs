@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Clients without any library, for what no library would send: bytes over TCP, HTTP answers, WebSocket frames.
+// Low-level clients that can send invalid data: bytes over TCP, HTTP answers, WebSocket frames.
 import { once } from 'node:events';
 import net from 'node:net';
 
-/** A connection that keeps what it hears. */
+/** A connection that records received bytes. */
 export class Raw {
   static async open(port, host = '127.0.0.1') {
     const raw = new Raw();
@@ -23,7 +23,7 @@ export class Raw {
     return this;
   }
 
-  /** Waits until the condition gives something other than undefined; false: the server has closed before. */
+  /** Waits until the condition returns something other than undefined. Returns false if the server closes first. */
   async until(condition, milliseconds = 20000) {
     for (const deadline = Date.now() + milliseconds; ; ) {
       const value = condition();
@@ -34,7 +34,7 @@ export class Raw {
     }
   }
 
-  /** The next HTTP answer: {status, headers, body}; false when there is none. head: of a HEAD request. */
+  /** Reads the next HTTP answer: {status, headers, body}; false at the end. head: the answer to a HEAD request. */
   async answer({ head = false, milliseconds } = {}) {
     return this.until(() => {
       const end = this.heard.indexOf('\r\n\r\n');
@@ -77,7 +77,7 @@ export class Raw {
   }
 }
 
-/** One request, one answer. */
+/** Sends one request and returns its answer. */
 export async function ask(port, bytes, options) {
   const raw = await Raw.open(port);
   raw.write(bytes);
@@ -91,7 +91,7 @@ export const handshake = (fields = {}, path = '/v1/stream?audio=none&fap=none', 
   return `${method} ${path} HTTP/1.1\r\n${Object.entries(all).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}\r\n`).join('')}\r\n`;
 };
 
-/** A client's frame (RFC 6455, 5.2). form: bytes of the extended length, 0, 2 or 8, instead of the shortest. */
+/** Makes a client frame (RFC 6455, 5.2). form: size of the extended length (0, 2 or 8 bytes) instead of the minimum. */
 export function frame(opcode, payload = '', { fin = true, rsv = 0, mask = true, form, length } = {}) {
   const data = Buffer.from(payload), size = length ?? data.length;
   const bytes = form ?? (size < 126 ? 0 : size < 65536 ? 2 : 8);
@@ -107,7 +107,7 @@ export function frame(opcode, payload = '', { fin = true, rsv = 0, mask = true, 
 
 export const closeFrame = (code, reason = '') => frame(8, code === undefined ? '' : Buffer.concat([Buffer.from([code >> 8, code & 255]), Buffer.from(reason)]));
 
-/** A WebSocket on which frames are sent as they are given. */
+/** A WebSocket that sends frames unchanged. */
 export class RawSocket extends Raw {
   static async open(port, fields = {}, path) {
     const raw = Object.setPrototypeOf(await Raw.open(port), RawSocket.prototype);
@@ -122,7 +122,7 @@ export class RawSocket extends Raw {
     return raw;
   }
 
-  /** The next frame of the server: {opcode, payload}; false when there is none. */
+  /** Reads the server's next frame: {opcode, payload}; false at the end. */
   async frame(milliseconds) {
     return this.until(() => {
       const short = this.heard[1] & 127, head = short === 127 ? 10 : short === 126 ? 4 : 2;
@@ -135,7 +135,7 @@ export class RawSocket extends Raw {
     }, milliseconds);
   }
 
-  /** The next frame of that opcode. */
+  /** Reads the next frame with that opcode. */
   async next(opcode) {
     for (;;) {
       const got = await this.frame();
@@ -143,7 +143,7 @@ export class RawSocket extends Raw {
     }
   }
 
-  /** The next text message with those members. */
+  /** Reads the next text message with those members. */
   async message(pattern) {
     for (;;) {
       const got = await this.next(1);
@@ -153,7 +153,7 @@ export class RawSocket extends Raw {
     }
   }
 
-  /** How the server closes: {code, reason}; code undefined: without any. */
+  /** Waits for the server's close frame: {code, reason}; code undefined if it has none. */
   async goodbye() {
     const got = await this.next(8);
     if (!got) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A Redis server on a free port, which keeps nothing on disk.
+// A Redis server on a free port, without persistence.
 import { execFileSync, spawn } from 'node:child_process';
 import net from 'node:net';
 
@@ -21,19 +21,19 @@ export class Redis {
     return redis;
   }
 
-  /** After it was killed, with nothing in it. */
+  /** Restarts it, empty, after it was killed. */
   again() {
     const login = this.password ? ['--requirepass', this.password] : [];
     this.process = spawn('redis-server', ['--port', this.port, '--bind', '127.0.0.1', '--save', '', ...login], { stdio: 'ignore', env: { ...process.env, ...this.env } });
   }
 
-  /** What redis-cli says. */
+  /** Runs redis-cli and returns its output. */
   cli(...words) {
     const login = this.password ? ['-a', this.password, '--no-auth-warning'] : [];
     return execFileSync('redis-cli', ['-p', this.port, '-n', this.database, ...login, ...words]).toString().trim();
   }
 
-  /** The names that match, in the order in which they are found. */
+  /** Returns the keys that match the pattern. */
   names(pattern = '*') {
     return this.cli('--scan', '--pattern', pattern).split('\n').filter(Boolean);
   }

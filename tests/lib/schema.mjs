@@ -6,7 +6,7 @@ const ajv = new Ajv({ strict: false });
 const load = (name) => ajv.compile(JSON.parse(fs.readFileSync(new URL(`../../protocol/schema/${name}.json`, import.meta.url))));
 const schemas = { client: load('client'), server: load('server'), 'head-model': load('head-model'), pictures: load('pictures'), 'avatar-map': load('avatar-map') };
 
-/** What is wrong with the value by the schema of that name: a text, or null. */
+/** Validates a value by the schema of that name. Returns the errors as text, or null. */
 export function violations(name, value) {
   return schemas[name](value) ? null : ajv.errorsText(schemas[name].errors.slice(0, 5));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Twenty-five sentences a language, for measuring lips: written for it, and used for nothing else, so that no table was made to fit them.
+// Sentences in each language for measuring lips. Written for this and used nowhere else, so that no table was tuned to them.
 export const sentences = {
   it: [
     'Bruno ha perso il berretto in piazza.', 'Mia nonna impastava il pane ogni mattina.', 'Il vapore appanna i vetri della finestra.', 'Pochi bambini amano le verdure bollite.',

@@ -6,11 +6,11 @@ import { fileURLToPath } from 'node:url';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 
-/** Without its comments; lines stay where they are. */
+/** Removes comments, keeping line numbers. */
 const bare = (text) =>
   text.replace(/"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\/\*[^]*?\*\/|\/\/.*/g, (part) => (part[0] === '/' ? part.replace(/[^\n]/g, ' ') : part));
 
-/** All .c and .h files of a folder of the project: their name from its root, their text, and that without comments. */
+/** All .c and .h files of a folder: path from the root, text, and text without comments. */
 export function sources(folder) {
   return fs
     .readdirSync(path.join(root, folder), { recursive: true })

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speaks on the command line, and looks at what comes out: sound, phones, words.
+// Speaks on the command line and checks the output: sound, phones, words.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -7,7 +7,7 @@ import path from 'node:path';
 import { faccia } from './command.mjs';
 import { build } from './daemon.mjs';
 
-/** Runs `faccia say`. Gives {status, stderr, json, pcm, rate}; json and what follows only when it succeeded. */
+/** Runs `faccia say`. Returns {status, stderr, json, pcm, rate}; the last three only on success. */
 export function say(args, text, env = {}, from = build) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const file = (name) => path.join(folder, name);
@@ -27,7 +27,7 @@ export function say(args, text, env = {}, from = build) {
   }
 }
 
-/** Phones touch and cover the sound, words are in order and do not overlap. */
+/** Checks that phones are adjacent and cover the sound, and that words are in order and do not overlap. */
 export function checkOrder({ json }) {
   let at = 0;
   for (const phone of json.phones) {
@@ -38,14 +38,14 @@ export function checkOrder({ json }) {
   json.words.forEach((word, i) => assert.ok(word.end >= word.start && (!i || word.start >= json.words[i - 1].end - 1e-6), word.text));
 }
 
-/** The largest step between two samples: what wraps round makes one of almost 65536. */
+/** Largest step between consecutive samples; an overflow makes one of almost 65536. */
 export function largestStep({ pcm }) {
   let most = 0;
   for (let i = 1; i < pcm.length; i++) most = Math.max(most, Math.abs(pcm[i] - pcm[i - 1]));
   return most;
 }
 
-/** The loudest sample of a stretch of time. */
+/** Largest absolute sample between two times, s. */
 export function loudest({ pcm, rate }, from = 0, to = Infinity) {
   let most = 0;
   for (let i = Math.round(from * rate); i < Math.min(pcm.length, to * rate); i++) most = Math.max(most, Math.abs(pcm[i]));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A client that reads nothing until it is told to, with so small a buffer that the kernel takes hardly anything for
-// it: Node.js cannot set SO_RCVBUF, so this is Python.
+// A client that reads nothing until requested, with a receive buffer so small that the kernel accepts hardly anything. In Python, because
+// Node.js cannot set SO_RCVBUF.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 
@@ -33,7 +33,7 @@ while True:
     sys.stdout.buffer.flush()
 `;
 
-/** Connects: to a WebSocket, on which it sends the body as one message; or by HTTP, POST when there is a body. */
+/** Connects to a WebSocket and sends the body as one message; or sends an HTTP request, POST if there is a body. */
 export async function stalled(port, path, body = '') {
   const bytes = Buffer.from(body);
   const child = spawn('python3', ['-c', script, String(port), path, String(bytes.length)]);
@@ -44,9 +44,9 @@ export async function stalled(port, path, body = '') {
   const [word] = await once(child.stderr, 'data');
   if (!String(word).startsWith('connected')) throw new Error(String(word));
   return {
-    /** Reads from now on. */
+    /** Starts reading. */
     read: () => child.stdin.write('\n'),
-    /** The messages of the WebSocket so far: texts as objects, media as bytes (RFC 6455, 5.2; servers do not mask). */
+    /** Messages of the WebSocket received so far: texts as objects, media as bytes (RFC 6455, 5.2; servers do not mask). */
     messages() {
       const list = [];
       for (let at = 0; at + 4 <= heard.length; ) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A room's home that a test plays: it has the lease, hears what a daemon asks of it, and says what it likes (server/rooms/shared/shared_internal.h).
+// A stand-in for a room's leader: holds the lease, records packets from a daemon, and sends arbitrary ones (server/rooms/shared/shared_internal.h).
 import { spawn } from 'node:child_process';
 import { eventually } from './daemon.mjs';
 
-/** A daemon's name as a number, FNV-1a (home_base.c). */
+/** A daemon's name as a number: FNV-1a, as shared_daemon in leader.c. */
 function ofName(name) {
   let hash = 2166136261;
   for (const c of Buffer.from(name)) hash = Math.imul(hash ^ c, 16777619) >>> 0;
@@ -11,7 +11,7 @@ function ofName(name) {
 }
 
 export class StandInHome {
-  /** @param {import('./redis.mjs').Redis} redis @param {string} room @param {number} token @param {{lease?: boolean}} options lease: whether it takes it; else it is a branch */
+  /** @param {import('./redis.mjs').Redis} redis @param {string} room @param {number} token @param {{lease?: boolean}} options lease: false: does not take the lease, so it acts as a replica */
   static async open(redis, room, token, { lease = true } = {}) {
     const home = Object.assign(new StandInHome(), { redis, room, token, name: token.toString(16).padStart(32, 'f'), heard: [] });
     home.ear = spawn('redis-cli', ['-p', redis.port, 'subscribe', `faccia:to:${home.name}`], { stdio: ['ignore', 'pipe', 'ignore'] });
@@ -26,12 +26,12 @@ export class StandInHome {
     return home;
   }
 
-  /** What a daemon has told it. @param {string} kind @param {(head: object) => boolean} fits */
+  /** Waits for a packet from a daemon. @param {string} kind @param {(head: object) => boolean} fits */
   told(kind, fits = () => true) {
     return eventually(() => this.heard.find((head) => head.kind === kind && fits(head)), `${kind}; heard ${JSON.stringify(this.heard)}`);
   }
 
-  /** Anything. @param {string} to @param {string} kind @param {object} rest of the head, in which a BigInt is written whole */
+  /** Sends a packet. @param {string} to @param {string} kind @param {object} rest of the head; a BigInt is written with all digits */
   tell(to, kind, rest, body = '') {
     const head = JSON.stringify({ v: 4, kind, room: this.room, token: this.token, from: this.name, ...rest }, (_, value) => (typeof value === 'bigint' ? `#${value}` : value)).replace(/"#(\d+)"/g, '$1');
     this.redis.cli('publish', `faccia:to:${to}`, `${head}\n${body}`);
@@ -41,17 +41,17 @@ export class StandInHome {
     this.tell(to, 'recap', { speaks: 0, past: 0 });
   }
 
-  /** @param {object} order as it was told */
+  /** Accepts a forwarded command. @param {object} order the head received */
   answer({ from, number, visit }, utterance) {
     this.tell(from, 'answer', { number, visit, status: 202, answer: { type: 'accepted', room: this.room, utterance } });
   }
 
-  /** It is not the home (yet), and has done nothing. */
+  /** Answers that it is not the leader (yet) and has not run the command. */
   pass({ from, number, visit }) {
     this.tell(from, 'answer', { number, visit, status: 0 });
   }
 
-  /** Events. @param {object} order what they are of, or null */
+  /** Sends events. @param {object} order the command that caused them, or null */
   say(to, order, ...messages) {
     const bodies = messages.map((message) => JSON.stringify(message));
     const whose = order ? { order: ofName(order.from) | BigInt(order.number) } : {};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Avatars as many programs write them, made of one of ours: taken apart, then written anew with other names, bones, axes, units and bytes. Vertices of
-// the mesh `skin` keep their order, so that a test knows what it looks at.
+// Avatars in the styles of many programs: takes a faccia avatar apart and writes it with other names, bones, axes, units and encodings. The mesh
+// `skin` keeps the order of its vertices, which tests rely on.
 import { readGlb } from './glb.mjs';
 import { writeGlb } from './foreign-avatars.mjs';
 
-const METRES = 1.55; // the height of the eyes of our exports
+const METRES = 1.55; // height of the eyes in faccia's exports
 
-/** @param {Buffer} bytes of an export of ours @returns {{meshes: object[], json: object, pictures: object[]}} with every target as it is, dense */
+/** @param {Buffer} bytes exported by faccia @returns {{meshes: object[], json: object, pictures: object[]}} with all targets dense */
 export function takenApart(bytes) {
   const { json, numbers } = readGlb(bytes);
   const binary = bytes.subarray(28 + bytes.readUInt32LE(12));
@@ -26,7 +26,7 @@ export function takenApart(bytes) {
   return { meshes, json, pictures };
 }
 
-/** Bytes as meshopt packs vertices (codec 0 with every group as it is): nothing gets smaller, and it is read by what unpacks it. */
+/** Encodes vertices in meshopt's format (codec 0, all groups uncompressed): no smaller, but valid for decoders. */
 export function meshopt(data, stride) {
   const count = data.length / stride;
   const most = Math.min(256, Math.floor(8192 / stride) & ~15);
@@ -51,14 +51,14 @@ export function meshopt(data, stride) {
 const CODES = { Float32Array: 5126, Int16Array: 5122, Uint16Array: 5123, Uint32Array: 5125, Uint8Array: 5121 };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 
-/** A GLB that is being written. */
+/** Builds a GLB. */
 class Writer {
   constructor({ json, pictures }) {
     const { materials, textures, samplers } = json;
     this.json = { asset: { version: '2.0', generator: 'somebody' }, scene: 0, scenes: [{ nodes: [] }], nodes: [], meshes: [], accessors: [], bufferViews: [], materials, textures, samplers };
     this.blocks = [];
     this.size = 0;
-    this.fallback = 0; // bytes that are there only when unpacked
+    this.fallback = 0; // bytes of the uncompressed fallback buffer
     this.json.images = pictures.map(({ data, ...image }) => ({ ...image, bufferView: this.view(data) }));
   }
 
@@ -85,7 +85,7 @@ class Writer {
       const values = list.constructor.from(at.flatMap((v) => [...list.subarray(3 * v, 3 * v + 3)]));
       one.sparse = { count: at.length, indices: { bufferView: this.view(Uint16Array.from(at)), componentType: 5123 }, values: { bufferView: this.view(values) } };
     } else if (list instanceof Int16Array) {
-      const wide = Int16Array.from({ length: 4 * one.count }, (_, i) => (i % 4 < 3 ? list[3 * (i >> 2) + (i % 4)] : 0)); // a stride is a multiple of 4
+      const wide = Int16Array.from({ length: 4 * one.count }, (_, i) => (i % 4 < 3 ? list[3 * (i >> 2) + (i % 4)] : 0)); // strides are multiples of 4
       one.bufferView = this.view(wide);
       this.json.bufferViews[one.bufferView].byteStride = 8;
     } else one.bufferView = this.view(list, packed ? list.BYTES_PER_ELEMENT * WIDTHS[type] : 0);
@@ -111,12 +111,12 @@ class Writer {
   }
 }
 
-const BODY = [ // from, to, half widths: metres
+const BODY = [ // bottom, top, half widths, m
   [[0, 1.3, -0.07], [0, 0.92, -0.06], 0.17, 0.11], [[0.2, 1.34, -0.08], [0.7, 1.34, -0.08], 0.05, 0.05], [[-0.2, 1.34, -0.08], [-0.7, 1.34, -0.08], 0.05, 0.05],
   [[0.09, 0.9, -0.06], [0.09, 0.02, -0.06], 0.08, 0.08], [[-0.09, 0.9, -0.06], [-0.09, 0.02, -0.06], 0.08, 0.08],
 ];
 
-/** A plain body below the head, as one mesh. */
+/** A simple body below the head, as one mesh. */
 export function bodyMesh(material) {
   const [position, normal, index] = [[], [], []];
   const sides = 12;
@@ -138,7 +138,7 @@ export function bodyMesh(material) {
   return { name: 'Body', material, position: Float32Array.from(position), normal: Float32Array.from(normal), uv: new Float32Array((2 * position.length) / 3), index: Uint32Array.from(index), targets: {} };
 }
 
-/** Several meshes as one: with the targets of all. */
+/** Joins meshes to one with the targets of all. */
 export function joined(meshes, name) {
   const counts = meshes.map(({ position }) => position.length / 3);
   const all = (key) => Float32Array.from(meshes.flatMap((mesh) => [...mesh[key]]));
@@ -163,9 +163,9 @@ export function joined(meshes, name) {
 
 /**
  * @param {ReturnType<typeof takenApart>} whole
- * @param {object} [how] rename: a target's name, or null where it goes; names: false = nobody is told them; meshes: which, or others; above: nodes around it all,
- *   the inner first; turn: of each place and shift in the file; store: 'plain', 'sparse', 'short' (quantised), 'packed' (meshopt); bones: [name, place in metres, the
- *   parent's name, which share of whom it takes: (mesh, vertex) => 0..1]; add: changes the JSON at the end
+ * @param {object} [how] rename: new name of a target, null removes it; names: false = omit target names; meshes: those to write; above: parent nodes, innermost
+ *   first; turn: transforms each position and displacement; store: 'plain', 'sparse', 'short' (quantised), 'packed' (meshopt); bones: [name, position in m,
+ *   parent's name, weight of a vertex: (mesh, vertex) => 0..1]; add: modifies the final JSON
  * @returns {Buffer}
  */
 export function strange(whole, { rename = (name) => name, names = true, meshes = whole.meshes, above = [], turn = (p) => p, store = 'plain', bones = [], normals = true, add = () => {} } = {}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The avatars of strange-avatars.mjs, one for each way in which others are made.
+// One avatar of strange-avatars.mjs for each style of other programs.
 import { bodyMesh, joined, strange } from './strange-avatars.mjs';
 
 const only = (names, rename = (name) => name) => (name) => (names.includes(name) ? rename(name) : null);
@@ -16,7 +16,7 @@ const KANA = { viseme_aa: 'あ', viseme_I: 'い', viseme_U: 'う', viseme_E: '�
 const without = (list, ...names) => list.filter(({ name }) => !names.includes(name));
 const mesh = (whole, name) => whole.meshes.find((one) => one.name === name);
 
-/** As exporters before 2020 wrote colours, and required what a face has no use for. */
+/** Colours as written by exporters before 2020, and required extensions that do not affect a face. */
 export function oldLook(json) {
   json.extensionsRequired = ['KHR_materials_pbrSpecularGlossiness', 'KHR_lights_punctual', 'KHR_animation_pointer', 'KHR_node_visibility', 'KHR_xmp_json_ld'];
   json.extensionsUsed = json.extensionsRequired;
@@ -45,7 +45,7 @@ const skeleton = (jaw) => [
   ['RightEye', [-0.028, 1.55, 0], 'Head'],
 ];
 
-/** What jawOpen moves, as shares of a turn about the jaw's joint. */
+/** Weight of the jaw bone, by how far jawOpen moves the vertex. */
 function byJaw({ targets: { jawOpen }, position }, v) {
   if (!jawOpen) return 0;
   const far = Math.hypot(position[3 * v + 1] - JAW[1], position[3 * v + 2] - JAW[2]) * 0.38;
@@ -56,12 +56,12 @@ function byJaw({ targets: { jawOpen }, position }, v) {
 const HALF = Math.SQRT1_2;
 const FLIP = { matrix: [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] };
 
-/** The other side's names, where a mirror has changed the sides. */
+/** Swaps left and right in names, for a mirrored avatar. */
 const swapped = (name) => sided(name, 'XX', 'Left').replace(/XX$/, 'Right');
 
 /**
  * @param {ReturnType<import('./strange-avatars.mjs').takenApart>} whole
- * @returns {Record<string, {bytes: () => Buffer, lids?: boolean, wink?: boolean}>} lids: whether it can close them; wink: one alone
+ * @returns {Record<string, {bytes: () => Buffer, lids?: boolean, wink?: boolean}>} lids: it can close its lids; wink: it can close one lid
  */
 export const strangeCases = (whole) => ({
   prefixed: { bytes: () => strange(whole, { rename: arkit((name) => `Head_blendShape.${name}`) }) },

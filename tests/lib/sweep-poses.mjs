@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sound of every language in every expression, as the program makes them: the poses in which no mesh may go through another.
+// Poses of every sound of every language in every expression, in which no mesh may penetrate another.
 import { unitLength } from '../../models/tools/lib/deform.mjs';
 import { expressionPose, LANGUAGES, said } from './mouth-poses.mjs';
 import { sentences } from './sentences.mjs';
 
 export const BASIC = ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise'];
 
-const EYEBALL_MM = 12; // a gaze is told apart by how far the pupil goes
+const EYEBALL_MM = 12; // radius: converts gaze to the pupil's displacement, mm
 
-/** Syllables: each consonant of a language between the vowels it has, as it is spelled. English is not spelled as it is spoken. */
+/** Consonants and vowels of each language as spelled, combined to syllables. Not for English, whose spelling is irregular. */
 const SYLLABLES = {
   it: ['p b m f v t d s z c ch sc g gh gl gn l n r qu', 'a e i o u'],
   'pt-BR': ['p b m f v t d s z ç ch j l lh n nh r rr c g qu', 'a e i o u é ó ã'],
@@ -17,12 +17,12 @@ const SYLLABLES = {
 };
 const MORE = { en: ' The thin father thinks this thing there. A vision of pleasure. Bird, boat, boy, now, near, fair, tour.' };
 
-/** The engines of a language besides `dominance`. */
+/** The engines of each language. */
 const ENGINES = { it: ['dominance'], 'pt-BR': ['dominance', 'context'], tr: ['dominance', 'syllable'], en: ['dominance'] };
 
-const AT_ONCE = 5; // words: an expression is at its strongest for about a second
+const AT_ONCE = 5; // words per piece: an expression is at its strongest for about a second
 
-/** Pieces of text of about a second each; in both orders, since expressions need time to come and some soon settle. */
+/** Pieces of text of about a second each, in both orders, because expressions take time to rise and some settle soon. */
 function pieces(lang, once) {
   const [consonants, vowels] = SYLLABLES[lang].map((list) => list.split(' '));
   const words = consonants.flatMap((c) => vowels.map((v) => `${v}${c}${v}`));
@@ -33,9 +33,9 @@ function pieces(lang, once) {
 }
 
 /**
- * The middle of each sound, and the face every tenth of a second besides (blinks and glances have no sound).
+ * Poses in the middle of each sound, and every 0.1 s for blinks and glances, which are independent of sounds.
  * @param {(string|null)[]} expressions affects; null: none
- * @param {{blends?: string[], prose?: boolean, once?: boolean}} [options] prose: sentences of the language as well; once: each syllable in one order
+ * @param {{blends?: string[], prose?: boolean, once?: boolean}} [options] prose: also sentences of the language; once: each syllable in one order only
  * @returns {{mouths: Pose[], eyes: Pose[]}} Pose: {what, faps}
  */
 export function sweepPoses(expressions, { blends = ['auto'], prose = false, once = false } = {}) {
@@ -56,7 +56,7 @@ export function sweepPoses(expressions, { blends = ['auto'], prose = false, once
   for (const expression of expressions)
     if (expression) {
       const faps = expressionPose(`${expression}=1`);
-      const closed = faps.map((value, n) => (n === 19 || n === 20 ? 1024 - faps[n + 2] : value)); // the program has lids meet, no more
+      const closed = faps.map((value, n) => (n === 19 || n === 20 ? 1024 - faps[n + 2] : value)); // faccia lets lids meet but not overlap
       mouths.push({ what: `${expression} alone`, faps });
       eyes.push({ what: `${expression} alone`, faps }, { what: `${expression}, eyes closed`, faps: closed });
     }
@@ -64,15 +64,15 @@ export function sweepPoses(expressions, { blends = ['auto'], prose = false, once
 }
 
 /**
- * Of poses those that differ from each other by more than `mm` in one of the FAPs: of the others there is one that is as good.
- * @param {Pose[]} poses @param {number[]} faps that count @param head whose face the millimetres are of
+ * Selects poses that differ from each other by more than `mm` in at least one FAP; each dropped pose is close to a selected one.
+ * @param {Pose[]} poses @param {number[]} faps to compare @param head on which the mm are measured
  */
 export function apart(poses, faps, mm, head) {
   const unit = faps.map((n) => (unitLength(head, n) * (unitLength(head, n) < 1e-4 ? EYEBALL_MM : 1)) / mm);
   const places = poses.map((pose) => Float64Array.from(faps, (n, i) => pose.faps[n] * unit[i]));
-  const coarse = widest(places, 4); // only poses in neighbouring cells of these are compared
+  const coarse = widest(places, 4); // compares only poses in neighbouring cells of these coordinates
   const cells = new Map();
-  const same = new Set(); // what shares a cell of all FAPs with one that is kept is near it for certain
+  const same = new Set(); // a pose in the same cell of all FAPs as a selected one is surely close to it
   const kept = [];
   const key = (cell) => cell.reduce((sum, x) => sum * 4096 + x + 2048, 0);
   const around = neighbours(coarse.length);
@@ -88,7 +88,7 @@ export function apart(poses, faps, mm, head) {
   return kept;
 }
 
-/** Whether one of the list is within 1 in all coordinates; it comes first from now on, since poses repeat. */
+/** Tells whether a member of the list is within 1 in all coordinates, and moves it to the front, because poses repeat. */
 function near(place, list = []) {
   for (let k = 0; k < list.length; k++) {
     const other = list[k];
@@ -101,9 +101,9 @@ function near(place, list = []) {
   return false;
 }
 
-const SAMPLE = 4000; // poses by which coordinates are chosen
+const SAMPLE = 4000; // number of poses used to choose coordinates
 
-/** The numbers of the coordinates that differ most, each in what those before it do not say (a Cholesky decomposition with pivots). */
+/** Chooses the coordinates with the largest variance not explained by those before (pivoted Cholesky decomposition). */
 function widest(places, count) {
   const some = places.filter((_, i) => i % Math.ceil(places.length / SAMPLE) === 0);
   const mean = Array.from(places[0] ?? [], (_, i) => some.reduce((sum, place) => sum + place[i], 0) / some.length);
@@ -116,7 +116,7 @@ function widest(places, count) {
   });
 }
 
-/** All steps of -1, 0 or 1 in so many directions; none first. */
+/** All offsets of -1, 0 or 1 in `count` dimensions, zero first. */
 function neighbours(count) {
   const all = Array.from({ length: 3 ** count }, (_, n) => Array.from({ length: count }, (_, i) => (Math.floor(n / 3 ** i) % 3) - 1));
   return all.sort((a, b) => Math.hypot(...a) - Math.hypot(...b));

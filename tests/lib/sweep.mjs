@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Does a mesh of a head go through another in a pose? Only the triangles near the mouth and the eyes are posed, of hair only those that
-// are seen, and what goes in by less than the tolerance is a touch: soft parts yield.
+// Finds meshes of a head that penetrate each other in a pose. Poses only the triangles near mouth and eyes, and only visible hair; shallower
+// penetration than the tolerance counts as contact, because soft parts yield.
 import { createRequire } from 'node:module';
 import { crossings } from '../../models/tools/lib/crossing.mjs';
 import { pose } from '../../models/tools/lib/deform.mjs';
@@ -8,8 +8,8 @@ import { pose } from '../../models/tools/lib/deform.mjs';
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
 
 /**
- * [one, other, mm]: teeth go hardly into each other (anger thrusts the lower ones against the upper ones). The tongue is pressed against them (its sides against the molars at /s/, its tip
- * between the incisors at /θ/), the inside of the lips even more: /f/ lays it on the incisors. Through the lips comes nothing.
+ * [part, other part, tolerance in mm]. Teeth hardly penetrate each other (in anger the lower ones press against the upper ones). The tongue presses against them (its sides against the molars at
+ * /s/, its tip between the incisors at /θ/), the inside of the lips even more (on the incisors at /f/). Nothing may come through the lips.
  */
 const AT_THE_MOUTH = [
   ['teeth_upper', 'teeth_lower', 1.2],
@@ -25,7 +25,7 @@ const AT_THE_MOUTH = [
   ['beard', 'tongue', 0.8],
 ];
 
-/** Hair and lenses are hard, hair in hair gives way (an old man's brows on his lashes); lashes are rooted in the lids, so these may not come through the other lid only, whose margin is some 2 mm thick. */
+/** The same at the eyes. Hair and lenses are hard; hair in hair yields (bushy brows on lashes). Lashes are rooted in their lids, so they are checked only against the other lid, whose margin is about 2 mm thick. */
 const AT_THE_EYES = [
   ['brows', 'hair', 0.5],
   ['lashes', 'hair', 0.5],
@@ -39,17 +39,17 @@ const AT_THE_EYES = [
   ['lids', 'glasses', 0.5],
 ];
 
-/** How deep lids and lashes may go into an eyeball: its front is a ball with a cornea, the lids' margins are thick. */
+/** Tolerance of lids and lashes in an eyeball, mm: the cornea bulges, and lid margins are thick. */
 const IN_EYE_MM = 0.8;
 
-const MOUTH_BOX = { x: 34, y: 26, behind: 45 }; // mm about the lips
-const EYES_BOX = { x: 75, y: 32, behind: 40 }; // about the eyes: brows are some 20 above
+const MOUTH_BOX = { x: 34, y: 26, behind: 45 }; // mm around the lips
+const EYES_BOX = { x: 75, y: 32, behind: 40 }; // mm around the eyes; brows are about 20 above
 
-/** FAPs that move something there: poses that differ in others only are one. */
+/** FAPs that move something there; poses that differ only in others are equivalent. */
 export const MOUTH_FAPS = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 39, 40, 41, 42, 43, 44, 45, 46, 47, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64];
 export const EYE_FAPS = [19, 20, 21, 22, 23, 24, 25, 26, 31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 61, 62, 63, 64];
 
-/** The triangles of a part all of whose corners are wanted, as a part of their own. @param {(v: number) => boolean} wanted */
+/** Makes a part of the triangles whose corners are all wanted. @param {(v: number) => boolean} wanted */
 export function cut(part, wanted) {
   const number = new Map();
   const index = [];
@@ -81,7 +81,7 @@ export function cut(part, wanted) {
 const inside = ({ position: p }, [x, y, z], box) => (v) =>
   Math.abs(p[v * 3] - x) < box.x && Math.abs(p[v * 3 + 1] - y) < box.y && p[v * 3 + 2] > z - box.behind;
 
-/** By how much the turns of a kind take a vertex with them. */
+/** Largest weight of each vertex in the turns whose names match `start`. */
 function weights(part, start) {
   const out = new Float64Array(part.position.length / 3);
   for (const { turn, vertices, weights: of } of part.turns)
@@ -89,9 +89,9 @@ function weights(part, start) {
   return out;
 }
 
-const SEEN = 100; // of 255: fainter hair hides nothing
+const SEEN = 100; // opacity of 255; fainter hair hides nothing
 
-/** A part without the triangles whose texture is clear at the corners, at the edges' middles and in the middle. */
+/** Removes triangles whose texture is transparent at the corners, the middles of the edges and the centre. */
 async function onlySeen(head, part) {
   const { texture, alpha } = head.materials[part.material];
   if (!texture || !['blend', 'cutout'].includes(alpha)) return part;
@@ -111,9 +111,9 @@ async function onlySeen(head, part) {
   return { ...part, index };
 }
 
-/** What a head's meshes do in poses. */
+/** Checks the meshes of a head in poses. */
 export class Sweep {
-  /** @param head as unpack() gives it */
+  /** @param head as returned by unpack() */
   static async of(head) {
     const parts = await Promise.all(head.parts.map((part) => onlySeen(head, part)));
     return new Sweep(head, parts);
@@ -147,7 +147,7 @@ export class Sweep {
     };
   }
 
-  /** An eyeball as the radius by the angle from where it looks, and the vertices of lids and lashes before it. */
+  /** Describes an eyeball by its radius as a function of the angle from its gaze, and lists vertices of lids and lashes in front of it. */
   #ball(eye, covers) {
     const { pivot } = this.head.turns.find(({ name }) => eye.turns.some((t) => t.turn === name));
     const away = (p, v) => pivot.map((c, k) => p[v * 3 + k] - c);
@@ -174,7 +174,7 @@ export class Sweep {
         const d = away(p, v);
         const length = Math.hypot(...d);
         const out = length - radius(Math.acos(d[2] / length));
-        // Outside at rest: what lies deeper is the socket behind the lids.
+        // Only vertices outside at rest: deeper ones belong to the socket behind the lids.
         if (out > 0.3 && out < 12) mine.push(v);
       }
       return { margin, mine };
@@ -182,12 +182,12 @@ export class Sweep {
     return { name: eye.name, pivot, radius, front, before };
   }
 
-  /** @returns {{pair: string, count: number, mm: number, at: number[]}[]} what goes through what, at how many edges (of an eye: vertices), how deep */
+  /** @returns {{pair: string, count: number, mm: number, at: number[]}[]} pairs that penetrate, number of edges (for an eye: vertices), depth in mm */
   mouth(faps) {
     return this.#pairs(AT_THE_MOUTH, this.mouthParts, faps);
   }
 
-  /** The same about the eyes. */
+  /** The same at the eyes. */
   eyes(faps) {
     return [...this.#pairs(AT_THE_EYES, this.eyeParts, faps), ...this.balls.flatMap((ball) => this.#pressed(ball, faps))];
   }
@@ -203,13 +203,13 @@ export class Sweep {
     });
   }
 
-  /** Whether a part is anywhere else than at rest. */
+  /** Tells whether the FAPs move the part. */
   #moves(part, faps) {
     const turning = (name) => this.head.turns.find((turn) => turn.name === name).fap;
     return part.moves.some(({ fap }) => faps[fap]) || part.turns.some(({ turn }) => faps[turning(turn)]);
   }
 
-  /** What is worked out of a mesh is kept with it: one at rest is the same in all poses. */
+  /** Caches a part at rest, because precomputed data is stored with the mesh. */
   #still(part, place) {
     if (!this.still.has(part)) this.still.set(part, place(part));
     return this.still.get(part);

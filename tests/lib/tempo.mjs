@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sound beside the same one faster or slower: is its pitch the same, and does everything come when it should?
+// Compares a sound with a faster or slower version: pitch must be equal and events on time.
 
 const middle = (list) => list.toSorted((a, b) => a - b)[list.length >> 1];
 
-/** Hz at that time by the autocorrelation, or null where there is none: the first peak that is nearly as high as the highest. */
+/** Pitch in Hz at that time by autocorrelation (the first peak nearly as high as the highest), or null. */
 export function pitchAt({ pcm, rate }, seconds) {
   const least = Math.floor(rate / 400), most = Math.ceil(rate / 65), size = 2 * most, from = Math.round(seconds * rate) - most;
   if (from < 0 || from + size + most >= pcm.length) return null;
@@ -19,7 +19,7 @@ export function pitchAt({ pcm, rate }, seconds) {
   const best = Math.max(...likeness.slice(least));
   const lag = likeness.findIndex((x, k) => k >= least && x > 0.9 * best && x >= likeness[k - 1] && x >= (likeness[k + 1] ?? 0));
   if (best < 0.85 || lag < 0) return null;
-  const [a, b, c] = [likeness[lag - 1], likeness[lag], likeness[lag + 1] ?? 0]; // between the samples: a parabola
+  const [a, b, c] = [likeness[lag - 1], likeness[lag], likeness[lag + 1] ?? 0]; // parabolic interpolation
   return rate / (lag + (a - c) / (2 * (a - 2 * b + c) || 1));
 }
 
@@ -33,7 +33,7 @@ const loudness = ({ pcm, rate }, speed) => {
   });
 };
 
-/** How far a stretch of 0.8 s from there on is off, s of the original: where its loudness goes the same ways. */
+/** Time error of the 0.8 s from there on, in s of the original, by correlation of loudness. */
 function lagAt(was, is, from) {
   const size = 160, reach = 20;
   const score = (lag) => {
@@ -53,9 +53,9 @@ function lagAt(was, is, from) {
 }
 
 /**
- * @param {{pcm, rate}} was @param {{pcm, rate}} is the same, so many times as fast
- * @returns {{pitch: number, pitches: number, lag: number, most: number, duration: number}} by how much the pitch is another, as a part, in the median
- * of so many places; by how much it is off in time, s of the original, in the median and at most; the duration, as a part of what it should be
+ * @param {{pcm, rate}} was @param {{pcm, rate}} is the same at `speed`
+ * @returns {{pitch: number, pitches: number, lag: number, most: number, duration: number}} pitch: median relative error over `pitches` places; lag,
+ * most: median and maximum time error, s of the original; duration: ratio to the expected one
  */
 export function compareTempo(was, is, speed) {
   const seconds = was.pcm.length / was.rate;

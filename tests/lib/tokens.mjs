@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// JSON Web Tokens as any program could sign them (RFC 7515), good ones and odd ones.
+// Signs JSON Web Tokens (RFC 7515), valid and unusual ones.
 import { createHmac } from 'node:crypto';
 
 export const now = () => Math.floor(Date.now() / 1000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-/** A WAV file. @param {Int16Array} samples of all channels by turns @param {number} rate in Hz */
+/** Makes a WAV file. @param {Int16Array} samples interleaved @param {number} rate in Hz */
 export function wavOf(samples, rate, channels = 1) {
   const header = Buffer.alloc(44);
   header.write('RIFF    WAVEfmt ');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Starts faccia-worker, which speaks for daemons elsewhere.
+// Starts faccia-worker, which speaks for daemons on other machines.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import path from 'node:path';

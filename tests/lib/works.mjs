@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Works for libraries: EPUBs, good and bad ones, and texts of any size.
+// Makes works for libraries: valid and invalid EPUBs, and texts of any size.
 import { execFileSync } from 'node:child_process';
 
 const ZIP = `
@@ -13,13 +13,13 @@ with zipfile.ZipFile(sys.argv[1], 'w', zipfile.ZIP_DEFLATED) as z:
             z.writestr(name, text)
 `;
 
-/** Writes an archive: names -> texts, or so many megabytes of zeros. */
+/** Writes a ZIP archive: name -> text, or a number of megabytes of zeros. */
 export const writeZip = (file, entries) => execFileSync('python3', ['-c', ZIP, file], { input: JSON.stringify(entries) });
 
 const container = (opf) => `<container xmlns="urn:oasis:names:tc:opendocument:xmlns:container" version="1.0"><rootfiles>
 <rootfile full-path="${opf}" media-type="application/oebps-package+xml"/></rootfiles></container>`;
 
-/** The files of an EPUB 3 with those documents (name -> body) in its spine. */
+/** Makes the files of an EPUB 3 with these documents (name -> body) in its spine. */
 export const epub = (documents, { title = 'Un libro', lang = 'it', doctype = '', opf = 'OEBPS/book.opf' } = {}) => {
   const names = Object.keys(documents);
   const entries = {
@@ -35,7 +35,7 @@ export const epub = (documents, { title = 'Un libro', lang = 'it', doctype = '',
   return entries;
 };
 
-/** Sentences of words that are made of syllables, the same for the same seed; the nth word is met as often as 1/n. */
+/** Generates sentences of synthetic words from a seed, with Zipf's distribution (the nth word has frequency 1/n). */
 export function* sentencesOf(seed, words = 5000) {
   let state = seed >>> 0 || 1;
   const random = () => ((state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32);

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A small server of the Wyoming protocol, with espeak-ng's voice: in a thread of its own, so that it serves while a test waits for a
-// program. It posts its port. What it does wrong, the voice's speaker says.
+// A small server of the Wyoming protocol with espeak-ng's voice. Runs in a thread, so that it serves while a test blocks on a child process.
+// Posts its port. The speaker of the requested voice selects its misbehaviour.
 import { spawnSync } from 'node:child_process';
 import net from 'node:net';
 import { parentPort } from 'node:worker_threads';
 
 const sound = { rate: 22050, width: 2, channels: 1 };
 
-/** An event as a server's library writes it: the data behind the header, or within it. */
+/** Encodes an event like the servers' library: data after the header, or within it. */
 const event = (type, data, payload, within) => {
   const body = Buffer.from(JSON.stringify(data));
   const lengths = { ...(within ? { data } : { data_length: body.length }), ...(payload && { payload_length: payload.length }) };
   return Buffer.concat([Buffer.from(`${JSON.stringify({ type, version: '1.5.2', ...lengths })}\n`), within ? Buffer.alloc(0) : body, payload ?? Buffer.alloc(0)]);
 };
 
-/** The first event of what has come so far, or null. */
+/** Takes the first complete event of the received bytes, or returns null. */
 function take(bytes) {
   const end = bytes.indexOf('\n');
   if (end < 0) return null;
@@ -32,12 +32,12 @@ function answer(socket, { type, data: { text, voice } }) {
   const events = [event('audio-start', sound, null, true)];
   for (let at = 0; at < pcm.length; at += 2048) events.push(event('audio-chunk', { ...sound, timestamp: at }, pcm.subarray(at, at + 2048), at % 4096));
   if (voice.speaker !== 'hangs-up') events.push(event('audio-stop', { timestamp: pcm.length }));
-  // a network cuts as it likes
+  // sends in arbitrary pieces
   const bytes = Buffer.concat(events);
   socket.setNoDelay(true);
   for (let at = 0; at < bytes.length; at += 1777) socket.write(bytes.subarray(at, at + 1777));
   if (voice.speaker === 'hangs-up') return socket.end();
-  return socket; // the client hangs up
+  return socket; // the client closes the connection
 }
 
 const server = net.createServer((socket) => {

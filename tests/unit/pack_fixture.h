@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech pack as the state of a group of tests. */
+/* Loads a speech pack as the state of a test group. */
 #ifndef FACCIA_TESTS_PACK_FIXTURE_H
 #define FACCIA_TESTS_PACK_FIXTURE_H
 

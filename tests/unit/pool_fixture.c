@@ -21,7 +21,7 @@ static void on_guard(uv_timer_t *timer) {
 static void on_ready(void *ctx) {
     struct pool_test *s = ctx;
     size_t count;
-    if (s->ready) { /* once more, as the first voice has come after all */
+    if (s->ready) { /* a second call: the first voice appeared after all */
         voice_pool_voices(s->pool, &count);
         assert_true(count && !s->voiced);
     }
@@ -90,7 +90,7 @@ void pool_test_shut(struct pool_test *s) {
 
 static void finish(struct result *r) {
     struct pool_test *s = r->test;
-    assert_int_equal(r->order, 0); /* one callback */
+    assert_int_equal(r->order, 0); /* exactly one callback */
     r->order = (unsigned)++s->finished;
     if (s->finished == s->count)
         uv_stop(&s->loop);
@@ -134,7 +134,7 @@ struct result *pool_test_speak_items(struct pool_test *s, const char *name, doub
                                              .quota_key = s->quota_key,
                                              .connection = s->connection};
     s->jobs[s->count++] = voice_pool_speak(s->pool, &request, &callbacks, r);
-    assert_int_equal(r->order, 0); /* never at once */
+    assert_int_equal(r->order, 0); /* never within the call */
     return r;
 }
 

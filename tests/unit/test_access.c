@@ -48,7 +48,7 @@ static void old_secret_still_counts(void **state) {
     free(text);
 }
 
-/* No change of any character leaves it good, and neither does another secret or no signature at all. */
+/* A changed character, another secret or a missing signature invalidates the token. */
 static void forgeries(void **state) {
     (void)state;
     struct secrets mine = {(char *[]){first}, 1}, other = {(char *[]){second}, 1};
@@ -140,7 +140,7 @@ static void origins(void **state) {
     }
 }
 
-/* The last that was told of a key. */
+/* The last report about a key. */
 struct told {
     char key[8];
     struct quota_use use;
@@ -158,7 +158,7 @@ static void tallies_of_others(void **state) {
     struct quota quota = {.changed = on_told, .ctx = &told};
     quota_seen(&quota, "one", "a", &(struct quota_use){2, 3, 7});
     quota_seen(&quota, "two", "a", &(struct quota_use){1, 1, 7});
-    assert_string_equal(told.key, ""); /* that was not this one's */
+    assert_string_equal(told.key, ""); /* not reported for this one */
     assert_int_equal(quota_open(&quota, "a"), 3);
     assert_false(quota_enter(&quota, "a", 3));
     assert_true(quota_enter(&quota, "a", 4));
@@ -166,7 +166,7 @@ static void tallies_of_others(void **state) {
     assert_int_equal(told.use.open, 1);
     assert_true(quota_ask(&quota, "a", 5, 7 * 60000));
     assert_false(quota_ask(&quota, "a", 5, 7 * 60000));
-    assert_true(quota_ask(&quota, "a", 5, 8 * 60000)); /* what they asked was in another minute */
+    assert_true(quota_ask(&quota, "a", 5, 8 * 60000)); /* their requests were in another minute */
     assert_int_equal(told.use.asked, 1);
     assert_int_equal(told.use.minute, 8);
     quota_seen(&quota, "one", "a", &(struct quota_use){0, 0, 0});
@@ -178,7 +178,7 @@ static void tallies_of_others(void **state) {
     quota_sweep(&quota, 9 * 60000);
     assert_int_equal(told.use.open + told.use.asked, 0);
     assert_null(quota.entries);
-    /* what nobody has open here stays as long as others count it, and goes with them */
+    /* a key with nothing open here is kept while other daemons count it */
     for (int i = 0; i < TALLY_OTHERS_MOST + 5; i++) {
         char key[24];
         snprintf(key, sizeof key, "x%d", i);
@@ -228,12 +228,12 @@ static void tallies(void **state) {
     quota_leave(&quota, "a");
     quota_leave(&quota, "a");
     assert_int_equal(quota_open(&quota, "a"), 0);
-    assert_false(quota_ask(&quota, "a", 1, 60000)); /* what was asked counts all the same */
+    assert_false(quota_ask(&quota, "a", 1, 60000)); /* requests still count */
     assert_true(quota_ask(&quota, "a", 2, 60000));
-    assert_true(quota_ask(&quota, "c", 1, 60000)); /* one that has nothing open */
+    assert_true(quota_ask(&quota, "c", 1, 60000)); /* a key with nothing open */
     assert_false(quota_ask(&quota, "c", 1, 61000));
     assert_true(quota_ask(&quota, "c", 1, 120000));
-    assert_int_equal(quota.closed, 1); /* a is forgotten: that was another minute; b has something open */
+    assert_int_equal(quota.closed, 1); /* a is forgotten after its minute; b has something open */
     for (int i = 0; i < 3 * TALLY_CLOSED_MOST; i++) {
         char key[24];
         snprintf(key, sizeof key, "x%d", i);

@@ -11,8 +11,8 @@
 
 enum { RATE = 16000, SYLLABLE = 3200, SYLLABLES = 12 };
 
-/* Words of one syllable that differ: a buzz through two resonances, with a soft start and end. speed 1 = 0.2
- * s each; a pause of so many samples stands before word `before`. Returns the sound, and its length. */
+/* Synthesises distinct words of one syllable: a buzz through two resonances with a soft start and end, 0.2 s
+ * each at speed 1, with a pause of `pause` samples before word `before`. Returns the sound and its length. */
 static int16_t *words(const int *order, double speed, double pitch, int before, size_t pause, size_t *size) {
     size_t length = (size_t)(SYLLABLE / speed);
     int16_t *pcm = calloc(SYLLABLES * length + pause + 1, sizeof *pcm);
@@ -51,7 +51,7 @@ static void starts(uint64_t *out, double speed) {
         out[w] = (uint64_t)(w * (size_t)(SYLLABLE / speed));
 }
 
-/* The largest error of the words' beginnings, s. */
+/* Largest error of the starts of words, s. */
 static double worst(const struct align_map *map, double speed, int before, size_t pause) {
     double error = 0;
     for (int w = 1; w < SYLLABLES; w++) {
@@ -93,7 +93,7 @@ static void slower_and_faster(void **state) {
     try(0.8, 180, SYLLABLES, 0, false, 0.03);
 }
 
-/* A pause where the reference has none: what follows is where it is, what precedes too. */
+/* A pause missing in the reference: words before and after it are still found. */
 static void a_pause(void **state) {
     (void)state;
     for (int before = 0; before < SYLLABLES; before += 3)
@@ -120,7 +120,7 @@ static void other_words(void **state) {
     free(foreign);
 }
 
-/* The reference ends, the recording goes on with other words. */
+/* The recording continues with other words after the reference ends. */
 static void open_end(void **state) {
     (void)state;
     struct align_map map;
@@ -149,7 +149,7 @@ static void far_too_short(void **state) {
     align_free(&map);
     assert_int_equal(align_make(&map, &none, &y, &(struct align_options){NULL, 0, false, NULL}), -1);
     align_free(&map);
-    /* and silence, which is nothing to go by, is taken without harm */
+    /* silence, which gives no evidence, does no harm */
     memset(recording, 0, a * sizeof *recording);
     struct align_sound silence = {recording, a, RATE};
     align_make(&map, &silence, &silence, &(struct align_options){NULL, 0, false, NULL});

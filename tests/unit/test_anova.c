@@ -16,7 +16,7 @@ static void near(double got, double wanted, double relative) {
 
 static void tail(void **state) {
     (void)state;
-    /* critical values of printed tables: F for 5 % and 1 % */
+    /* critical values from printed tables: F for 5 % and 1 % */
     near(anova_f_tail(161.4476, 1, 1), 0.05, 1e-5);
     near(anova_f_tail(4.9646, 1, 10), 0.05, 1e-4);
     near(anova_f_tail(3.9604, 1, 80), 0.05, 1e-4);

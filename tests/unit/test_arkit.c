@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From FAPs to ARKit's shapes: the solver is right, closures stay closures, left is as right. */
+/* Conversion of FAPs to ARKit's shapes: correct solver, preserved closures, left-right symmetry. */
 #include "server/codec/arkit_weights.h"
 #include <math.h>
 #include <setjmp.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-/* 0..1, the same on every machine. */
+/* Reproducible random number, 0..1. */
 static double dice(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (double)(*state >> 40) / (double)(1 << 24);
@@ -68,7 +68,7 @@ static void test_smallest(void **state) {
         assert_true(box_squares_violation(&s, p.right) < 1e-9);
         for (size_t i = 0; i < s.count; i++)
             assert_true(s.x[i] >= 0 && s.x[i] <= s.most[i]);
-        /* nothing beside it is better */
+        /* no neighbouring solution is better */
         double best = cost(&s, p.right, s.x), x[BOX_SQUARES_MAX];
         for (int k = 0; k < 50; k++) {
             for (size_t i = 0; i < s.count; i++)
@@ -78,7 +78,7 @@ static void test_smallest(void **state) {
     }
 }
 
-/* A step past the answer is seen: the conditions are no formality. */
+/* A step away from the solution violates the conditions. */
 static void test_violation(void **state) {
     uint64_t seed = 5;
     struct box_squares s;
@@ -123,7 +123,7 @@ static int shape(const char *name) {
     return -1;
 }
 
-/* The FAPs of a shape by that much, on top of what the frame has. */
+/* Adds the shape's FAPs, scaled by weight, to the frame. */
 static void add(struct fap_frame *f, const char *name, double weight) {
     const struct arkit_shape *s = &arkit_table[shape(name)];
     for (int n = 3; n <= FAP_COUNT; n++)
@@ -156,7 +156,7 @@ static void test_each_comes_back(void **state) {
             double weights[ARKIT_SHAPES];
             add(&f, arkit_table[i].name, w);
             if (i == ARKIT_MOUTH_CLOSE)
-                add(&f, "jawOpen", w); /* it means nothing by itself */
+                add(&f, "jawOpen", w); /* mouthClose needs an open jaw */
             arkit_weights(solver, &f, weights);
             double wanted = i == ARKIT_TONGUE_OUT ? (w * 450 - 61) / (450 - 61) : w;
             if (fabs(weights[i] - wanted) > (arkit_table[i].rare ? 0.2 : 0.03))
@@ -169,7 +169,7 @@ static void test_each_comes_back(void **state) {
     arkit_solver_free(solver);
 }
 
-/* A face such as speech and expressions make, with lips that are open or touch. */
+/* Makes a face typical of speech and expressions, with open or touching lips. */
 static struct fap_frame face(uint64_t *seed, bool closed) {
     struct fap_frame f = {0};
     for (int n = 3; n <= FAP_COUNT; n++) {
@@ -202,7 +202,7 @@ static void test_closures(void **state) {
         else if (f.value[19] < 0 && f.value[21] < 0)
             assert_true(w[ARKIT_EYE_BLINK_LEFT] < 0.1);
     }
-    assert_true(moved > 200); /* and open ones are open */
+    assert_true(moved > 200); /* open lips stay open */
     struct fap_frame shut = {0};
     fap_frame_set(&shut, 20, 700);
     fap_frame_set(&shut, 22, 324);
@@ -224,7 +224,7 @@ static void test_neutral(void **state) {
     arkit_solver_free(solver);
 }
 
-/* FAPs of the other side; those of a direction to one side change their sign. */
+/* Mirrors a frame: swaps sides and negates lateral FAPs. */
 static struct fap_frame mirrored(const struct fap_frame *f) {
     struct fap_frame m = *f;
     static const int pairs[] = {6, 8, 10, 12, 19, 21, 23, 25, 31, 33, 35, 37, 39, 41, 53, 55, 57, 59, 61};

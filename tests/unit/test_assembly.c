@@ -9,7 +9,7 @@
 
 enum { RATE = 16000 };
 
-/* One sentence of a voice: its score, its request, and what is said about it. */
+/* A sentence of a voice: its score, request and audio. */
 struct media_segment {
     struct score *score;
     struct voice_request request;
@@ -131,7 +131,7 @@ static void fills_gaps_with_pauses(void **state) {
     check_phone(&s, 4, "", 400, 1000);
     assert_string_equal(s.u->phones[2].sampa, "_");
     assert_string_equal(s.u->phones[0].sampa, "_");
-    check_word(&s, 0, 100, 400, 0, 2); /* not the pause after it */
+    check_word(&s, 0, 100, 400, 0, 2); /* without the pause after it */
     assert_int_equal(s.u->warning_count, 0);
     end(&s);
 }
@@ -150,7 +150,7 @@ static void mends_times_with_a_warning(void **state) {
     word(&s, 0, 4, 3, 2);
     finish(&s);
     check_phone(&s, 0, "a", 0, 400);
-    check_phone(&s, 1, "b", 400, 400); /* d claims to begin before it, so at its start */
+    check_phone(&s, 1, "b", 400, 400); /* d claims to begin before it, so it ends at its own start */
     check_phone(&s, 2, "d", 400, 400);
     check_phone(&s, 3, "", 400, 900);
     check_phone(&s, 4, "e", 900, 1000);
@@ -210,7 +210,7 @@ static void refuses_too_many_events(void **state) {
     assert_int_equal(count, ASSEMBLY_EVENTS + ASSEMBLY_EVENTS_PER_BYTE);
     assert_string_equal(error_name(e.code), "voice-failed");
     finish(&s);
-    assert_int_equal(s.u->warning_count, 1); /* the same thing is said once */
+    assert_int_equal(s.u->warning_count, 1); /* the same warning only once */
     end(&s);
 }
 
@@ -229,7 +229,7 @@ static void cuts_names_between_characters(void **state) {
     end(&s);
 }
 
-/* A voice that knows when words begin and no more: they last to the next one. */
+/* A voice that reports only the starts of words: each lasts until the next. */
 static void keeps_words_without_phones(void **state) {
     (void)state;
     struct media_segment s;
@@ -315,7 +315,7 @@ static void places_marks(void **state) {
     end(&s);
 }
 
-/* A voice that reports no marks: the host puts them where the next word begins. */
+/* A voice that reports no marks: the host places them at the start of the next word. */
 static void places_marks_that_are_not_reported(void **state) {
     (void)state;
     struct media_segment s = {.score = score_new()};

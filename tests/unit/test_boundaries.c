@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The boundaries between phones go where they are heard, and nothing else changes. */
+/* Boundaries between phones move to where they are heard; nothing else changes. */
 #include "server/voice/boundary_table.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,7 +40,7 @@ static int unload(void **state) {
     return 0;
 }
 
-/* Phones of so many ms each, one after the other. */
+/* Makes consecutive phones with durations in ms. */
 static void say(struct sentence_audio *u, struct phone *phones, const char *const *ipa, const unsigned *ms,
                 size_t count) {
     uint32_t at = 0;
@@ -53,7 +53,7 @@ static void say(struct sentence_audio *u, struct phone *phones, const char *cons
     u->samples = at;
 }
 
-/* A boundary is known by the last letter before it and the first behind it, whatever marks they carry. */
+/* Boundaries match by the last letter before and the first letter after, ignoring diacritics. */
 static void moves_what_the_table_names(void **state) {
     static const struct {
         const char *before, *after;
@@ -94,8 +94,8 @@ static void words_and_marks_go_along(void **state) {
     assert_int_equal(marks[2].at, 400 * MS);
 }
 
-/* Phones of all lengths, 0 among them: they touch, in their order, each keeps a third, and words stay with
- * them. */
+/* Phones of all lengths, including 0, stay adjacent and in order and keep at least a third of their length;
+ * words follow them. */
 static void nothing_overlaps(void **state) {
     static const char *const sounds[] = {"a", "p", "s", "e", "t", ""};
     const struct voice_boundaries *b = boundary_table_find(*state, "one:a");

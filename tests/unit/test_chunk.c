@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The chunk codec against the vectors that the JavaScript codec is held to as well. */
+/* Tests the chunk codec with the vectors shared with the JavaScript codec. */
 #include "protocol/chunk.h"
 #include <jansson.h>
 #include <setjmp.h>
@@ -75,7 +75,7 @@ static void check_chunk(const json_t *v, const struct chunk *c, const struct fap
         check_frame(json_array_get(expected, k), &frames[k]);
 }
 
-/* Loose vectors decode as well, but are not what an encoder writes. */
+/* exact: the encoder must produce these bytes; loose vectors only decode. */
 static void codes_vectors(const char *list, bool exact) {
     size_t i;
     json_t *v;
@@ -147,7 +147,7 @@ static uint32_t next_random(uint32_t *seed) {
     return *seed >> 8;
 }
 
-/* Whatever a decoder takes, the encoder can write, and it means the same again. */
+/* Everything that decodes can be encoded again with the same meaning. */
 static void check_round_trip(const struct chunk *c, const struct fap_frame *frames, size_t size) {
     struct fap_frame again[FRAMES_MAX];
     struct chunk d;
@@ -177,7 +177,7 @@ static void survives_any_bytes(void **state) {
         }
         if (round % 7 == 0)
             size = next_random(&seed) % (size + 1);
-        uint8_t *exact = malloc(size ? size : 1); /* so that the sanitizer sees a step too far */
+        uint8_t *exact = malloc(size ? size : 1); /* the sanitizer detects overruns */
         memcpy(exact, bytes, size);
         if (chunk_decode(exact, size, &c, frames, FRAMES_MAX, &at)) {
             assert_in_range(at, 0, size);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What daemons share: addresses of Redis, and sound that comes back as it was. */
+/* Shared by daemons: Redis addresses, and sound that survives packing. */
 #include "server/base/mem.h"
 #include "server/cluster/redis_internal.h"
 #include <math.h>
@@ -115,7 +115,7 @@ static void anything_comes_back_and_sound_is_smaller(void **state) {
     assert_true(sound_unpack(packed.data, packed.size, value.size, &back));
     assert_memory_equal(back.data, value.data, value.size);
     back.size = 0;
-    /* cut, or changed anywhere: no more than no value */
+    /* truncated or changed anywhere: no value, and no harm */
     for (size_t i = 0; i < packed.size; i += 97)
         assert_false(sound_unpack(packed.data, i, value.size, &back));
     for (size_t i = 0; i < packed.size; i += 997) {
@@ -169,7 +169,7 @@ static void pieces_come_back_as_they_were(void **state) {
         assert_int_equal(back.size, piece.size);
         assert_memory_equal(back.body, body, piece.size);
     }
-    /* cut anywhere before its body, it is none */
+    /* truncated before its body it is invalid */
     size_t whole = packed.size - sizeof body;
     for (size_t i = 0; i < whole; i++) {
         uint8_t *cut = mem_alloc(i + 1);
@@ -199,7 +199,7 @@ static void pieces_of_somebody_else_are_refused(void **state) {
         uint8_t before = packed.data[rows[i].at];
         packed.data[rows[i].at] = rows[i].value;
         bool read = work_unpack_piece(packed.data, packed.size, &back);
-        /* other lengths of the texts may still be a piece, but never one of this name */
+        /* changed text lengths may still parse, but never with this name */
         assert_true(!read || strcmp(back.task, piece.task) != 0);
         packed.data[rows[i].at] = before;
     }

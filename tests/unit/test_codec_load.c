@@ -7,14 +7,14 @@
 
 #include <cmocka.h>
 
-/* Every level is cheaper than the one before. */
+/* Each level is cheaper than the previous one. */
 static void order(void **state) {
     (void)state;
     for (int i = 1; i < CODEC_LOAD_LEVELS; i++)
         assert_true(codec_load_levels[i].cost < codec_load_levels[i - 1].cost);
 }
 
-/* The level at which so many speak, after windows in which the loop is as busy as they make it. */
+/* Returns the level after `windows` windows with the load of that many speakers. */
 static unsigned settle(unsigned level, double speakers, int windows, unsigned *changes) {
     for (int i = 0; i < windows; i++) {
         double busy = fmin(1, speakers * codec_load_levels[level].cost / 1000);
@@ -25,8 +25,8 @@ static unsigned settle(unsigned level, double speakers, int windows, unsigned *c
     return level;
 }
 
-/* However many speak, the level comes to rest, from above and from below, where they are in time if that can
- * be had at all; and a crowd is met within a few windows. */
+/* For any number of speakers the level converges, from above and below, to one that is in time if there is
+ * any; a sudden crowd is handled within a few windows. */
 static void rests(void **state) {
     (void)state;
     const unsigned ends[] = {CODEC_LOAD_BEST, CODEC_LOAD_LEVELS - 1};
@@ -35,7 +35,7 @@ static void rests(void **state) {
             unsigned moves = 0, more = 0, level = settle(ends[e], speakers, 6, &moves);
             assert_true(speakers * codec_load_levels[level].cost <= 800.001 ||
                         level == CODEC_LOAD_LEVELS - 1);
-            /* and no plainer than it has to be: the next dearer one would leave too little to spare */
+            /* no cheaper than necessary: the next better level would leave too little reserve */
             assert_true(!level || speakers * codec_load_levels[level - 1].cost >= 599.999);
             assert_int_equal(settle(level, speakers, 20, &more), level);
             assert_int_equal(more, 0);
@@ -57,13 +57,13 @@ static void calm(void **state) {
     assert_int_equal(codec_load_choose(CODEC_LOAD_LEVELS - 1, 1, true), CODEC_LOAD_LEVELS - 1);
 }
 
-/* Without a loop to look at, sound is at its best. */
+/* Without a loop to measure, the quality is the best. */
 static void nobody_counts(void **state) {
     (void)state;
     assert_int_equal(codec_load_now(NULL), CODEC_LOAD_BEST);
 }
 
-/* What counts is how busy those that code are; the loop only where it shares processors with them. */
+/* The coders' utilisation decides; the loop's only if it shares processors with them. */
 static void busy(void **state) {
     (void)state;
     assert_true(fabs(codec_load_busy(0.5, 0.3, 2) - 0.3) < 1e-9);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command plugin and the example plugin, as the daemon uses them. */
+/* The command plugin and the example plugin in a voice pool. */
 #include "server/voice/faccia-voice.h"
 #include "tests/unit/pool_fixture.h"
 #include <math.h>
@@ -13,7 +13,7 @@
 
 #define VOICE(ID, MORE) "{\"id\": \"" ID "\", \"lang\": \"it\", " MORE "}"
 
-/* Marks and breaks stand where one run of the program ends and the next begins. */
+/* Marks and breaks lie between two runs of the program. */
 static void command_follows_the_score(void **state) {
     (void)state;
     static const char config[] = "{\"command\": {\"voices\": [" VOICE(
@@ -30,7 +30,8 @@ static void command_follows_the_score(void **state) {
     pool_test_run(s);
     assert_false(r->failed);
     assert_int_equal(r->u->sample_rate, 8000);
-    assert_int_equal(r->u->samples, 4000 + 7 / 2 + 2000 + 12 / 2); /* two bytes of text are a sample here */
+    assert_int_equal(r->u->samples,
+                     4000 + 7 / 2 + 2000 + 12 / 2); /* this program makes one sample per two bytes */
     assert_int_equal(r->u->mark_count, 1);
     assert_int_equal(r->u->marks[0].at, 4000 + 7 / 2);
     check_whole(r->u, "BuUo dueMBtre quattro.");

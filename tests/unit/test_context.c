@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables and examples of P. D. P. Costa's thesis (UNICAMP 2009) against models/speech/visemes/pt.json. */
+/* Checks models/speech/visemes/pt.json by the tables and examples of P. D. P. Costa's thesis (UNICAMP 2009).
+ */
 #include "server/face/engines/engine.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/packs/context_table.h"
@@ -93,8 +94,8 @@ static void knows_the_symbols_of_the_transcription(void **state) {
     assert_int_equal(context_sound_named(table, "qq"), -1);
 }
 
-/* Table 4.9 with its examples. The rule is the first in the file that fits: 14 and 21 are one pattern, and 18
- * has all of 24. */
+/* Table 4.9 with its examples. The first matching rule of the file applies: 14 and 21 have the same pattern,
+ * and 18 covers 24. */
 static void maps_the_examples(void **state) {
     static const struct {
         const char *sounds;
@@ -124,7 +125,7 @@ static void maps_the_examples(void **state) {
                     {"e ɾ s k ɾ", 22, "a", "a", "s1"},
                     {"ɾ s k ɾ u", 23, "#", "u", "k3"},
                     {"s k ɾ u t", 18, "u", "u", "r2"},
-                    /* where two rules fit and disagree, s and r before l and r end their syllable: Carlos */
+                    /* where two rules disagree, s and r before l and r end their syllable: Carlos */
                     {"k a ɾ l ʊ", 9, "a", "a", "r1"},
                     {"a ɾ l ʊ s", 12, "a", "u", "l1"},
                     {"e ɾ s l a", 17, "a", "a", "s1"},
@@ -223,7 +224,7 @@ static void gives_every_pentaphone_a_viseme(void **state) {
         for (size_t c = 1; c <= CONSONANTS; c++) {
             size_t sounds[CONTEXT_WINDOW] = {of[a], of[b], of[c], of[d], of[e]};
             const char *name = table->common.shapes.items[context_shape(table, sounds)].name;
-            assert_memory_equal(name, kinds[c], strlen(kinds[c])); /* one of its own group's */
+            assert_memory_equal(name, kinds[c], strlen(kinds[c])); /* a viseme of its own group */
             all++;
             one_vowel += a <= 10 && b <= 10 && d <= 10 && e <= 10;
         }
@@ -329,7 +330,7 @@ static void refuses_languages_without_a_table(void **state) {
     speech_pack_free(it);
 }
 
-/* The table with one value put at path ("a/b/c", numbers are indices; NULL = removed). */
+/* Loads the table with the value at path ("a/b/c", numbers are indices) replaced; NULL = removed. */
 static void check_broken(const struct speech_pack *pack, const char *path, const char *value,
                          const char *field) {
     json_error_t bad;
@@ -373,7 +374,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(pack, "phones/t/shows", "[\"t\"]", "phones"); /* nothing shows tʃ */
     check_broken(pack, "rules/0/at", "[]", "rules[0].at");
     check_broken(pack, "rules/0/at/2", "\"l q\"", "rules[0].at[2]");
-    check_broken(pack, "rules/0/left", "\"2\"", "rules[0].left"); /* silence stands there */
+    check_broken(pack, "rules/0/left", "\"2\"", "rules[0].left"); /* refers to silence */
     check_broken(pack, "rules/0/left", "\"7\"", "rules[0].left");
     check_broken(pack, "rules/0/right", "\"#\"", "rules[0].right");
     check_broken(pack, "rules/0/right", "\"after\"", "rules[0].right");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cues on their way from the score to the utterance: which sentence has them, and when. */
+/* Cues from the score to the audio: their sentence and times. */
 #include "server/base/mem.h"
 #include "server/voice/assembly.h"
 #include <setjmp.h>
@@ -13,7 +13,7 @@
 
 enum { RATE = 10000 };
 
-/* "uno due tre." "quattro cinque." One item for each word; word w is at bytes 10w to 10w + its length. */
+/* "uno due tre." "quattro cinque." One item per word; word w begins at byte 10w. */
 static const char *const words[] = {"uno ", "due ", "tre.", "quattro ", "cinque."};
 
 static struct score *two_sentences(void) {
@@ -35,7 +35,7 @@ static struct score_cue *cue(struct score *score, const char *name, size_t first
     return c;
 }
 
-/* The sentence as a voice speaks it: each word takes a second, after half a second of silence. */
+/* Speaks a sentence: half a second of silence, then a second per word. */
 static struct sentence_audio *speak(struct score *score, size_t sentence) {
     static const struct voice_prosody plain = {.pitch = 1, .volume = 1};
     struct voice_request request;
@@ -133,7 +133,7 @@ static void points(void **state) {
     struct score *score = two_sentences();
     cue(score, "first", 0, 0);
     cue(score, "middle", 1, 1);
-    cue(score, "next", 3, 3); /* before the second sentence: its, not the first one's */
+    cue(score, "next", 3, 3); /* before the second sentence, so it belongs to that one */
     cue(score, "last", 5, 5);
     struct sentence_audio *a = speak(score, 0), *b = speak(score, 1);
     assert_int_equal(a->cue_count, 2);

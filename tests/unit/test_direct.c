@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voice's part of the expressions. */
+/* Effects of expressions on the voice. */
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
@@ -60,7 +60,7 @@ static void styles_what_is_under_a_cue(void **state) {
         assert_near(style->pitch, 1 + (sad->pitch - 1) / 2);
         assert_near(style->range, 1 + (sad->range - 1) / 2);
         assert_near(style->volume, 1 + (sad->volume - 1) / 2);
-        assert_string_equal(style->emotion.name, "sadness"); /* by its own name */
+        assert_string_equal(style->emotion.name, "sadness"); /* by the affect's own name */
         assert_near(style->emotion.intensity, 0.5);
     }
     assert_int_equal(score->cue_count, 1);
@@ -85,7 +85,7 @@ static void multiplies_and_keeps_the_authors_own(void **state) {
     assert_near(style->rate, 0.5 * anger->rate * joy->rate * accent->rate);
     assert_near(style->pitch, anger->pitch * joy->pitch * accent->pitch);
     assert_int_equal(style->emphasis, EMPHASIS_STRONG);
-    assert_string_equal(style->emotion.name, "joy"); /* the inner one */
+    assert_string_equal(style->emotion.name, "joy"); /* the innermost affect */
     assert_string_equal(score->items[2].style->emotion.name, "anger");
     score_free(score);
 }
@@ -96,7 +96,7 @@ static void stays_a_voice(void **state) {
         add(score, "affect", "anger", 0, 1);
         add(score, "affect", "sadness", 1, 2);
     }
-    add(score, "affect", "joy", 2, 99)->intensity = NAN; /* beyond the end; no number */
+    add(score, "affect", "joy", 2, 99)->intensity = NAN; /* beyond the end; NaN */
     expressions_direct(*state, score);
     for (size_t i = 0; i < 4; i++) {
         const struct score_style *style = score->items[i].style;

@@ -93,7 +93,7 @@ static void who_has_not_seen_it_does_not_replace_it(void **state) {
     assert_holds("a", "2");
 }
 
-/* Eight processes, each of which wants to be the first. */
+/* Eight processes create the same document; one succeeds. */
 static void one_of_many_is_the_first(void **state) {
     (void)state;
     pid_t children[8];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expected numbers are printed by dominance_reference.py, which knows the formulas alone. */
+/* Expected values come from dominance_reference.py, which contains only the formulas. */
 #include "server/face/engines/dominance.h"
 #include <math.h>
 #include <setjmp.h>
@@ -78,7 +78,7 @@ static const double curve_values[] = {
     5.685973514649, 6.675563117792, 6.508443336049, -0.188877076908, -1.492409517327, -1.530337612258,
     2.788172570702, 3.720843063446, 3.426808020417, 2.588562672965,  0.512555066058};
 
-/* The curve leaves out what R makes less than 1e-5. */
+/* The curve ignores effects with R below 1e-5. */
 static void gives_the_curve(void **state) {
     (void)state;
     struct curve curve = sample_curve();
@@ -102,7 +102,7 @@ static void leaves_out_what_has_no_effect(void **state) {
     glide.alpha = 0;
     curve_add(&curve, 1, &REST);
     curve_add(&curve, 2, &glide);
-    curve_add(&curve, 1, &V); /* not later than the last one */
+    curve_add(&curve, 1, &V); /* not after the last one */
     assert_int_equal(curve.count, 1);
     curve_link(&curve);
     assert_true(curve_at(&curve, 0.5, &cursor) == 0 && curve_at(&curve, 1.5, &cursor) == 0);
@@ -130,7 +130,7 @@ static void bears_far_targets(void **state) {
     curve_free(&curve);
 }
 
-/* Segments evaluated per sample of a curve of n syllables. */
+/* Returns the segments evaluated per sample of a curve of n syllables. */
 static double cost(size_t n, double k_of_vowels) {
     struct curve curve = {0};
     struct curve_cursor cursor = {0};
@@ -152,12 +152,12 @@ static void costs_the_same_for_any_length(void **state) {
     (void)state;
     NEAR(cost(10000, 1), cost(100, 1), 0.1);
     assert_true(cost(10000, 1) < 5);
-    /* Even where nothing resists. */
+    /* Even without resistance. */
     NEAR(cost(10000, 0.5), cost(1000, 0.5), 0.2);
     assert_true(cost(10000, 0.5) < 2 * DOMINANCE_REACH + 2);
 }
 
-/* (3.2) as it stands, over all segments. */
+/* (3.2) literally, over all segments. */
 static double original(const struct curve *curve, double t) {
     double above = 0, below = 0;
     for (size_t i = 0; i < curve->count; i++) {
@@ -182,15 +182,15 @@ static void knows_the_original_function(void **state) {
         NEAR(curve_at(&plain, t, &cursor), original(&curve, t), 0.02);
         most = fmax(most, fabs(original(&curve, t) - curve_at(&curve, t, &(struct curve_cursor){0})));
     }
-    assert_true(most > 0.5); /* it is another curve */
-    /* The bilabial of the middle does not get to its target: this is what the resistance was made for. */
+    assert_true(most > 0.5); /* the curves differ */
+    /* The bilabial in the middle misses its target, which is why the resistance exists. */
     assert_true(curve_at(&plain, 0.2, &cursor) > 0);
     NEAR(curve_at(&curve, 0.2, &cursor), P.T, 0.3);
     curve_free(&curve);
     curve_free(&plain);
 }
 
-/* However long the silence between two targets. */
+/* Works with any length of silence between two targets. */
 static void original_bears_long_gaps(void **state) {
     (void)state;
     struct curve curve = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What every engine has to keep to, each in a language that it speaks. */
+/* Requirements on all engines, each in a language that it supports. */
 #include "server/face/engines/engine.h"
 #include "server/face/track.h"
 #include "tests/unit/utter.h"
@@ -12,8 +12,7 @@
 
 enum { ENGINES = 5, PRESS_LIMIT = 16 }; /* press: FAPMAP_MAX_PRESS in FAP units, rounded up */
 
-static const char *const langs[ENGINES] = {"it", "it", "pt-BR", "tr",
-                                           "it"}; /* in the order of face_engines() */
+static const char *const langs[ENGINES] = {"it", "it", "pt-BR", "tr", "it"}; /* as in face_engines() */
 
 static int load(void **state) {
     struct speech_pack **packs = mem_alloc(ENGINES * sizeof *packs);
@@ -84,7 +83,7 @@ static bool is_closed(const struct fap_frame *f) {
     return seal(f, 4, 5) >= 0 && seal(f, 8, 10) >= 0 && seal(f, 9, 11) >= 0;
 }
 
-/* How many of the bilabials and labiodentals are out of touch in their middle. */
+/* Counts bilabials and labiodentals without contact in their middle. */
 static size_t missed(void **state, size_t engine, enum face_contacts contacts, double wpm) {
     struct sentence_audio *u = utter(speech, 160 / wpm);
     struct face_track *track = track_with(state, engine, contacts, u);
@@ -101,8 +100,8 @@ static size_t missed(void **state, size_t engine, enum face_contacts contacts, d
     return count;
 }
 
-/* With the layer of contacts every engine closes every /p b m/ at 80 to 400 words a minute, and brings the
- * lip to the teeth in every /f v/. Which have it unless they are told otherwise: all but the baselines. */
+/* With the contact layer every engine closes every /p b m/ at 80 to 400 words a minute, and brings the lip to
+ * the teeth in every /f v/. By default all engines but the baselines have it. */
 static void close_up_to_400_words_a_minute(void **state) {
     for (size_t e = 0; e < ENGINES; e++) {
         const char *name = face_engines()[e];
@@ -119,8 +118,8 @@ static void close_up_to_400_words_a_minute(void **state) {
     }
 }
 
-/* The table's targets are met in the middle of the phones, and half-way between two middles is half-way
- * between the targets. */
+/* The table engine reaches its targets in the middle of phones, and the mean of two targets half-way between
+ * their middles. */
 static void table_is_plain(void **state) {
     struct sentence_audio *u = utter("_.100 a.200 s.200 a.200 _.100", 1);
     struct face_track *track = track_by(state, 4, u);
@@ -190,7 +189,7 @@ static void bear_odd_utterances(void **state) {
     }
 }
 
-/* No jump from one frame of 100 a second to the next, but for the lips of a contact. */
+/* No jump between frames at 100 fps, except for lips in contacts. */
 static void move_without_jumps(void **state) {
     for (size_t e = 0; e < ENGINES; e++) {
         struct sentence_audio *u = utter(speech, 1);
@@ -210,7 +209,7 @@ static void move_without_jumps(void **state) {
     }
 }
 
-/* An engine that does not speak the language gives way to the default one. */
+/* The default engine replaces one that does not support the language. */
 static void stand_in_for_each_other(void **state) {
     struct speech_pack *it = ((struct speech_pack **)*state)[0];
     struct sentence_audio *u = utter(speech, 1);

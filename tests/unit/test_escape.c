@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A plugin tries to get out of its worker (tests/plugins/escape.c): this process is its daemon. */
+/* A plugin (tests/plugins/escape.c) tries to escape from its worker; this process acts as the daemon. */
 #include "tests/unit/pool_fixture.h"
 #include <setjmp.h>
 #include <signal.h>
@@ -40,10 +40,10 @@ static int remove_files(void **state) {
     (void)state;
     unlink(secret);
     unlink(file);
-    return rmdir(folder); /* which fails when there is anything else */
+    return rmdir(folder); /* fails unless the folder is empty */
 }
 
-/* Without Landlock a kernel cannot keep it from these. */
+/* Attempts that only Landlock prevents. */
 static bool of_landlock(const char *name) {
     static const char *const names[] = {
         "secret", "home", "create", "write", "create in tmp", "name", "out of memory score"};
@@ -105,7 +105,7 @@ static const char *const attempts[] = {
 };
 enum { ATTEMPTS = sizeof attempts / sizeof *attempts };
 
-/* Whether the kernel has the calls of 32 bits ("old call"). */
+/* Tells whether the kernel supports 32-bit system calls ("old call"). */
 static bool has_old_calls(void) {
     int status = -1;
 #ifdef __x86_64__
@@ -121,7 +121,7 @@ static bool has_old_calls(void) {
     return status == 0;
 }
 
-/* What came of an attempt in an initialiser, and again by speaking. */
+/* Checks the result of an attempt, in an initialiser and while speaking. */
 static bool is_as_wanted(const char *name, const struct result *r, bool allowed) {
     if (syscall(444, NULL, 0, 1) < 1 && of_landlock(name)) {
         print_message("this kernel has no Landlock: not checked: %s\n", name);
@@ -171,7 +171,7 @@ static void a_plugin_that_starts_programs(void **state) {
     try_to_escape("escape_programs", NULL, allowed);
 }
 
-/* What the operator lists may be read, and not written: it did not say that it writes. */
+/* Paths listed by the operator can be read but not written, because the plugin does not declare FILES. */
 static void what_the_operator_allows(void **state) {
     static const char *const allowed[] = {"secret", "system", "nowhere", "thread", NULL};
     char config[200];
@@ -181,7 +181,7 @@ static void what_the_operator_allows(void **state) {
     try_to_escape("escape", config, allowed);
 }
 
-/* A file that its configuration names may be read, and nothing else in a folder such as /tmp. */
+/* A file named in the configuration can be read, but nothing else in a shared folder such as /tmp. */
 static void what_its_configuration_names(void **state) {
     static const char *const allowed[] = {"secret", "system", "nowhere", "thread", NULL};
     char config[200];

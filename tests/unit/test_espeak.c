@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The espeak-ng plugin, as the daemon uses it. */
+/* The espeak-ng plugin in a voice pool. */
 #include "server/base/mem.h"
 #include "tests/unit/pool_fixture.h"
 #include <math.h>
@@ -19,7 +19,7 @@ static void check_text(const struct result *r, const char *text, const char *con
     for (size_t i = 0; i < r->u->phone_count; i++) {
         const struct phone *p = &r->u->phones[i];
         if (i && !*p->ipa && !*p[-1].ipa)
-            continue; /* a long pause may be in parts */
+            continue; /* a long pause may be split */
         snprintf(said + strlen(said), sizeof said - strlen(said), "%s%s ", p->stress == 2 ? "ˈ" : "",
                  *p->ipa ? p->ipa : "_");
     }
@@ -60,7 +60,7 @@ static double loudest(const struct sentence_audio *u, uint32_t from, uint32_t to
     return most;
 }
 
-/* The closure of a voiceless stop is part of it: silence at its start, sound right before it, a burst at its
+/* A voiceless stop includes its closure: silence at its start, sound right before it, a burst at its
  * end. */
 static void espeak_gives_closures_to_stops(void **state) {
     (void)state;
@@ -83,13 +83,13 @@ static void espeak_gives_closures_to_stops(void **state) {
         if (*p[-1].ipa)
             assert_true(loudest(r->u, p->start - 15 * ms, p->start) > 100);
         else
-            assert_true(p->end - p->start < 150 * ms); /* not the pause before it */
+            assert_true(p->end - p->start < 150 * ms); /* excludes the pause before it */
     }
     assert_int_equal(stops, 8);
     pool_test_shut(s);
 }
 
-/* A variant with an echo, which sounds on in its closures, has them where the plain voice has them. */
+/* A variant whose echo continues into closures has them in the same places as the plain voice. */
 static void espeak_hears_closures_through_an_echo(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(0), "espeak");
@@ -109,7 +109,7 @@ static void espeak_hears_closures_through_an_echo(void **state) {
     pool_test_shut(s);
 }
 
-/* Marks, breaks, styles and escapes through SSML: places and pauses are where they belong. */
+/* Marks, breaks, styles and escapes through SSML: correct places and pauses. */
 static void espeak_follows_the_score(void **state) {
     (void)state;
     static const struct score_style
@@ -171,7 +171,8 @@ static void espeak_keeps_the_rate_in_its_bounds(void **state) {
     assert_true(fast->u->samples < 0.75 * usual->u->samples);
     assert_int_equal(fast->u->warning_count, 0);
     assert_true(wild->u->samples < fast->u->samples);
-    assert_int_equal(wild->u->warning_count, 1); /* the rate; above it the times would be wrong */
+    assert_int_equal(wild->u->warning_count,
+                     1); /* the rate is limited, because above it times would be wrong */
     check_whole(wild->u, "una frase di prova");
     pool_test_shut(s);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the styles of a score do to espeak-ng's speech, heard in its samples: emphasis, pitch, range, rate,
- * volume, given phones. */
+/* Effects of styles on espeak-ng's speech, measured in its samples: emphasis, pitch, range, rate, volume,
+ * given phones. */
 #include "server/base/mem.h"
 #include "tests/unit/pool_fixture.h"
 #include <math.h>
@@ -14,7 +14,7 @@
 
 static const struct score_style plain = {.rate = 1, .pitch = 1, .range = 1, .volume = 1};
 
-/* Text behind the text before. */
+/* Appends an item of text. */
 static struct score_item *add(struct pool_test *s, const char *text) {
     size_t at = s->score->item_count ? s->score->items[s->score->item_count - 1].end : 0;
     struct score_item *item = pool_test_add(s, text);
@@ -23,7 +23,7 @@ static struct score_item *add(struct pool_test *s, const char *text) {
     return item;
 }
 
-/* The sentence word by word; word `which` has the style. */
+/* Speaks the sentence word by word; word `which` has the style. */
 static const struct result *speak(struct pool_test *s, const struct score_style *style, size_t which) {
     static const char *const words[] = {"La ", "mia ", "mela ", "rimane ", "là."};
     for (size_t i = 0; i < 5; i++)
@@ -96,7 +96,8 @@ static void each_style_is_heard(void **state) {
         assert_int_equal(s->results[i].u->warning_count, 0);
         h[i] = hear(s->results[i].u, 3);
         before[i] = hear(s->results[i].u, 2);
-        assert_float_equal(before[i].mean, before[0].mean, 0.06 * before[0].mean); /* it is only that word */
+        assert_float_equal(before[i].mean, before[0].mean,
+                           0.06 * before[0].mean); /* only that word changes */
     }
     assert_true(h[1].mean > 1.15 * h[0].mean && h[1].seconds > 1.1 * h[0].seconds &&
                 h[1].loudness > 1.3 * h[0].loudness);
@@ -109,7 +110,7 @@ static void each_style_is_heard(void **state) {
     pool_test_shut(s);
 }
 
-/* Each word may have a style of its own, and the sentence flows on. */
+/* Different styles on every word do not interrupt the sentence. */
 static void many_styles_make_no_pauses(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(0), "espeak");
@@ -192,7 +193,7 @@ static void given_phones_are_spoken(void **state) {
             assert_string_equal(u->words[2].text, "gatti");
         assert_string_equal(u->words[cases[i].words + 1].text, "ma");
     }
-    /* brackets in a text are no phones */
+    /* brackets in a text are not phones */
     assert_string_equal(s->results[COUNT].u->words[s->results[COUNT].u->word_count - 1].text, "gatto");
     pool_test_shut(s);
 }

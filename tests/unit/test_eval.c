@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures of faces whose values are known. */
+/* Measures of faces with known values. */
 #include "server/base/mem.h"
 #include "server/face/engines/contact.h"
 #include "server/face/track.h"
@@ -39,11 +39,11 @@ static int load(void **state) {
     return pack_load(state, "it");
 }
 
-/* A face given by mm of the modelled speaker as functions of time. */
+/* A face given by functions of time, mm of the modelled speaker. */
 struct puppet {
     const struct speech_pack *pack;
     double (*gap)(double t);
-    double narrowing, protrusion, lower; /* lower: mm by which the lower lip alone is raised; the gap stays */
+    double narrowing, protrusion, lower; /* lower: mm by which the lower lip is raised at constant gap */
     double overlap;                      /* mm of the left side */
 };
 
@@ -114,7 +114,7 @@ static double open_5(double t) {
     return 5;
 }
 
-/* Closed from 0.5 to 0.58 s. */
+/* Gap that closes from 0.5 to 0.58 s. */
 static double blink(double t) {
     return t >= 0.5 && t <= 0.58 ? -0.1 : 5;
 }
@@ -130,16 +130,16 @@ static void closures(void **state) {
     p.gap = open_5;
     measure(text, &p, 25, v);
     assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 0);
-    p.gap = blink; /* seen, at 0.52 and 0.56, and held */
+    p.gap = blink; /* visible at 0.52 and 0.56, and held */
     measure(text, &p, 25, v);
     assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1);
     measure("_.400 a.130 m.080 a.100 _.100", &p, 25, v); /* opens before its middle third, 557 to 583, ends */
     assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 0);
-    measure("_.400 a.060 m.060 a.100 _.100", &p, 25, v); /* closes too late, but for the frame at 0.52 */
+    measure("_.400 a.060 m.060 a.100 _.100", &p, 25, v); /* closes too late, except for the frame at 0.52 */
     assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 0);
     measure("_.400 a.100 m.080 a.100 b.100 a.100 _.100", &p, 25, v);
     assert_true(v[LIPS_SEEN] == 0.5 && v[LIPS_HELD] == 0.5);
-    measure("_.400 a.110 m.060 a.100 _.100", &p, 1, v); /* the frame of 0 s is still shown */
+    measure("_.400 a.110 m.060 a.100 _.100", &p, 1, v); /* the frame of 0 s is still displayed */
     assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 1);
 }
 
@@ -215,12 +215,12 @@ static void reader(void **state) {
     assert_int_equal(reader_run(&r).read, 0);
     for (int i = 0; i < 60; i++) {
         struct lip_reader_sample s = {.class = &classes[i % 3]};
-        s.features[7] = (float)(1000 * (i % 3)); /* tells the classes, */
-        s.features[8] = (float)(i * 7 % 10);     /* this one does not */
+        s.features[7] = (float)(1000 * (i % 3)); /* distinguishes the classes, */
+        s.features[8] = (float)(i * 7 % 10);     /* unlike this one */
         lip_reader_add(&r, i < 30 ? READER_LEARN : READER_READ, &s);
     }
     struct lip_reader_sample stranger = {.class = &r};
-    lip_reader_add(&r, READER_READ, &stranger); /* of a class that was never learnt */
+    lip_reader_add(&r, READER_READ, &stranger); /* of an unknown class */
     struct lip_reader_result result = reader_run(&r);
     assert_int_equal(result.read, 31);
     assert_int_equal(result.right, 30);
@@ -230,7 +230,7 @@ static void reader(void **state) {
 
 static void lip_reader_scales(void **state) {
     (void)state;
-    /* unscaled, the large feature would hide the small one that tells the classes */
+    /* without scaling, the large feature would hide the small one that distinguishes the classes */
     static const char classes[2];
     struct lip_reader r = {0};
     for (int i = 0; i < 80; i++) {

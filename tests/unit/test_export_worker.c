@@ -17,7 +17,7 @@ static const char text[] = "Uno due. Tre.";
 static const struct export_source source = {
     .text = text, .lang = "it", .voice = "a:voice", .engine = "dominance", .markup = "plain", .fps = 25};
 
-/* Several pieces, less than one, nothing, just two. */
+/* Segments of several pieces, less than one, zero, and exactly two. */
 static const uint32_t lengths[SEGMENTS] = {3 * RATE + 123, 77, 0, RATE / 2};
 
 static struct media_segment make(const struct fap_frame *frames, size_t which) {
@@ -72,7 +72,7 @@ static bool on_written(void *ctx, struct buf *out, size_t segments, bool done) {
 static void begin(struct receiver *r, const struct export_format *format) {
     *r = (struct receiver){.streams = format->streams};
     uv_loop_init(&r->loop);
-    /* what it is told need not live on */
+    /* the source's strings may be freed */
     char *copy = strdup(text);
     struct export_source own = source;
     own.text = copy;
@@ -145,7 +145,7 @@ static void waits_for_a_slow_receiver(void **state) {
     r.slow = true;
     fill(&r, frames);
     for (size_t calls = 1; !r.done; calls++) {
-        uv_run(&r.loop, UV_RUN_DEFAULT); /* which ends since nothing more is begun */
+        uv_run(&r.loop, UV_RUN_DEFAULT); /* returns because nothing else is pending */
         assert_int_equal(r.calls, calls);
         export_worker_go_on(r.worker);
     }
@@ -168,7 +168,7 @@ static void is_freed_while_a_thread_writes(void **state) {
     free(frames);
 }
 
-/* Frame by frame and event by event, each at its time. */
+/* Every frame and event, each at its time. */
 static void pieces_leave_out_nothing(void **state) {
     (void)state;
     struct fap_frame *frames = make_frames();

@@ -44,7 +44,7 @@ static int unload(void **state) {
 
 static const enum face_blend rules[] = {BLEND_REGIONS, BLEND_WEIGHTED};
 
-/* How a sentence is shown, and how it is played. */
+/* Options of the track and of its placement. */
 struct options {
     struct face_options face;
     struct placement_options place;
@@ -114,7 +114,7 @@ static bool is_one_of(const struct phone *p, const char *letters) {
     return p->ipa[0] && strchr(letters, p->ipa[0]);
 }
 
-/* Closures hold from their beginning to the release, and the lower lip meets the teeth. */
+/* Checks that closures hold until the release, and that the lower lip meets the teeth. */
 static void check_contacts(struct face_placement *track, const struct sentence_audio *u, const char *what) {
     for (size_t i = 0; i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
@@ -210,7 +210,7 @@ static void expressions_are_continuous(void **state) {
                             keys = fmax(keys, fabs(x->keys[k].pose.faps[j].value));
                 biggest[n] = fabs(pose_of(x, n)) + 2 * keys;
             }
-            for (int side = 0; side < 2; side++) { /* the eyes make up for the head */
+            for (int side = 0; side < 2; side++) { /* eyes compensate head rotation */
                 biggest[23 + side] += biggest[49];
                 biggest[25 + side] += biggest[48];
             }
@@ -235,7 +235,7 @@ static void expressions_are_continuous(void **state) {
     done(u);
 }
 
-/* A sentence's last face is the next one's first, whatever goes on and whatever ends. */
+/* The last face of a sentence equals the first of the next, for continuing and ending cues. */
 static void sentences_join(void **state) {
     struct sentence_audio *first = utter("_.100 m.080 'a.120 n.060 o.120 _.250", 1),
                           *second = utter("'a.120 m.080 o.100 r.050 e.140 _.060", 1);
@@ -256,7 +256,7 @@ static void sentences_join(void **state) {
                              begin = at(two, 0);
             for (int n = 3; n <= FAP_COUNT; n++) {
                 assert_in_range(end.value[n] - begin.value[n] + 1, 0, 2);
-                assert_int_equal(end.value[n], same.value[n]); /* the others have gone */
+                assert_int_equal(end.value[n], same.value[n]); /* other expressions have ended */
             }
             /* Nor does the mouth jump as speech takes it; the first vowel's opening brings both to one gap.
              */
@@ -269,7 +269,7 @@ static void sentences_join(void **state) {
                     fail_msg("%s, rule %d, FAP %d: from %d to %d", x->name, (int)r, n, before, after);
             }
             face_placement_free(plain);
-            /* It holds over the border: no dip. */
+            /* A continuing affect does not dip at the boundary. */
             if (x->pose.count && !strcmp(x->kind, "affect")) {
                 int strongest = 31;
                 struct fap_frame before = at(one, length_of(first) - 0.1), after = at(two, 0.1);
@@ -310,7 +310,7 @@ static void nothing_is_left_at_the_end(void **state) {
     }
 }
 
-/* Delta O = (1 - omega) Delta lips + omega rho Delta emotion; 0.8 and 0.6 of them by default. */
+/* Delta O = (1 - omega) Delta lips + omega rho Delta emotion; by default 0.8 and 0.6. */
 static void the_weighted_rule_is_the_published_one(void **state) {
     struct sentence_audio *u = utter("_.300 k.080 'a.200 k.080 'e.200 _.300", 1);
     struct options options = with(BLEND_WEIGHTED);
@@ -359,7 +359,7 @@ static void words_cross_fade_in_one_transition(void **state) {
     done(u);
 }
 
-/* Regions: the mouth keeps what lip readers need. */
+/* Blending by regions keeps the mouth readable for lip readers. */
 static void lips_stay_readable(void **state) {
     struct sentence_audio *u =
         utter("_.200 k.080 'a.160 k.080 'u.160 k.080 'i.160 k.080 'a.160 _.300 'a.120 k.080 'u.160 _.300", 1);
@@ -376,10 +376,10 @@ static void lips_stay_readable(void **state) {
         struct fap_frame fa = at(track, a), fu = at(track, u_at), fi = at(track, i_at), ga = at(plain, a);
         int gap = -(fa.value[4] + fa.value[5]), gap_plain = -(ga.value[4] + ga.value[5]);
         int gap_u = -(fu.value[4] + fu.value[5]);
-        /* 2.5 mm at most of about 10, and the a stays clearly more open than the u */
+        /* changes by at most 2.5 of about 10 mm, and a stays clearly more open than u */
         if (abs(gap - gap_plain) > 125 || gap < gap_u + 120)
             fail_msg("%s: a opens %d instead of %d, u %d", x->name, gap, gap_plain, gap_u);
-        /* the u's corners stay clearly inside the i's */
+        /* the corners in u stay clearly inside those in i */
         if (fu.value[6] > -40 || fi.value[6] - fu.value[6] < 60)
             fail_msg("%s: corners of u %d, of i %d", x->name, fu.value[6], fi.value[6]);
         face_placement_free(track);
@@ -388,7 +388,7 @@ static void lips_stay_readable(void **state) {
     done(u);
 }
 
-/* However a recipe is written. */
+/* Holds for any recipe. */
 static void no_recipe_can_spoil_the_lips(void **state) {
     static const char recipes[] =
         "{\"sources\": [], \"affect\": {\"gape\": {\"pose\": {\"open_jaw\": 900, \"raise_b_midlip\": -900,"
@@ -418,7 +418,7 @@ static void no_recipe_can_spoil_the_lips(void **state) {
         check_contacts(track, u, names[i]);
         for (double t = 0.24; t < 1.1; t += 0.005) {
             struct fap_frame f = at(track, t), g = at(plain, t);
-            /* 1.5 mm for each lip, 3.5 mm for a corner up and down */
+            /* limits: 1.5 mm per lip, 3.5 mm vertically per corner */
             assert_in_range(f.value[4] - g.value[4] + 77, 0, 154);
             assert_in_range(f.value[5] - g.value[5] + 77, 0, 154);
             assert_in_range(f.value[12] - g.value[12] + 192, 0, 384);
@@ -431,7 +431,7 @@ static void no_recipe_can_spoil_the_lips(void **state) {
     expressions_free(own);
 }
 
-/* While nobody needs the mouth it shows the whole expression. */
+/* In pauses the mouth shows the whole expression. */
 static void pauses_show_it_all(void **state) {
     struct sentence_audio *u = utter("_.200 k.080 'a.160 _.2000 k.080 'a.160 _.300", 1);
     struct options options = with(BLEND_REGIONS);
@@ -565,7 +565,7 @@ static void bears_odd_cues(void **state) {
     done(u);
 }
 
-/* The mood shows on a face that does not speak, and a blink still shuts the widest eyes. */
+/* The mood shows on an idle face, and a blink closes even the widest eyes. */
 static void idles_in_a_mood(void **state) {
     struct mood *mood = mood_new(data.all);
     struct options options = with(BLEND_REGIONS);
@@ -587,7 +587,7 @@ static void idles_in_a_mood(void **state) {
         wide += f.value[19] < -200;
     }
     assert_true(shut > 10 && wide > 3000);
-    /* Speech begins where idling was. */
+    /* Speech starts from the idle face. */
     struct sentence_audio *u = utter("_.200 m.080 'a.120 _.200", 1);
     options.place.begin += 10;
     for (size_t r = 0; r < 2; r++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions file: what is in it, and what its reader says of a broken one. */
+/* The expressions file: contents, and errors for invalid files. */
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
@@ -34,7 +34,7 @@ static struct expressions *read_text(const char *text, struct error *e) {
     return all;
 }
 
-/* A file whose only entry, "affect.joy", has this in it. */
+/* Reads a file whose only entry, "affect.joy", has these contents. */
 static struct expressions *read_entry(const char *inside, struct error *e) {
     char text[2000];
     snprintf(text, sizeof text, "{\"sources\": [\"a test\"], \"affect\": {\"joy\": {%s}, \"sadness\": {}}}",
@@ -42,7 +42,7 @@ static struct expressions *read_entry(const char *inside, struct error *e) {
     return read_text(text, e);
 }
 
-/* The names of APML, and what documents in the wild have besides. */
+/* The names of APML, and others found in real documents. */
 static void knows_the_names(void **state) {
     static const struct {
         const char *kind, *names;
@@ -99,7 +99,7 @@ static void places_the_affects(void **state) {
         double sum = 0;
         for (int b = 1; b <= BASIC_COUNT; b++)
             sum += x->basics[b];
-        assert_true(sum > 0.3 && sum < 1.5); /* each is made of basic ones */
+        assert_true(sum > 0.3 && sum < 1.5); /* each is a mixture of basic emotions */
         assert_true(x->pose.count > 10);
     }
     assert_true(affects > 0 && affects == expressions_affects(*state)->count);

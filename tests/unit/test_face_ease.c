@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the face goes over where what it did is cut. */
+/* Easing of the face after cuts. */
 #include "server/stream/idle_face.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ static void fill(struct fap_frame frames[FRAMES], struct fap_frame f) {
         frames[i] = f;
 }
 
-/* Shows one face, is cut, and shows another for a second, in two pieces. */
+/* Shows one face, cuts, and shows another for a second, in two pieces. */
 static void change(enum ease_what what, uint64_t later, struct fap_frame out[FRAMES]) {
     struct face_ease ease = {0};
     struct fap_frame before = face(400, 900, -8000);
@@ -52,12 +52,12 @@ static void head_goes_over_and_lips_are_right_at_once(void **state) {
     assert_in_range(largest_step(out, HEAD, -8000), 1, 12000 * 0.18);
     for (int i = 0; i < FRAMES; i++) {
         assert_int_equal(out[i].value[JAW], 0);
-        /* between the two faces, and always onwards */
+        /* monotonic between the two faces */
         assert_in_range(out[i].value[HEAD] + 8000, i ? (unsigned)(out[i - 1].value[HEAD] + 8000) : 0, 12000);
         assert_in_range(out[i].value[LID], 0, 900);
         assert_true(i < EASE_UPPER * FRAMES || out[i].value[HEAD] == 4000);
     }
-    assert_true(out[0].value[HEAD] > -8000); /* on its way in the first frame */
+    assert_true(out[0].value[HEAD] > -8000); /* moving from the first frame on */
 }
 
 static void who_is_silent_closes_the_mouth_smoothly(void **state) {
@@ -91,7 +91,7 @@ static void nothing_is_eased_that_is_not_cut(void **state) {
         face_ease_frames(&ease, EASE_ALL, NOW, FRAMES, out, FRAMES);
         assert_int_equal(largest_step(out, HEAD, 1000 * i), 0);
     }
-    /* nor the very first frame, which follows from nothing */
+    /* nor is the very first frame eased, as there is none before it */
     ease = (struct face_ease){0};
     face_ease_cut(&ease, NULL, NOW);
     face_ease_frames(&ease, EASE_ALL, NOW, FRAMES, out, FRAMES);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of the FAPs: the C form against the JSON that it is made from, and both against facts of the
+/* The FAP table: compares the C table with the JSON that it is generated from, and both with facts of the
  * standard. */
 #include "protocol/fap.h"
 #include <jansson.h>
@@ -92,7 +92,7 @@ static void has_the_units_of_the_standard(void **state) {
     assert_int_equal(next, FAP_COUNT + 1);
 }
 
-/* Only the jaw's opening and thrust, the cheeks' lift and the tongue's roll know one direction. */
+/* Only jaw opening and thrust, cheek lift and tongue roll are unidirectional. */
 static void has_the_one_way_faps_of_the_standard(void **state) {
     (void)state;
     for (int n = 1; n <= FAP_COUNT; n++) {

@@ -109,7 +109,7 @@ static void refuses_the_bad_ones(void **state) {
         fapc_decoder_init(&decoder);
         assert_null(fapc_decode(&decoder, first, first_size, frames, 3));
         assert_non_null(fapc_decode(&decoder, bytes, size, frames, 3));
-        /* nothing is believed until one can begin again */
+        /* refuses packets until the next starting point */
         size = bytes_of(json_array_get(packets, 1), bytes);
         assert_non_null(fapc_decode(&decoder, bytes, size, frames, 3));
         assert_null(fapc_decode(&decoder, first, first_size, frames, 3));
@@ -128,7 +128,7 @@ static void wander(struct fap_frame *frame, uint32_t *seed) {
         fap_frame_set(frame, n, fap_clamp(n, frame->value[n] + (int32_t)(random_bits(seed) % 61) - 30));
 }
 
-/* Every value within half a step; a lost packet is noticed, and the next one to begin with mends all. */
+/* Values are within half a step; a lost packet is detected, and the next starting point recovers. */
 static void error_and_loss(void **state) {
     (void)state;
     static uint8_t packet[CAP];
@@ -155,7 +155,7 @@ static void error_and_loss(void **state) {
     }
 }
 
-/* Whatever comes, nothing breaks, and the next packet to begin with is understood. */
+/* Damaged packets do no harm, and the next starting point decodes. */
 static void damage(void **state) {
     (void)state;
     static uint8_t packet[CAP], broken[CAP];
@@ -175,7 +175,7 @@ static void damage(void **state) {
         size_t cut = p % 10 ? random_bits(&seed) % (size + 1) : size;
         for (int k = 0; p % 10 && k < 1 + (int)(random_bits(&seed) % 8) && cut; k++)
             broken[random_bits(&seed) % cut] = (uint8_t)random_bits(&seed);
-        uint8_t *exact = malloc(cut ? cut : 1); /* the sanitizer sees a byte too far */
+        uint8_t *exact = malloc(cut ? cut : 1); /* the sanitizer detects overruns */
         memcpy(exact, broken, cut);
         const char *wrong = fapc_decode(&decoder, exact, cut, out, 3);
         free(exact);
@@ -203,7 +203,7 @@ static void limits(void **state) {
     assert_non_null(fapc_decode(&decoder, (const uint8_t *)"\x80", 1, frames, 1));
     assert_non_null(fapc_decode(&decoder, (const uint8_t *)"\x80\x20", 2, frames, 1));
     assert_non_null(fapc_decode(&decoder, (const uint8_t *)"\x01", 1, frames, 1));
-    /* 68 FAPs that stand still cost a byte or two after a while */
+    /* 68 constant FAPs soon take a byte or two per packet */
     fapc_encoder_init(&encoder, 5);
     size_t size = 0;
     for (int n = 3; n <= FAP_COUNT; n++)

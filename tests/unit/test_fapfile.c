@@ -28,7 +28,7 @@ static int teardown(void **state) {
     return 0;
 }
 
-/* The bytes of a sample, in a block of just their size: the sanitizer sees a step too far. */
+/* Loads a sample into a block of exactly its size, so that the sanitizer detects overruns. */
 static char *load(const char *name, size_t *size) {
     char path[1024];
     snprintf(path, sizeof path, VECTORS "fap/%s", name);
@@ -110,7 +110,7 @@ static void reads_the_samples(void **state) {
     assert_true(good > 15 && bad > 20);
 }
 
-/* The whole file as version 2.1, in a block of just its size. */
+/* Writes the file as version 2.1 into a block of exactly its size. */
 static char *print(const struct fapfile *file, size_t *size) {
     size_t at = fapfile_write_header(file->name, file->fps, file->count, NULL, 0);
     for (size_t i = 0; i < file->count; i++)
@@ -125,7 +125,7 @@ static char *print(const struct fapfile *file, size_t *size) {
     return text;
 }
 
-/* What has been read and is written reads as the same again. */
+/* Checks that a written file reads back as the same. */
 static void check_round_trip(const struct fapfile *file) {
     struct fapfile again;
     struct fapfile_error error;
@@ -170,7 +170,7 @@ static void stops_when_told(void **state) {
     struct fapfile_error error;
     assert_int_equal(fapfile_read(text, size, &whole, &error), 0);
     size_t lines = 1 + 2 * whole.count;
-    for (size_t n = 0; n < lines; n++) { /* of the frames' first line on; whatever it has read is freed */
+    for (size_t n = 0; n < lines; n++) { /* from the first frame's line on; checks that everything is freed */
         size_t left = n;
         assert_int_equal(fapfile_read_until(text, size, stop_at_zero, &left, &file, &error), -1);
         assert_string_equal(error.message, "stopped");
@@ -238,7 +238,7 @@ static uint32_t next_random(uint32_t *seed) {
     return *seed >> 8;
 }
 
-/* Overwrites characters, takes parts out, cuts the end off. Returns the new size. */
+/* Overwrites characters, removes parts, truncates. Returns the new size. */
 static size_t damage(char *text, size_t size, uint32_t *seed) {
     for (uint32_t hits = 1 + next_random(seed) % 4; hits && size; hits--) {
         size_t at = next_random(seed) % size, length = next_random(seed) % (size - at) % 40;

@@ -74,7 +74,7 @@ static void carries_the_tongue_by_the_jaw(void **state) {
     NEAR(faps[44], 650);
     NEAR(faps[46], 400);
 
-    /* It does not go through the floor of the mouth when the jaw closes under it. */
+    /* It stays above the floor of the mouth when the jaw closes. */
     memset(faps, 0, sizeof faps);
     fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_TH] = -6, [PARAM_TB] = -5, [PARAM_EM] = 1}, faps);
     NEAR(faps[44], -50);
@@ -111,7 +111,7 @@ static void closes_lips_on_demand(void **state) {
     fapmap_touch(&fapu, demand, faps);
     NEAR(faps[4] + faps[5], 10); /* 0.2 mm */
     NEAR(faps[8] + faps[10], 10);
-    NEAR(faps[9] + faps[11], 40); /* was closed already */
+    NEAR(faps[9] + faps[11], 40); /* already closed */
     assert_true(faps[5] > -50 && faps[52] > 200);
 
     double half[FAP_COUNT + 1] = {[4] = -100, [5] = -290};
@@ -140,7 +140,7 @@ static void parts_lips_that_overlap(void **state) {
     double faps[FAP_COUNT + 1] = {[4] = 60, [5] = 100, [8] = -30, [10] = 30, [51] = 60, [52] = 100};
     fapmap_part_lips(&fapu, faps);
     NEAR(faps[4] + faps[5], limit);
-    NEAR(faps[5] - faps[4], 40); /* each gives way alike */
+    NEAR(faps[5] - faps[4], 40); /* both yield equally */
     NEAR(faps[8], -30);
     NEAR(faps[10], 30);
     NEAR(faps[51], 60);

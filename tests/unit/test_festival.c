@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Festival plugin, as the daemon uses it. */
+/* The Festival plugin in a voice pool. */
 #include "server/base/mem.h"
 #include "tests/unit/pool_fixture.h"
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-/* Without its engine the plugin has no voices, and there is nothing to be tested. */
+/* Returns NULL without Festival's engine: then the plugin has no voices to test. */
 static struct pool_test *open_festival(void) {
     struct pool_test *s = OPEN(WITH(0), "festival", "espeak");
     struct error e;
@@ -41,7 +41,7 @@ static const struct word *word_at(const struct result *r, size_t from) {
     return NULL;
 }
 
-/* Marks, breaks and styles: places, pauses and lengths. */
+/* Marks, breaks and styles: correct places, pauses and lengths. */
 static void festival_follows_the_score(void **state) {
     (void)state;
     static const struct score_style
@@ -102,7 +102,7 @@ static void festival_follows_the_score(void **state) {
     pool_test_shut(s);
 }
 
-/* The same sentence sounds the same, and a voice's database is not made quieter by being used. */
+/* A repeated sentence sounds the same; using a voice does not attenuate its database. */
 static void festival_repeats_itself(void **state) {
     (void)state;
     struct pool_test *s = open_festival();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields of requests: each type with its bounds, and values of every carrier. */
+/* Fields of requests: each type with its bounds, and values from every source. */
 #include "server/base/field.h"
 #include <math.h>
 #include <setjmp.h>
@@ -48,12 +48,12 @@ static void numbers(void **state) {
     assert_true(kept == 120.5);
     value = number(501);
     assert_int_equal(field_set(&rate, &kept, &value, &e), -1);
-    assert_true(kept == 120.5); /* as it was */
+    assert_true(kept == 120.5); /* unchanged */
     takes(&rate, number(40));
     takes(&rate, number(500));
     refuses(&rate, number(39.9), "must be a number from 40 to 500");
     refuses(&rate, number(NAN), "must be a number from 40 to 500");
-    refuses(&rate, text("120"), "must be a number from 40 to 500"); /* a string of JSON is no number */
+    refuses(&rate, text("120"), "must be a number from 40 to 500"); /* a JSON string is not a number */
     refuses(&rate, word("120x"), "must be a number from 40 to 500");
     refuses(&rate, word(""), "must be a number from 40 to 500");
     takes(&seed, number(3));
@@ -80,14 +80,14 @@ static void strings(void **state) {
     takes(&mark, text("a very long name of a mark"));
     refuses(&mark, text(""), "must have at least 1 bytes, none of them NUL");
     refuses(&mark, nul, "must have at least 1 bytes, none of them NUL");
-    takes(&whole, nul); /* what reads the text tells where its NUL is */
+    takes(&whole, nul); /* the reader of the text reports its NUL */
     struct request_value value = text("it_IT.UTF-8");
     assert_int_equal(field_set(&lang, &kept, &value, &e), 0);
     assert_string_equal(kept, "it-IT");
     value = text("i t");
     assert_int_equal(field_set(&lang, &kept, &value, &e), -1);
     assert_string_equal(kept, "it-IT");
-    value = word("tr"); /* the one before is freed */
+    value = word("tr"); /* the previous one is freed */
     assert_int_equal(field_set(&lang, &kept, &value, &e), 0);
     assert_string_equal(kept, "tr");
     free(kept);
@@ -106,7 +106,7 @@ static void flags_and_choices(void **state) {
     struct request_value value = word("No");
     assert_int_equal(field_set(&still, &flag, &value, &e), 0);
     assert_false(flag);
-    refuses(&still, text("true"), "must be true or false"); /* JSON has a type for it */
+    refuses(&still, text("true"), "must be true or false"); /* JSON has booleans */
     refuses(&still, number(1), "must be true or false");
     value = text("high");
     assert_int_equal(field_set(&level, &choice, &value, &e), 0);

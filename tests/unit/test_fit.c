@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speaker whose coefficients are known says some words, several times and at several speeds, seen through
- * noise: the fit must find curves that are nearer to the true ones than the noise, and nearer than the
- * function of Cohen and Massaro can come. */
+/* A speaker with known coefficients says words several times at several speeds, measured with noise: the
+ * fitted curves must be closer to the true ones than the noise, and closer than the function of Cohen and
+ * Massaro can get. */
 #include "server/base/mem.h"
 #include "server/research/fit.h"
 #include <math.h>
@@ -16,7 +16,7 @@
 
 #define NOISE 0.2 /* mm, standard deviation */
 
-/* Three repetitions at an ordinary rate, three at a fast one. */
+/* Three repetitions at a normal rate, three at a fast one. */
 static const double speeds[] = {0.95, 1, 1.05, 1.9, 2, 2.1};
 enum { RATES = 2, REPETITIONS = sizeof speeds / sizeof *speeds };
 
@@ -54,7 +54,7 @@ static struct speech_pack *load_italian(void) {
     return load(SOURCE_ROOT "/models/speech/it.json");
 }
 
-/* Makes another speaker of the pack: other targets, at other places, reached by other ways. */
+/* Turns the pack into another speaker: other targets, instants and transitions. */
 static void change_speaker(struct speech_pack *pack, uint64_t seed) {
     for (size_t w = 0; w < WORDS; w++) {
         for (int i = 0; i < 2; i++) {
@@ -78,7 +78,7 @@ static void change_speaker(struct speech_pack *pack, uint64_t seed) {
     }
 }
 
-/* The times of the frames of a recording that lasts so many seconds. */
+/* Fills the frame times of a recording of that length. */
 static void fill_times(struct measured_speech *r, double seconds) {
     r->frame_count = (size_t)(seconds * RECORDING_FPS) + 1;
     r->times = mem_alloc(r->frame_count * sizeof *r->times);
@@ -108,7 +108,7 @@ static struct measured_speech speak(const struct speech_pack *pack, const char *
         int p = recorded[i];
         targets_curve(pack, &g, TARGETS_LOOK_AHEAD, p, &curve);
         r.curves[p] = mem_alloc(r.frame_count * sizeof(double));
-        for (size_t n = 0; n < r.frame_count; n++) /* 12: where the marker is at rest */
+        for (size_t n = 0; n < r.frame_count; n++) /* 12: rest position of the marker */
             r.curves[p][n] = 12 + curve_at(&curve, r.times[n], &cursor) + noise * normal(seed);
         curve_free(&curve);
     }
@@ -162,7 +162,7 @@ static void finds_a_speaker(void **state) {
     struct fit fit, original;
     fit_run(plain, seen, count, &options, &fit);
     print_message("# %s, %g mm\n", fit_level_names[fit.level[PARAM_LI]], fit.strength[PARAM_LI]);
-    assert_int_equal(fit.level[PARAM_LI], FIT_PHONES); /* much was seen */
+    assert_int_equal(fit.level[PARAM_LI], FIT_PHONES); /* enough data */
     options.function = TARGETS_ORIGINAL;
     options.strength = fit.strength[PARAM_LI];
     options.first = 1;
@@ -177,7 +177,7 @@ static void finds_a_speaker(void **state) {
         assert_true(fit.fitted[p]);
         assert_true(ours < 0.3 && fit.error[p] < 0.3);
         assert_true(ours < theirs);
-        /* what it has not seen it foretells better than the pack as it was */
+        /* predicts held-out data better than the original pack */
         assert_true(fit.held_out[p] < fit.held_out_unfitted[p] && fit.error[p] < fit.unfitted[p]);
     }
     assert_false(fit.fitted[PARAM_EM]);
@@ -190,7 +190,7 @@ static void finds_a_speaker(void **state) {
     speech_pack_free(baseline);
 }
 
-/* One word is enough to see that what was fitted is read back, and that the rest is inherited. */
+/* A pack fitted to one word loads again with the fitted values and inherits the rest. */
 static void writes_a_pack(void **state) {
     (void)state;
     struct speech_pack *pack = load_italian(), *italian = load_italian();
@@ -210,7 +210,7 @@ static void writes_a_pack(void **state) {
     struct fit_names names = {"it-x-test", "prova", "it", "test_fit.c"};
     json_t *json = fit_pack(pack, &fit, &names);
 
-    /* Beside the pack that it inherits from, in a folder of its own. */
+    /* In a new folder beside the pack that it inherits from. */
     char folder[] = "/tmp/faccia-fit-XXXXXX", path[64], base[64], alphabets[64];
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/it-x-test.json", folder);
@@ -257,8 +257,8 @@ static const char *const sentences[] = {
 };
 enum { SENTENCES = sizeof sentences / sizeof *sentences };
 
-/* A sentence at an ordinary rate, by a speaker who moves as far as that scale says and waits with open lips.
- * What disturbs it changes slowly, as what is wrong with a model does. */
+/* A sentence at a normal rate by a speaker with movements of that scale and lips open at rest. The noise
+ * varies slowly, like the error of a model. */
 static struct measured_speech say(const struct speech_pack *pack, const char *sentence, double scale,
                                   double noise, uint64_t *seed) {
     struct measured_speech r = {.repetitions = 1};
@@ -299,8 +299,8 @@ static struct measured_speech say(const struct speech_pack *pack, const char *se
     return r;
 }
 
-/* The gain of PARAM_LI's vowels and where PARAM_EM's consonants are: what this speaker does differently. The
- * upper lip's protrusion is as in the pack. */
+/* Gives the speaker another gain of PARAM_LI in vowels and another PARAM_EM in consonants. The upper lip's
+ * protrusion stays as in the pack. */
 static void change_habits(struct speech_pack *pack, double gain, double shift) {
     for (size_t i = 0; i < pack->phone_count; i++) {
         const struct speech_phone *phone = pack->phones[i];
@@ -376,7 +376,7 @@ static void learns_from_one_sentence(void **state) {
     }
 }
 
-/* Pauses may be longer than what was filmed, 25 times a second. */
+/* Pauses may extend beyond the filmed part (25 fps). */
 static void rests_in_what_is_seen_of_pauses(void **state) {
     (void)state;
     static const struct {

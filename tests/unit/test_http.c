@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Requests as they are read out of bytes, without any socket: heads, targets, lists, bodies, forms. */
+/* Parsing requests from bytes without a socket: heads, targets, lists, bodies, forms. */
 #include "server/http/http_reader.h"
 #include "server/http/multipart.h"
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-/* All events of the bytes, fed in pieces of that size: "head", "body:TEXT", "end", "wrong:STATUS CODE". */
+/* Feeds the bytes in pieces and lists all events: "head", "body:TEXT", "end", "wrong:STATUS CODE". */
 static void read_all(const char *bytes, size_t size, size_t piece, struct buf *out) {
     struct http_reader reader = {0};
     struct buf body = {0};
@@ -66,7 +66,7 @@ static void test_requests(void **state) {
     expect("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 4", "");
 }
 
-/* Whatever stands there, nothing breaks; and what is cut anywhere is read as the whole is. */
+/* Random input does no harm, and the result does not depend on how input is split. */
 static void test_noise(void **state) {
     static const char seed[] =
         "POST http://h/p?a=%41&b HTTP/1.1\r\nHost: x\r\nExpect: 100-continue\r\nX-Y:  z \r\n"
@@ -172,7 +172,7 @@ static void test_forms(void **state) {
     assert_int_equal(
         form_part("multipart/form-data; boundary=b", body, sizeof body - 10, "six", &part, &size, &e), -1);
     for (size_t cut = 0; cut < sizeof body; cut++) {
-        char *copy = malloc(cut + 1); /* so that a byte too many is noticed */
+        char *copy = malloc(cut + 1); /* the sanitizer detects overruns */
         memcpy(copy, body, cut);
         form_part("multipart/form-data; boundary=b", copy, cut, "two", &part, &size, &e);
         free(copy);

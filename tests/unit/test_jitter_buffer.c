@@ -10,14 +10,14 @@
 enum { RATE = 16000, BLOCK = 320 /* 20 ms */ };
 
 struct run {
-    double speed;       /* of the other's clock, 1 = ours */
-    unsigned late;      /* every so many blocks, one comes together with the next */
-    double took, worst; /* samples that were taken; the most that lay between what had passed and that, s */
-    double ahead;       /* the same at the end */
-    size_t out;         /* samples left out */
+    double speed;       /* of the sender's clock, 1 = ours */
+    unsigned late;      /* every n-th block arrives with the next */
+    double took, worst; /* samples taken; maximum difference from the elapsed time, s */
+    double ahead;       /* difference at the end, s */
+    size_t out;         /* samples dropped */
 };
 
-/* So many seconds of a tone; what can be taken is. */
+/* Feeds seconds of a tone and takes everything available. */
 static void go(struct jitter_buffer *p, struct run *run, double seconds) {
     int16_t block[BLOCK], taken[4 * BLOCK];
     double phase = 0;
@@ -49,7 +49,7 @@ static void test_same_clock(void **state) {
     jitter_buffer_free(&p);
 }
 
-/* A minute 3 % apart is 1.8 s; what is on its way stays within a fifth of a second of ours. */
+/* 3 % over a minute is 1.8 s; the backlog stays within 0.2 s. */
 static void test_other_clock(void **state) {
     (void)state;
     static const double speeds[] = {1.03, 0.97, 1.01, 0.995};
@@ -67,7 +67,7 @@ static void test_other_clock(void **state) {
         }
 }
 
-/* Its pitch goes with it: a tone of a clock that is 3 % fast comes out as it was sung, without clicks. */
+/* Resampling restores the pitch: a tone from a clock 3 % fast comes out correctly, without clicks. */
 static void test_tone(void **state) {
     (void)state;
     struct jitter_buffer p;
@@ -80,7 +80,7 @@ static void test_tone(void **state) {
     for (int i = 0; i < 50; i++) {
         for (int k = 0; k < BLOCK; k++)
             in[k] = (int16_t)lrint(10000 * sin(phase += 0.2));
-        jitter_buffer_add(&p, in, BLOCK, 0.001); /* no window ends */
+        jitter_buffer_add(&p, in, BLOCK, 0.001); /* within one window */
         size_t got = jitter_buffer_take(&p, out, 2 * BLOCK);
         for (size_t k = 0; k < got; k++, count++) {
             double right = 10000 * sin(0.2 * (1 + 0.97 * (double)count));

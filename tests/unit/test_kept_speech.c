@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What an utterance keeps of what was spoken: the newest of it, shared, and no more than its bound. */
+/* Sentences kept for seeking: the newest, shared, within the limit. */
 #include "server/base/mem.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <setjmp.h>
@@ -18,7 +18,7 @@ static struct kept_sentence spoken(size_t sentence, uint32_t samples) {
 static void add(struct kept_speech *kept, size_t sentence, uint32_t samples) {
     struct kept_sentence s = spoken(sentence, samples);
     kept_speech_add(kept, &s);
-    sentence_audio_free(s.audio); /* who keeps it has it on */
+    sentence_audio_free(s.audio); /* the kept reference remains */
 }
 
 static void keeps_what_was_added(void **state) {
@@ -48,7 +48,7 @@ static void the_oldest_goes_when_it_is_full(void **state) {
     assert_int_equal(kept.count, 8);
     assert_null(kept_speech_find(&kept, 91));
     assert_non_null(kept_speech_find(&kept, 92));
-    add(&kept, 200, KEPT_SPEECH_BYTES); /* larger than all there is room for */
+    add(&kept, 200, KEPT_SPEECH_BYTES); /* larger than the whole limit */
     assert_null(kept_speech_find(&kept, 200));
     assert_int_equal(kept.count, 8);
     kept_speech_clear(&kept);

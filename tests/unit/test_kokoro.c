@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Kokoro plugin's parts without engines: the change to the model, tokens, pieces, times. */
+/* Parts of the Kokoro plugin that need no engine: the model patch, tokens, pieces, times. */
 #include "server/base/mem.h"
 #include "server/plugins/kokoro/kokoro_onnx.h"
 #include "server/plugins/kokoro/kokoro_timing.h"
@@ -31,7 +31,7 @@ static void value_info(struct buf *out, uint8_t number, const char *name) {
     buf_free(&value);
 }
 
-/* A model of which the graph, with so many bytes of other things, describes the tensor "inside". */
+/* Makes a model whose graph describes the tensor "inside", with `other` bytes of other data. */
 static void make_model(struct buf *model, size_t other, bool with_output) {
     struct buf graph = {0};
     uint8_t *weights = mem_alloc(other + 1);
@@ -50,7 +50,7 @@ static void make_model(struct buf *model, size_t other, bool with_output) {
 
 static void exposes_a_tensor(void **state) {
     (void)state;
-    /* among them lengths whose varint grows by a byte with the output */
+    /* includes lengths whose varint grows by a byte */
     for (size_t other = 0; other < 200; other++) {
         struct buf model = {0}, wanted = {0};
         make_model(&model, other, false);
@@ -71,10 +71,10 @@ static void leaves_other_models_alone(void **state) {
     assert_false(ko_onnx_expose(&model, "insid"));
     assert_false(ko_onnx_expose(&model, "outside"));
     assert_memory_equal(model.data, same.data, same.size);
-    for (size_t size = 0; size < same.size; size++) { /* cut off */
+    for (size_t size = 0; size < same.size; size++) { /* truncated */
         struct buf cut = {0};
         buf_add(&cut, same.data, size);
-        if (ko_onnx_expose(&cut, "inside")) /* where only what follows the graph is missing */
+        if (ko_onnx_expose(&cut, "inside")) /* only data after the graph is missing */
             assert_int_equal(size, same.size - 7);
         else
             assert_int_equal(cut.size, size);
@@ -86,7 +86,7 @@ static void leaves_other_models_alone(void **state) {
     buf_free(&same);
 }
 
-/* Tokens are the places of the characters in the vocabulary. */
+/* Numbers characters by their position in the vocabulary. */
 static struct ko_alphabet alphabet(void) {
     static const char *const characters[] = {"$", ";", ":", ",", ".", "!", "?", "—", "…", " ", "ˈ",
                                              "ˌ", "ː", "a", "b", "e", "m", "t", "A", "ʧ", "ɪ"};
@@ -121,7 +121,7 @@ static void writes_phones(void **state) {
     assert_tokens(&items.list[1], 2, (uint16_t[]){SECONDARY, EI});
     assert_true(ko_add_phone(&items, &a, "tʃː", 0, 3));
     assert_tokens(&items.list[2], 2, (uint16_t[]){TSH, LONG});
-    assert_true(ko_add_phone(&items, &a, "t\u0361e", 0, 3)); /* the tie has no number */
+    assert_true(ko_add_phone(&items, &a, "t\u0361e", 0, 3)); /* the tie is not in the vocabulary */
     assert_tokens(&items.list[3], 2, (uint16_t[]){T, E});
     assert_false(ko_add_phone(&items, &a, "x", 0, 3));
     assert_false(ko_add_phone(&items, &a, "ʘ", 2, 3));
@@ -163,7 +163,7 @@ static void writes_stops(void **state) {
     free_alphabet(a);
 }
 
-/* Words of four phones; a stop behind each nth, 0 = none but the last. */
+/* Makes words of four phones with punctuation after every nth; 0 = only after the last. */
 static struct ko_items words(uint32_t count, uint32_t nth) {
     struct ko_alphabet a = alphabet();
     struct ko_items items = {0};
@@ -189,7 +189,7 @@ static bool at_word(void *ctx, uint32_t a, uint32_t b) {
     return a != b && b == *word;
 }
 
-/* Cuts all; gives the number of pieces and checks that each fits into the model. */
+/* Cuts everything, checks that each piece fits the model, and returns their number. */
 static size_t pieces(const struct ko_items *items, bool at_stops) {
     size_t count = 0;
     for (size_t from = 0, to; from < items->count; from = to, count++) {
@@ -230,7 +230,7 @@ static void cuts_where_the_rate_changes(void **state) {
     free(items.list);
 }
 
-/* A word that is one long phone, as languages without spaces may have. */
+/* An overlong word, as in languages without spaces. */
 static void cuts_words_without_end(void **state) {
     (void)state;
     struct ko_alphabet a = alphabet();
@@ -245,7 +245,7 @@ static void cuts_words_without_end(void **state) {
     free_alphabet(a);
 }
 
-/* A tone from and to units of duration, KO_SHIFT earlier. */
+/* Writes a tone between units of duration, shifted by KO_SHIFT. */
 static void tone(int16_t *samples, uint32_t from, uint32_t to) {
     for (uint32_t i = from * KO_UNIT - KO_SHIFT; i < to * KO_UNIT - KO_SHIFT; i++)
         samples[i] = (int16_t)(10000 * sin(i * 0.06));
@@ -257,7 +257,7 @@ static void assert_span(const struct ko_span *span, size_t item, uint32_t start,
     assert_in_range(span->end + off, end, end);
 }
 
-/* "ma ta, a": a space that is heard, a comma that is silent. */
+/* "ma ta, a": a voiced space, a silent comma. */
 static void times_phones(void **state) {
     (void)state;
     enum { UNITS = 60 };
@@ -275,7 +275,7 @@ static void times_phones(void **state) {
     ko_add_phone(&items, &a, "a", 0, 2);
     ko_add_between(&items, &a, "", 0, 2, true);
     items.list[7].token_count = 0;
-    tone(samples, 10, 30); /* the a's duration goes on to 34 */
+    tone(samples, 10, 30); /* the a's duration extends to 34 */
     tone(samples, 46, 50);
     ko_time(&t, items.list, items.count, durations, samples, UNITS * KO_UNIT);
 
@@ -326,7 +326,7 @@ static void survives_wrong_durations(void **state) {
     free(items.list);
 }
 
-/* An installed plugin has them beside it; what the settings name comes first, what it was built with last. */
+/* Order: the configured folder, the one beside an installed plugin, the one set at build time. */
 static void finds_its_data(void **state) {
     (void)state;
     char folder[] = "/tmp/faccia-kokoro-XXXXXX", lock[64];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How Kokoro's text is read, which needs espeak-ng but none of Kokoro's weights. */
+/* Kokoro's text reader, which needs espeak-ng but not Kokoro's weights. */
 #include "server/plugins/kokoro/kokoro_reader.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static void on_warning(void *ctx, const char *message) {
     b->warnings++;
 }
 
-/* Every letter and sign that the phones below are written with has a number. */
+/* Assigns a number to every character used below. */
 static int open_bench(void **state) {
     static const char *const characters[] = {"$", ".", ",", " ", "ˈ", "ˌ", "ː", "a", "b",
                                              "d", "e", "f", "i", "k", "l", "m", "n", "o",
@@ -54,7 +54,7 @@ static struct faccia_span span(const char *text, const char *phones) {
         .kind = FACCIA_SPAN_TEXT, .text = text, .phones = phones, .pitch = 1, .range = 1, .volume = 1};
 }
 
-/* Reads the spans; the phones of each word, with a space behind it, stops as they are. */
+/* Reads the spans. Returns each word's phones followed by a space, and punctuation unchanged. */
 static const char *reading(struct bench *b, const struct faccia_span *spans, size_t count) {
     static char said[512];
     const struct es_voice *voice = ko_reader_voice(b->reader, "it");
@@ -83,7 +83,7 @@ static void reads_words(void **state) {
     assert_int_equal(b->warnings, 0);
 }
 
-/* In place of the text, which the reader knows again afterwards. */
+/* Given phones replace the text, whose words are still located. */
 static void reads_given_phones(void **state) {
     struct bench *b = *state;
     const struct faccia_span spans[] = {span("La ", NULL), span("nonna", "ˈmamma"), span(" dorme.", NULL)};

@@ -24,13 +24,13 @@ static struct sentence_audio *spoken(const char *text) {
     return u;
 }
 
-/* What lips begin needs the time for it; what they do not begin, what has it already, and what says nothing
- * do not. */
+/* Only speech that begins with a lip contact needs a lead-in, unless it has enough silence already or is
+ * empty. */
 static void is_missed_by_lips_alone(void **state) {
     uint32_t whole = (uint32_t)(LEAD_IN_SECONDS * RATE);
     static const struct {
         const char *text;
-        double has; /* s of silence; negative: needs none */
+        double has; /* silence present, s; negative: needs none */
     } cases[] = {
         {"b.015 a.100", 0},  {"m.080 a.100", 0},        {"v.030 a.100", 0}, {"_.020 p.015 a.100", 0.02},
         {"s.030 a.100", -1}, {"_.070 p.030 a.100", -1}, {"a.100", -1},      {"_.300", -1}};
@@ -42,7 +42,7 @@ static void is_missed_by_lips_alone(void **state) {
     }
 }
 
-/* Everything moves by the silence, but for what lies at the very beginning. */
+/* The silence shifts everything except marks and cues at the very beginning. */
 static void moves_what_is_heard(void **state) {
     (void)state;
     for (int paused = 0; paused < 2; paused++) {
@@ -86,8 +86,8 @@ static bool is_closed(const struct fap_frame *f) {
     return v[4] + v[5] >= 0 && v[8] + v[10] >= 0 && v[9] + v[11] >= 0;
 }
 
-/* Led in, the lips have met before the first sound is over, for long enough that a frame of 25 a second shows
- * it then, and the vowel after it has its time; without it the closure goes into the vowel. */
+/* With the lead-in, lips meet before the first sound ends, long enough for a frame at 25 fps, and the next
+ * vowel keeps its time; without it the closure extends into the vowel. */
 static void gives_lips_their_time(void **state) {
     for (int led = 0; led < 2; led++) {
         struct sentence_audio *u = utter("b.015 'a.050 p.020 a.100 _.200", 1);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Parts of the library that need no work to be read. */
+/* Parts of the library that can be tested without a work. */
 #include "server/base/mem.h"
 #include "server/library/library_internal.h"
 #include <jansson.h>
@@ -21,7 +21,7 @@ static void free_parts(struct block *b) {
     free(b->marks);
 }
 
-/* Bytes of the text are told as UTF-16 units, in whatever order the marks come. */
+/* Offsets of marks are converted to UTF-16 units, for marks in any order. */
 static void tells_where_marks_are(void **state) {
     (void)state;
     static const char text[] = "\xC3\xA8 \xF0\x9F\x98\x80 va"; /* units: e with grave 0, emoji 2 and 3, v 5 */
@@ -44,8 +44,9 @@ static void tells_where_marks_are(void **state) {
     free_parts(&b);
 }
 
-/* A word with emphasis, then a longer stretch that lies around the next word and stretch, and so on: one mark
- * ends near the text's beginning, the next one near its end. From mark to mark that is 10^11 steps. */
+/* Nested marks: an emphasised word, then a long stretch that contains the next word and stretch, and so on.
+ * One mark ends near the start of the text, the next near its end: 10^11 steps if each is located separately.
+ */
 static void takes_one_pass_over_marks_in_each_other(void **state) {
     (void)state;
     enum { PAIRS = 150000, STEP = 8, SECONDS_MOST = 30 };

@@ -40,7 +40,7 @@ static void frame_at(const struct face_layer *layer, double t, struct fap_frame 
         fap_frame_set(frame, n, fap_clamp(n, (int32_t)lround(faps[n])));
 }
 
-/* Watches a layer from..to. */
+/* Collects statistics of a layer from..to. */
 static void watch(struct life_statistics *s, const struct face_layer *layer, double from, double to) {
     struct fap_frame frame;
     for (double k = ceil(from * FPS); k < to * FPS; k++) {
@@ -49,7 +49,7 @@ static void watch(struct life_statistics *s, const struct face_layer *layer, dou
     }
 }
 
-/* A voice: harmonics of a pitch that rises in stressed phones, and by so many semitones in the last one. */
+/* Adds a voice: harmonics whose pitch rises in stressed phones, and by `rise` semitones in the last one. */
 static void give_voice(struct sentence_audio *u, double hz, double rise) {
     u->pcm = mem_alloc(u->samples * sizeof *u->pcm);
     double phase = 0;
@@ -98,7 +98,8 @@ static void idles_as_people_do(void **state) {
         assert_true(life_list_mean(&s.durations) > 0.15 && life_list_mean(&s.durations) < 0.35);
         assert_true(life_list_deviation(&s.durations) > 0.02);
         for (size_t i = 0; i < s.durations.count; i++)
-            assert_true(s.durations.items[i] >= 0.08 && s.durations.items[i] <= 0.9); /* two may touch */
+            assert_true(s.durations.items[i] >= 0.08 &&
+                        s.durations.items[i] <= 0.9); /* two blinks may touch */
         assert_true(s.incomplete > s.blinks / 20 && s.incomplete < s.blinks / 3);
         assert_true(saccades > 30 && saccades < 100);
         assert_true(life_list_mean(&s.saccades) > 2 && life_list_mean(&s.saccades) < 8);
@@ -133,7 +134,7 @@ static void speaks_as_people_do(void **state) {
         struct face_layer layer = alive(3, 1, begin, u);
         watch(&s, &layer, 0, length);
         for (size_t k = 1; k < u->phone_count; k++)
-            if (!u->phones[k].ipa[0]) { /* eyes that close about the end of a phrase */
+            if (!u->phones[k].ipa[0]) { /* blinks near the end of a phrase */
                 double faps[FAP_COUNT + 1], closed = 0;
                 for (int step = -12; step <= 12; step++) {
                     at(&layer, (double)u->phones[k].start / u->sample_rate + step * 0.02, faps);
@@ -152,7 +153,7 @@ static void speaks_as_people_do(void **state) {
     double rate = 60.0 * (double)s.blinks * FPS / (double)s.frames;
     assert_true(rate > 20 && rate < 32);
     assert_true(s.blinks > idle.blinks * 5 / 4);
-    /* by chance 0.48 s would see 17 to 25 of a hundred */
+    /* chance level of 0.48 s: 17 to 25 percent */
     assert_true(at_ends * 100 > ends * 38);
     double share = (double)s.at_listener / (double)s.frames;
     assert_true(share > 0.4 && share < 0.65);
@@ -164,7 +165,7 @@ static void speaks_as_people_do(void **state) {
     life_statistics_free(&idle);
 }
 
-/* A sentence of 1.3 s: the eyes leave the listener in some of them, whatever the head does. */
+/* In some sentences of 1.3 s the eyes look away, even without a head turn. */
 static void glances_in_brief_sentences(void **state) {
     (void)state;
     enum { SEEDS = 60 };
@@ -232,7 +233,7 @@ static void joins_without_a_step(void **state) {
             struct face_layer idle = alive(seed, 1.5, 0, NULL), first = alive(seed, 1.5, begin, u),
                               second = alive(seed, 1.5, begin + length, v);
             double faps[FAP_COUNT + 1], before[FAP_COUNT + 1], silent[FAP_COUNT + 1];
-            for (int k = 0; k <= 40; k++) { /* outside, it is the idle face */
+            for (int k = 0; k <= 40; k++) { /* equals the idle face outside the sentence */
                 double away = k * 0.05;
                 at(&first, -away, faps);
                 at(&idle, begin - away, silent);
@@ -361,7 +362,7 @@ static void eyes_work_together(void **state) {
         double step = hypot(yaw - gaze[0], pitch - gaze[1]) / DEGREE * FPS;
         double turn = fabs(faps[YAW] - head) / DEGREE * FPS;
         still += step < 1 && turn > 2;
-        /* Upper lids never go past the lower ones; they follow the eyes when they are open. */
+        /* Upper lids never pass the lower ones, and follow the eyes when open. */
         for (int side = 0; side < 2; side++) {
             meets = fmax(meets, faps[19 + side] + faps[21 + side]);
             assert_true(faps[19 + side] + faps[21 + side] < 1030);
@@ -499,7 +500,7 @@ static void hears_phrases_accents_and_questions(void **state) {
     assert_true(p.accent_count >= 9 && majors >= 3 && majors < p.accent_count);
     prosody_free(&p);
     prosody_free(&q);
-    /* a question tilts the head, and it is upright again when it is over */
+    /* a question tilts the head, which is upright again at its end */
     struct face_layer told = alive(1, 1, 50, u), questioned = alive(1, 1, 50, asked);
     double a[FAP_COUNT + 1], b[FAP_COUNT + 1], tilt = 0, brows = 0;
     for (int k = 0; k < 700; k++) {

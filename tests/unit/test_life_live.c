@@ -11,7 +11,7 @@
 
 enum { FPS = 50, SECONDS_MOST = 40, PITCH = 48, YAW = 49, EYE_YAW = 23, EYE_PITCH = 25, BROW = 33, LID = 19 };
 
-/* A voice of syllables, 0.2 s each, that are 0.12 s of pulses. */
+/* A voice with syllables of 0.2 s, 0.12 s of them pulses. */
 struct voice {
     float samples[SECONDS_MOST * LIFE_LIVE_RATE];
     size_t count;
@@ -42,7 +42,7 @@ struct shown {
     int count;
 };
 
-/* Shown 80 ms after it was heard. */
+/* Displays the voice with a delay of 80 ms. */
 static void show(const struct voice *v, struct shown *s, size_t piece) {
     struct life_live *l = life_live_new();
     size_t written = 0;
@@ -95,7 +95,7 @@ static void test_silence(void **state) {
     }
 }
 
-/* A syllable that is louder and higher than the others: brows and head, about when it is heard. */
+/* A louder and higher syllable moves brows and head at about the time it is heard. */
 static void test_stress(void **state) {
     struct voice *v = voice_new(state);
     silence(v, 0.5);
@@ -107,10 +107,10 @@ static void test_stress(void **state) {
     assert_true(most(&a, BROW, 0, at) == 0 && most(&a, PITCH, 1.5, at) < 1745);
     assert_true(most(&a, BROW, at, at + 0.5) >= 45);
     assert_true(most(&a, PITCH, at, at + 0.5) > 1745);    /* a degree down */
-    assert_true(most(&a, BROW, at + 0.9, at + 1.2) < 20); /* but for liveliness */
+    assert_true(most(&a, BROW, at + 0.9, at + 1.2) < 20); /* except for arousal */
 }
 
-/* Where a phrase ends: a nod, and the eyes are at the listener, wherever the head is. */
+/* The end of a phrase: a nod, and eyes on the listener, compensating the head. */
 static void test_end(void **state) {
     struct voice *v = voice_new(state);
     bool blinked = false, aside = false;
@@ -134,7 +134,7 @@ static void test_end(void **state) {
     assert_true(aside);
     silence(v, 3);
     show(v, &a, 160);
-    assert_false(looks(&a, seconds(v) - 0.2)); /* by then she is free again */
+    assert_false(looks(&a, seconds(v) - 0.2)); /* the gaze is free again */
 }
 
 static void test_lively(void **state) {
@@ -144,7 +144,7 @@ static void test_lively(void **state) {
     double at = seconds(v);
     syllables(v, 10, 170, 0.2);
     show(v, &a, 160);
-    int calm = 0, lively = 0; /* between the syllables that stand out */
+    int calm = 0, lively = 0; /* between prominent syllables */
     for (int k = (int)((at - 2) * FPS); k < at * FPS; k++)
         calm = a.frames[k].value[LID] < calm ? a.frames[k].value[LID] : calm;
     for (int k = (int)((at + 1) * FPS); k < a.count; k++)
@@ -152,7 +152,7 @@ static void test_lively(void **state) {
     assert_true(lively < calm - 10);
 }
 
-/* Whatever comes later, and in whatever pieces it comes; and no mouth in it. */
+/* Independent of later sound and of how it is split; never moves the mouth. */
 static void test_causal(void **state) {
     struct voice *v = voice_new(state);
     silence(v, 0.4);
@@ -174,7 +174,7 @@ static void test_causal(void **state) {
     }
 }
 
-/* Noise, clipping, what is no wave at all: within the FAPs' limits, and it ends. */
+/* Noise, clipping and NaN: values stay within the FAPs' limits, and it terminates. */
 static void test_anything(void **state) {
     struct voice *v = voice_new(state);
     unsigned long dice = 1;
@@ -189,7 +189,7 @@ static void test_anything(void **state) {
             assert_int_equal(a.frames[k].value[n], fap_clamp(n, a.frames[k].value[n]));
 }
 
-/* As strong as life is; the mouth is that of the frame, whatever life does. */
+/* Scales with the strength of life; the mouth is always that of the frame. */
 static void test_placed(void **state) {
     struct fap_frame heard = {0}, plain[2], moved;
     (void)state;

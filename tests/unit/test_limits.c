@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the voice pool allows a worker: time, processor time, memory, system calls. */
+/* Limits of a worker in the voice pool: time, processor time, memory, system calls. */
 #include "tests/unit/pool_fixture.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-/* The voice goes on after whatever it was. */
+/* Speaks a text that fails, then checks that the voice still works. */
 static void speak_and_go_on(struct pool_test *s, const char *text) {
     pool_test_speak(s, "plain", text);
     pool_test_speak(s, "plain", "uno");
@@ -44,7 +44,7 @@ static void processor_time_is_limited(void **state) {
     pool_test_shut(s);
 }
 
-/* Each sentence has its own: what they take together is more than what one may. */
+/* The limit is per sentence: several together may exceed it. */
 static void processor_time_is_that_of_one_sentence(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
@@ -58,7 +58,7 @@ static void processor_time_is_that_of_one_sentence(void **state) {
 
 static void memory_is_limited(void **state) {
     (void)state;
-#if defined __SANITIZE_ADDRESS__ /* which itself takes more than any limit */
+#if defined __SANITIZE_ADDRESS__ /* the sanitizer itself exceeds any limit */
     skip();
 #endif
     struct pool_test *s = OPEN(WITH(0), "puppet");
@@ -67,7 +67,7 @@ static void memory_is_limited(void **state) {
     pool_test_shut(s);
 }
 
-/* The warnings in which the puppet tells what came of its attempts. */
+/* Checks the puppet's warnings, which report the results of its attempts. */
 static void check_attempts(const struct result *r, const char *const *attempts, const char *outcome) {
     char text[80];
     assert_false(r->failed);
@@ -104,7 +104,7 @@ static void a_sandbox_can_be_forgone(void **state) {
     pool_test_shut(s);
 }
 
-/* It starts only where it may open a socket and run a program. */
+/* The plugin starts only if it can open a socket and run a program. */
 static void old_plugins_may_do_what_they_could(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(0), "first");

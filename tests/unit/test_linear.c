@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A text four times as long takes about four times as long, whatever it is full of. Processor time, and a
- * wide margin: what grows with the square takes sixteen times as long. */
+/* Processing time is linear: a text four times as long takes about four times the processor time, for any
+ * content. The margin is wide, because quadratic growth would take sixteen times. */
 #include "server/base/buf.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
@@ -18,7 +18,7 @@ enum { PIECES = 4000, TRIES = 5 };
 #define MARGIN 9
 
 static const struct shape {
-    const char *what, *begin, *piece, *end; /* %d: which piece it is */
+    const char *what, *begin, *piece, *end; /* %d: number of the piece */
 } shapes[] = {
     {"emphases of one word", "<speak>", "<emphasis>a</emphasis>", "</speak>"},
     {"emphases", "<speak>", "<emphasis>one</emphasis> two. ", "</speak>"},
@@ -63,7 +63,7 @@ static void make(const struct shape *shape, int pieces, struct buf *text) {
     buf_add(text, shape->end, strlen(shape->end));
 }
 
-/* All that is done with a text before it is spoken. */
+/* All processing of a text before it is spoken. */
 static double work(const struct expressions *expressions, const struct buf *text) {
     static const struct voice_prosody prosody = {.pitch = 1, .volume = 1};
     struct error e;
@@ -98,7 +98,7 @@ static void takes_as_long_as_it_is(void **state) {
     }
 }
 
-/* Ways through all that is under a cue are as many as the cue's sentences, not as its neighbours. */
+/* The work for a cue grows with its sentences, not with the number of other cues. */
 static void bounds_what_a_sentence_holds(void **state) {
     (void)state;
     static const struct voice_prosody prosody = {.pitch = 1, .volume = 1};

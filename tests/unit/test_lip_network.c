@@ -31,7 +31,7 @@ static struct lip_network *load(void) {
     return n;
 }
 
-/* What the training's own network answered to a piece of its data, every frame, every head. */
+/* Compares all outputs for a piece of training data with those of the training code. */
 static void test_as_trained(void **state) {
     (void)state;
     size_t size, heads;
@@ -85,7 +85,7 @@ static void test_bad_networks(void **state) {
             {0, 0, 'F'},    {7, 0, 'F'},      {36, 0, 'F'},   {size - 1, 0, 'F'}, {size, 0, 'f'},
             {size, 8, 32},  {size, 12, 0},    {size, 12, 33}, {size, 17, 255},    {size, 23, 255},
             {size, 24, 13}, {size, 28, 8},    {size, 32, 0},  {size, 32, 9},      {size, 36, 101},
-            {size, 40, 0},  {size, 55, 0x7F}, /* a row that is infinite, or no number */
+            {size, 40, 0},  {size, 55, 0x7F}, /* a row with infinity or NaN */
         };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct error e = {0};
@@ -118,8 +118,8 @@ static void keep_frame(void *ctx, const float frame[LIP_FEATURES]) {
     memcpy(k->frames[k->count++], frame, sizeof k->frames[0]);
 }
 
-/* A tone is in its own band, by as much as it is louder there, and nowhere far away; how loud it is makes no
- * difference once that is known. */
+/* A tone appears in its own band, in proportion to its level, and not in distant ones; after normalisation
+ * its loudness does not matter. */
 static void test_tone(void **state) {
     (void)state;
     const double mel_low = 2595 * log10(1 + 100 / 700.0), mel_high = 2595 * log10(1 + 7000 / 700.0);
@@ -143,7 +143,7 @@ static void test_tone(void **state) {
         for (size_t i = 0; i < LIP_BANDS; i++)
             if (loud.frames[0][i] > loud.frames[0][most])
                 most = i;
-        /* the colour that it begins with leans on the lowest bands: high tones stand out all the more */
+        /* the initial mean emphasises the lowest bands, so high tones stand out */
         assert_true(fabs((double)most - band) < 3);
         for (size_t i = 0; i < LIP_FEATURES; i++)
             assert_true(fabs((double)loud.frames[50][i] - soft.frames[50][i]) < 0.35);
@@ -213,7 +213,7 @@ static void likely_is(float likely[LIP_CLASSES], enum lip_class class, float how
     likely[class] = how;
 }
 
-/* Of each frame all classes together are 1. */
+/* Checks that the probabilities of all classes add up to 1. */
 static void assert_likely(const struct lip_phone *phone) {
     double sum = 0;
     for (int i = 0; i < LIP_CLASSES; i++)
@@ -222,8 +222,8 @@ static void assert_likely(const struct lip_phone *phone) {
     assert_true(phone->likely[phone->class] > 0);
 }
 
-/* A closure begins at once, is held for its least time and on while it is at all likely; a vowel of one
- * doubtful frame is none. Sounds touch. */
+/* A closure begins at once and is held for its minimum time and while it is likely; a single uncertain frame
+ * does not make a vowel. Sounds are adjacent. */
 static void test_decoder(void **state) {
     (void)state;
     static const struct {
@@ -259,7 +259,7 @@ static void test_decoder(void **state) {
     assert_int_equal(d.now.end, 36);
 }
 
-/* What may be a closure, or teeth on the lip, is one. */
+/* In doubt, decides for a closure or a labiodental contact. */
 static void test_doubt(void **state) {
     (void)state;
     const float teeth[LIP_CLASSES] = {[LIP_TEETH] = 0.35F, [LIP_BACK] = 0.65F},
@@ -291,8 +291,8 @@ static int frames_until(struct lip_voice *v, float odds, float silence, bool non
     return 0;
 }
 
-/* It begins as if somebody spoke; doubt for a moment changes nothing, nor does silence, nor what is no
- * number; a voice is believed sooner than music. */
+/* The detector starts assuming speech; brief doubt, silence and NaN do not change its state; it switches to
+ * speech faster than to music. */
 static void test_voice(void **state) {
     (void)state;
     struct lip_voice v;

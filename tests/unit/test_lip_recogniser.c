@@ -22,7 +22,7 @@ static void see(void *ctx, uint32_t k, const struct fap_frame *frame) {
     s->latest = fmax(s->latest, (double)s->written / s->rate - k / 25.0);
 }
 
-/* Counted in samples: a frame comes so long after the instant that it shows, the lookahead included. */
+/* Delay of a frame after the instant it shows, in samples, including the lookahead. */
 static void test_delay(void **state) {
     (void)state;
     static const struct {
@@ -75,7 +75,7 @@ static void keep(void *ctx, uint32_t k, const struct fap_frame *frame) {
         ((struct fap_frame *)ctx)[k] = *frame;
 }
 
-/* Brows, eyes and head follow the voice, or do not: the mouth is the same, to the unit. */
+/* The mouth is identical with and without movements of brows, eyes and head. */
 static void test_mouth(void **state) {
     static struct fap_frame frames[2][250];
     (void)state;

@@ -13,7 +13,7 @@
 static const char *const abbreviations[] = {"sig", "dott", NULL};
 static const struct markup_rules rules = {.abbreviations = abbreviations};
 
-/* Reads text and compares its sentences with the list that ends with NULL. */
+/* Reads text and compares its sentences with a NULL-terminated list. */
 static void check_by(const struct markup_rules *by, const char *text, const char *const *expected) {
     struct error e = {0};
     struct score *score = markup_read(markup_by_name("plain"), text, strlen(text), by, &e);
@@ -126,13 +126,13 @@ static void names_the_place_of_bad_input(void **state) {
     assert_string_equal(error_name(e.code), "bad-utf8");
 }
 
-/* Long texts of each way in which texts are read. */
+/* Long texts for each reader. */
 static const struct {
     const char *kind, *begin, *piece, *end;
 } long_texts[] = {
     {"plain", "", "Uno. ", ""},
     {"ssml", "<speak>", "<emphasis>Uno</emphasis> ", "</speak>"},
-    {"ssml", "<speak>", "a &amp; b\n", "</speak>"}, /* no tag and no end of a sentence */
+    {"ssml", "<speak>", "a &amp; b\n", "</speak>"}, /* no tags and no sentence ends */
     {"apml", "<apml>", "<theme>Uno.</theme>", "</apml>"},
     {"jsml", "<jsml>", "<SENT>Uno.</SENT>", "</jsml>"},
     {"auto", "", "Uno <b>due</b>. ", ""},
@@ -161,7 +161,7 @@ static void stops_when_given_up_or_late(void **state) {
     (void)state;
     const atomic_bool given_up = true, wanted = false;
     check_stopped(work_limit_begin(&given_up, 0), "cancelled");
-    check_stopped((struct work_limit){.given_up = &wanted, .until = 1}, "text-too-long"); /* long ago */
+    check_stopped((struct work_limit){.given_up = &wanted, .until = 1}, "text-too-long"); /* expired */
 }
 
 static void finds_kinds(void **state) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Coding in other threads: the same bytes in the same order as without them, whatever else is coded. */
+/* Coding on threads gives the same bytes in the same order as without, under any load. */
 #include "protocol/compact.h"
 #include "server/codec/coder_pool.h"
 #include "server/codec/media_encoder.h"
@@ -32,7 +32,7 @@ static void on_done(void *ctx, void *tag, const struct encoded *encoded) {
 
 static const struct encoding opus = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FAPC, 0, true};
 
-/* A chunk of an utterance, its sound in a buffer that is another one's afterwards. */
+/* Encodes a chunk whose sound buffer is reused afterwards. */
 static void say(struct encoder *e, uint32_t utterance, uint32_t k, uintptr_t tag) {
     static int16_t pcm[SAMPLES];
     static struct fap_frame frames[FRAMES];
@@ -80,7 +80,7 @@ static void test_same(void **state) {
     for (uint32_t i = 0; i < STREAMS; i++) {
         encoders[i] = encoder_new(&opus, pool, NULL, on_done, &heard[i]);
         say_all(encoders[i], 3 * i + 1, &heard[i]);
-        assert_int_equal(heard[i].answers, 0); /* nothing was done on the loop's time */
+        assert_int_equal(heard[i].answers, 0); /* nothing was coded on the loop */
     }
     for (uint32_t i = 0; i < STREAMS; i++)
         while (heard[i].answers < 2 * (CHUNKS + 1))
@@ -104,7 +104,7 @@ static void test_same(void **state) {
     assert_int_equal(uv_loop_close(&loop), 0);
 }
 
-/* What was stopped is not coded; the next utterance can be begun with. */
+/* Stopped chunks are not coded; the next utterance is a starting point. */
 static void test_stop(void **state) {
     uv_loop_t loop;
     struct heard h = {0};
@@ -123,7 +123,7 @@ static void test_stop(void **state) {
     encoder_end(e, true, (void *)403);
     while (h.answers < 403)
         uv_run(&loop, UV_RUN_ONCE);
-    /* if not even the first of the utterance was coded, nobody could have begun */
+    /* decoders could start at least once */
     assert_true(before + h.begins > 0);
     encoder_free(e);
     coder_pool_close(pool);
@@ -132,7 +132,7 @@ static void test_stop(void **state) {
     buf_free(&h.bytes);
 }
 
-/* An encoder, and the pool, may go while chunks of it are being coded; nobody hears of them. */
+/* Encoder and pool may be freed while chunks are being coded; no callback follows. */
 static void test_leave(void **state) {
     uv_loop_t loop;
     (void)state;
@@ -166,7 +166,7 @@ static void test_leave(void **state) {
     }
 }
 
-/* PCM is copied, no more: that is not worth a thread. */
+/* PCM is only copied, so it needs no thread. */
 static void test_at_once(void **state) {
     static const struct encoding pcm = {CHUNK_AUDIO_PCM_S16LE, CHUNK_FAP_PLAIN, 0, false};
     uv_loop_t loop;

@@ -68,10 +68,10 @@ static void mixes(void **state) {
     const char *const names[] = {"happy", "anger", "joy", "fear"};
     const double some[] = {0.2, 0.3, 0.1, NAN}, much[] = {1, 1, 1, 5};
     assert_int_equal(mood_set(mood, names, some, 4, 0, 0.2, &e), 0);
-    assert_true(fabs(share(mood, 5, "joy") - 0.3) < 1e-9); /* by its names */
+    assert_true(fabs(share(mood, 5, "joy") - 0.3) < 1e-9); /* by alias */
     assert_true(fabs(share(mood, 5, "anger") - 0.3) < 1e-9);
     assert_true(share(mood, 5, "fear") == 0);
-    /* no more than one whole face */
+    /* intensities are scaled to a sum of 1 */
     assert_int_equal(mood_set(mood, names, much, 4, 10, 0.2, &e), 0);
     assert_true(fabs(share(mood, 15, "joy") - 0.5) < 1e-9);
     assert_true(fabs(share(mood, 15, "anger") + share(mood, 15, "fear") - 0.5) < 1e-9);
@@ -88,11 +88,11 @@ static void refuses_what_it_does_not_know(void **state) {
     assert_string_equal(e.field, "mix.1.name");
     assert_int_equal(mood_set(mood, names, ones, 5, 0, 1, &e), -1);
     assert_string_equal(e.field, "mix");
-    assert_true(share(mood, 5, "joy") == 0); /* nothing has changed */
+    assert_true(share(mood, 5, "joy") == 0); /* unchanged */
     mood_free(mood);
 }
 
-/* Set anew at any moment, as by somebody who drags a point over an emotion disc: value and slope go on. */
+/* Frequent changes, as when dragging on an emotion disc, keep value and slope continuous. */
 static void never_jumps(void **state) {
     struct mood *mood = mood_new(*state);
     static const char *const names[] = {"joy", "anger", "sadness", "pride"};
@@ -109,7 +109,7 @@ static void never_jumps(void **state) {
         for (int i = 0; i < 4; i++) {
             double value = share(mood, t, names[i]), moved = (value - now[i]) / step;
             assert_true(value >= 0 && value <= 1);
-            assert_true(fabs(moved) <= 18); /* 1.5 / 0.1 s, and what runs out */
+            assert_true(fabs(moved) <= 18); /* 1.5 / 0.1 s, plus the previous change */
             /* No more than what the sharpest turn bends in a step: the slope does not jump. At 0 and 1 it
              * may. */
             if (fmin(value, fmin(now[i], before[i])) > 0 && fmax(value, fmax(now[i], before[i])) < 1 &&
@@ -123,14 +123,14 @@ static void never_jumps(void **state) {
     mood_free(mood);
 }
 
-/* Frames are made a little ahead of or behind the clock of the caller. */
+/* Times slightly before the last change can be evaluated. */
 static void remembers_a_little(void **state) {
     struct mood *mood = mood_new(*state);
     for (int i = 0; i < 10; i++)
         set(mood, "joy", i % 2, i, 0.5);
     assert_true(share(mood, 5.9, "joy") == 1);
     assert_true(share(mood, 6.9, "joy") == 0);
-    set(mood, "joy", 0, 2, 0.5); /* back in time: from the last one on */
+    set(mood, "joy", 0, 2, 0.5); /* back in time: clamped to the last change */
     assert_true(share(mood, 7.9, "joy") == 1);
     assert_true(share(mood, 10, "joy") == 0);
     mood_free(mood);

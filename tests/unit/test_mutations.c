@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The documents of tests/documents, damaged at random in ways that can be repeated, through every reader:
- * each gives a sound score or an error with its place. */
+/* Reads the documents of tests/documents with reproducible random damage by every reader: each gives a valid
+ * score or an error with its place. */
 #include "server/base/buf.h"
 #include "server/markup/markup.h"
 #include "server/markup/markup_reader.h"
@@ -51,7 +51,7 @@ static int unload(void **state) {
     return 0;
 }
 
-/* One to four bytes changed, parts of it removed, doubled, or taken from another document. */
+/* Changes one to four bytes, removes or duplicates parts, or inserts parts of another document. */
 static void damage(struct buf *text, const struct buf *from, uint64_t *seed) {
     static const char signs[] = "<>&\"'/=;! \n-[]?aZ09.%\x80\xC3";
     const struct buf *other = &documents[next_random(seed) % document_count];
@@ -140,7 +140,7 @@ static void read_one(const struct markup_kind *kind, struct buf *text) {
         assert_int_equal(e.place, PLACE_LINE);
         return;
     }
-    char *exact = malloc(size ? size : 1); /* so that a read beyond the end is seen */
+    char *exact = malloc(size ? size : 1); /* the sanitizer detects overruns */
     memcpy(exact, utf8 ? utf8 : (char *)text->data, utf8 ? size : (size = text->size));
     struct score *score = markup_read(kind, exact, size, NULL, &e);
     if (score) {

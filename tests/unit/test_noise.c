@@ -40,7 +40,7 @@ static void uniform_and_white(void **state) {
     static int16_t speech[SAMPLES], out[SAMPLES];
     int bins[10] = {0};
     double next = 0, square = 0, largest = 0;
-    speech[0] = 1; /* the segment; all else is silence, so that only noise is there */
+    speech[0] = 1; /* the segment; all else is silence, so only noise remains */
     assert_true(noise_mix(speech, SAMPLES, 0, SAMPLES, -60, 5, out) > 0);
     for (int i = 0; i < SAMPLES; i++)
         largest = fmax(largest, fabs((double)out[i]));

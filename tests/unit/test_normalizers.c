@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Dates, times, sums... in the words of each language. */
+/* Dates, times, amounts etc. in words of each language. */
 #include "server/normalize/normalizers.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ static int unload(void **state) {
     return 0;
 }
 
-/* The words, or "-" when it cannot be read so. */
+/* words: the expected result, or "-" if the text does not fit. */
 static void check(const char *lang, const char *way, const char *text, const char *words) {
     struct buf out = {0};
     buf_add(&out, "<", 1);
@@ -143,7 +143,7 @@ static void nets_and_names(void **state) {
     check("it", "unheard-of", "x", "-");
 }
 
-/* Anything at all can be asked to be read as anything. */
+/* Any text with any say-as does no harm. */
 static void nonsense(void **state) {
     (void)state;
     static const char *const ways[] = {"digits",   "telephone", "cardinal", "ordinal", "fraction", "date",

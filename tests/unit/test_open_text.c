@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Texts that are read while they are written: whatever way a text came, its pieces are the same. */
+/* Open texts: the pieces do not depend on how the text arrives. */
 #include "server/base/buf.h"
 #include "server/markup/markdown.h"
 #include "server/markup/markup_rules.h"
@@ -17,7 +17,7 @@
 static const char *const abbreviations[] = {"sig", "dott", "dr", "z.b", "örn", "ecc", NULL};
 static const struct markup_rules rules = {.abbreviations = abbreviations};
 
-/* Writes down the pieces that are known of text[0..size), "START:DOCUMENT|", or the error. False: that. */
+/* Appends the complete pieces of text[0..size) as "START:DOCUMENT|", or the error, and then returns false. */
 static bool take(struct open_text *o, const char *text, size_t size, enum open_end end, struct buf *out) {
     struct open_piece piece;
     struct error e;
@@ -32,8 +32,8 @@ static bool take(struct open_text *o, const char *text, size_t size, enum open_e
     return !found;
 }
 
-/* The same for a text that comes in pieces of its own: up to each place, which rise. What is behind the end
- * is in no memory that may be read. */
+/* The same for a text that arrives in steps, up to each of the ascending places. Memory beyond the current
+ * end is not readable. */
 static char *written(const char *markup, const char *text, const size_t *places, size_t count) {
     struct open_text o = {.kind = markup_by_name(markup)};
     struct buf out = {0};
@@ -56,7 +56,7 @@ static unsigned next_random(uint32_t *seed) {
     return *seed >> 8;
 }
 
-/* All ways to cut it once; byte by byte; and many ways at random. */
+/* Splits at every place, byte by byte, and at random. */
 static void check(const char *markup, const char *text, const char *expected) {
     size_t size = strlen(text), *places = calloc(size + 1, sizeof *places);
     uint32_t seed = 1;
@@ -127,7 +127,7 @@ static void leaves_links_out(void **state) {
     }
 }
 
-/* Brackets that nothing closes, and closed ones whose address has no end: looking for it from each is 10^12
+/* Unclosed brackets, and closed ones whose address never ends: searching from each would be 10^12
  * steps. */
 static void takes_one_pass_over_brackets(void **state) {
     (void)state;
@@ -166,7 +166,7 @@ static void reads_pieces_inside_their_elements(void **state) {
     check("jsml", "<sent>Uno</sent><sent>Due. Tre</sent>", NULL);
 }
 
-/* Sentences without end, tags without end, elements without end. */
+/* Unterminated sentences, tags and elements. */
 static void bounds_what_it_keeps(void **state) {
     (void)state;
     size_t size = 30000;

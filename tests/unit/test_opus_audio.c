@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-/* A sweep of one second whose loudness rises and falls, so that a shift in time shows. */
+/* A sweep of one second with varying loudness, which makes time shifts visible. */
 static int16_t *sweep(uint32_t rate) {
     int16_t *pcm = malloc(rate * sizeof *pcm);
     for (uint32_t i = 0; i < rate; i++) {
@@ -21,7 +21,7 @@ static int16_t *sweep(uint32_t rate) {
     return pcm;
 }
 
-/* Decodes packets that stand after their lengths; returns how many samples came, and checks the count. */
+/* Decodes length-prefixed packets, checks their number and returns the number of samples. */
 static size_t decode(const struct buf *packets, unsigned expected, int16_t *out, size_t cap) {
     int error;
     OpusDecoder *decoder = opus_decoder_create(OPUS_RATE, 1, &error);
@@ -44,7 +44,7 @@ static size_t decode(const struct buf *packets, unsigned expected, int16_t *out,
     return samples;
 }
 
-/* The shift, within +-limit samples, at which a and b fit best. */
+/* Best shift of a against b within +-limit samples. */
 static int best_shift(const int16_t *a, const int16_t *b, int count, int limit) {
     double best = -1e300;
     int found = 0;
@@ -78,7 +78,7 @@ static void in_time(void **state) {
         assert_true(samples - skip < OPUS_RATE + 2 * OPUS_PACKET_SAMPLES);
         int shift = best_shift(wanted, heard + skip, OPUS_RATE - 2, 480);
         assert_in_range(shift + 480, 480 - 24, 480 + 24); /* half a millisecond */
-        /* about what was asked: 16 to 24 kbit/s, and a little for the loud sweep */
+        /* about the requested rate: 16 to 24 kbit/s, slightly more for the loud sweep */
         assert_in_range(packets.size * 8, 8000, 32000);
         buf_free(&packets);
         opus_audio_free(o);
@@ -88,12 +88,12 @@ static void in_time(void **state) {
     free(heard);
 }
 
-/* Is the packet after that length CELT's? RFC 6716, 3.1. */
+/* Tells whether the packet after the length is CELT (RFC 6716, 3.1). */
 static bool is_transform(const uint8_t *at) {
     return at[at[0] < 252 ? 1 : 2] >> 3 >= 16;
 }
 
-/* Level after level, up and down again: nothing shifts, and the packets are of the kind that was meant. */
+/* Changing levels up and down shifts nothing, and packets use the intended mode. */
 static void levels(void **state) {
     (void)state;
     enum { RATE = 22050, PIECE = RATE / 20 };
@@ -128,8 +128,8 @@ static void levels(void **state) {
     free(heard);
 }
 
-/* Bits that were asked for are kept at every level; without a wish the sound's rate decides, and nothing is
- * spent on what few bits cannot carry. */
+/* A requested bit rate holds at every level; the default depends on the sample rate, and few bits are not
+ * wasted on high frequencies. */
 static void bits(void **state) {
     (void)state;
     enum { RATE = 22050 };
@@ -151,7 +151,7 @@ static void bits(void **state) {
     free(pcm);
 }
 
-/* How the sound is cut into pieces changes nothing. */
+/* The result does not depend on how the sound is split. */
 static void pieces(void **state) {
     (void)state;
     int16_t *pcm = sweep(22050);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Packed events against the vectors that the JavaScript code is held to as well. */
+/* Tests packed events with the vectors shared with the JavaScript code. */
 #include "protocol/compact.h"
 #include "protocol/packed.h"
 #include <jansson.h>
@@ -28,7 +28,7 @@ static int teardown(void **state) {
     return 0;
 }
 
-/* On the heap and just as large, so that a read beyond the end is found. */
+/* Allocates exactly the size, so that the sanitizer detects overruns. */
 static uint8_t *bytes_of(const json_t *vector, const char *name, size_t *size) {
     const char *hex = json_string_value(json_object_get(vector, name));
     *size = strlen(hex) / 2;
@@ -58,7 +58,7 @@ static void check_event(const json_t *expected, const struct packed_event *e) {
     assert_memory_equal(text, e->text, e->size);
 }
 
-/* Reads the events of a chunk; checks them when they are known, and writes them anew. */
+/* Reads the events of a chunk, compares them with expected ones, and encodes them again. */
 static const char *read_all(const struct chunk *chunk, const json_t *expected, uint8_t *again, size_t *size) {
     const uint8_t *at = chunk->events, *end = at + chunk->events_bytes;
     for (size_t i = 0; at < end; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Curves beside recordings whose answers are known exactly. */
+/* Comparison of curves with recordings, with exactly known results. */
 #include "server/base/mem.h"
 #include "server/research/measured_speech.h"
 #include "server/research/person.h"
@@ -31,9 +31,9 @@ static void likeness_is_exact(void **state) {
     double y[FRAMES], same[FRAMES], minus[FRAMES], quarter[FRAMES], still[FRAMES];
     for (int i = 0; i < FRAMES; i++) {
         y[i] = 7 + 2 * sin(2 * M_PI * i / 200);
-        same[i] = 1 + sin(2 * M_PI * i / 200); /* half as large, elsewhere */
+        same[i] = 1 + sin(2 * M_PI * i / 200); /* half the amplitude, with an offset */
         minus[i] = -sin(2 * M_PI * i / 200);
-        quarter[i] = 2 * cos(2 * M_PI * i / 200); /* at right angles */
+        quarter[i] = 2 * cos(2 * M_PI * i / 200); /* orthogonal */
         still[i] = 5;
     }
     struct curve_match m = curve_match(y, same, FRAMES);
@@ -59,17 +59,17 @@ static void shift_is_found(void **state) {
     double times[FRAMES], y[FRAMES];
     for (int i = 0; i < FRAMES; i++) {
         times[i] = i / 100.0;
-        y[i] = 4 * sin(M_PI * (times[i] - 0.035)); /* the person is 35 ms later than the prediction */
+        y[i] = 4 * sin(M_PI * (times[i] - 0.035)); /* the person is 35 ms behind the prediction */
     }
     struct curve_match_shifted m = curve_match_shifted(times, y, FRAMES, wave, NULL, 0);
     assert_float_equal(m.shift, 0.035, 1e-9);
     assert_float_equal(m.best.correlation, 1, 1e-9);
     assert_float_equal(m.as_is.correlation, cos(M_PI * 0.035), 1e-9);
     assert_float_equal(m.best.offset_rms, 3 / sqrt(2), 1e-9);
-    m = curve_match_shifted(times, y, FRAMES, wave, NULL, 0.035); /* moved already */
+    m = curve_match_shifted(times, y, FRAMES, wave, NULL, 0.035); /* already shifted */
     assert_float_equal(m.shift, 0, 1e-9);
     assert_float_equal(m.as_is.correlation, 1, 1e-9);
-    for (int i = 0; i < FRAMES; i++) /* further than is looked */
+    for (int i = 0; i < FRAMES; i++) /* beyond the search range */
         y[i] = sin(M_PI * (times[i] + 0.2));
     assert_float_equal(curve_match_shifted(times, y, FRAMES, wave, NULL, 0).shift, -CURVE_SHIFT_MOST, 1e-9);
     m = curve_match_shifted(times, y, FRAMES, flat, NULL, 0);
@@ -105,9 +105,9 @@ static void another_person_is_warped(void **state) {
     (void)state;
     struct measured_speech one, two;
     say(&one, names, lengths, 5, 0.2);
-    say(&two, names, slower, 5, 0.5); /* twice as slow, and later */
+    say(&two, names, slower, 5, 0.5); /* half the speed, and later */
     for (size_t i = 0; i < two.frame_count; i++)
-        two.curves[PARAM_LI][i] = 3 * two.times[i]; /* tells the time */
+        two.curves[PARAM_LI][i] = 3 * two.times[i]; /* encodes the time */
     struct person_warp warp;
     person_warp_new(&warp, &one, &two);
     warp.measure = PARAM_LI;
@@ -118,7 +118,7 @@ static void another_person_is_warped(void **state) {
     assert_float_equal(person_warp_time(&warp, 0.1), 0.4, 1e-9);   /* before: as time runs */
     assert_float_equal(person_warp_time(&warp, 1.05), 2.15, 1e-9); /* and behind */
     assert_float_equal(person_warp_at(&warp, 0.45), 3, 1e-9);
-    /* what the person does in her own time, warped, is the same curve */
+    /* the person's curve, warped in time, matches */
     for (size_t i = 0; i < one.frame_count; i++)
         one.curves[PARAM_LI][i] = 3 * person_warp_time(&warp, one.times[i]) + 8;
     struct curve_match_shifted m = person_match(&one, PARAM_LI, person_warp_at, &warp, 0);
@@ -127,7 +127,7 @@ static void another_person_is_warped(void **state) {
     assert_int_equal(m.as_is.count, 81); /* 0.2 to 1.0 s: the pauses do not count */
     assert_true(m.shift == 0);
     person_warp_free(&warp);
-    /* a phone more, a phone less: those that both have are laid on each other */
+    /* with a phone more and a phone less, common phones are matched */
     static const char *const others[] = {"a", "p", "u", "s", "t", "a"};
     static const double six[] = {0.2, 0.1, 0.15, 0.15, 0.1, 0.2};
     struct measured_speech three;
@@ -148,7 +148,7 @@ static void another_person_is_warped(void **state) {
 struct mouth {
     const struct phone_segments *g;
     double scale, offset;
-    bool mixed; /* says p like a */
+    bool mixed; /* pronounces p like a */
 };
 
 static double mouth_at(void *ctx, int measure, double t) {
@@ -181,9 +181,9 @@ static void people_teach_the_reader(void **state) {
         person_reader_add(&reader, READER_READ, &read, use);
         struct lip_reader_result result = reader_run(&reader);
         assert_int_equal(result.read, 5);
-        if (mixed) /* shapes that are kept apart, but are not those of the person */
+        if (mixed) /* distinct shapes, but not the person's */
             assert_true(result.right < 5);
-        else /* neither size nor place counts */
+        else /* size and position do not matter */
             assert_int_equal(result.right, 5);
         lip_reader_free(&reader);
     }

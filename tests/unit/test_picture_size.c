@@ -15,7 +15,7 @@
 static const struct picture {
     const char *what;
     const uint8_t *bytes;
-    size_t size, needed; /* needed: what is shorter says nothing */
+    size_t size, needed; /* needed: shorter data has no size */
     const char *type;
     uint32_t width, height;
 } pictures[] = {

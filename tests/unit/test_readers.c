@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The readers of marked-up text: what documents alone (tests/documents) do not show. */
+/* The readers of marked-up text: cases not covered by tests/documents. */
 #include "server/base/buf.h"
 #include "server/base/sampa.h"
 #include "server/base/utf8.h"
@@ -53,7 +53,7 @@ static void recognises_the_kind(void **state) {
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         size_t size = strlen(pairs[i][0]);
-        char *exact = malloc(size + 1); /* so that a read beyond the end is seen */
+        char *exact = malloc(size + 1); /* the sanitizer detects overruns */
         memcpy(exact, pairs[i][0], size);
         exact = realloc(exact, size ? size : 1);
         assert_string_equal(markup_detect(markup_by_name("auto"), exact, size)->name, pairs[i][1]);
@@ -212,7 +212,7 @@ static void reads_x_sampa(void **state) {
 static void places_affects_on_the_disc(void **state) {
     (void)state;
     static char *const happy[] = {"happiness", NULL}, *const joyous[] = {"smug", "glee", NULL};
-    static const struct affect items[] = {{"glee", joyous, 0.16, 0.42, false}, /* basic ones come before it */
+    static const struct affect items[] = {{"glee", joyous, 0.16, 0.42, false}, /* basic emotions precede it */
                                           {"joy", happy, 0.17, 0.42, true},
                                           {"surprise", NULL, 0.4, 0, true},
                                           {"pensive", NULL, -0.4, 0.1, false},
@@ -231,7 +231,7 @@ static void places_affects_on_the_disc(void **state) {
     assert_string_equal(affect_meant(NULL, "joy"), "joy");
 }
 
-/* Work is counted by how far the reader came, and by what it made. */
+/* Work is measured by the reader's progress and its output. */
 static void stops_at_its_limits(void **state) {
     (void)state;
     struct error e;
@@ -291,7 +291,7 @@ static void keeps_a_bounded_number_of_warnings(void **state) {
     buf_free(&text);
 }
 
-/* Many cues at a time cost one another nothing: those over the limit hold for no text. */
+/* Many simultaneous cues stay cheap: those over the limit apply to no text. */
 static void keeps_a_bounded_number_of_cues_open(void **state) {
     (void)state;
     struct buf text = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running text as a person reads it: each line of tests/readings/LANGUAGE.tsv is a text, a tab, and its
- * words. And what hostile texts cost and lose. */
+/* Normalisation of running text: each line of tests/readings/LANGUAGE.tsv is a text, a tab, and its words.
+ * Also cost and completeness for hostile texts. */
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
@@ -30,7 +30,7 @@ static int unload(void **state) {
     return 0;
 }
 
-/* The script of a text; *document is to be freed after it. */
+/* Returns the script of a text. Free *document after it. */
 static struct score *script_of(const char *lang, const char *markup, const char *text,
                                struct score **document) {
     struct error e;
@@ -68,7 +68,7 @@ static void check(const char *lang, const char *markup, const char *text, const 
     free(said);
 }
 
-/* Reads a language's table. All lines that differ are shown. */
+/* Checks a language's table and prints all differing lines. */
 static void table(const char *lang, size_t least) {
     char path[512], line[1024];
     size_t count = 0, wrong = 0;
@@ -139,7 +139,7 @@ static void markups(void **state) {
     check("it", "apml", "<apml><performative>il 26 novembre pago € 3,50 al Sig. Rossi</performative></apml>",
           words);
     check("it", "jsml", "<jsml>il 26 novembre pago € 3,50 al Sig. Rossi</jsml>", words);
-    /* the author's word counts */
+    /* the author's markup takes precedence */
     check("it", "ssml", "<speak><sub alias=\"euro tre\">€ 3,50</sub></speak>", "euro tre");
     check("en", "ssml", "<speak>in <say-as interpret-as=\"cardinal\">1984</say-as></speak>",
           "in one thousand nine hundred eighty-four");
@@ -147,7 +147,7 @@ static void markups(void **state) {
           "in one nine eight four");
 }
 
-/* Which bytes of the text the words stand for. */
+/* Checks which bytes of the text the words stand for. */
 static void place_of(const char *lang, const char *text, const char *source, const char *words) {
     struct score *document, *script = script_of(lang, "plain", text, &document);
     bool found = false;
@@ -199,7 +199,7 @@ static void warned(const char *text, size_t count, const char *message, size_t c
     score_free(document);
 }
 
-/* What is left out is told once, at the first of it. */
+/* Omitted characters are reported once, at the first. */
 static void unspoken(void **state) {
     (void)state;
     warned("One \ue000\ue001 two\U0010fffd.", 1, "3 characters", 5);
@@ -240,7 +240,7 @@ static void scripts(void **state) {
     run_of("tr", "\u0130stanbul, \u015feker, \u1e9e \u20ac\u00a0\u2013", NULL, NULL);
 }
 
-/* What is repeated many times: all of its letters and digits are still said, in time that grows with it. */
+/* Repeated text: all letters and digits are spoken, in linear time. */
 static void repeated(const char *piece, size_t times) {
     struct buf text = {0};
     struct said said;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who judges that Redis is silent: not a loop that was away itself, nor one that always has something to
- * send. */
+/* Detecting a silent Redis: not confused by a loop that was itself blocked, nor by one that keeps
+ * sending. */
 #include "server/base/mem.h"
 #include "server/cluster/redis_internal.h"
 #include <pthread.h>
@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-/* A server that answers each PING at once, or, once it is mute, nothing. */
+/* A server that answers each PING at once, or nothing once it is mute. */
 struct server {
     int listening;
     atomic_bool mute;
@@ -75,7 +75,7 @@ struct asker {
     struct seen *seen;
 };
 
-/* Asked when the loop has polled: it leaves with the next poll, and is answered in the one after that. */
+/* Sends after the loop's poll: it leaves with the next poll and is answered in the one after. */
 static void ask(uv_check_t *check) {
     struct asker *asker = check->data;
     struct link_text ping = link_text_of("PING");
@@ -98,7 +98,7 @@ static void a_loop_that_was_away_reads_before_it_judges(void **state) {
     uv_check_init(&loop, &asker.after_poll);
     asker.after_poll.data = &asker;
     uv_check_start(&asker.after_poll, ask);
-    /* each time longer than a server may be silent */
+    /* blocks longer than a server may be silent */
     for (int turn = 0; turn < TURNS; turn++) {
         usleep(1000 * (LINK_PATIENCE_MS + 100));
         uv_run(&loop, UV_RUN_NOWAIT);
@@ -117,7 +117,7 @@ static void a_loop_that_was_away_reads_before_it_judges(void **state) {
     unlink(server.path);
 }
 
-/* In each turn, before Redis's answers are looked at; it leaves at once. */
+/* Sends in each iteration, before Redis's answers are read. */
 static void ask_on(uv_poll_t *poll, int status, int events) {
     struct asker *asker = poll->data;
     struct link_text ping = link_text_of("PING");
@@ -160,7 +160,7 @@ static void what_is_sent_in_each_turn_keeps_no_answer_from_being_read(void **sta
     unlink(server.path);
 }
 
-/* As the bus does: once something is answered, or is not, it sends more. */
+/* Sends more after each answer or failure, like the bus. */
 static void send_more(void *ctx, const redisReply *reply) {
     struct asker *asker = ctx;
     struct link_text ping = link_text_of("PING");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a Redis server may send, and what it may not. */
+/* Valid and invalid replies of a Redis server. */
 #include "server/base/buf.h"
 #include "server/cluster/redis_internal.h"
 #include <setjmp.h>
@@ -12,7 +12,7 @@
 
 enum { ALL = -1 };
 
-/* In one piece, and byte by byte. replies ALL: the text is refused. */
+/* Feeds the text at once and byte by byte. replies ALL: it must be refused. */
 static void check(const char *text, size_t size, long replies) {
     struct reply_check whole = {0}, bytes = {0};
     const char *why = reply_check(&whole, text, size), *part = NULL;
@@ -44,7 +44,7 @@ static void replies_as_they_are(void **state) {
         {"*2147483647\r\n", ALL},
         {"*4294967297\r\n", ALL},
         {"*99999999999999999999999999\r\n", ALL},
-        /* numbers as hiredis takes them */
+        /* the range of hiredis */
         {":9223372036854775807\r\n:-9223372036854775808\r\n:0\r\n", 3},
         {":9223372036854775808\r\n", ALL},
         {":-9223372036854775809\r\n", ALL},
@@ -87,8 +87,8 @@ static void what_has_no_end(void **state) {
     *text = '+';
     assert_null(reply_check(&line, text, sizeof text - 1));
     assert_non_null(reply_check(&line, "x", 1));
-    assert_non_null(reply_check(&line, "\r\n", 2)); /* for good */
-    /* strings of 1 MB each: their sum counts */
+    assert_non_null(reply_check(&line, "\r\n", 2)); /* stays refused */
+    /* strings of 1 MB each: the sum is limited */
     static const char head[] = "$1048576\r\n";
     char *megabyte = calloc(1, 1 << 20);
     assert_null(reply_check(&strings, "*40\r\n", 5));
@@ -98,7 +98,7 @@ static void what_has_no_end(void **state) {
         taken++;
     assert_int_equal(taken, 31);
     free(megabyte);
-    /* but not of one reply and the next */
+    /* per reply */
     struct reply_check many = {0};
     for (int i = 0; i < 10 * REPLY_ELEMENTS_MOST; i++)
         assert_null(reply_check(&many, "*1\r\n:1\r\n", 8));

@@ -35,8 +35,8 @@ static void revoked_tokens(void **state) {
     assert_false(revocations_add(&all, &one, 100));
     assert_true(revocations_have(&all, &token));
     assert_false(revocations_have(&all, &other));
-    assert_int_equal(revoked_token(&one, id, 100, 100, &e), -1); /* that has ended */
-    /* of a subject: a later time and a later end count, whichever comes first */
+    assert_int_equal(revoked_token(&one, id, 100, 100, &e), -1); /* expired */
+    /* by subject: the later issue time and the later end apply, in any order */
     token.issued = other.issued = 50;
     assert_int_equal(revoked_subject(&one, "anna", 49, 300, 100, &e), 0);
     assert_true(revocations_add(&all, &one, 100));
@@ -44,14 +44,14 @@ static void revoked_tokens(void **state) {
     assert_int_equal(revoked_subject(&one, "anna", 50, 200, 100, &e), 0);
     assert_true(revocations_add(&all, &one, 100));
     assert_true(revocations_have(&all, &other));
-    assert_false(revocations_add(&all, &one, 200)); /* it is over */
-    /* full of what has ended is not full */
+    assert_false(revocations_add(&all, &one, 200)); /* expired */
+    /* expired entries do not fill the list */
     for (int i = 0; i < REVOCATIONS_MOST + 10; i++) {
         snprintf(text, sizeof text, "x%d", i);
         assert_int_equal(revoked_token(&one, text, 400, 100, &e), 0);
         assert_true(revocations_add(&all, &one, 100));
     }
-    assert_true(revocations_have(&all, &token)); /* it ends later than those */
+    assert_true(revocations_have(&all, &token)); /* ends later than those */
     static const char *const bad[] = {"",
                                       "t",
                                       "x 5",

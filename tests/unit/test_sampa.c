@@ -64,7 +64,7 @@ static void finds_the_ends_of_the_table(void **state) {
     assert_int_equal(sampa_from_ipa("\uA71C", out, sizeof out), 0);
     for (uint32_t c = 0x250; c < 0x2A9; c++) {
         const char ipa[] = {(char)(0xC0 | c >> 6), (char)(0x80 | (c & 63)), 0};
-        /* not symbols of the IPA any more, or never */
+        /* obsolete or never IPA symbols */
         if (!strchr("\x69\x77\x7C\x7F\x85\x86\x87\x93\x96\x97\x9A\x9E\xA0", (int)(c & 0xFF)))
             assert_int_equal(sampa_from_ipa(ipa, out, sizeof out), 0);
     }

@@ -49,7 +49,7 @@ static void only_the_owner_may_write(void **state) {
     rmdir(folder);
 }
 
-/* A token as another program could sign it. */
+/* Signs a token like another program. */
 static char *sign(jwt_alg_t alg, const char *claims, const char *header) {
     jwt_t *jwt = NULL;
     assert_int_equal(jwt_new(&jwt), 0);
@@ -68,7 +68,7 @@ static void dates_and_headers(void **state) {
     (void)state;
     static const struct {
         jwt_alg_t alg;
-        const char *claims, *header, *code; /* NULL: good */
+        const char *claims, *header, *code; /* code NULL: valid */
     } cases[] = {
         {JWT_ALG_HS256, "{" WHO ",\"exp\":2000}", NULL, NULL},
         {JWT_ALG_HS256, "{" WHO ",\"exp\":2000.5,\"nbf\":900,\"iat\":999.9}", NULL, NULL},
@@ -77,7 +77,8 @@ static void dates_and_headers(void **state) {
         {JWT_ALG_HS256, "{" WHO ",\"exp\":\"2000\"}", NULL, "bad-token"},
         {JWT_ALG_HS256, "{" WHO ",\"exp\":-1}", NULL, "bad-token"},
         {JWT_ALG_HS256, "{" WHO ",\"exp\":1e300}", NULL, "bad-token"},
-        {JWT_ALG_HS256, "{" WHO ",\"exp\":2000,\"nbf\":1020}", NULL, NULL}, /* clocks differ a little */
+        {JWT_ALG_HS256, "{" WHO ",\"exp\":2000,\"nbf\":1020}", NULL,
+         NULL}, /* tolerates small clock differences */
         {JWT_ALG_HS256, "{" WHO ",\"exp\":2000,\"nbf\":1100}", NULL, "early-token"},
         {JWT_ALG_HS256, "{" WHO ",\"exp\":2000,\"nbf\":\"soon\"}", NULL, "bad-token"},
         {JWT_ALG_HS256, "{" WHO ",\"exp\":2000,\"iat\":1100}", NULL, "early-token"},
@@ -102,7 +103,7 @@ static void dates_and_headers(void **state) {
     }
 }
 
-/* What a token was signed with is known after the secrets have changed. */
+/* Tokens remember their secret, so removing it revokes them. */
 static void secrets_that_are_gone(void **state) {
     (void)state;
     const struct secrets both = {(char *[]){other, secret}, 2}, first = {(char *[]){other}, 1},
@@ -122,7 +123,7 @@ static void hosts(void **state) {
     (void)state;
     static const struct {
         const char *host;
-        bool good, listed, local; /* without names; with --host-name; while loopback alone is listened on */
+        bool good, listed, local; /* without names; with --host-name; when listening only on loopback */
     } cases[] = {
         {NULL, true, true, true},
         {"", true, true, true},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sentences that several voices and sounds have a part in, spoken by real workers. */
+/* Sentences with several voices and sounds, spoken by real workers. */
 #include "server/base/mem.h"
 #include "server/voice/sentence.h"
 #include "tests/unit/pool_fixture.h"
@@ -88,8 +88,8 @@ static void check_phones(const struct sentence_audio *u) {
     assert_int_equal(at, u->samples);
 }
 
-/* Two plugins with different sample rates. The puppet speaks 10 ms for each byte, loudly from its first
- * sample to its last. */
+/* Two plugins with different sample rates. The puppet speaks 10 ms per byte, loudly from the first sample to
+ * the last. */
 static void two_plugins_in_one_sentence(void **state) {
     (void)state;
     struct stage t;
@@ -129,7 +129,7 @@ static void two_plugins_in_one_sentence(void **state) {
     end(&t);
 }
 
-/* It needs no voice, and ends all the same only when the caller knows it. */
+/* A sentence of pauses needs no voice, but still ends only after sentence_speak has returned. */
 static void pauses_alone(void **state) {
     (void)state;
     for (int cancelled = 0; cancelled < 2; cancelled++) {
@@ -232,7 +232,7 @@ static void sounds_and_their_alternates(void **state) {
     end(&t);
 }
 
-/* Nothing comes back, and nothing is lost, whatever is under way. */
+/* Cancelling at any stage makes no callback and leaks nothing. */
 static void cancelled(void **state) {
     (void)state;
     struct stage t;
@@ -288,10 +288,10 @@ static void where_sounds_may_lie(void **state) {
         assert_string_equal(error_name(e.code), "no-sound");
     }
     assert_null(sound_find(NULL, "fine.wav", &e));
-    /* a name that the folder's name begins */
+    /* a path that has the folder's name as prefix */
     snprintf(path, sizeof path, "%s/inn", folder);
     assert_null(sound_find(path, "../inner", &e));
-    /* a file that becomes a link after it was found */
+    /* a file replaced by a link after it was found */
     snprintf(path, sizeof path, "%s/soon.wav", folder);
     write_sound(path, 8000, 1, 0.1);
     char *found = sound_find(folder, "soon.wav", &e);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Utterances that are converted, cut and joined: times stay with their sounds, nothing clicks, no gap is
- * left. */
+/* Converting, cutting and joining sentence audio: times stay with their sounds, without clicks or
+ * gaps. */
 #include "server/base/mem.h"
 #include "server/voice/sentence_audio.h"
 #include <math.h>
@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-/* A quarter of a second of silence, half a second of a tone that is a word of one phone, a quarter of
- * silence; a mark where the tone begins. */
+/* A quarter second of silence, half a second of tone as a word of one phone, a quarter second of silence; a
+ * mark at the start of the tone. */
 static struct sentence_audio *word(uint32_t rate, double hertz, const char *ipa) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
     u->sample_rate = rate;
@@ -122,7 +122,7 @@ static void joints_are_tight(void **state) {
     sentence_audio_free(u);
 }
 
-/* A sound and a silence are what they are. */
+/* Sounds and silences keep their length. */
 static void what_is_no_speech_is_not_trimmed(void **state) {
     (void)state;
     struct sentence_audio *silence = mem_alloc(sizeof *silence);
@@ -148,8 +148,8 @@ static long faults(void) {
     return use.ru_minflt;
 }
 
-/* Long silence is neither written nor moved: two minutes of it beside a word, and a lead-in before it, touch
- * less memory than a tenth of theirs. */
+/* Long silence is neither written nor moved: two minutes of it with a word and a lead-in touch less than a
+ * tenth of their memory. */
 static void silence_costs_nothing(void **state) {
     (void)state;
     enum { SAMPLES = 120 * 22050, PAGES = SAMPLES * 2 / 4096 };
@@ -163,7 +163,7 @@ static void silence_costs_nothing(void **state) {
     uint32_t first = u->words->start, samples = u->samples;
     sentence_audio_lead_in(u, 700);
     long touched = faults() - before;
-    assert_true(touched < PAGES / 2); /* the sanitizer has a map of an eighth of its own */
+    assert_true(touched < PAGES / 2); /* includes the sanitizer's shadow memory, an eighth */
     assert_int_equal(u->words->start, first + 700);
     assert_int_equal(u->samples, samples + 700);
     check_phones(u);
@@ -174,7 +174,7 @@ static void silence_costs_nothing(void **state) {
     sentence_audio_free(u);
 }
 
-/* Without phones only what is really silent goes; the echo of a voice that has them goes with the pause. */
+/* Without phones only true silence is trimmed; with phones a voice's echo is trimmed with the pause. */
 static void where_sound_ends(void **state) {
     (void)state;
     uint32_t from, to;

@@ -24,7 +24,7 @@ static double noise(uint32_t *state) {
     return (double)*state / 4294967296.0 - 0.5;
 }
 
-/* The root mean square of what is mixed of the frames that `fill` makes, once it has been judged. */
+/* RMS of the mono mix of the frames made by `fill`, after the mixer has adapted. */
 static double loudness(void (*fill)(float *frame, size_t i, uint32_t *state), unsigned channels) {
     struct mixdown m = {0};
     uint32_t state = 1;
@@ -72,7 +72,7 @@ static void inverted_channels_are_heard(void **state) {
     assert_true(fabs(loudness(fill_silent_first, 3) - one * 2 / 3) < 0.02);
 }
 
-/* Ordinary stereo stays the plain mean; one channel stays as it is. */
+/* Normal stereo is averaged; mono is unchanged. */
 static void other_channels_are_the_mean(void **state) {
     (void)state;
     struct mixdown m = {0}, alone = {0};
@@ -105,7 +105,7 @@ static void put(uint8_t *at, uint32_t value, int bytes) {
 
 enum { HEAD = 44 + 34, SAMPLES = 4000, SIZE = HEAD + 2 * SAMPLES };
 
-/* A WAV file as ffmpeg writes it to a pipe (a LIST chunk before the sound), with these lengths. */
+/* Makes a WAV file as ffmpeg writes it to a pipe (a LIST chunk before the sound), with these lengths. */
 static void make(uint8_t *wav, uint32_t riff, uint32_t data) {
     memset(wav, 0, SIZE);
     memcpy(wav, "RIFF\0\0\0\0WAVEfmt ", 16);
@@ -185,7 +185,7 @@ static void an_empty_file_stays_empty(void **state) {
     put(wav + HEAD + 4, SIZE - HEAD - 8, 4);
     assert_null(sound_open(write_file(wav, SIZE), &e));
     assert_int_equal(e.code, ERROR_BAD_SOUND);
-    for (size_t size = 0; size < 100; size++) { /* cut anywhere: no sound, and nothing read beyond */
+    for (size_t size = 0; size < 100; size++) { /* truncated anywhere: no sound, no overrun */
         make(wav, 0, 0);
         uint8_t *part = malloc(size + 1);
         memcpy(part, wav, size);

@@ -91,7 +91,7 @@ static void says_what_is_wrong(void **state) {
     assert_non_null(strstr(there, "cannot be started"));
 }
 
-/* Closed in the middle, it leaves no process behind: this one has no children. */
+/* Closing it early leaves no child process. */
 static void may_be_closed_early(void **state) {
     (void)state;
     char message[SOUND_MESSAGE_BYTES];
@@ -114,7 +114,7 @@ static void write_program(const char *script) {
     fclose(file);
 }
 
-/* A process that lies, or ends as one does in whose codec a fault is used. */
+/* A process that sends false data, or ends like one with an exploited codec. */
 static void whatever_the_process_does(void **state) {
     (void)state;
     /* 16000 Hz, and 200 bytes of message */
@@ -127,7 +127,7 @@ static void whatever_the_process_does(void **state) {
         {"exit 0", "cannot be understood", false, 0},
         {"exit 3", "with status 3", false, 0},
         {"kill -SEGV $$", "by signal 11", false, 0},
-        {"exec >&-; exec sleep 600", "went on", false, 0}, /* nobody waits for its end */
+        {"exec >&-; exec sleep 600", "went on", false, 0}, /* does not wait for its exit */
         {"kill -XCPU $$", "processor time", false, 0},
         {"head -c 204 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},
         {"head -c 4 /dev/zero; head -c 200 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},
@@ -136,7 +136,7 @@ static void whatever_the_process_does(void **state) {
         {HELLO "printf '\\377\\377\\377\\377'; sleep 60", "cannot be understood", true, 0},
         {HELLO "printf '\\002\\000\\000\\000abcdabcd\\002\\000\\000\\000'; kill -SEGV $$", "by signal 11",
          true, 2},
-        /* no numbers, and none that is finite */
+        /* NaN and infinity */
         {HELLO "printf '\\002\\000\\000\\000\\377\\377\\377\\377\\000\\000\\200\\177\\000\\000\\000\\000'",
          NULL, true, 2},
     };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Workers that hang, that are stopped, and that cannot be started: others go on, and no sentence is lost. */
+/* Workers that hang, are stopped or cannot start: others continue, and no sentence is lost. */
 #include "tests/unit/pool_fixture.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -15,7 +15,7 @@
 
 enum { OTHERS = 20 };
 
-/* The first worker of the only plugin. */
+/* Returns the pid of the only plugin's first worker. */
 static pid_t first_child(void) {
     char path[64];
     int child = 0;
@@ -44,7 +44,7 @@ static void run_for(struct pool_test *s, int ms) {
     }
 }
 
-/* The deadline is longer than this test may last, so that it helps nobody. */
+/* The deadline is longer than this test, so that it does not interfere. */
 #define PATIENT WITH(.workers = 1, .spare_workers = 1, .deadline_base = 1000)
 
 static void a_worker_stopped_in_a_sentence_holds_up_nobody(void **state) {
@@ -59,7 +59,7 @@ static void a_worker_stopped_in_a_sentence_holds_up_nobody(void **state) {
     pool_test_run(s);
     check_spoken(s);
     assert_int_equal(s->results[0].u->samples, 4 * 160);
-    /* it comes back, and what it says of the sentence that it lost is not taken for another's */
+    /* its late output for the lost sentence is not taken for another's */
     kill(worker, SIGCONT);
     run_for(s, 50);
     speak_others(s);
@@ -81,7 +81,7 @@ static void so_does_one_that_was_stopped_at_rest(void **state) {
     pool_test_shut(s);
 }
 
-/* Its process runs, so the sentence stays its own until its deadline; the others do not wait for that. */
+/* The worker's process runs, so it keeps its sentence until the deadline; others do not wait. */
 static void a_hanging_sentence_holds_up_nobody(void **state) {
     (void)state;
     struct pool_test *s =
@@ -96,7 +96,7 @@ static void a_hanging_sentence_holds_up_nobody(void **state) {
     pool_test_shut(s);
 }
 
-/* An idle one is there already: no spare one is needed. */
+/* Another worker is idle, so no spare is started. */
 static void another_usual_worker_takes_over(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(.workers = 2, .spare_workers = 1, .deadline_base = 1000), "puppet");
@@ -109,7 +109,7 @@ static void another_usual_worker_takes_over(void **state) {
     pool_test_shut(s);
 }
 
-/* Takes all descriptors that are left. Returns how many, for give_back. */
+/* Uses up all descriptors. Returns their number, for give_back. */
 static int take_all(int fds[], int most) {
     int count = 0;
     for (int fd; count < most && (fd = open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0; count++)
@@ -118,7 +118,7 @@ static int take_all(int fds[], int most) {
     return count;
 }
 
-/* Until the pool knows: a process is gone once it was waited for. */
+/* Kills a worker and runs until the pool has reaped it. */
 static void kill_and_wait(struct pool_test *s, pid_t worker) {
     kill(worker, SIGKILL);
     while (!kill(worker, 0))
@@ -141,7 +141,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
     setrlimit(RLIMIT_NOFILE, &low);
     int count = take_all(fds, 256);
     for (int i = 0; i < 3; i++) {
-        give_back(fds + --count, 1); /* for looking */
+        give_back(fds + --count, 1); /* for reading /proc */
         pid_t worker = first_child();
         assert_true((fds[count++] = open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0);
         kill_and_wait(s, worker);
@@ -154,7 +154,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
     pool_test_shut(s);
 }
 
-/* Not one is to be had, not even those that are kept for this: the sentence waits. */
+/* Without any descriptor, not even the reserve, the sentence waits. */
 static void a_sentence_waits_for_descriptors(void **state) {
     (void)state;
     struct rlimit limit, none;
@@ -166,7 +166,7 @@ static void a_sentence_waits_for_descriptors(void **state) {
     setrlimit(RLIMIT_NOFILE, &none);
     kill_and_wait(s, worker);
     pool_test_speak(s, "plain", "uno");
-    run_for(s, 1500); /* more tries than those after which a plugin is given up */
+    run_for(s, 1500); /* more attempts than after which a plugin is given up */
     assert_int_equal(s->finished, 0);
     setrlimit(RLIMIT_NOFILE, &limit);
     pool_test_run(s);
@@ -183,8 +183,8 @@ static void too_many_voices_are_refused(void **state) {
     pool_test_shut(s);
 }
 
-/* Frames that no host writes: lengths, types, sentences and times that lie. Whatever becomes of the sentence,
- * the next one is spoken. */
+/* Invalid frames: false lengths, types, sentences and times. Whether or not the sentence fails, the next one
+ * is spoken. */
 static void frames_that_lie_cost_a_sentence(void **state) {
     enum { FRAMES = 17 };
     static char texts[FRAMES][32];

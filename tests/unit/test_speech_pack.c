@@ -163,7 +163,7 @@ static double mean(const struct speech_pack *pack, const char *ipa, enum speech_
     return sum / (double)count;
 }
 
-/* The general pack has every letter of the alphabet itself, and what voices write besides. */
+/* The general pack has every letter of the alphabet, and other names used by voices. */
 static void knows_the_whole_alphabet(void **state) {
     (void)state;
     struct speech_pack *pack = load(PACKS "und.json");
@@ -255,7 +255,7 @@ static void finds_the_nearest_of_unknown_letters(void **state) {
     speech_pack_free(it);
 }
 
-/* A folder with copies of the packs, one of them changed. */
+/* A folder with copies of the packs, one of them modified. */
 struct workshop {
     char folder[64];
 };
@@ -307,8 +307,8 @@ static int close_workshop(void **state) {
     return 0;
 }
 
-/* Loads the Italian pack after value (JSON text; NULL = remove) was put at path ("a/b/c"); expects the error
- * at field. */
+/* Sets path ("a/b/c") of the Italian pack to a value (JSON text; NULL = removed), loads it, and expects an
+ * error at field. */
 static void check_broken(struct workshop *w, const char *path, const char *value, const char *field) {
     json_error_t bad;
     json_t *root = json_load_file(PACKS "it.json", 0, &bad), *at = root;
@@ -429,7 +429,7 @@ static void describes_phones_by_others(void **state) {
     expected = 1 + 0.75 * a->plain[PARAM_AR].T + 0.25 * e->plain[PARAM_AR].T;
     assert_true(mixed->plain[PARAM_AR].T > expected - 1e-9 && mixed->plain[PARAM_AR].T < expected + 1e-9);
     assert_string_equal(mixed->group->name, "a");
-    /* What the heir does not have comes from the base. */
+    /* Phones missing in the pack come from its base. */
     assert_ptr_equal(speech_pack_phone(pack, "p", 1), speech_pack_phone(pack->base, "p", 1));
     speech_pack_free(pack);
 }

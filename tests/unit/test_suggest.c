@@ -21,8 +21,8 @@ static void what_was_meant(void **state) {
     static const char *const cases[][2] = {
         {"espeak:itt", "; near: espeak:it, espeak:it+f2"},
         {"ESPEAK:IT+F3", "; near: espeak:it+f2, espeak:it"},
-        {"festvial:lp", "; near: festival:lp"}, /* two letters are swapped */
-        {"domi", "; near: dominance"},          /* it begins so */
+        {"festvial:lp", "; near: festival:lp"}, /* transposed letters */
+        {"domi", "; near: dominance"},          /* a prefix */
         {"speek", "; near: speak"},
         {"ti", "; near: it"},
         {"xx", ""},
@@ -40,7 +40,7 @@ static void three_at_most_nearest_first(void **state) {
     struct suggestions near = suggestions_for("abcdef");
     char text[SUGGESTIONS_TEXT];
     suggest_names(&near, many);
-    suggest_name(&near, "ABCDEF", "abcdef"); /* the same is told once */
+    suggest_name(&near, "ABCDEF", "abcdef"); /* duplicates count once */
     assert_int_equal(near.count, SUGGESTIONS_MAX);
     assert_string_equal(suggestions_text(&near, text), "; near: abcdef, abcdex, abcde");
 }

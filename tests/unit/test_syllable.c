@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables and examples of E. Akagündüz's thesis (METU 2004) against models/speech/letters/tr.json. */
+/* Checks models/speech/letters/tr.json by the tables and examples of E. Akagündüz's thesis (METU 2004). */
 #include "server/base/mem.h"
 #include "server/face/engines/engine.h"
 #include "server/face/packs/spelling.h"
@@ -83,7 +83,7 @@ static void folds_as_turkish_does(void **state) {
     }
 }
 
-/* The thesis's examples; those on which its own scan fails; words without a vowel. */
+/* Examples of the thesis, including those where its algorithm fails, and words without a vowel. */
 static void finds_syllables(void **state) {
     static const char *const words[] = {"mer-ha-ba",
                                         "be-nim",
@@ -243,7 +243,7 @@ static void begins_each_word_when_the_voice_does(void **state) {
             for (size_t k = 0; k < g.count; k++)
                 found += g.items[k].phone && fabs(g.items[k].start - start) < 1e-9 &&
                          !strcmp(g.items[k].phone->ipa, first[w]);
-            assert_int_equal(found, 1); /* no error is carried over from the word before */
+            assert_int_equal(found, 1); /* errors do not accumulate over words */
         }
         for (size_t k = 1; k < g.count; k++)
             assert_true(g.items[k].start >= g.items[k - 1].end - 1e-9);
@@ -265,13 +265,13 @@ static void fills_words_by_the_table(void **state) {
     NEAR(g.items[7].end, 0.4256, 1e-4);
     phone_segments_free(&g);
     words_free(&u);
-    /* Not known: no word is drawn out over the silence at the end. */
+    /* The end is unknown: the last word is not stretched over the final silence. */
     u = words_alone("merhaba 0.1 0", 3);
     spelling_segments(pack->letters, &u, &g);
     NEAR(g.items[7].end, 0.1 + 2 * 0.407, 1e-4);
     phone_segments_free(&g);
     words_free(&u);
-    /* A slow voice: words last longer, and fill their time. */
+    /* A slow voice: words are stretched to fill their time. */
     u = words_alone("merhaba 0 0 benim 0.6 0 adım 1.0 0 erdem 1.3 0", 1.7);
     spelling_segments(pack->letters, &u, &g);
     for (size_t k = 0; k < g.count; k++)
@@ -320,7 +320,7 @@ static void goes_straight_from_shape_to_shape(void **state) {
     words_free(&u);
 }
 
-/* "merhaba" as a voice says it that gives phones: its times count, whatever the word's text. */
+/* "merhaba" from a voice with phones: their times are used, not the word's text. */
 static void phones_come_first(void **state) {
     const struct speech_pack *pack = *state;
     static const char *const phones[] = {"m", "ɛ", "ɾ", "h", "a", "b", "a"};
@@ -345,7 +345,7 @@ static void phones_come_first(void **state) {
     words_free(&u);
 }
 
-/* The vowel of a consonant is that of its own word. */
+/* Consonants use vowels of their own word only. */
 static void ends_syllables_at_words(void **state) {
     const struct speech_pack *pack = *state;
     const char *const phones[] = {"a", "t", "o"};

@@ -20,7 +20,7 @@ static struct times read_well(const char *data, size_t size, struct times_option
     return t;
 }
 
-/* As "name@start-end", pauses as "_". */
+/* expected: "name@start-end", pauses as "_". */
 static void check_phones(const struct times *t, const char *expected) {
     char text[1000] = "";
     for (size_t i = 0; i < t->phone_count; i++) {
@@ -125,7 +125,7 @@ static void textgrid(void **state) {
     fails_text("\"ooTextFile\"\n\"Sound\"\n0 1 1\n", TIMES_TEXTGRID, "wanted is a TextGrid");
     fails_text(HEAD "0 0.5 <exists> 1 \"IntervalTier\" \"a\" 0 0.5 2\n0.3 0.2 \"x\"\n0 1 \"y\"",
                TIMES_TEXTGRID, "5:1: the interval is not in order");
-    /* cut anywhere, it is an error with a line, and never more than that */
+    /* truncated anywhere, it gives an error with a line */
     for (size_t size = 0; size + 2 < strlen(long_grid); size++) {
         struct error e = {0};
         struct times_options options = {.format = TIMES_TEXTGRID};
@@ -138,7 +138,7 @@ static void textgrid(void **state) {
                "wanted is the next interval");
 }
 
-/* A TextGrid of tiers with an interval each: NAME, LABEL... */
+/* Makes a TextGrid with one interval per tier: NAME, LABEL... */
 static const char *grid_of(const char *const *names, size_t count) {
     static char text[2000];
     int used = snprintf(text, sizeof text, HEAD "0\n1\n<exists>\n%zu\n", count);
@@ -152,7 +152,7 @@ static const char *grid_of(const char *const *names, size_t count) {
     grid_of((const char *const[]){__VA_ARGS__},                                                              \
             sizeof((const char *const[]){__VA_ARGS__}) / sizeof(char *) / 2)
 
-/* Tiers by names that are near the usual ones, whatever stands before them. */
+/* Finds tiers by names similar to the usual ones, with any prefix. */
 static void tiers_by_their_names(void **state) {
     (void)state;
     static const char *const phone_names[] = {
@@ -163,11 +163,11 @@ static void tiers_by_their_names(void **state) {
               "di@0-1");
     reads(GRID("phones", "a", "phones-auto", "o", "words", "di"), TIMES_GUESS, "a@0-1", "di@0-1");
     reads(GRID("words-auto", "si", "phones", "a"), TIMES_GUESS, "a@0-1", "si@0-1");
-    reads(GRID("telephones", "a"), TIMES_GUESS, "a@0-1", ""); /* the only one */
+    reads(GRID("telephones", "a"), TIMES_GUESS, "a@0-1", ""); /* the only tier */
     reads(GRID("anna", "a", "words", "di"), TIMES_GUESS, "a@0-1", "di@0-1");
 }
 
-/* Which is meant cannot be told: that is said, and no tier is taken for another. */
+/* Ambiguous tiers give an error instead of a wrong choice. */
 static void tiers_that_are_mixed_up(void **state) {
     (void)state;
     fails_text(GRID("sentences", "di ah", "syllables", "a"), TIMES_GUESS,
@@ -178,7 +178,7 @@ static void tiers_that_are_mixed_up(void **state) {
     fails_text(two, TIMES_GUESS, "\"anna - phones\" and \"bob - phones\" may both be the tier of phones");
     static const char *const speakers[][4] = {{"anna - phones", "a@0-1", "di@0-1"},
                                               {"bob - phones", "o@0-1", "no@0-1"}};
-    for (int i = 0; i < 2; i++) { /* the words are those of the same speaker */
+    for (int i = 0; i < 2; i++) { /* takes the words of the same speaker */
         struct times t = read_well(two, strlen(two),
                                    (struct times_options){.format = TIMES_GUESS, .tier = speakers[i][0]});
         check_phones(&t, speakers[i][1]);

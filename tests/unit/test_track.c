@@ -62,7 +62,7 @@ static void check_closures(const struct speech_pack *pack, double stretch, struc
                 fail_msg("stretch %g: phone %zu, %s, open at %.3f (%.3f..%.3f)", stretch, i, p->ipa, t, start,
                          end);
         }
-        /* However the frames fall, at 25 a second one of them shows it. */
+        /* At 25 fps some frame shows it, at any phase. */
         for (double phase = 0; phase < 0.04; phase += 0.005) {
             int closed = 0;
             for (double t = phase + 0.04 * floor((start - 0.04) / 0.04); t < end + 0.04; t += 0.04) {
@@ -82,7 +82,7 @@ static void closes_bilabials_at_every_rate(void **state) {
         check_closures(*state, 160 / wpm, NULL);
 }
 
-/* Pulls the lips apart with all its might. */
+/* A layer that opens the lips as far as possible. */
 static void open_wide(void *self, double t, double faps[FAP_COUNT + 1]) {
     (void)self;
     (void)t;
@@ -92,7 +92,7 @@ static void open_wide(void *self, double t, double faps[FAP_COUNT + 1]) {
     faps[16] += 300;
 }
 
-/* Voices at their very fastest give some phones no time at all. */
+/* At top speed voices report phones of zero length. */
 static void shows_closures_that_last_no_time(void **state) {
     static const char *const hurried[] = {"_.100 k.050 l.040 ɛ.000 b.000 e.000 ɾ.020 a.080 _.100",
                                           "_.100 i.040 r.000 u.000 m.000 _.022 v.075 a.080 _.100",
@@ -178,7 +178,7 @@ static void closures_leave_vowels_their_time(void **state) {
     done(u);
 }
 
-/* A closure that has no time before the audio, or after it, is shown within it. */
+/* Closures at the edges are shown within the audio. */
 static void closes_at_the_edges(void **state) {
     static const char *const edges[] = {"b.015 'a.100 _.200", "_.007 b.015 'a.060 _.200",
                                         "_.200 'a.100 p.015"};
@@ -212,7 +212,7 @@ static void brings_the_lip_to_the_teeth(void **state) {
             face_track_sample(track, (double)(p->start + p->end) / 2 / RATE, &f);
             /* 0.7 mm below rest and 1.6 mm behind it, on a face with 21 mm from nose to mouth. */
             assert_true(f.value[5] >= -87 && f.value[16] <= -78);
-            /* The upper lip leaves the teeth free: no bilabial. */
+            /* The upper lip leaves the teeth visible, unlike in a bilabial. */
             assert_true(f.value[4] < -20 && !is_closed(&f));
         }
         face_track_free(track);
@@ -230,7 +230,7 @@ static void lips_never_pass_through_each_other(void **state) {
             assert_true(top_and_bottom(&f, 4, 5) <= PRESS_LIMIT);
             assert_true(top_and_bottom(&f, 8, 10) <= PRESS_LIMIT);
             assert_true(top_and_bottom(&f, 9, 11) <= PRESS_LIMIT);
-            /* An open mouth is most open in the middle. */
+            /* An open mouth is widest in the middle. */
             if (top_and_bottom(&f, 4, 5) < -10)
                 assert_true(top_and_bottom(&f, 4, 5) <= top_and_bottom(&f, 8, 10));
         }
@@ -251,7 +251,7 @@ static void rests_before_and_after(void **state) {
             assert_int_equal(f.value[n], 0);
         assert_int_equal(f.viseme.select1, 0);
     }
-    /* No jump into or out of it. */
+    /* No jumps at its edges. */
     face_track_sample(track, 0.005, &f);
     assert_in_range(f.value[3], 0, 20);
     face_track_sample(track, end - 0.005, &f);
@@ -301,7 +301,7 @@ static void shows_vowels(void **state) {
     done(u);
 }
 
-/* The gap in the middle of the 60 ms vowel that begins at 0.4 s. */
+/* Gap in the middle of the 60 ms vowel at 0.4 s. */
 static double short_vowel(const struct speech_pack *pack, const char *text) {
     struct sentence_audio *u = utter(text, 1);
     struct face_track *track = track_of(pack, u);
@@ -317,7 +317,7 @@ static void opens_through_glides(void **state) {
     assert_true(glides > 9 && stops < 0.8 * glides);
 }
 
-/* How much of the upper lip's protrusion in two /u/ is left between them. */
+/* Share of the upper lip's protrusion of two /u/ that remains between them. */
 static double left_between(const char *lang) {
     struct error e;
     char path[400];
@@ -440,7 +440,7 @@ static void reports_unknown_phones_once(void **state) {
     int warnings = 0;
     struct face_track *track = face_track_new(*state, u, &options, count_warning, &warnings);
     assert_int_equal(warnings, 2);
-    assert_true(gap_at(track, 0.05) > 1); /* shown like another vowel */
+    assert_true(gap_at(track, 0.05) > 1); /* like any other vowel */
     face_track_free(track);
     done(u);
 }
@@ -479,7 +479,7 @@ static double tongue(struct face_track *track, double t, int fap) {
     return f.value[fap] * (fap == 45 ? 50 : 21) / 1024.0;
 }
 
-/* The tip's height over its rest place, mm of the skull: what the jaw carries down must be added. */
+/* Height of the tongue's tip above rest relative to the skull, mm, including the jaw's movement. */
 static double tip_height(struct face_track *track, double t) {
     struct fap_frame f;
     face_track_sample(track, t, &f);
@@ -495,7 +495,7 @@ static void moves_the_tongue(void **state) {
             snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", ridge[i]);
             struct sentence_audio *u = utter(text, stretch);
             struct face_track *track = track_of(*state, u);
-            assert_true(tip_height(track, middle) > 4); /* at the ridge behind the teeth, jaw open or not */
+            assert_true(tip_height(track, middle) > 4); /* at the alveolar ridge, for any jaw opening */
             assert_true(tip_height(track, 0.26 * stretch) < 0);
             face_track_free(track);
             done(u);
@@ -515,7 +515,7 @@ static void moves_the_tongue(void **state) {
     assert_true(tongue(track, 0.36, 45) > 3.5); /* between the teeth */
     assert_true(tongue(track, 0.7, 46) > 4);    /* /i/: the body is high */
     for (double t = 0; t < 1.1; t += 0.01)
-        assert_true(tongue(track, t, 44) > -1.2 && tongue(track, t, 46) > -2.2); /* the mouth's floor */
+        assert_true(tongue(track, t, 44) > -1.2 && tongue(track, t, 46) > -2.2); /* floor of the mouth */
     face_track_free(track);
     done(u);
 }
@@ -526,7 +526,7 @@ static struct face_track *track_by(const struct speech_pack *pack, const struct 
     return face_track_new(pack, u, &options, NULL, NULL);
 }
 
-/* The share of bilabials whose lips touch at their middle. */
+/* Share of bilabials closed at their middle. */
 static double closed_share(const struct speech_pack *pack, double stretch, const char *engine) {
     struct sentence_audio *u = utter(speech, stretch);
     struct face_track *track = track_by(pack, u, engine);

@@ -13,8 +13,8 @@
 
 #define PACKS SOURCE_ROOT "/models/speech/"
 
-/* What is printed of the thesis's sample, "Não pode haver tréguas na guerra contra a malária.": its first and
- * last lines. */
+/* The printed part of the thesis's sample, "Não pode haver tréguas na guerra contra a malária.": the first
+ * and last lines. */
 static const char sample[] =
     "0: 680 ##\n1: 1048 nn\n2: 3464 'a~\n3: 5686 uu\n4: 8694 pp\n5: 10538 'OO\n"
     "6: 14922 dZ\n7: 17258 ii\n8: 18146 aa\n9: 19096 vv\n10: 20784 'ee\n11: 23782 rr\n"
@@ -40,7 +40,7 @@ static void reads_the_printed_sample(void **state) {
     assert_non_null(u);
     assert_int_equal(u->phone_count, 20);
     assert_int_equal(u->sample_rate, 16000);
-    assert_int_equal(u->phones[0].start, 0); /* silence from the first sample on */
+    assert_int_equal(u->phones[0].start, 0); /* silence from the first sample */
     assert_true(fabs(seconds(u, u->phones[1].start) - 0.031375) < 1e-9);
     assert_true(fabs(seconds(u, u->phones[18].start) - 2.7074375) < 1e-9);
     assert_true(fabs(seconds(u, u->phones[19].start) - 2.7969375) < 1e-9);
@@ -72,7 +72,7 @@ static void gives_the_visemes_of_the_sample(void **state) {
     assert_non_null(u);
     struct phone_segments g;
     phone_segments_from(pack, u, refuse_warnings, NULL, &g);
-    /* the silence at its beginning is too short for a pause of the mouth, but it is the first */
+    /* the initial silence is shorter than a pause, but kept because it is the first */
     assert_int_equal(g.count, 15);
     for (size_t i = 0; i < sizeof visemes / sizeof *visemes; i++) {
         size_t sounds[CONTEXT_WINDOW];
@@ -106,7 +106,7 @@ static void names_the_line_of_an_error(void **state) {
                   {"0: 680 ##\n1: 1048 nn\n", 2},        /* no end */
                   {"0: 680 ##\n1: 1048 qq\n2: 2000", 2}, /* unknown symbol */
                   {"0: 680 ##\n1: 1048 'qq\n2: 2000", 2},
-                  {"0: 680 ##\n1: 500 nn\n2: 2000", 2}, /* goes back */
+                  {"0: 680 ##\n1: 500 nn\n2: 2000", 2}, /* decreasing offset */
                   {"0: 680 ##\n0: 1048 nn\n2: 2000", 2},
                   {"0: 12 ##\n1: 1048", 1}, /* inside the header */
                   {"0 680 ##\n1: 1048", 1},
@@ -114,8 +114,8 @@ static void names_the_line_of_an_error(void **state) {
                   {"0: ##\n", 1},
                   {"0: -680 ##\n", 1},
                   {"0: 99999999999999999999999 ##\n", 1},
-                  {"0: 680\n", 1},                       /* nothing in it */
-                  {"0: 680 ##\n1: 700\n2: 800 aa\n", 3}, /* more after the end */
+                  {"0: 680\n", 1},                       /* no symbol */
+                  {"0: 680 ##\n1: 700\n2: 800 aa\n", 3}, /* data after the end */
                   {"0: 680 "
                    "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
                    "aaaaaaaaaaaaaaaaaa"

@@ -51,13 +51,13 @@ static void memory(void **state) {
         put(cache, n, 1000);
     for (int n = 0; n < 9; n++)
         assert_true(holds(cache, n, 1000));
-    assert_true(holds(cache, 0, 1000)); /* asked for, so number 1 is the oldest now */
+    assert_true(holds(cache, 0, 1000)); /* used, so number 1 is the oldest now */
     put(cache, 9, 1000);
     assert_true(holds(cache, 0, 1000));
     assert_false(holds(cache, 1, 1000));
-    put(cache, 5, 2000); /* in place of the other */
+    put(cache, 5, 2000); /* replaces the value */
     assert_true(holds(cache, 5, 2000));
-    put(cache, 20, 3000); /* over a quarter of the room */
+    put(cache, 20, 3000); /* above a quarter of the space */
     assert_false(holds(cache, 20, 3000));
     assert_true(holds(cache, 5, 2000));
     cache_close(cache);
@@ -93,7 +93,7 @@ static void disk_is_bounded(void **state) {
     for (int n = 100; n < 160; n++) {
         put(cache, n, 5000);
         uv_run(uv_default_loop(), UV_RUN_DEFAULT);
-        usleep(1500); /* the order is that of the clock, in ms */
+        usleep(1500); /* order is by clock, in ms */
     }
     int kept = 0;
     for (int n = 100; n < 160; n++)
@@ -103,7 +103,7 @@ static void disk_is_bounded(void **state) {
     finish(cache);
 }
 
-/* Waits until the clock has moved on, and all is written. */
+/* Waits until the clock has advanced and all writes are done. */
 static void settle(void) {
     uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     usleep(1500);
@@ -140,14 +140,14 @@ static void damaged_files(void **state) {
     for (int n = 0; n < 3; n++) {
         finish(on_disk(0, 1 << 20));
         if (n == 0)
-            scribble(100, noise, sizeof noise); /* after what says whose it is */
+            scribble(100, noise, sizeof noise); /* after the application id */
         else if (n == 1)
             scribble(4096, noise, sizeof noise); /* inside */
         else
             assert_int_equal(truncate(file, 5000), 0);
         struct voice_cache *cache = on_disk(0, 1 << 20);
         assert_non_null(cache);
-        /* the damage may show at the first write only, which is lost then */
+        /* damage may be detected only at the first write, which is lost */
         for (int again = 0; again < 2; again++) {
             put(cache, 300 + n, 5000);
             uv_run(uv_default_loop(), UV_RUN_DEFAULT);
@@ -157,7 +157,7 @@ static void damaged_files(void **state) {
     }
 }
 
-/* No room left: what is there can be had, and nothing breaks. */
+/* With a full disk existing entries stay readable. */
 static void full_disk(void **state) {
     (void)state;
     struct rlimit before, small;
@@ -182,7 +182,7 @@ static void full_disk(void **state) {
     finish(cache);
 }
 
-/* Another process writes, and is killed at any moment: all that is found afterwards is whole, and more can be
+/* Another process writes and is killed at a random time: all remaining entries are intact, and more can be
  * added. */
 static void killed_while_writing(void **state) {
     (void)state;
@@ -198,7 +198,7 @@ static void killed_while_writing(void **state) {
             execl("/proc/self/exe", "test_cache", "write", file, (char *)NULL);
             _exit(1);
         }
-        assert_int_equal(read(told[0], &byte, 1), 1); /* it has begun */
+        assert_int_equal(read(told[0], &byte, 1), 1); /* the writer has started */
         usleep(1701 * (useconds_t)round);
         assert_int_equal(kill(writer, SIGKILL), 0);
         assert_int_equal(waitpid(writer, NULL, 0), writer);
@@ -218,7 +218,7 @@ static void killed_while_writing(void **state) {
     assert_true(found > 0);
 }
 
-/* The part of the other process: writes until it is killed. */
+/* Runs in the other process: writes until killed. */
 static int write_on(void) {
     struct voice_cache *cache = on_disk(0, 1 << 24);
     for (int n = 1000; cache; n = n < 1199 ? n + 1 : 1000) {
@@ -230,13 +230,13 @@ static int write_on(void) {
     return 1;
 }
 
-/* Two daemons with one file: each finds what the other wrote. */
+/* Two daemons with one file: each finds the other's entries. */
 static void two_at_once(void **state) {
     (void)state;
     struct voice_cache *one = on_disk(0, 1 << 24), *two = on_disk(0, 1 << 24);
     for (int n = 700; n < 740; n++) {
         put(n % 2 ? one : two, n, 5000);
-        put(n % 2 ? two : one, n, 5000); /* both speak it */
+        put(n % 2 ? two : one, n, 5000); /* both need it */
         if (n % 5 == 0)
             uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     }
@@ -250,7 +250,7 @@ static void two_at_once(void **state) {
     finish(two);
 }
 
-/* The file is damaged under two that have it open: one begins it anew, and neither is disturbed. */
+/* The file is damaged while two caches have it open: one recreates it, and both keep working. */
 static void damaged_under_two(void **state) {
     static const char noise[8192] = "this is no database at all";
     (void)state;
@@ -280,7 +280,7 @@ static size_t read_file(const char *path, char *out, size_t cap) {
     return size;
 }
 
-/* It is named as the cache by mistake: it stays as it is, to the byte. */
+/* A file that is not a cache stays unchanged, to the byte. */
 static void check_untouched(const char *path) {
     static char before[65536], after[65536];
     char wal[256];
@@ -331,7 +331,7 @@ static void files_of_others(void **state) {
     assert_int_equal(cache_file_check(path, &e), -1);
 }
 
-/* Put in the place of a cache that is in use, and found damaged: what is there now is somebody else's. */
+/* A foreign file replaces a cache in use that is then found damaged: it must not be touched. */
 static void a_file_put_in_its_place(void **state) {
     (void)state;
     static const char noise[8192] = "this is no database at all";
@@ -359,7 +359,7 @@ static void a_file_put_in_its_place(void **state) {
     unlink(kept);
 }
 
-/* A shared folder, a usual umask: what somebody had spoken is not for others to read. */
+/* In a shared folder with a usual umask, only the owner can read the cache. */
 static void only_its_owner_reads_it(void **state) {
     (void)state;
     struct stat info;
@@ -375,7 +375,7 @@ static void only_its_owner_reads_it(void **state) {
         assert_int_equal(info.st_mode & 0777, 0600);
     }
     finish(cache);
-    chmod(file, 0644); /* as it was made once */
+    chmod(file, 0644); /* as older versions created it */
     finish(on_disk(0, 1 << 20));
     assert_int_equal(stat(file, &info), 0);
     assert_int_equal(info.st_mode & 0777, 0600);

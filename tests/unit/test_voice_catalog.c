@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voices that plugins say they have. */
+/* The catalog of voices that plugins report. */
 #include "server/voice/voice_pool_internal.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,7 @@ static void refuses_too_many(void **state) {
     buf_free(&text);
 }
 
-/* However often they come and go, they take no more room than at first. */
+/* Voices that come and go repeatedly do not use more memory. */
 static void voices_come_and_go(void **state) {
     static const char middle[] = "m";
     struct catalog catalog = {0};

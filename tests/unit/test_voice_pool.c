@@ -29,7 +29,7 @@ static void sentences_come_back_in_order(void **state) {
     pool_test_shut(s);
 }
 
-/* Whatever a plugin does, it costs its own sentence; those before and after are spoken. */
+/* A misbehaving plugin loses only its current sentence. */
 static void a_fault_costs_one_sentence(void **state) {
     (void)state;
     static const char *const faults[][2] = {
@@ -60,14 +60,14 @@ static void a_fault_costs_one_sentence(void **state) {
     pool_test_shut(s);
 }
 
-/* A process that dies between two sentences costs none. */
+/* A process that dies between two sentences loses none. */
 static void a_death_at_rest_costs_nothing(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(0), "puppet");
     for (int i = 0; i < 2; i++) {
         pool_test_speak(s, "plain", "late");
         pool_test_run(s);
-        for (int k = 0; k < 600; k++) { /* under a sanitizer and load it takes its time to be gone */
+        for (int k = 0; k < 600; k++) { /* it exits slowly under a sanitizer and load */
             usleep(1000);
             uv_run(&s->loop, UV_RUN_NOWAIT);
         }
@@ -122,7 +122,7 @@ static void cancelling_forgets_a_sentence(void **state) {
         voice_job_cancel(s->jobs[1]);
         voice_job_cancel(s->jobs[0]);
         voice_job_cancel(s->jobs[2]);
-        s->count = 1; /* one callback is to come */
+        s->count = 1; /* expects one callback */
         uv_run(&s->loop, UV_RUN_DEFAULT);
         assert_int_equal(s->finished, 1);
         assert_int_equal(spoken->order + waiting->order + last->order, 0);
@@ -151,7 +151,7 @@ static void bad_plugins_are_passed_over(void **state) {
     pool_test_shut(s);
 }
 
-/* A plugin that kept dying at its start is tried again later. */
+/* A plugin that kept dying at startup is tried again later. */
 static void a_plugin_may_recover(void **state) {
     (void)state;
     size_t count = 0;
@@ -225,8 +225,8 @@ static void closing_fails_what_is_queued(void **state) {
     pool_test_shut(s);
 }
 
-/* Two workers speak at the same time: the quick sentence overtakes the slow one, and a crash stays with its
- * own. */
+/* Two workers speak in parallel: a short sentence overtakes a long one, and a crash affects only its own
+ * worker. */
 static void workers_work_side_by_side(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(.workers = 2, .deadline_base = 1, .deadline_most = 1), "puppet");
@@ -245,7 +245,7 @@ static void workers_work_side_by_side(void **state) {
 static void what_is_waited_for_comes_first(void **state) {
     (void)state;
     static const char *const texts[] = {"uno", "due", "tre", "quattro", "cinque", "sei", "sette"};
-    /* the first is begun at once; then urgent ones and others by turns */
+    /* the first starts at once; then urgent and normal ones alternate */
     static const size_t order[] = {1, 3, 5, 7, 2, 4, 6};
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
     for (size_t i = 0; i < 7; i++) {
@@ -258,7 +258,7 @@ static void what_is_waited_for_comes_first(void **state) {
     pool_test_shut(s);
 }
 
-/* Forty sentences of one quota key do not hold up those of others, who come later: a sentence of each by
+/* Forty sentences of one quota key do not delay later ones of other keys: the keys take
  * turns.
  */
 static void quota_keys_take_turns(void **state) {
@@ -309,7 +309,7 @@ static void connections_of_a_quota_key_take_turns(void **state) {
     }
 }
 
-/* What is paid for by many connections is still one quota key's. */
+/* Many connections of one quota key still count as one key. */
 static void quota_keys_come_before_connections(void **state) {
     (void)state;
     enum { GREEDY = 20 };
@@ -325,7 +325,7 @@ static void quota_keys_come_before_connections(void **state) {
     pool_test_shut(s);
 }
 
-/* One worker, which speaks for nobody when somebody comes. */
+/* Background speech makes way for a waiting listener on the only worker. */
 static void what_nobody_waits_for_makes_way(void **state) {
     (void)state;
     static const char *const texts[] = {"slow", "uno", "due", "tre"};
@@ -344,7 +344,7 @@ static void what_nobody_waits_for_makes_way(void **state) {
     pool_test_shut(s);
 }
 
-/* The same, of one that is forgotten when it is being broken off. */
+/* The same if the background job is cancelled while it is being stopped. */
 static void what_makes_way_may_be_forgotten(void **state) {
     (void)state;
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
@@ -353,14 +353,14 @@ static void what_makes_way_may_be_forgotten(void **state) {
     s->turn = VOICE_PRIORITY_URGENT;
     pool_test_speak(s, "plain", "uno");
     voice_job_cancel(s->jobs[0]);
-    s->finished++; /* it never comes back */
+    s->finished++; /* no callback for it */
     pool_test_run(s);
     assert_false(s->results[1].failed);
     assert_non_null(s->results[1].u);
     pool_test_shut(s);
 }
 
-/* The next sentence may be asked for, and the pool closed, from inside a callback. */
+/* A callback may request the next sentence and close the pool. */
 static void close_inside(struct pool_test *s) {
     s->when_finished = NULL;
     pool_test_close_pool(s);

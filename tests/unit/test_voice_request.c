@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What of a score's styles a voice is told. */
+/* Which styles of a score reach a voice. */
 #include "server/voice/voice_request.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +45,7 @@ static void styles_become_spans(void **state) {
     assert_int_equal(request.span_count, 3);
     assert_string_equal(request.spans[0].text, "uno due ");
     assert_float_equal(request.spans[0].rate, 0, 1e-9);
-    assert_string_equal(request.spans[1].text, "tre quattro "); /* the voice plays no emotions */
+    assert_string_equal(request.spans[1].text, "tre quattro "); /* the voice has no emotions */
     assert_float_equal(request.spans[1].rate, 85, 1e-9);
     assert_float_equal(request.spans[1].pitch, 2.4, 1e-9);
     assert_float_equal(request.spans[1].volume, 1.5, 1e-9);
@@ -57,7 +57,7 @@ static void styles_become_spans(void **state) {
     assert_int_equal(request.span_count, 4);
     assert_string_equal(request.spans[2].emotion, "joy");
     assert_float_equal(request.spans[2].intensity, 0.5, 1e-9);
-    assert_null(request.spans[3].lang); /* the voice was chosen for it */
+    assert_null(request.spans[3].lang); /* the voice was chosen for the language */
     voice_request_free(&request);
     score_free(score);
 }
@@ -75,7 +75,7 @@ static void a_part_of_a_sentence(void **state) {
     score_add_cue(score, "affect", "joy", 0)->first = 0;
     voice_request_items(&request, score, 1, 3, &usual);
     assert_int_equal(request.cue_count, 0);
-    assert_int_equal(request.span_count, 2); /* the sound is nobody's: not even a pause */
+    assert_int_equal(request.span_count, 2); /* sounds are not part of the request, not even as a pause */
     assert_int_equal(request.from, 4);
     assert_int_equal(request.to, 13);
     assert_true(voice_request_locate(&request, 1, 0, 3, &from, &to));
@@ -118,7 +118,8 @@ static void the_text_around(void **state) {
     assert_non_null(strstr(request.after, "una parola101 "));
     assert_null(strstr(request.after, "parola100"));
     voice_request_free(&request);
-    voice_request_items(&request, score, 402, 2, &usual); /* a part: what of the sentence is before it, too */
+    voice_request_items(&request, score, 402, 2,
+                        &usual); /* a part: the context includes the sentence before it */
     voice_request_context(&request, score, 100, 402, 2);
     assert_string_equal(request.before + strlen(request.before) - 4, "una ");
     voice_request_free(&request);
@@ -129,7 +130,7 @@ static void the_text_around(void **state) {
     score_free(score);
 }
 
-/* A comma behind the last word, where no stop is; places stay. */
+/* Adds a comma after the last word if there is no full stop; offsets stay. */
 static void a_sentence_that_goes_on(void **state) {
     (void)state;
     static const char *const cases[][2] = {{"uno ", "uno, "},  {"uno", "uno,"},       {"uno,", "uno,"},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a sentence is cut into the parts of several voices, sounds and silences. */
+/* Cutting a sentence into parts: voices, sounds and silences. */
 #include "server/voice/sentence.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,8 +11,8 @@
 
 static const struct voice voices[] = {{.id = "a"}, {.id = "b"}};
 
-/* One item for each letter: a and b are texts of these voices, . a break, m a mark, S a sound that is there,
- * T one that is not; a digit is the number of items that are the alternate content of the sound before. */
+/* One item per letter: a and b are texts of these voices, . a break, m a mark, S an existing sound, T a
+ * missing one; a digit is the number of following items that are alternate content of the sound before. */
 static char *parts_of(const char *items) {
     static char out[400];
     struct score *score = score_new();
@@ -71,7 +71,7 @@ static void each_voice_has_its_part(void **state) {
     assert_string_equal(parts_of("am.ab"), "text 0+4, text 4+1");
 }
 
-/* Between two voices a break is nobody's, and a mark is the next one's. */
+/* Between two voices a break becomes silence, and a mark belongs to the next part. */
 static void breaks_and_marks_between(void **state) {
     (void)state;
     assert_string_equal(parts_of("a.b"), "text 0+1, silence 1+1, text 2+1");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Frames as they are read out of bytes, however those are cut; UTF-8 in pieces. */
+/* Parsing frames from bytes split anywhere; UTF-8 across pieces. */
 #include "server/base/buf.h"
 #include "server/http/websocket_reader.h"
 #include <setjmp.h>
@@ -34,7 +34,7 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
 
 static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
 
-/* One that has its reader hold after each message. */
+/* Holds the reader after each message. */
 struct held {
     struct websocket_reader reader;
     struct buf out;
@@ -56,11 +56,11 @@ static void hold_close(void *ctx, enum websocket_status status) {
 
 static const struct websocket_ear holding_ear = {hold_piece, hold_ping, pong, hold_close, fault};
 
-/* A control frame may be told between the pieces of a message, so the bytes are compared, not the calls. */
+/* Control frames may be reported between pieces of a message, so bytes are compared, not calls. */
 static void read_all(const uint8_t *bytes, size_t size, size_t step, struct buf *out) {
     struct websocket_reader reader = {.ear = &ear, .ctx = out, .most = 1000};
     for (size_t at = 0; at < size; at += step) {
-        uint8_t *copy = malloc(step); /* nothing may be kept of it */
+        uint8_t *copy = malloc(step); /* the reader must not keep it */
         size_t n = size - at < step ? size - at : step;
         memcpy(copy, bytes + at, n);
         websocket_reader_feed(&reader, copy, n);
@@ -70,7 +70,7 @@ static void read_all(const uint8_t *bytes, size_t size, size_t step, struct buf 
     buf_add(out, "", 1);
 }
 
-/* A masked frame, of less than 126 bytes. */
+/* Adds a masked frame of less than 126 bytes. */
 static void add_frame(struct buf *out, unsigned first, const char *payload) {
     uint8_t head[6] = {(uint8_t)first, (uint8_t)(0x80 | strlen(payload)), 1, 2, 3, 4};
     buf_add(out, head, sizeof head);
@@ -101,7 +101,7 @@ static void test_frames(void **state) {
     buf_free(&bytes);
 }
 
-/* Held after each message: what follows waits, and nothing of it is lost or told twice. */
+/* Held after each message: later bytes wait, and none is lost or reported twice. */
 static void test_holding(void **state) {
     static const char *const heard[] = {"hello.", "hello.a<p>b.", "hello.a<p>b.xyz!",
                                         "hello.a<p>b.xyz!closed 1000"};
@@ -133,7 +133,7 @@ static void test_holding(void **state) {
     buf_free(&bytes);
 }
 
-/* Nothing is kept between frames: thousands of sockets are idle. */
+/* No memory is used between frames, because thousands of sockets may be idle. */
 static void test_memory(void **state) {
     struct buf bytes = {0}, out = {0};
     struct websocket_reader reader = {.ear = &ear, .ctx = &out, .most = 1000};
@@ -166,7 +166,7 @@ static void test_heads(void **state) {
     }
 }
 
-/* Every text of up to three bytes out of those that matter is judged as the whole is, at the same byte. */
+/* Every text of up to three significant bytes gets the same verdict in pieces as whole, at the same byte. */
 static void test_utf8(void **state) {
     static const uint8_t some[] = {0x00, 0x41, 0x7F, 0x80, 0x8F, 0x90, 0x9F, 0xA0, 0xBF, 0xC0, 0xC1,
                                    0xC2, 0xDF, 0xE0, 0xE1, 0xED, 0xEF, 0xF0, 0xF1, 0xF4, 0xF5, 0xFF};

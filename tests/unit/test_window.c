@@ -11,7 +11,7 @@
 
 enum { RATE = 8000 };
 
-/* 2 s of tone, 8 s of near silence, over and over: the samples are made when they are read. */
+/* 2 s of tone and 8 s of near silence in a loop, generated on reading. */
 struct made {
     uint64_t samples, read;
 };

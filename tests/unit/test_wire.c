@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-/* A payload in memory of exactly its size, so that a sanitizer sees every read beyond it. */
+/* Copies a payload to memory of exactly its size, so that the sanitizer detects overruns. */
 static struct wire_frame exact(const uint8_t *data, size_t size) {
     uint8_t *copy = malloc(size ? size : 1);
     if (size)
@@ -129,7 +129,7 @@ static void the_text_around_comes_back(void **state) {
     }
 }
 
-/* Cut anywhere, or with any byte changed, it is refused or still a sentence; nothing outside it is read. */
+/* Truncated or with a byte changed, it is refused or still a sentence; nothing outside is read. */
 static void a_broken_sentence_does_no_harm(void **state) {
     (void)state;
     struct buf b = sentence_payload();

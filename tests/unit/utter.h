@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Utterances for tests, written by hand. */
+/* Hand-written utterances for tests. */
 #ifndef FACCIA_TESTS_UTTER_H
 #define FACCIA_TESTS_UTTER_H
 

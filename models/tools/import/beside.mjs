@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The files that a model names: only those in its own folder or below it are read. */
+/** Reads files that a model refers to, only from its own folder and those below. */
 import fs from 'node:fs';
 import path from 'node:path';
 import { MOST_PIXELS, pictureSize } from '../../../web/element/head/model/picture-size.mjs';
@@ -25,7 +25,7 @@ export function readBeside(file, name, place) {
   return fs.readFileSync(wanted);
 }
 
-/** The same, or null where it is not there and that is noted: many a file has the place of a picture on its maker's machine, and comes without it. */
+/** The same, but returns null with a note if the file is missing: many models refer to pictures on their author's machine. */
 export function readIfBeside(file, name, place, notes) {
   const plain = path.basename(name.replaceAll('\\', '/'));
   for (const one of [name, plain]) {
@@ -39,7 +39,7 @@ export function readIfBeside(file, name, place, notes) {
   return null;
 }
 
-/** A picture that a model names, or null: then it is noted why. */
+/** Reads a picture that a model refers to, or returns null with a note. */
 export function pictureBeside(file, name, place, notes, budget) {
   const data = readIfBeside(file, name, place, notes);
   budget.keep((data?.length ?? 0) / 8, place);
@@ -49,11 +49,11 @@ export function pictureBeside(file, name, place, notes, budget) {
   return null;
 }
 
-/** Whether a head may have it: pages decode it. */
+/** Tells whether a head may contain the picture, which pages will decode. */
 export const isUsable = (seen, data) => data.length <= MOST.image && seen !== null && seen.width > 0 && seen.height > 0 && seen.width * seen.height <= MOST_PIXELS;
 export const NO_PICTURE = `no PNG, JPEG or WebP of at most ${MOST.image} bytes and ${MOST_PIXELS} points: left out`;
 
-/** What kind of picture it is, and its size, from its first bytes. @returns {{type, width, height}|null} */
+/** Detects type and size of a picture from its header. @returns {{type, width, height}|null} */
 export function pictureOf(bytes) {
   const type = typeOf(bytes);
   const size = type && pictureSize(bytes);

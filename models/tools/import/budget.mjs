@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * What one file may ask for, whatever its kind: numbers that are kept at once, and steps of work. A small file can ask for much (a node that is used
- * again and again, a list that is unpacked, a face of ten thousand corners), so that a reader says what it is about to do before it does it.
+ * Limits for one file of any format: numbers in memory, and steps of work. A small file can require much (a node used again and again, a compressed
+ * list, a face of ten thousand corners), so readers must declare memory and work in advance.
  */
 import { FileError, MOST } from './file-error.mjs';
 
@@ -16,18 +16,18 @@ export class Budget {
     this.most = { numbers, steps };
   }
 
-  /** How many numbers may still be kept. */
+  /** Numbers that may still be stored. */
   get left() {
     return this.most.numbers - this.#numbers;
   }
 
-  /** Before `count` numbers are kept. @param {string|(() => string)} place of what wants them @throws {FileError} */
+  /** Call before storing `count` numbers. @param {string|(() => string)} place in the file @throws {FileError} */
   keep(count, place) {
     this.#numbers += count;
     if (!(this.#numbers <= this.most.numbers)) throw new FileError(placeOf(place), `more than ${this.most.numbers} numbers are wanted up to here: no head has so many`);
   }
 
-  /** Before `steps` are done. @param {string|(() => string)} place @throws {FileError} */
+  /** Call before doing `steps` of work. @param {string|(() => string)} place @throws {FileError} */
   work(steps, place) {
     this.#steps += steps;
     if (!(this.#steps <= this.most.steps)) throw new FileError(placeOf(place), 'what is wanted up to here takes longer than any head');

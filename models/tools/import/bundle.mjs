@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Puts a tool into one file that needs nothing but Node.js, and what finds a face into another, which has its nets where the pages have
- * them: bundle.mjs TOOL OUTPUT [EYE]. What is read of the repository while they run goes in, too.
+ * Bundles a tool into one file that needs only Node.js, and the face detector into another, which loads its networks from where the pages
+ * have them: bundle.mjs TOOL OUTPUT [EYE]. Embeds files of the repository that are read at run time.
  */
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -21,7 +21,7 @@ const texts = {
   },
 };
 
-/** What scripts of others look for that were not written as modules. */
+/** Globals that third-party CommonJS code expects. */
 const ROOM = `import { createRequire as ownRequire } from 'node:module'; import { fileURLToPath as ownPath } from 'node:url'; import { dirname as ownFolder } from 'node:path';
 const require = ownRequire(import.meta.url); const __filename = ownPath(import.meta.url); const __dirname = ownFolder(__filename);`;
 const TOOL = '/* faccia, GPL-3.0-or-later. Contains three.js, MIT, (c) three.js authors; meshoptimizer, MIT, (c) Arseny Kapoulkine; decoders of Draco and Basis Universal, Apache-2.0, (c) their authors. */';

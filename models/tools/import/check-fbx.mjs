@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** FBX in binary, looked through before a reader that trusts it: every node ends within the one it is in, every list is as long as it says. */
+/** Validates binary FBX before a reader that trusts it: nodes end within their parents, lists have their stated lengths. */
 import zlib from 'node:zlib';
 import { FileError, MOST } from './file-error.mjs';
 
 export const BINARY = 'Kaydara FBX Binary  \0';
 const START = 27; // after the magic, two bytes and the version
-const FOOTER = 176; // at most: what follows the last node
+const FOOTER = 176; // maximum size of the data after the last node
 const SIZES = { Y: 2, C: 1, B: 1, I: 4, F: 4, D: 8, L: 8 };
 const LISTS = { f: 4, d: 8, l: 8, i: 4, b: 1, c: 1 };
 const TEXTS = ['S', 'R'];
@@ -22,7 +22,7 @@ export function checkFbx(bytes, budget) {
   function list(at, end, kind) {
     if (at + 12 > end) throw new FileError(`byte ${at}`, 'a list is cut short');
     const [count, packed, length] = [0, 4, 8].map((more) => bytes.readUInt32LE(at + more));
-    budget.keep(count / 4, `byte ${at}`); // what is made of them is counted again
+    budget.keep(count / 4, `byte ${at}`); // the result is counted separately
     const wanted = count * LISTS[kind];
     const next = at + 12 + (packed ? length : wanted);
     if (packed > 1 || next > end) throw new FileError(`byte ${at}`, `a list of ${count} numbers goes beyond its node`);
@@ -49,7 +49,7 @@ export function checkFbx(bytes, budget) {
     return next;
   }
 
-  /** @returns {number} where it ends; 0: it is the one that ends a list of nodes */
+  /** @returns {number} end of the node; 0: the null node that ends a list */
   function node(at, within, depth) {
     if (at + head > within) throw new FileError(`byte ${at}`, 'a node is cut short');
     const [end, properties] = [whole(at), whole(at + size)];

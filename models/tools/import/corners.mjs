@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Triangles of what files have instead: faces of many corners, strips and fans. */
+/** Converts polygons, strips and fans to triangles. */
 
 const minus = (a, b) => a.map((x, k) => x - b[k]);
 
-/** The face laid flat, so that its corners run to the left. @returns {number[][]|null} null where it has no area */
+/** Projects the face to a plane, counter-clockwise. @returns {number[][]|null} null if it has no area */
 function flat(points) {
   const normal = [0, 0, 0];
   points.forEach((p, i) => {
@@ -18,9 +18,9 @@ function flat(points) {
 const left = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 
 /**
- * A face from its first corner, or, where that would leave it, ear after ear.
- * @param {number[]} corners @param {(corner: number) => number[]} at where a corner is @param {(a: number, b: number, c: number) => void} add
- * @param {(steps: number) => void} work told of each look at all corners, which may say that it is enough
+ * Triangulates a face as a fan from its first corner or, if that would leave the face, by ear clipping.
+ * @param {number[]} corners @param {(corner: number) => number[]} at position of a corner @param {(a: number, b: number, c: number) => void} add
+ * @param {(steps: number) => void} work called for each pass over the corners; may throw to stop
  */
 export function cutFace(corners, at, add, work) {
   const fan = (list) => {
@@ -42,14 +42,14 @@ export function cutFace(corners, at, add, work) {
       const same = (p, q) => p[0] === q[0] && p[1] === q[1];
       return rest.every(({ p }) => [a, b, c].some((q) => same(p, q.p)) || left(a.p, b.p, p) < 0 || left(b.p, c.p, p) < 0 || left(c.p, a.p, p) < 0);
     });
-    if (ear < 0) break; // it crosses itself
+    if (ear < 0) break; // the polygon intersects itself
     add(...around(rest, ear).map(({ v }) => v));
     rest.splice(ear, 1);
   }
   return fan(rest.map(({ v }) => v));
 }
 
-/** Strips, with a break where a corner is negative: every other triangle is wound the other way. */
+/** Converts strips, separated by negative indices; every other triangle is wound the other way. */
 export function cutStrip(corners, add) {
   let from = 0;
   corners.forEach((c, i) => {
@@ -60,7 +60,7 @@ export function cutStrip(corners, add) {
   });
 }
 
-/** glTF's modes 5 and 6 as 4. */
+/** Converts glTF's modes 5 and 6 (strips, fans) to 4 (triangles). */
 export function asTriangles(mode, index) {
   const out = [];
   const add = (...three) => out.push(...three);
@@ -69,5 +69,5 @@ export function asTriangles(mode, index) {
   return Uint32Array.from(out);
 }
 
-/** The same triangles, seen from behind. */
+/** Reverses the winding. */
 export const turnedOver = (index) => index.map((v, i) => (i % 3 === 0 ? v : i % 3 === 1 ? index[i + 1] : index[i - 1]));

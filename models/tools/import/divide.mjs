@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A part of a head has one picture; what a file gives several is several parts, `skin` and `skin_2`, once it is known how all of it moves. What they have in common
- * moves as one: each vertex has what it had in the whole.
+ * A part of a head has one picture. Splits a part with several pictures into several parts, `skin` and `skin_2`, after its movements are computed, so that shared
+ * borders move together.
  */
 
-/** The vertices of a part's pieces by their picture, the main one first; what has no picture goes with that. @returns {{look: number, vertices: number[]}[]} */
+/** Groups the vertices of a part's pieces by picture, the main one first; pieces without a picture join it. @returns {{look: number, vertices: number[]}[]} */
 function byPicture({ pieces, material }, { materials }, main) {
   const groups = new Map();
   const all = ({ at, count }) => Array.from({ length: count }, (_, i) => at + i);
@@ -22,7 +22,7 @@ function byPicture({ pieces, material }, { materials }, main) {
   return list;
 }
 
-/** Some of a part's vertices, with their triangles, moves and turns. */
+/** Extracts some of a part's vertices with their triangles, moves and turns. */
 function cutOut(part, name, vertices) {
   const number = new Map(vertices.map((v, i) => [v, i]));
   const index = [];
@@ -51,7 +51,7 @@ function cutOut(part, name, vertices) {
 }
 
 /**
- * @param {object} part with its moves and turns; its pieces as gathered (parts.mjs) @param {object} scene @param {number} main a vertex that the first must have; -1: any
+ * @param {object} part with its moves and turns; its pieces as gathered (parts.mjs) @param {object} scene @param {number} main a vertex that the first part must contain; -1: any
  * @param {number} look its material @returns {{part: object, look: number}[]}
  */
 export function divide(part, scene, main, look) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The detector of faces for an import: a file of its own when it is built, with the nets that the pages have. */
+/** The face detector for imports: a separate file in the build, with the networks of the pages. */
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import human from '../../../web/node_modules/@vladmandic/human/dist/human.node-wasm.js';
@@ -9,7 +9,7 @@ const pages = new URL('../../../web/', import.meta.url);
 const built = fs.existsSync(new URL('blazeface.json', pages));
 const folder = (name) => (built ? pages : new URL(`node_modules/${name}/`, pages)).href;
 
-/** The package asks by fetch, which knows no files. Nothing else is asked for. */
+/** Replaces fetch, by which the package loads its networks, with reading files. */
 async function fetchFile(address) {
   const url = String(address.url ?? address);
   if (!url.startsWith('file:')) throw new Error(`${url}: a detector of faces asks for files only`);

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Heads of any origin: what `faccia head import`, `calibrate`, `points` and `check` run. ../../README.md tells more. */
+/** Third-party heads: runs `faccia head import`, `calibrate`, `points` and `check`. See ../../README.md. */
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -56,7 +56,7 @@ const readHead = (file) => within(file, () => {
 
 const pointsOf = (file) => within(file, () => readPoints(fs.readFileSync(file, 'utf8')));
 
-/** All of it or nothing. */
+/** Writes a file atomically. */
 function write(file, text) {
   const half = `${file}.${process.pid}.part`;
   try {
@@ -74,7 +74,7 @@ function tell(json) {
   console.log(`${json.name}: ${json.parts.length} parts, ${68 - 2 - faps.filter((line) => line.endsWith('does nothing')).length} of 66 FAPs act`);
 }
 
-/** The detector is a file of its own: only this needs it. */
+/** Finds feature points. Loads the detector, a separate file, only if needed. */
 async function find(scene, up, points) {
   if (points?.landmarks) return findPoints(scene, null, { up, points });
   const beside = new URL('./faccia-eye.mjs', import.meta.url);

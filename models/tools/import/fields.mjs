@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * What each FAP does to a mesh that says nothing of it: zones about the feature points with raised-cosine weights, as LUCIA has them. Upper and
- * lower lip are told apart by the way along the mesh, so that lips that touch do not stick together. Points of one lip, and of one brow, share
- * the movement by inverse distances: the weight is 1 at each and 0 at the others, so that all with one value move it as one.
+ * Defines the effect of each FAP on a mesh without shapes: zones around the feature points with raised-cosine weights, as in LUCIA. Distances along
+ * the mesh separate upper and lower lip, so that touching lips do not stick together. Points of one lip or brow share the movement by inverse
+ * distances: the weight is 1 at each point and 0 at the others, so that equal values move the whole as one.
  */
 import { FAPS } from '../lib/faps.mjs';
 
@@ -36,7 +36,7 @@ const GROUPS = [
   ...[65, 66, 67, 68].map((fap) => ({ faps: [fap], radius: ({ ES }) => 0.45 * ES })),
 ];
 
-/** The shortest ways along the edges from some vertices to all. */
+/** Shortest distances along edges from the seeds to all vertices. */
 function ways({ position, index, smooth }, seeds) {
   const near = new Map();
   for (let t = 0; t < index.length; t += 3)
@@ -71,7 +71,7 @@ export function nearestVertex(part, p) {
   return best;
 }
 
-/** For each vertex of the skin whether it belongs to the upper lip's side of the mouth. */
+/** Tells for each vertex of the skin whether it is on the upper lip's side of the mouth. */
 function upperSide(skin, fdp) {
   const seeds = (names) => names.filter((name) => fdp[name]).map((name) => nearestVertex(skin, fdp[name]));
   const [up, down] = [seeds(UPPER), seeds(LOWER)];
@@ -85,7 +85,7 @@ function upperSide(skin, fdp) {
 
 /**
  * @param {{skin: object, fdp: object, fapu: object, pivot: number[]}} face
- * @returns {{fields: Map<number, Float64Array>, jaw: Float64Array}} mm for a mm of each FAP; shares in the jaw's turn
+ * @returns {{fields: Map<number, Float64Array>, jaw: Float64Array}} fields: mm per mm of each FAP; jaw: weights of the jaw rotation
  */
 export function zoneFields({ skin, fdp, fapu, pivot }) {
   const count = skin.position.length / 3;
@@ -119,7 +119,7 @@ export function zoneFields({ skin, fdp, fapu, pivot }) {
   return { fields, jaw: whole.map((x, v) => x * (1 - lip[v])) };
 }
 
-/** All below the mouth, fading towards the jaw's angle and down the neck. */
+/** Weights of the jaw rotation: everything below the mouth, fading towards the angle of the jaw and down the neck. */
 function jawShares({ skin, fdp, fapu, pivot, upper }) {
   const chin = fdp['2.1'];
   const corner = (fdp['8.3'][1] + fdp['8.4'][1]) / 2;
@@ -134,7 +134,7 @@ function jawShares({ skin, fdp, fapu, pivot, upper }) {
   });
 }
 
-/** From Xface: the weights of its own vertices. @returns {Float64Array|null} */
+/** Field of an Xface model from its vertex weights. @returns {Float64Array|null} */
 export function xfaceField(skin, piece, fdp, { name, vertices, weight, axis, fap }) {
   const own = new Map((piece.mesh.from ?? []).map((from, v) => [from, v]));
   const mine = vertices.map((v) => (own.size ? own.get(v) : v)).filter((v) => v !== undefined && v < piece.count).map((v) => piece.at + v);

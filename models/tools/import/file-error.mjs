@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What is wrong with a file, and where: a line, a byte, a member such as "accessors[3]". */
+/** An error in a file with its place: a line, a byte, or a member such as "accessors[3]". */
 export class FileError extends Error {
   constructor(place, what) {
     super(place ? `${place}: ${what}` : what);
@@ -7,5 +7,5 @@ export class FileError extends Error {
   }
 }
 
-/** More than any head has, and little enough to be held. */
+/** Limits: more than any head needs, but little enough for memory. */
 export const MOST = { bytes: 256 << 20, numbers: 12e6, meshes: 512, depth: 64, image: 8 << 20 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Feature points of a mesh that brings none, or some: it is drawn from the front and from both sides, the detector finds the landmarks of the face,
- * and where they are seen on the surface (or a file tells them to be), the points of a mean face (face-template.json) are laid.
+ * Finds the missing feature points of a mesh: draws it from the front and both sides, lets the detector find the landmarks of the face, and fits the
+ * points of a mean face (face-template.json) to the landmarks on the surface, or to those given in a file.
  */
 import fs from 'node:fs';
 import { align } from '../../../web/portrait/align.mjs';
@@ -18,18 +18,18 @@ import { viewOf } from './views.mjs';
 
 const MEAN_FACE = JSON.parse(fs.readFileSync(new URL('face-template.json', import.meta.url), 'utf8'));
 const SIZE = { first: 512, close: 768 }; // pixels
-const FRAME = 1.12; // of all that there is
-const AROUND = 2.1; // of the face's height
-const TALL = 1.7; // higher than wide by so much: a whole body, whose head is looked at first
+const FRAME = 1.12; // relative to the size of everything
+const AROUND = 2.1; // relative to the face's height
+const TALL = 1.7; // ratio of height to width of a whole body, whose head is examined first
 const SIDE = 25; // degrees
-const ASIDE = 15; // mm from the middle: so far out the side is seen better from there
-const LIKE = 5; // mm from where the mean face has it: surely one
-const OUTLIER = 14; // mm from where the mean face has it
+const ASIDE = 15; // mm from the middle beyond which the side view is better
+const LIKE = 5; // mm from the mean face: certainly correct
+const OUTLIER = 14; // mm from the mean face
 const SMOOTH = 0.02;
-const GROWN = [45, 85]; // mm between the eyes
-const UNSURE = 4; // mm between what the front and the sides say
+const GROWN = [45, 85]; // mm between the eyes of adults
+const UNSURE = 4; // mm between results of front and sides
 
-/** From the file's directions to those of a head (x to its left, y up, z forward). */
+/** Rotations from the file's axes to those of a head (x to its left, y up, z forward). */
 const TURNS = {
   'y up, looking to +z': ([x, y, z]) => [x, y, z],
   'z up, looking to -y': ([x, y, z]) => [x, z, -y],
@@ -39,7 +39,7 @@ const TURNS = {
   'y up, looking to -x': ([x, y, z]) => [z, y, -x],
   'z up, looking to +x': ([x, y, z]) => [y, z, x],
   'z up, looking to -x': ([x, y, z]) => [-y, z, -x],
-  'y down, looking to -z': ([x, y, z]) => [x, -y, -z], // as cameras have it
+  'y down, looking to -z': ([x, y, z]) => [x, -y, -z], // camera convention
   'y down, looking to +z': ([x, y, z]) => [-x, -y, z],
 };
 
@@ -55,7 +55,7 @@ const looks = (scene) => scene.meshes.map((mesh) => {
   const look = scene.materials[mesh.material];
   return { position: mesh.position, index: mesh.index, ball: mesh.ball ?? null, color: mesh.ball || look?.picture ? null : (plain(look?.color) ? null : look?.color) ?? null };
 });
-/** White and grey say nothing of what a thing is. */
+/** Tells whether a colour is white or grey, which gives no hint about the part. */
 const plain = (color) => !color || Math.max(...color) - Math.min(...color) < 0.05;
 
 function boxOf(meshes) {
@@ -68,7 +68,7 @@ function boxOf(meshes) {
   return { low, high };
 }
 
-/** Where a face may be: the whole, and of what is tall its upper end. */
+/** Regions that may contain the face: everything, and the upper end of tall scenes. */
 function framesOf(meshes) {
   const { low, high } = boxOf(meshes);
   const size = high.map((x, k) => x - low[k]);
@@ -88,7 +88,7 @@ async function see(eye, picture) {
   }
 }
 
-/** How far the landmarks of a view are from where the mean face would have them, in its mm: one half is nearer. */
+/** Distance of a view's landmarks from the mean face, in its mm: the median. */
 function unlike(points, template) {
   const which = STEADY.filter((i) => points[i] && template.at[i]);
   if (which.length < STEADY.length / 2) return Infinity;
@@ -97,7 +97,7 @@ function unlike(points, template) {
   return off[off.length >> 1];
 }
 
-/** Which way it looks, and where its face is. One upside down may be taken for a face, too, but not lies like one. */
+/** Finds orientation and position of the face. The detector may also accept an upside-down face, but its landmarks fit worse. */
 async function findFace(scene, eye, { up, template }) {
   const meshes = looks(scene);
   let best = null;
@@ -118,7 +118,7 @@ async function findFace(scene, eye, { up, template }) {
   return best;
 }
 
-/** Where the landmarks are seen on the surface, from the front and from both sides. */
+/** Finds the landmarks on the surface from the front and both sides. */
 async function look(meshes, { middle, height }, eye) {
   const at = [0, -0.05 * height, 0].map((x, k) => middle[k] + x);
   const views = [];
@@ -130,7 +130,7 @@ async function look(meshes, { middle, height }, eye) {
   return { views, at };
 }
 
-/** Each landmark on the surface, and how far the sides agree with the front, in the file's units. */
+/** Combines the views: each landmark on the surface, and the agreement of the sides with the front, in the file's units. */
 function gather(views, template) {
   const [front] = views;
   const apart = [];
@@ -148,7 +148,7 @@ function gather(views, template) {
   return { points, apart: apart[apart.length >> 1] ?? 0, count: views.filter(Boolean).length };
 }
 
-/** Landmarks that are where a face has them. */
+/** Selects landmarks in plausible places. */
 function trusted(points, template) {
   let which = STEADY.filter((i) => points[i] && template.at[i]);
   let onto = null;
@@ -161,7 +161,7 @@ function trusted(points, template) {
   return { which, onto };
 }
 
-/** The whole scene in a head's directions. */
+/** Rotates the whole scene to a head's axes. */
 function turnScene(scene, turn) {
   for (const mesh of scene.meshes) {
     mesh.position = turnAll(mesh.position, turn);
@@ -170,7 +170,7 @@ function turnScene(scene, turn) {
   }
 }
 
-/** The face as the detector sees it. */
+/** Finds the face with the detector. */
 async function seeFace(scene, eye, { up, template }) {
   const found = await findFace(scene, eye, { up: up && `${up} up`, template });
   if (!found) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
@@ -186,7 +186,7 @@ async function seeFace(scene, eye, { up, template }) {
   return { ...found, front: views[0], at, points, which, onto, note };
 }
 
-/** The face as a file of points or its own shapes tell it: nothing is looked for. @param {Map<number, number[]>} landmarks in the file's coordinates */
+/** Takes the face from a points file or the mesh's shapes, without the detector. @param {Map<number, number[]>} landmarks in the file's coordinates */
 function toldFace(scene, landmarks, { up, template, by = 'by', limits }) {
   const turns = Object.entries(TURNS).filter(([name]) => !up || name.startsWith(`${up} up`));
   const { name, turn, onto, which, points, all, off } = layTold(landmarks, template, Object.fromEntries(turns), limits);
@@ -200,7 +200,7 @@ function toldFace(scene, landmarks, { up, template, by = 'by', limits }) {
   return { name, turn, height, front, at, points, which, onto, told: true, note: `feature points ${by} ${which.length} landmarks, ${off.toFixed(1)} mm from a mean face's` };
 }
 
-/** As it is seen; where no face is, as an animal's, its shapes may tell where it is: known.byLandmark then has what they do. */
+/** Finds the face with the detector or, if it fails (an animal's face), from the shapes, and then sets known.byLandmark. */
 async function findFaceOf(scene, eye, known, options) {
   try {
     return await seeFace(scene, eye, options);
@@ -214,13 +214,13 @@ async function findFaceOf(scene, eye, known, options) {
 }
 
 /**
- * Turns the scene to a head's directions, cuts eyes out of it, and names its meshes where they have no names that tell.
- * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye not needed where landmarks are told
- * @param {{up?: string, template?: object, points?: object|null}} options template: the mean face; points: what of them is told (points.mjs)
- * @returns {Promise<{points: object, notes: string[]}>} points as of points.mjs, in the file's units
+ * Rotates the scene to a head's axes, separates eyes from the skin, and names meshes without meaningful names.
+ * @param {object} scene from a reader @param {(picture: object) => Promise<number[][]>} eye not needed if landmarks are given
+ * @param {{up?: string, template?: object, points?: object|null}} options template: the mean face; points: given ones (points.mjs)
+ * @returns {Promise<{points: object, notes: string[]}>} points as in points.mjs, in the file's units
  */
 export async function findPoints(scene, eye, { up, template = MEAN_FACE, points: given = null } = {}) {
-  const known = placesOf(scene, given); // by the file's own vertices, which cutting counts anew
+  const known = placesOf(scene, given); // by the file's vertex numbers, before cutting renumbers them
   splitBalls(scene);
   const face = known.landmarks ? toldFace(scene, known.landmarks, { up, template }) : await findFaceOf(scene, eye, known, { up, template });
   const { front, at, points, which, onto, height } = face;
@@ -236,7 +236,7 @@ export async function findPoints(scene, eye, { up, template = MEAN_FACE, points:
   const leads = Object.entries(asTold).filter(([name]) => template.fdp[name] && !INNER.includes(name)).map(([name, p]) => [template.fdp[name], p]);
   const pairs = which.filter((i) => face.told || front.points[i]?.mesh === skin).map((i) => [template.at[i], points[i]]);
   const warp = (more) => {
-    // two that the mean face has at one place would ask for two places at once
+    // drops points that coincide in the mean face, because they would conflict
     const all = [...more, ...pairs].filter(([p], i, list) => list.findIndex(([q]) => distance(p, q) < 0.05) === i);
     return rbf(all.flatMap(([from]) => from), all.flatMap(([, to]) => to), { smooth: SMOOTH });
   };
@@ -262,7 +262,7 @@ export async function findPoints(scene, eye, { up, template = MEAN_FACE, points:
   return { points: { frame: 'file', fdp, parts: given?.parts ?? {}, influences: [] }, notes };
 }
 
-/** What a file of points tells, in the file's coordinates. */
+/** Points given in a points file, in the model file's coordinates. */
 function placesOf(scene, given) {
   const [fdp, byLandmark] = [{}, {}];
   for (const [name, value] of Object.entries(given?.fdp ?? {}))
@@ -276,9 +276,9 @@ function placesOf(scene, given) {
   return { fdp, byLandmark, landmarks };
 }
 
-const INNER = ['2.2', '2.3', '2.6', '2.7', '2.8', '2.9']; // two at one place each: the warp takes one alone
+const INNER = ['2.2', '2.3', '2.6', '2.7', '2.8', '2.9']; // inner lip points, pairwise coincident; the warp uses one of each pair
 
-/** Lips and lids: not where the detector thinks, but where the surface ends. */
+/** Refines lip and lid points to the actual edges of the surface. */
 function margins(scene, meshes, skin, { fdp, eyesApart, marks, camera }) {
   const [own, notes] = [{}, []];
   const eyes = meshes.flatMap((mesh, m) => (mesh.ball ? [m] : []));
@@ -302,7 +302,7 @@ function margins(scene, meshes, skin, { fdp, eyesApart, marks, camera }) {
   return { own, notes };
 }
 
-/** The file's, where its eyes are then as far apart as people's; or by the size of the mean face. */
+/** Chooses the unit: the file's if it gives a human eye distance, else by the size of the mean face. */
 function chooseUnit(scene, eyesApart, onto, notes) {
   const fits = (unit) => unit && unit * eyesApart > GROWN[0] && unit * eyesApart < GROWN[1];
   const known = [scene.unit, 1, 10, 100, 1000, 25.4].find(fits);

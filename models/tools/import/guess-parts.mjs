@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What meshes without names are, by where they lie on a face whose points have been found. */
+/** Identifies meshes without names by their position relative to the feature points. */
 import { ballOf, partOf, piece } from './parts.mjs';
 
 const BALL = { least: 40, most: 20000, off: 0.09, flat: 0.5 }; // vertices; of the radius; of the diameter
 
-/** The pieces of a mesh that hang together. @returns {Int32Array} the piece of each vertex */
+/** Finds connected components. @returns {Int32Array} component of each vertex */
 function piecesOf({ position, index }) {
   const first = new Map();
   const up = Int32Array.from({ length: position.length / 3 }, (_, v) => {
@@ -44,7 +44,7 @@ function ball(position) {
   return off < BALL.off * found.radius ? found : null;
 }
 
-/** Meshes whose pieces are cut apart where some are balls: eyes that are one mesh with the skin. */
+/** Splits meshes that contain balls, such as eyes in one mesh with the skin. */
 export function splitBalls(scene) {
   scene.meshes = scene.meshes.flatMap((mesh) => {
     const pieces = piecesOf(mesh);
@@ -63,7 +63,7 @@ export function splitBalls(scene) {
 }
 
 /**
- * Gives meshes the names of parts where their own say nothing. @param {object} scene in a face's directions @param {object} fdp in the file's units
+ * Names meshes after parts if their own names are meaningless. @param {object} scene in a head's axes @param {object} fdp in the file's units
  * @param {object} skin the mesh of the face @returns {string[]} what was guessed
  */
 export function guessParts(scene, fdp, skin) {

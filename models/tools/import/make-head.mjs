@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** From a scene as read to a head in the format of protocol/head-model.md. */
+/** Converts a scene to a head in the format of protocol/head-model.md. */
 import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
@@ -23,14 +23,14 @@ import { nameTargets } from './target-names.mjs';
 import { actFromTargets, moveOf } from './targets.mjs';
 import { jawPivot, jawTurn, lidsAndEyes, neck, some } from './turns.mjs';
 
-const FOLLOWS = ['mouth', 'brows', 'lashes', 'beard']; // what has no targets goes with the skin under it
-const REACH = 14; // mm: what is farther from the skin does not follow
+const FOLLOWS = ['mouth', 'brows', 'lashes', 'beard']; // parts without targets follow the skin below
+const REACH = 14; // mm: vertices farther from the skin do not follow
 const TONGUE = [43, 44, 45, 46];
 const LOOKS = { skin: { roughness: 0.55, specular: 0.35, subsurface: 0.3 }, eye_l: { roughness: 0.12, specular: 0.6 }, eye_r: { roughness: 0.12, specular: 0.6 } };
 
 const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, fbx: readFbx, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml, wrz: readVrml };
 
-/** VRML and PLY come packed by gzip, and are not always named so. */
+/** Unpacks gzip, which VRML and PLY files may use without a matching name. */
 function unzipped(bytes) {
   try {
     return zlib.gunzipSync(bytes, { maxOutputLength: MOST.bytes });
@@ -50,13 +50,13 @@ export async function readScene(file) {
     nameTargets(scene);
     return scene;
   } catch (error) {
-    // members of another type than their format has, deep within: the engine says which
+    // values of a wrong type: the JavaScript error names the member
     if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);
     throw error;
   }
 }
 
-/** Moves of zones (or of Xface's weights) on the skin, and of what follows it. */
+/** Adds moves of zones (or Xface's weights) to the skin and the parts that follow it. */
 function zoneMoves(parts, face, influences, notes) {
   const skin = face.skin;
   const { fields, jaw } = zoneFields(face);
@@ -91,7 +91,7 @@ function zoneMoves(parts, face, influences, notes) {
   return out;
 }
 
-/** Lower teeth and tongue go with the jaw. */
+/** Moves of lower teeth and tongue with the jaw. */
 function insideMoves(part, { fdp, pivot }) {
   const count = part.position.length / 3;
   const all = (direction) => Float64Array.from(part.position, (_, i) => direction[i % 3]);
@@ -129,7 +129,7 @@ function looksOf(scene, parts) {
 /**
  * @param {object} scene of a reader @param {object} points see points.mjs
  * @param {{name: string, title: string, licence: string, credits: string[], unit?: string, up?: string}} options
- * @returns {{head: object, notes: string[], used: string[]}} the head's file; what was left out; the targets that its actions are made of
+ * @returns {{head: object, notes: string[], used: string[]}} head: the file; notes: what was left out; used: targets behind its actions
  */
 export function makeHead(scene, points, options) {
   nameParts(scene, points.parts ?? {});
@@ -163,7 +163,7 @@ export function makeHead(scene, points, options) {
   return { head: packModel(about, { ...model, parts: divided.map(({ part }) => part), view, ...looksOf(scene, divided.map(({ part, look }) => ({ name: part.name, material: look }))) }), notes: [...notes, ...more], used };
 }
 
-/** A feature point of the skin is the vertex that is nearest to it. */
+/** Snaps a feature point to the nearest vertex of the skin. */
 function settle(fdp, name, skin, notes) {
   const p = at(skin.position, nearestVertex(skin, fdp[name]));
   const away = Math.hypot(...p.map((x, k) => x - fdp[name][k]));

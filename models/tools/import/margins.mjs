@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Where a surface ends and another begins, seen from the front: the lips' line, and the margins of the lids. */
+/** Finds edges between surfaces, seen from the front: the line between the lips, and the margins of the lids. */
 
-const WALK = 0.07; // of the eyes' distance: two places whose way over the skin is longer are on two lips
-const BESIDE = 4; // pixels from the line: surely on that lip
-const LOST = 4; // columns without a line: the corner of the mouth
-const FORE = 0.25; // of the eyeball's radius, before its centre: there lids begin
+const WALK = 0.07; // of the eye distance: points farther apart along the skin are on different lips
+const BESIDE = 4; // pixels from the line that are certainly on the lip
+const LOST = 4; // columns without a line that mark the mouth corner
+const FORE = 0.25; // of the eyeball's radius in front of its centre, where lids begin
 const NEAR = 0.35; // of the eyeball's radius, to each side of its middle
 
-/** The vertices of the triangles that lie around places of a mesh, by their ways. */
+/** Prepares searches along the edges of a mesh within `reach`. */
 function walker({ position, index }, reach) {
   const near = new Map();
   for (let t = 0; t < index.length; t += 3)
     for (let i = 0; i < 3; i++) {
-      // over the vertices as the file has them: lips that touch are not sewn
+      // uses the file's vertices, so that touching lips are not welded
       const [a, b] = [index[t + i], index[t + ((i + 1) % 3)]];
       for (const [from, to] of [[a, b], [b, a]]) (near.get(from) ?? near.set(from, new Set()).get(from)).add(to);
     }
   return { near, position, index, reach };
 }
 
-/** Whether one comes from a triangle to another over the skin. */
+/** Tells whether two triangles are connected along the skin. */
 function joined({ near, position, index, reach }, from, to) {
   const corners = (t) => [index[3 * t], index[3 * t + 1], index[3 * t + 2]];
   const goal = new Set(corners(to));
@@ -75,7 +75,7 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
       const here = view.at(column, row);
       if (here?.mesh !== skin) continue;
       if (before && before.triangle !== here.triangle && !joined(skinOf, before.triangle, here.triangle)) {
-        const off = Math.abs((before.row + row) / 2 - expected) - (row - before.row); // an open mouth is no smaller sign than a line
+        const off = Math.abs((before.row + row) / 2 - expected) - (row - before.row); // an open mouth counts as much as a line
         if (!best || off < best.off) best = { off, column, upper: before.point, lower: here.point, upperEnd: corner(before), lowerEnd: corner(here), inUpper: within(column, before.row, -1), inLower: within(column, row, 1) };
       }
       before = { ...here, row };
@@ -96,7 +96,7 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
 }
 
 /**
- * The upper lid's margin where it is highest, and the lower one's where it is lowest: what is made of them closes over the rest.
+ * Finds the highest point of the upper lid's margin and the lowest of the lower one's.
  * @param {number[]} place the eyeball's middle on the picture @param {{centre: number[], radius: number}} ball in the file's units
  * @returns {{upper: number[], lower: number[]}|null}
  */
@@ -107,7 +107,7 @@ export function lidMargins(view, skin, eye, [column, row], { centre, radius }) {
     if (view.at(x, row)?.mesh !== eye) return null;
     for (let k = 1; k < most; k++) {
       const here = view.at(x, row + way * k);
-      if (here?.mesh === skin && here.point[2] > deep) return here.point; // what lies deeper is the socket's
+      if (here?.mesh === skin && here.point[2] > deep) return here.point; // deeper points belong to the socket
     }
     return null;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Matrices of 4 by 4, column by column, as glTF and VRML have them. */
+/** 4 x 4 matrices in column-major order, as in glTF and VRML. */
 import { FileError } from './file-error.mjs';
 
 const ONE = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -8,7 +8,7 @@ export function product(a, b) {
   return ONE.map((_, i) => [0, 1, 2, 3].reduce((sum, k) => sum + a[(i % 4) + 4 * k] * b[k + 4 * Math.floor(i / 4)], 0));
 }
 
-/** From translation, rotation (a quaternion) and scale, or a matrix. */
+/** Makes a matrix from translation, rotation (a quaternion) and scale, or from a matrix. */
 export function matrixOf({ matrix, translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1] }, place) {
   const right = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
   if (matrix !== undefined) {
@@ -25,12 +25,12 @@ export function matrixOf({ matrix, translation = [0, 0, 0], rotation = [0, 0, 0,
   return [...axes.flatMap((axis, k) => [...axis.map((value) => value * scale[k]), 0]), ...translation, 1];
 }
 
-/** Whether what it is applied to is mirrored: what was in front is then behind. */
+/** Tells whether the matrix mirrors, which reverses the winding. */
 export function mirrors(m) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]) < 0;
 }
 
-/** Directions: without the shift. */
+/** Transforms directions, without the translation. */
 export function linear(m, p) {
   const out = new Float64Array(p.length);
   for (let i = 0; i < p.length; i += 3) for (let k = 0; k < 3; k++) out[i + k] = m[k] * p[i] + m[4 + k] * p[i + 1] + m[8 + k] * p[i + 2];

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What a scan or a statue has not: lips that part, where they are one surface; eyeballs, where there are holes for them. */
+/** Adds what scans and statues lack: separates lips that are one surface, and inserts eyeballs into eye holes. */
 import { pictureAsPng } from './png.mjs';
 
 const UPPER = [78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308]; // landmarks of the lips' inner border, from the head's right to its left
 const LOWER = [78, 95, 88, 178, 87, 14, 317, 402, 318, 324, 308];
-const COLUMNS = 64; // of the lips' line
-const VALLEY = 0.06; // of the mouth's width, up and down: the line is where the surface lies deepest
+const COLUMNS = 64; // along the line between the lips
+const VALLEY = 0.06; // of the mouth's width, search range up and down: the line is where the surface is deepest
 const SMOOTH = 4; // columns
-const APART = 0.02; // mm up and down: what lies at one place would be sewn again
-const THICK = 0.3; // of the mouth's width: what lies farther behind the lips is no lip
+const APART = 0.02; // mm up and down, because coincident vertices would be welded again
+const THICK = 0.3; // of the mouth's width: surfaces farther behind are not lips
 const EYES = [
   { part: 'eye_l', pupil: '3.5', lids: [263, 362, 386, 374, 385, 380, 387, 373, 384, 381, 388, 390], middle: [386, 374] },
   { part: 'eye_r', pupil: '3.6', lids: [33, 133, 159, 145, 158, 153, 160, 144, 157, 154, 161, 163], middle: [159, 145] },
 ];
 const RADIUS = 12; // mm, of an eyeball
-const NEAR = 2.5; // mm: so far from where it is seen, a landmark of a lid may lie on it
-const AWAY = 14; // mm before or behind where the mean face has it: that is no lid
-const HOLLOW = 5; // mm behind the lids: there is a hole
-const WIDE = 20; // mm to each side: no eye's hole goes farther
+const NEAR = 2.5; // mm: search radius for a lid around its landmark
+const AWAY = 14; // mm before or behind the mean face: not a lid
+const HOLLOW = 5; // mm behind the lids: a hole
+const WIDE = 20; // mm to each side: maximum half width of an eye hole
 const RINGS = 24;
 
-/** Where the lips meet, in the mesh's own directions: x from the head's right to its left, y and z of each column. */
+/** Line between the lips in the mesh's axes: x from the head's right to its left, y and z of each column. */
 function lineOf({ view, marks }) {
   const inner = UPPER.map((up, i) => [0, 1].map((k) => (marks[up][k] + marks[LOWER[i]][k]) / 2));
   const [from, to] = [inner[0][0], inner.at(-1)[0]];
@@ -48,9 +48,9 @@ function lineOf({ view, marks }) {
 }
 
 /**
- * Cuts the lips apart. New vertices lie on the line, twice: once for each lip. The cut ends at a vertex on each side.
+ * Separates the lips. Adds vertices on the line for each lip; the cut ends at a shared vertex on each side.
  * @param {object} mesh of the skin, changed in place @param {{view: object, marks: number[][]}} seen from the front
- * @param {number} mm in the mesh's unit @returns {boolean} whether there was anything to cut
+ * @param {number} mm in the mesh's unit @returns {boolean} whether anything was cut
  */
 export function cutLips(mesh, seen, mm) {
   const line = lineOf(seen);
@@ -70,7 +70,7 @@ export function cutLips(mesh, seen, mm) {
     .map(([name, width, list]) => ({ name, width, list: [...list] }));
   let count = mesh.position.length / 3;
   const cuts = new Map();
-  /** Where an edge meets the line: its two vertices there; null: nowhere. */
+  /** The two new vertices where an edge crosses the line, or null. */
   const cut = (a, b) => {
     const key = a < b ? `${a} ${b}` : `${b} ${a}`;
     if (cuts.has(key)) return cuts.get(key);
@@ -97,7 +97,7 @@ export function cutLips(mesh, seen, mm) {
     const number = met.filter(Boolean).length;
     if (!number) index.push(...corners);
     else if (number === 1) {
-      // the end: from the edge that is met to the corner across from it
+      // end of the cut: from the crossed edge to the opposite corner
       const i = met.findIndex(Boolean);
       const [a, b, c] = [0, 1, 2].map((k) => corners[(i + k) % 3]);
       const { upper, lower } = met[i];
@@ -122,7 +122,7 @@ export function cutLips(mesh, seen, mm) {
   return true;
 }
 
-/** An eyeball whose picture is laid onto it from the front. */
+/** Makes an eyeball with its picture projected from the front. */
 function eyeball(name, centre, radius, material) {
   const [position, uv, index] = [[], [], []];
   const columns = 2 * RINGS;
@@ -140,7 +140,7 @@ function eyeball(name, centre, radius, material) {
   return { name, material, position: Float64Array.from(position), uv: Float64Array.from(uv), index: Uint32Array.from(index), targets: {}, ball: { centre, radius } };
 }
 
-/** White, a brown iris that gets lighter inwards, a dark border, the pupil. */
+/** Draws the picture of an eye: white, a brown iris, lighter inwards, with a dark border, and the pupil. */
 function irisPicture() {
   const size = 256;
   const data = new Uint8ClampedArray(4 * size * size);
@@ -158,7 +158,7 @@ function irisPicture() {
   return pictureAsPng({ width: size, height: size, data });
 }
 
-/** Where a landmark of a lid lies: what is nearest to the camera about it, since it may be seen just beside the lid, in the hole. */
+/** Position of a lid's landmark: the point nearest to the camera around it, because the landmark may be just beside the lid, in the hole. */
 function lidAt(view, [u, v], reach) {
   let best = null;
   for (let y = -reach; y <= reach; y++)
@@ -170,7 +170,7 @@ function lidAt(view, [u, v], reach) {
   return best && [own[0], own[1], best[2]];
 }
 
-/** What hangs together and lies deeper, or open, about a place of the picture. @returns {{middle: number[], wide: number}|null} in the mesh's unit */
+/** Finds the connected region that is deeper or empty around a place of the picture. @returns {{middle: number[], wide: number}|null} in the mesh's unit */
 function holeAt(view, [u, v], deep, reach) {
   const [column, row] = [Math.round(u), Math.round(v)];
   const open = (x, y) => {
@@ -193,7 +193,7 @@ function holeAt(view, [u, v], deep, reach) {
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
 /**
- * Adds eyeballs where none were found and there are holes for them.
+ * Adds missing eyeballs where there are holes.
  * @param {object} scene in a face's directions; a mesh and a material are added for each
  * @param {{view: object, marks: number[][]}} seen from the front @param {{template: object, onto: object}} mean the mean face, and how it is laid onto this one
  * @returns {string[]} which
@@ -210,7 +210,7 @@ export function addEyes(scene, { view, marks }, { template, onto }) {
     return hole ? [{ part, hole, front: usual[2] + median(there.map(({ is, mean }) => is[2] - mean[2])) }] : [];
   });
   if (!found.length) return [];
-  // of one size, however the holes are seen
+  // both of the same size, even if the holes differ
   const radius = found.reduce((sum, { hole }) => sum + Math.max(RADIUS * onto.scale, 0.5 * hole.wide) / found.length, 0);
   scene.materials.push({ name: 'eye', color: [1, 1, 1], roughness: 0.12, alpha: 'opaque', double_sided: false, picture: irisPicture() });
   for (const { part, hole, front } of found) scene.meshes.push(eyeball(part, [...hole.middle, front - radius], radius, scene.materials.length - 1));

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Colours of vertices as a picture: a head has no other. The surface is seen from its own middle, all around, and the outermost of what lies one
- * behind the other is painted.
+ * Converts vertex colours to a picture, because heads have only pictures. Projects the surface from its middle in all directions; of overlapping
+ * surfaces paints the outermost.
  */
 import { png } from './png.mjs';
 
 const SIDE = { least: 64, most: 1024 };
 const FINE = 3; // pixels for each vertex, one way
-const FRONT = 0.6; // so much more of the picture than its share is the front's
-const INSIDE = [0, -10, -75]; // mm: the middle of a grown person's head, from between the eyeballs
+const FRONT = 0.6; // extra share of the picture for the front
+const INSIDE = [0, -10, -75]; // mm from between the eyeballs to the middle of an adult's head
 const USUAL_ES = 62;
-const EDGE = 3; // pixels that are painted on around
+const EDGE = 3; // pixels of padding
 
-/** As pictures have it (IEC 61966-2-1). */
+/** Converts linear values to sRGB (IEC 61966-2-1). */
 export function fromLinear(x) {
   const y = Math.min(1, Math.max(0, x));
   return y <= 0.0031308 ? 12.92 * y : 1.055 * y ** (1 / 2.4) - 0.055;
@@ -29,7 +29,7 @@ function middleOf(part, meshes, fapu) {
   return low.map((x, k) => (x + high[k]) / 2);
 }
 
-/** Its places on the picture; where it closes behind, corners are doubled. */
+/** Computes texture coordinates; duplicates vertices at the seam behind. */
 function unwrap(mesh, middle) {
   const count = mesh.position.length / 3;
   const order = Array.from({ length: count }, (_, v) => v);
@@ -65,7 +65,7 @@ function unwrap(mesh, middle) {
   return far;
 }
 
-/** One after the other, deepest last to be seen. */
+/** Draws all triangles with a depth buffer. */
 function draw({ uv, index, colors }, far, { side, depth, data }) {
   const set = (at, r, color) => {
     if (r <= depth[at]) return;
@@ -90,7 +90,7 @@ function draw({ uv, index, colors }, far, { side, depth, data }) {
   }
 }
 
-/** What lies beside the painted is painted like it: pictures are smoothed where they are shown. */
+/** Extends painted areas by EDGE pixels, because textures are filtered. */
 function spread({ side, depth, data }) {
   for (let round = 0; round < EDGE; round++) {
     const before = Float32Array.from(depth);
@@ -104,7 +104,7 @@ function spread({ side, depth, data }) {
   }
 }
 
-/** Changes meshes whose vertices have colours, and whose material has no picture. @param {object} scene in a head's mm and axes @returns {string[]} notes */
+/** Converts the colours of meshes whose material has no picture. @param {object} scene in a head's mm and axes @returns {string[]} notes */
 export function paintColors(scene, fapu) {
   const wanted = scene.meshes.filter(({ colors, material }) => colors && !scene.materials[material]?.picture);
   return [...new Set(wanted.map(({ part }) => part))].map((part) => {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Which mesh is which part of a head, in mm, in a head's axes, the origin between the eyeballs. */
+/** Assigns meshes to the parts of a head, in mm, in a head's axes, with the origin between the eyeballs. */
 import { FileError } from './file-error.mjs';
 
 const MOST_VERTICES = 65535;
 export const NAMES = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows', 'clothes', 'beard', 'glasses'];
 
-/** An eye's name that ends in a side's letter (eyeL, eye_l, Eye.L.001), not in a word's (eyeball, eye cover). */
+/** Matches names of eyes with the letter of a side (eyeL, eye_l, Eye.L.001), but not other words (eyeball, eye cover). */
 const sided = (side) => new RegExp(`([Ee]ye|EYE|[Cc]ornea|[Ii]ris|[Ss]clera).*((?<=[_. -])[${side}${side.toLowerCase()}]|(?<=[a-z])${side})(?![A-Za-z])`);
 
-/** In this order: what is named first wins. */
+/** The first match applies. */
 const WORDS = [
   [/lash|eyeline/i, 'lashes'], [/brow/i, 'brows'], [/glass|spectacle/i, 'glasses'], [/beard|moustache|mustache/i, 'beard'], [/tongue/i, 'tongue'],
   [/(teeth|tooth|gum).*(up|top)|(up|top).*(teeth|tooth|gum)/i, 'teeth_upper'], [/(teeth|tooth|gum).*(low|bot)|(low|bot).*(teeth|tooth|gum)/i, 'teeth_lower'],
@@ -16,11 +16,11 @@ const WORDS = [
   [/eye|cornea|sclera/i, 'eyes'], [/mouth|oral|cavity/i, 'mouth'], [/hair|scalp/i, 'hair'], [/cloth|shirt|outfit|jacket|dress|collar|suit|top\b/i, 'clothes'], [/skin|head|face|body/i, 'skin'],
 ];
 
-/** @param {string} text a name @returns {string|undefined} the part that it tells of */
+/** @param {string} text a name @returns {string|undefined} the part that it suggests */
 export const guessPart = (text) => (NAMES.includes(text) ? text : WORDS.find(([pattern]) => pattern.test(text))?.[1]);
 
 /**
- * What a mesh is by its name, its node's or its material's. A mesh that is called a head may be all of it: then what it is of says which.
+ * Part of a mesh by its own name, its node's or its material's. A mesh named "head" may be anything, so its material decides.
  * @returns {string|undefined}
  */
 export function partOf(mesh, { materials }) {
@@ -74,7 +74,7 @@ export function ballOf(position) {
   return { centre: mean.map((x, k) => x + [a, b, c][k] / 2), radius: Math.sqrt(Math.max(0, d + (a * a + b * b + c * c) / 4)) };
 }
 
-/** One mesh of several. */
+/** Merges meshes to one. */
 function merge(name, meshes) {
   const total = meshes.reduce((sum, { position }) => sum + position.length / 3, 0);
   if (total > MOST_VERTICES) {
@@ -128,7 +128,7 @@ export function piece(mesh, wanted) {
   return { ...mesh, position: gather(mesh.position, 3), uv: gather(mesh.uv, 2), colors: gather(mesh.colors, 3), index: Uint32Array.from(index), from: order.map((v) => mesh.from?.[v] ?? v), targets: Object.fromEntries(Object.entries(mesh.targets).map(([name, deltas]) => [name, gather(deltas, 3)])) };
 }
 
-/** Both eyes, or both rows of teeth, in one mesh: cut in two by the side on which a triangle lies. */
+/** Splits a mesh of both eyes or both rows of teeth by the side of each triangle. */
 function cut(mesh, axis, middle, [above, below]) {
   const side = (want) => piece(mesh, (corners) => corners.reduce((sum, v) => sum + mesh.position[3 * v + axis], 0) / 3 > middle === want);
   return [[true, above], [false, below]].flatMap(([want, part]) => {
@@ -137,7 +137,7 @@ function cut(mesh, axis, middle, [above, below]) {
   });
 }
 
-/** The material of the largest of a part's meshes, of those with a picture if there are any (divide.mjs has the others). */
+/** Material of the largest mesh of a part, preferring meshes with a picture (divide.mjs handles further pictures). */
 function materialOf(meshes, { materials }) {
   const pictures = new Set(meshes.map(({ material }) => materials[material]?.picture).filter(Boolean));
   const [{ material }] = meshes.filter((mesh) => !pictures.size || materials[mesh.material]?.picture).sort((a, b) => b.index.length - a.index.length);

@@ -5,10 +5,10 @@ import { FileError } from './file-error.mjs';
 import { ballOf } from './parts.mjs';
 import { placeOf } from './vertex.mjs';
 
-const USUAL_ES = 62; // mm between the pupils of a grown person
+const USUAL_ES = 62; // mm between an adult's pupils
 const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, dm: 100 };
 const USUAL_UNITS = [1, 10, 100, 1000];
-const PUPIL_DEPTH = 12; // mm before the eyeball's centre, where there is no eyeball to measure
+const PUPIL_DEPTH = 12; // mm in front of the eyeball's centre, if there is no eyeball to measure
 const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
 
 const swap = (p) => p.map((_, i) => (i % 3 === 0 ? p[i] : i % 3 === 1 ? p[i + 1] : -p[i - 1])); // z up, the face to -y
@@ -52,7 +52,7 @@ export function placeHead(scene, points, { unit, up = 'y' }) {
   return { fdp, fapu, scale, origin };
 }
 
-/** The unit in which the eyes are as far apart as people's. */
+/** Guesses the unit that gives a human eye distance. */
 function guessUnit(balls, fdp) {
   const pair = balls.every(Boolean) ? balls.map(({ centre }) => centre) : [fdp['3.5'], fdp['3.6']];
   if (!pair.every(Boolean)) throw new FileError('', 'the file does not say its unit: --unit mm, cm, m or in');

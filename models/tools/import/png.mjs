@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Pictures that a model has packed in a way that heads have not: as PNG (ISO/IEC 15948). */
+/** Encodes decompressed pictures as PNG (ISO/IEC 15948), for formats that heads do not support. */
 import zlib from 'node:zlib';
 import { MOST } from './file-error.mjs';
 
@@ -26,7 +26,7 @@ export function png({ width, height, data }) {
   const lines = Buffer.alloc((row + 1) * height);
   for (let y = 0; y < height; y++) {
     const at = y * (row + 1);
-    lines[at] = 1; // each byte beside the one before it: pictures of skin get half as long
+    lines[at] = 1; // filter "Sub", which halves the size of pictures of skin
     for (let x = 0; x < width; x++)
       for (let k = 0; k < size; k++) {
         const before = x ? data[4 * (y * width + x - 1) + k] : 0;
@@ -40,7 +40,7 @@ export function png({ width, height, data }) {
   return Buffer.concat([Buffer.from('89504e470d0a1a0a', 'hex'), chunk('IHDR', head), chunk('IDAT', zlib.deflateSync(lines)), chunk('IEND', Buffer.alloc(0))]);
 }
 
-/** Half as wide and high: each point the mean of four. */
+/** Halves width and height, averaging four pixels. */
 function halved({ width, height, data }) {
   const [w, h] = [width >> 1, height >> 1];
   const out = new Uint8ClampedArray(4 * w * h);
@@ -52,7 +52,7 @@ function halved({ width, height, data }) {
   return { width: w, height: h, data: out };
 }
 
-/** The picture as a head may have it: as large as fits. */
+/** Encodes the picture at the largest size that a head may contain. */
 export function pictureAsPng(picture) {
   for (let made = png(picture); ; made = png(picture)) {
     if (made.length <= MOST.image) return { type: 'image/png', width: picture.width, height: picture.height, data: made };

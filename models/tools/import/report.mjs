@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What a head lacks, and what each of its FAPs will not do: for heads of any origin. */
+/** Reports missing parts of a head and FAPs without effect. */
 import { pose, unitLength } from '../lib/deform.mjs';
 import { FAPS } from '../lib/faps.mjs';
 

@@ -4,20 +4,20 @@ import { facingOf } from '../../../web/element/avatar/facing.mjs';
 import { landmarksOf } from '../../../web/element/avatar/landmarks.mjs';
 import { mirrored } from '../../../web/element/avatar/names.mjs';
 
-/** Of the face mesh (told-landmarks.mjs). */
+/** Landmark numbers of the face mesh (told-landmarks.mjs). */
 const NUMBERS = {
   chin: 152, upper: 13, lower: 14, upperL: 311, upperR: 81, lowerL: 402, lowerR: 178, cornerL: 291, cornerR: 61,
   lidTopL: 386, lidTopR: 159, lidBottomL: 374, lidBottomR: 145,
 };
-const LONG = 0.85; // of the way from mouth to eyes: what lies farther below the mouth is no chin, but under it
+const LONG = 0.85; // of the distance from mouth to eyes: points farther below the mouth are under the chin
 const PUPILS = [['L', 468], ['R', 473]];
 
-/** Feature points that are such landmarks. */
+/** Feature points that coincide with these landmarks. */
 export const BY_SHAPES = {
   2.1: 152, 2.2: 13, 2.3: 14, 2.4: 291, 2.5: 61, 2.6: 311, 2.7: 81, 2.8: 402, 2.9: 178, 8.3: 291, 8.4: 61, 3.1: 386, 3.2: 159, 3.3: 374, 3.4: 145,
 };
 
-/** All meshes as one, and where each target takes what. */
+/** Joins all meshes, with the displacements of each target. */
 function rigOf({ meshes }) {
   const count = meshes.reduce((sum, { position }) => sum + position.length / 3, 0);
   const [position, meshOf, found] = [new Float32Array(3 * count), new Uint16Array(count), new Map()];
@@ -40,7 +40,7 @@ function rigOf({ meshes }) {
   return { position, meshOf, fields };
 }
 
-/** @param {object} scene of a reader @returns {Map<number, number[]>|null} landmark -> where it is, in the file's coordinates; null: its shapes do not tell */
+/** @param {object} scene of a reader @returns {Map<number, number[]>|null} landmark -> where it is, in the file's coordinates; null: the shapes are insufficient */
 export function landmarksByShapes(scene) {
   const rig = rigOf(scene);
   const facing = facingOf(rig, {}, { usual: [0, 0, 1], jaw: false });
@@ -55,13 +55,13 @@ export function landmarksByShapes(scene) {
   const lids = found.lids.map((letter) => high(`lidTop${letter}`));
   if (high('lower') - high('chin') > LONG * (lids[0] - high('upper'))) out.delete(NUMBERS.chin);
   const [lips, corners] = [['upper', 'lower'], ['cornerL', 'cornerR']].map((names) => Math.min(...names.map(ahead)));
-  for (const name of ['upperL', 'upperR', 'lowerL', 'lowerR']) if (found.points[name] && ahead(name) < Math.min(lips, corners)) out.delete(NUMBERS[name]); // it lies within the mouth
+  for (const name of ['upperL', 'upperR', 'lowerL', 'lowerR']) if (found.points[name] && ahead(name) < Math.min(lips, corners)) out.delete(NUMBERS[name]); // it is inside the mouth
   const balls = scene.meshes.flatMap(({ ball }) => (ball ? [ball] : []));
   for (const [side, pupil] of PUPILS) {
     const top = found.points[`lidTop${side}`]?.[0];
     if (top === undefined) continue;
     const lid = middle([top]);
-    // an upper lid that comes all the way down ends where the lower one is
+    // a fully closed upper lid ends at the lower one
     if (!out.has(NUMBERS[`lidBottom${side}`])) out.set(NUMBERS[`lidBottom${side}`], lid.map((x, k) => x + shiftOf(rig, side, top)[k]));
     const far = ({ centre }) => Math.hypot(...centre.map((x, k) => x - lid[k]));
     const eye = balls.filter((ball) => far(ball) < 2 * ball.radius).sort((a, b) => a.radius - b.radius)[0];

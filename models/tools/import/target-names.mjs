@@ -2,15 +2,15 @@
 /** Morph targets by the names that ARKit and the visemes have, whatever a file calls them: as `<talking-head avatar>` reads them. */
 import { HALVES, presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/element/avatar/names.mjs';
 
-/** VRM's vowels are visemes; the rest is called as it is. */
+/** Names that differ: VRM's vowels are visemes. */
 const ALSO = { vowel_aa: 'viseme_aa', vowel_ih: 'viseme_I', vowel_ou: 'viseme_U', vowel_ee: 'viseme_E', vowel_oh: 'viseme_O', mouthOpen: 'jawOpen' };
 
-/** Names the targets of a scene's meshes anew; those that nobody knows keep theirs. */
+/** Renames the targets of a scene's meshes; unknown ones keep their names. */
 export function nameTargets({ meshes }) {
   const rows = rowShapes([...new Set(meshes.flatMap(({ targets }) => Object.keys(targets)))]);
   for (const mesh of meshes) {
     const known = shapesAmong(Object.keys(mesh.targets), rows);
-    const plain = Object.entries(mesh.targets).sort(([a], [b]) => Number(known.get(a) in ALSO) - Number(known.get(b) in ALSO)); // what has the name itself comes first
+    const plain = Object.entries(mesh.targets).sort(([a], [b]) => Number(known.get(a) in ALSO) - Number(known.get(b) in ALSO)); // an exact name takes precedence
     const named = {};
     for (const [name, deltas] of plain) {
       const shape = known.get(name);
@@ -26,7 +26,7 @@ export function nameTargets({ meshes }) {
 const list = (value) => (Array.isArray(value) ? value : []);
 
 /**
- * What VRM 0 and 1.0 call targets: an expression that is one target of a mesh names it.
+ * Target names of VRM 0 and 1.0: an expression that consists of one target names it.
  * @param {object} json of a glTF @returns {(mesh: number, target: number, name?: string) => string} its name; `name` where that says what it is
  */
 export function targetNamer(json) {

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * From morph targets to the actions of FAPs. ../../shapes says what ARKit's shapes and the visemes are in FAPs; the zones' actions say what they would be on
- * this mesh. What is left between that and the target is divided among the target's FAPs, as little as possible to each, so that all targets
- * come out together exactly: with A the FAPs of the targets and R what is left, the moves are A+ R (Moore and Penrose, damped against likeness of targets).
+ * Converts morph targets to actions of FAPs. ../../shapes defines ARKit's shapes and the visemes in FAPs; with the zones' actions that predicts each target on
+ * this mesh. The residual of each target is distributed over its FAPs with minimum norm, so that all targets are reproduced exactly: with A the FAPs
+ * of the targets and R the residuals, the moves are A+ R (the pseudoinverse, damped for similar targets).
  */
 import { pose, unitLength } from '../lib/deform.mjs';
 import { FAPS } from '../lib/faps.mjs';
 import { ARKIT, VISEMES } from '../avatar/shapes.mjs';
 import { at, nearestVertex } from './fields.mjs';
 
-const DAMPING = 1e-3; // of the mean square: more, and the targets are missed; less, and what two of them share falls to neither
-const SIZES = [0.25, 4]; // a shape that is smaller or larger than its definition by more is not that shape
+const DAMPING = 1e-3; // of the mean square: too much misses the targets, too little splits shared movements arbitrarily
+const SIZES = [0.25, 4]; // accepted size of a shape relative to its definition
 const ENOUGH = 20; // shapes of ARKit
-const LEAST = 0.012; // mm for a mm of the FAP
+const LEAST = 0.012; // mm per mm of the FAP: smaller moves are dropped
 
-const KNOWN = new Map(Object.entries({ ...ARKIT, ...VISEMES }).map(([name, faps]) => [name, { name, faps }])); // as target-names.mjs calls them
+const KNOWN = new Map(Object.entries({ ...ARKIT, ...VISEMES }).map(([name, faps]) => [name, { name, faps }])); // by the names of target-names.mjs
 
-/** a x = b for symmetric, positive a; b has `width` columns. In place: b is x. */
+/** Solves a x = b in place for symmetric positive definite a; b, with `width` columns, becomes x. */
 function solve(a, b) {
   const n = a.length;
   for (let i = 0; i < n; i++) {
@@ -31,7 +31,7 @@ function solve(a, b) {
   return b.map((row, i) => row.map((x) => x / a[i][i]));
 }
 
-/** How much of its definition a target is on this face: by what it does to the feature points. */
+/** Size of a target relative to its definition on this face, by the movement of feature points. */
 function sizeOf(head, skin, faps, deltas, fdp) {
   let [both, own, there] = [0, 0, 0];
   for (const [number, value] of Object.entries(faps)) {
@@ -44,19 +44,19 @@ function sizeOf(head, skin, faps, deltas, fdp) {
     own += want * want;
     there += is * is;
   }
-  if (own < 0.25) return 1; // it moves nothing that could be measured
+  if (own < 0.25) return 1; // it moves no feature point
   return both > 0.15 * Math.sqrt(own * there) ? both / own : 0;
 }
 
 /**
- * Adds moves to the parts of `head` (unpacked form), so that its FAPs do what the targets do.
+ * Adds moves to the parts of `head` (unpacked form), so that its FAPs reproduce the targets.
  * @returns {{used: string[], notes: string[]}}
  */
 export function actFromTargets(head, parts) {
   const skin = parts.find(({ name }) => name === 'skin');
   const all = [...new Set(parts.flatMap(({ targets }) => Object.keys(targets)))];
   const single = all.filter((name) => name in ARKIT);
-  const names = single.length >= ENOUGH ? single : all; // visemes say the same once more, of many FAPs at once
+  const names = single.length >= ENOUGH ? single : all; // visemes would add only combinations of the same movements
 
   const notes = [];
   const rows = [];
@@ -106,7 +106,7 @@ export function actFromTargets(head, parts) {
   return { used: rows.map(({ shape }) => shape.name), notes };
 }
 
-/** The vertices that a field moves; null: none. Angles: mm for a radian. */
+/** Converts a field to a move with the affected vertices; null: none. Angles: mm per radian. */
 export function moveOf(fap, sign, field) {
   const vertices = [];
   const deltas = [];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Landmarks that a file of points tells: which vertex of the mesh each is. Many meshes have such a list, and then nothing needs to be looked for.
- * Two ways of counting are known: the 468 (with irises 478) points of the canonical face mesh, and the 68 of the iBUG groups' 300-W (51 without the jaw).
+ * Landmarks given in a points file as vertices of the mesh. Many meshes come with such a list, which makes the detector unnecessary. Two schemes
+ * are supported: the 468 points (478 with irises) of the canonical face mesh, and the 68 points of iBUG's 300-W (51 without the jaw).
  */
 import { align } from '../../../web/portrait/align.mjs';
 import { COUNT } from '../../../web/portrait/landmarks.mjs';
@@ -10,7 +10,7 @@ import { FileError } from './file-error.mjs';
 
 const list = (text) => text.split(' ').map(Number);
 const JAW = 17;
-/** The 68 by the numbers of the face mesh; from the right ear over the chin to the left, brows, nose, eyes, lips. Those of a jaw follow the picture's outline: they are laid along the oval. */
+/** The 68 points as face mesh landmarks: from the right ear over the chin to the left, brows, nose, eyes, lips. The jaw's points follow the outline in the picture, so they are spread along the oval. */
 const IBUG = [
   ...list('127 234 93 132 58 136 150 176 152 400 379 365 288 361 323 454 356'), ...list('70 63 105 66 107'), ...list('336 296 334 293 300'),
   ...list('168 197 5 4'), ...list('75 97 2 326 305'), ...list('33 160 158 133 153 144'), ...list('362 385 387 263 373 380'),
@@ -18,7 +18,7 @@ const IBUG = [
 ];
 export const SCHEMES = { mediapipe: Array.from({ length: COUNT }, (_, i) => i), ibug: IBUG };
 const FEWEST = 12;
-const UNLIKE = 12; // mm from where the mean face has it, root mean square
+const UNLIKE = 12; // RMS distance from the mean face, mm
 
 /** @returns {number[]} for each entry of the list the landmark */
 export function landmarksOf({ scheme, vertices }) {

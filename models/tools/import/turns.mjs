@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What turns: jaw, lids about the eyeballs, eyes, the head on its neck. */
+/** Rotations: jaw, lids around the eyeballs, eyes, the head on its neck. */
 import { at } from './fields.mjs';
 import { ballOf } from './parts.mjs';
 
-const LID_SKIN = 1.75; // radii of the eyeball: farther away is no lid
-const LID_INSIDE = 0.85; // radii: what lies deeper is the socket's
-const LID_WIDE = 1.5; // radii of the eyeball to each side: there a margin is at the height of the corners
-const LID_FADE = 0.5; // rad above and below the margin in which a lid's share falls to nothing
-const LID_FOLD = [0.3, 0.8]; // of the way from the margin up to the brow: there a lid's skin ends, also where a brow hangs far before a deep eye
-const LID_LEAST = 4; // mm, of that way
-const OVERLAP = 0.06; // rad: closed lids close, also where a margin is not quite what it is taken for
+const LID_SKIN = 1.75; // radii of the eyeball: maximum distance of a lid
+const LID_INSIDE = 0.85; // radii: deeper vertices belong to the socket
+const LID_WIDE = 1.5; // radii to each side, where a margin has the height of the eye corners
+const LID_FADE = 0.5; // rad above and below the margin over which a lid's weight falls to 0
+const LID_FOLD = [0.3, 0.8]; // of the distance from the margin to the brow, where a lid's skin ends, also under overhanging brows
+const LID_LEAST = 4; // mm, minimum of that distance
+const OVERLAP = 0.06; // rad: closed lids overlap, to tolerate errors of the margins
 const SIDES = [
   { eye: 'eye_l', target: 'eyeBlinkLeft', pupil: '3.5', upper: 19, lower: 21, yaw: 23, pitch: 25, points: ['3.1', '3.3'], brow: ['4.1', '4.3', '4.5'], side: 'l' },
   { eye: 'eye_r', target: 'eyeBlinkRight', pupil: '3.6', upper: 20, lower: 22, yaw: 24, pitch: 26, points: ['3.2', '3.4'], brow: ['4.2', '4.4', '4.6'], side: 'r' },
 ];
-const BLINK = { upper: 900, lower: 124 }; // what models/shapes/arkit.json says of eyeBlink
+const BLINK = { upper: 900, lower: 124 }; // eyeBlink in models/shapes/arkit.json
 const cosine = (d) => (d >= 1 ? 0 : 0.5 + 0.5 * Math.cos(Math.PI * Math.max(0, d)));
 
 /** The condyles, from the proportions of a face (fields of Farkas' Anthropometry, 1994, within some mm). */
 export const jawPivot = (fdp, fapu) => [0, -0.6 * fapu.ENS, (fdp['3.5'][2] + fdp['3.6'][2]) / 2 - 1.14 * fapu.ES];
 
-/** The angle of the jaw for one unit of FAP 3, at a usual opening. */
+/** Jaw angle per unit of FAP 3, at a usual opening. */
 export function jawTurn(fdp, fapu, pivot) {
   const USUAL = 300;
   const [y, z] = [fdp['2.1'][1] - pivot[1], fdp['2.1'][2] - pivot[2]];
@@ -39,7 +39,7 @@ function eyeBall(parts, fdp, { eye, pupil }) {
   return ball && ball.radius < 30 ? ball : { centre: [fdp[pupil][0], fdp[pupil][1], fdp[pupil][2] - 12], radius: 12 };
 }
 
-/** How high a brow is over x, mm; without its points as high as can be. */
+/** Height of a brow above x, mm; Infinity without its points. */
 function browOver(fdp, names) {
   const line = names.flatMap((name) => (fdp[name] ? [fdp[name]] : [])).sort((a, b) => a[0] - b[0]);
   return (x) => {
@@ -51,7 +51,7 @@ function browOver(fdp, names) {
   };
 }
 
-/** Both lids of an eye: shares of a turn over the vertices of a part. */
+/** Weights of the rotations of both lids of an eye over the vertices of a part. */
 function lidShares(part, { centre, radius }, blink, fdp, { points: [upperPoint, lowerPoint], brow }) {
   const high = fdp[upperPoint][1];
   const over = browOver(fdp, brow);
@@ -108,14 +108,14 @@ export function lidsAndEyes(parts, fdp) {
   return { turns, shares: (part) => byPart.get(part) ?? [], eyes };
 }
 
-/** The vertices that have a share, and what it is. */
+/** Vertices with nonzero weights, and the weights. */
 export function some(weights) {
   const vertices = [];
   weights.forEach((weight, v) => weight > 1 / 510 && vertices.push(v));
   return { vertices, weights: vertices.map((v) => weights[v]) };
 }
 
-/** The head turns about the top of the spine; down the neck less and less. */
+/** Rotation of the head around the top of the spine, decreasing down the neck. */
 export function neck(parts, fdp, fapu) {
   const pivot = fdp['7.1'] ?? [0, -0.65 * fapu.ENS, (fdp['3.5'][2] + fdp['3.6'][2]) / 2 - 1.55 * fapu.ES];
   const top = fdp['2.1'][1] - 0.4 * fapu.MNS;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Where what a file of points tells is on a mesh. */
+/** Resolves entries of a points file to positions on a mesh. */
 import { FileError } from './file-error.mjs';
 import { partOf } from './parts.mjs';
 
-/** The mesh that numbers without a name are of. */
+/** The mesh to which vertex numbers without a mesh name refer. */
 function skinOf(scene) {
   const { meshes } = scene;
   const named = (mesh) => partOf(mesh, scene) === 'skin';
@@ -17,7 +17,7 @@ export function placeOf(scene, where, value) {
   const [name, vertex] = typeof value === 'number' ? [null, value] : [value.mesh, value.vertex];
   const skin = skinOf(scene);
   const numbered = scene.meshes[Number(/_(\d+)$/.exec(name ?? '')?.[1]) - 1];
-  const named = scene.meshes.filter((mesh) => mesh.name === (name ?? skin.name)); // one that was cut is several of one name
+  const named = scene.meshes.filter((mesh) => mesh.name === (name ?? skin.name)); // a split mesh has several pieces of one name
   const asked = !name && scene.counted === 'whole' ? scene.meshes : named.length ? named : [numbered ?? skin];
   for (const { from, position } of asked) {
     const own = from ? from.indexOf(vertex) : vertex;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Pictures of a mesh that knows nothing of itself, for the detector of faces: seen from afar, in the light of a lamp above the camera,
- * with darker hollows. Each pixel keeps what is seen there.
+ * Renders a mesh for the face detector: from a distance, lit from above the camera, with darkened hollows. Each pixel records the visible
+ * surface point.
  */
 const SKIN = [205, 160, 138];
 const GREY = 200;
 const IRIS = 0.5; // of the eyeball's radius
 const HOLLOW = [6, 14]; // pixels around
-const HOLLOW_DEEP = 0.05; // of the picture's width: so much deeper than around is dark
+const HOLLOW_DEEP = 0.05; // of the picture's width: depth at which a hollow is dark
 
-/** What turns the file's directions to those of a view: x to the right, y up, z to the camera. @param {number} yaw in degrees */
+/** Returns the rotation to a view's axes: x to the right, y up, z to the camera. @param {number} yaw in degrees */
 export function yawed(yaw) {
   const [c, s] = [Math.cos((yaw * Math.PI) / 180), Math.sin((yaw * Math.PI) / 180)];
   return ([x, y, z]) => [x * c + z * s, y, z * c - x * s];
@@ -17,8 +17,8 @@ export function yawed(yaw) {
 
 /**
  * @param {{position: ArrayLike<number>, index: ArrayLike<number>, color: number[]|null, ball: {centre: number[], radius: number}|null}[]} meshes
- *   color: 0 to 1, or null where none is told
- * @param {{middle: number[], width: number, yaw: number}} camera what it looks at, and how much of it the picture holds
+ *   color: 0 to 1, or null if unknown
+ * @param {{middle: number[], width: number, yaw: number}} camera target and visible width
  * @param {number} size pixels, both ways
  * @returns {{picture: object, at: (column: number, row: number) => {mesh: number, triangle: number, point: number[]}|null}}
  */
@@ -67,7 +67,7 @@ export function viewOf(meshes, { middle, width, yaw }, size) {
           const nx = wa * normals[a] + wb * normals[b] + wc * normals[c];
           const ny = wa * normals[a + 1] + wb * normals[b + 1] + wc * normals[c + 1];
           const nz = wa * normals[a + 2] + wb * normals[b + 2] + wc * normals[c + 2];
-          const facing = (nz < 0 ? -1 : 1) / (Math.sqrt(nx * nx + ny * ny + nz * nz) || 1); // whichever way its triangles are wound
+          const facing = (nz < 0 ? -1 : 1) / (Math.sqrt(nx * nx + ny * ny + nz * nz) || 1); // for either winding
           shade[at] = 0.38 + 0.62 * Math.max(0, facing * (0.95 * nz - 0.3 * ny));
         }
     }
@@ -96,7 +96,7 @@ export function viewOf(meshes, { middle, width, yaw }, size) {
       color = mesh.color ? mesh.color.map((x) => 255 * Math.sqrt(x)) : SKIN;
       if (mesh.ball) color = onBall(mesh.ball, at(i % size, Math.floor(i / size)).point);
       const light = shade[i] * hollow[i];
-      color = color.map((x, k) => x * light ** (k ? 1.1 : 1)); // skin in the shadow is redder
+      color = color.map((x, k) => x * light ** (k ? 1.1 : 1)); // shaded skin is redder
     }
     data.set([...color, 255], 4 * i);
   }
@@ -104,17 +104,17 @@ export function viewOf(meshes, { middle, width, yaw }, size) {
   return { picture: { data, width: size, height: size }, at, place, depth, scale };
 }
 
-/** An eye that looks straight ahead. */
+/** Colour of an eye that looks straight ahead. */
 function onBall({ centre, radius }, point) {
   const off = Math.hypot(point[0] - centre[0], point[1] - centre[1]);
   if (point[2] < centre[2]) return SKIN;
   return off < 0.4 * IRIS * radius ? [20, 16, 14] : off < IRIS * radius ? [84, 60, 42] : [232, 226, 222];
 }
 
-/** Like mesh.mjs's, but for any winding: by area. */
+/** Like in mesh.mjs, but for any winding, weighted by area. */
 function normalsOf(p, index) {
   const out = new Float64Array(p.length);
-  const same = new Map(); // corners at one place are shaded as one
+  const same = new Map(); // coincident vertices share a normal
   const own = Int32Array.from({ length: p.length / 3 }, (_, v) => {
     const key = `${p[3 * v].toFixed(2)},${p[3 * v + 1].toFixed(2)},${p[3 * v + 2].toFixed(2)}`;
     if (!same.has(key)) same.set(key, v);
@@ -130,7 +130,7 @@ function normalsOf(p, index) {
   return out;
 }
 
-/** What lies deeper than its surroundings is darker: sockets, nostrils, the line of the lips. */
+/** Darkens places deeper than their surroundings: sockets, nostrils, the line between the lips. */
 function hollows(depth, size) {
   const out = new Float32Array(depth.length).fill(1);
   const around = HOLLOW.flatMap((far) => Array.from({ length: 8 }, (_, i) => [Math.round(far * Math.cos((i * Math.PI) / 4)), Math.round(far * Math.sin((i * Math.PI) / 4))]));

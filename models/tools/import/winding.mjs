@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Files of left-handed programs come mirrored, or wound the other way: a face would be seen from within alone. */
+/** Corrects files of left-handed programs, which are mirrored or wound the other way, so that only the inside would be visible. */
 import { turnedOver } from './corners.mjs';
 
-const CLEAR = 0.02; // of what a ball of its surface would hold
+const CLEAR = 0.02; // minimum of the ratio below
 
-/** What a surface holds about its own middle, as a share of what a ball of its area would: below 0 it is inside out. */
+/** Signed volume relative to a ball of the same surface area; negative: inside out. */
 function held({ position, index }) {
   const middle = [0, 0, 0];
   for (let i = 0; i < position.length; i++) middle[i % 3] += (3 * position[i]) / position.length;
@@ -19,7 +19,7 @@ function held({ position, index }) {
   return volume / ((area / Math.PI) ** 1.5 * (Math.PI / 6) || 1);
 }
 
-/** Turns the whole scene over where its face is inside out. @returns {string[]} notes */
+/** Reverses the winding of the whole scene if its face is inside out. @returns {string[]} notes */
 export function faceOutward(scene) {
   const skin = scene.meshes.filter(({ part }) => part === 'skin').sort((a, b) => b.index.length - a.index.length)[0];
   if (!skin || held(skin) > -CLEAR) return [];

@@ -19,7 +19,7 @@
 /* The part of it without transitions. */
 #define VOWEL_OPEN 0.025
 
-/* Iterations in which contacts make room for the vowels between them. */
+/* Iterations of moving contacts apart to make room for the vowels between them. */
 enum { ROUNDS = 4 };
 
 /* A contact with its length fixed but not its position. */

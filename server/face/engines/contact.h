@@ -45,8 +45,8 @@ void contacts_free(struct contacts *contacts);
 void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
                  struct contact_demand demand[CONTACT_TEETH + 1]);
 
-/* Minimum opening of vowels, the counterpart of contacts: a vowel that does not open is taken for a closed
- * one, whatever engine, rate, expression or blending produced. Part of the contact layer
+/* Minimum opening of vowels, the counterpart of contacts: viewers take a vowel that does not open for a
+ * closed sound. Overrides engine, rate, expressions and blending. Part of the contact layer
  * (face_options.contacts). */
 
 /* Share of a vowel's own opening (LI + LS before a pause, by its stress) required in the shortest vowel,

@@ -9,7 +9,7 @@
 /* Resistance from which a segment confines its neighbours. */
 #define DOMINANCE_RESISTANT 0.97
 
-/* Maximum number of segments that one reaches across, which bounds the cost of sampling. */
+/* Maximum reach of a segment, in segments, which bounds the cost of sampling. */
 enum { DOMINANCE_REACH = 8 };
 
 /* tau = time from the target instant, s. */

@@ -188,7 +188,7 @@ static double reached(const struct raw_list *list, size_t i, int p, double *from
     return covered(p < PARAM_TH && sides ? distance / sides : self->length, self->constant);
 }
 
-/* Where a pause starts from: the mean of its neighbours. */
+/* Returns the value that a pause moves away from: the mean of its neighbours. */
 static double pause_from(const struct raw_list *list, size_t i) {
     const struct raw_target *self = &list->items[i];
     double sum = 0, weights = 0;

@@ -12,22 +12,22 @@
  * resistance's reach. */
 enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, TARGETS_NO_RESISTANCE };
 
-/* The rules:
- * - A consonant between two vowels has the mean of the coefficients that it has in the two symmetric contexts
- * (3.17, 3.18); all consonants of a cluster look at the cluster's vowels. At a pause's edge only one vowel
- * counts.
- * - A vowel has the coefficients for the consonant that follows it, and stands between its unstressed and its
- * stressed form.
- * - Target instants by (3.19).
- * - Undershoot: a vowel gets the part 1 - exp(-(d / u)^1.5) of the way from its consonants' targets to its
- * own, u being the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels shrink with their duration).
- * For lips and jaw d is the mean time to the nearest targets before and after that hold (alpha k of 0.5 and
- * more): through glides the mouth goes on opening, and people open a 60 ms /ae/ of "planks" by 18 mm. For the
- * tongue d is the vowel's length. Without undershoot a vowel that resists like the consonants would open
- * fully at any speech rate. The original function undershoots by itself, since nothing stops a segment: it
- * gets the targets as they are.
- * - A pause brings the mouth to rest, completely when it is long enough; the mouth is at rest at time 0 and
- * at the end. */
+/* Computes all curves by these rules:
+ * - A consonant between two vowels gets the mean of its coefficients in the two symmetric contexts (3.17,
+ *   3.18); every consonant of a cluster uses the vowels around the cluster. Beside a pause only one vowel
+ *   counts.
+ * - A vowel gets the coefficients for the consonant that follows it, interpolated between its unstressed and
+ *   stressed form.
+ * - Target instants follow (3.19).
+ * - Undershoot: a vowel covers the fraction 1 - exp(-(d / u)^1.5) of the way from its consonants' targets to
+ *   its own, where u is the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels shrink with their
+ *   duration). For lips and jaw d is the mean time to the nearest targets on both sides that hold (alpha k of
+ *   at least 0.5), because the mouth keeps opening through glides: people open a 60 ms /ae/ of "planks" by
+ *   18 mm. For the tongue d is the vowel's length. Without undershoot a vowel that resists like a consonant
+ *   would open fully at any speech rate. The original function, in which nothing confines a segment,
+ *   undershoots by itself and gets the plain targets.
+ * - A pause returns the mouth to rest, completely if it is long enough. The mouth is at rest at time 0 and at
+ *   the end. */
 void targets_curves(const struct speech_pack *pack, const struct phone_segments *g,
                     enum targets_function function, struct curve curves[PARAM_COUNT]);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* When a cue of a sentence is visible and how strongly, and the rules by which expressions and speech
- * share a face. Values are reals in FAP units. */
+/* Computes when a cue of a sentence is visible and how strongly, and blends expressions with speech. Values
+ * are reals in FAP units. */
 #ifndef FACCIA_FACE_CUE_ENVELOPE_H
 #define FACCIA_FACE_CUE_ENVELOPE_H
 
@@ -8,9 +8,9 @@
 #include "server/face/track.h"
 #include "server/voice/sentence_audio.h"
 
-/* Minimum rise and fall time of an expression, s, whatever the author sets. At intensity i a FAP moves at
- * most 1.5 i / CUE_FASTEST of its value per second (smooth rise) per expression and end; a frame at 25 fps
- * sees at most 60 % of it. */
+/* Minimum rise and fall time of an expression, s; shorter settings are raised to it. At intensity i a FAP
+ * moves at most 1.5 i / CUE_FASTEST of its value per second (smooth rise) per expression and end; a frame at
+ * 25 fps sees at most 60 % of it. */
 #define CUE_FASTEST 0.1
 
 /* A cue on the face. Its pose is 0 until begin, complete at full, and falls from fall to 0 at end. */
@@ -45,7 +45,7 @@ void cue_envelopes_free(struct cue_envelopes *shows);
 double cue_envelope_level(const struct cue_envelope *show, double t);
 
 /* Finds the gesture's position at t: the first of two keys, and the fraction towards the second, 0..1.
- * Returns false when there is none. */
+ * Returns false if no gesture is shown at t. */
 bool cue_envelope_gesture(const struct cue_envelope *show, double t, size_t *key, double *on);
 
 /* Blending at an instant. Call in this order: blend_speech; blend_add and blend_add_weighted for all
@@ -58,8 +58,8 @@ struct blend {
     double mouth[FAP_COUNT + 1]; /* the expressions' part in it, until blend_join */
 };
 
-/* Scales the speech: articulation is a factor, omega (0 in BLEND_REGIONS) the sum of the emotions'
- * weights, to which speech gives way: eq. 5.3 and 5.4 as displacements, (1 - omega) speech + omega rho
+/* Scales the speech by `articulation`, and to make room for emotions by 1 - omega, where omega is the sum of
+ * their weights (0 in BLEND_REGIONS): eq. 5.3 and 5.4 as displacements, (1 - omega) speech + omega rho
  * emotion. */
 void blend_speech(const struct blend *blend, double articulation, double omega);
 

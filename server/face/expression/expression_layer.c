@@ -102,7 +102,7 @@ void still_expression(const struct expressions *expressions, size_t index, doubl
     face_limits_apply(face_idle_fapu, faps, frame);
 }
 
-/* Weight with which a mood in the weighted rule looks as on a silent face: rho times this is 1. */
+/* Weight at which a mood looks in the weighted rule as it does on a silent face: rho times this is 1. */
 #define MOOD_WEIGHT (1 / 3.0)
 
 void expression_layer_begin(struct expression_layer *x, const struct sentence_expression *sentence,

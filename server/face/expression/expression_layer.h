@@ -14,7 +14,7 @@
 /* Transition of expressions of the mouth, s; in pauses below twice that they stay off. */
 #define ACTIVITY_RAMP 0.2
 
-/* How much of the mouth speech needs: 1 while speaking, 0 in pauses and outside the sentence. */
+/* Share of the mouth that speech needs: 1 while speaking, 0 in pauses and outside the sentence. */
 struct activity {
     struct activity_run {
         double rise, begin, end, fall; /* s: 0 at rise, 1 from begin to end, 0 at fall */
@@ -63,7 +63,7 @@ struct expression_layer {
     struct seen_expression seen[AFFECTS_MAX + EXPRESSIONS_AT_ONCE];
 };
 
-/* sentence = NULL: nobody speaks. mood may be NULL and may change. Everything is borrowed. */
+/* sentence = NULL: no speech. mood may be NULL and may change. Everything is borrowed. */
 void expression_layer_begin(struct expression_layer *layer, const struct sentence_expression *sentence,
                             const struct mood *mood, double begin);
 

@@ -80,7 +80,7 @@ struct window {
 
 struct life {
     uint64_t seed;
-    double strength, begin, end; /* s on the clock; end = begin: nobody speaks */
+    double strength, begin, end; /* of the sentence, s on the clock; end = begin: no sentence */
     struct life_influence influence;
     struct window speech, now; /* the sentence's window, and that of the last block sampled */
     struct life_gestures gestures;
@@ -131,7 +131,7 @@ static struct blink_factors decide(const void *ctx, double clock) {
     return (struct blink_factors){often * l.blink_rate, l.blink_length};
 }
 
-/* Returns 1 while nobody speaks .. 0. */
+/* Returns 1 outside the sentence, falling to 0 within it. */
 static double rest_at(const struct life *life, double clock) {
     if (clock <= life->begin || clock >= life->end)
         return 1;

@@ -64,7 +64,7 @@ static int by_time(const void *a, const void *b) {
 }
 
 /* Sorts the blinks from index `first` on and drops those too close to another. */
-static void tidy(struct blinks *blinks, size_t first) {
+static void sort_and_thin(struct blinks *blinks, size_t first) {
     if (blinks->count <= first)
         return;
     qsort(blinks->items + first, blinks->count - first, sizeof *blinks->items, by_time);
@@ -105,7 +105,7 @@ void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const 
         if (here && way > EVOKED_FROM && dice_roll(&d) < (way - EVOKED_FROM) / (EVOKED_SURE - EVOKED_FROM))
             add(blinks, &d, s->at - 0.02);
     }
-    tidy(blinks, first);
+    sort_and_thin(blinks, first);
 }
 
 /* Returns the phrase end nearest to t on the sentence's clock, searching from the previous result. */
@@ -168,7 +168,7 @@ void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody
     }
     for (size_t k = 0; k < p->phrase_count; k++)
         add_some(&merged, &d, &p->phrases[k], from, begin, to);
-    tidy(&merged, first ? first - 1 : 0);
+    sort_and_thin(&merged, first ? first - 1 : 0);
     while (i < blinks->count && merged.count > first &&
            merged.items[merged.count - 1].at > blinks->items[i].at - INTERVAL_SHORTEST)
         merged.count--; /* those outside cannot move */
@@ -212,11 +212,11 @@ void blinks_at(struct blinks *blinks, double clock,
 }
 
 /* Gaze. Directions and sizes of glances: S. P. Lee, J. B. Badler and N. I. Badler, "Eyes Alive", ACM Trans.
- * Graphics 21 (2002). When people look away, and that speakers look at the listener for about half of the
- * time: A. Kendon, Acta Psychologica 26 (1967); 75 % of the time in listening, 41 % in speaking, glances of
- * about 3 s: M. Argyle and M. Cook, "Gaze and Mutual Gaze" (1976). */
+ * Graphics 21 (2002). Times of looking away: A. Kendon, Acta Psychologica 26 (1967), where speakers look at
+ * the listener about half of the time. Shares of time (75 % while listening, 41 % while speaking) and glances
+ * of about 3 s: M. Argyle and M. Cook, "Gaze and Mutual Gaze" (1976). */
 
-/* Glances while nobody speaks: seconds at the listener and away, median and deviation of the logarithm. */
+/* Glances outside speech: seconds at the listener and away, median and deviation of the logarithm. */
 #define LISTENER_MEDIAN 2.7
 #define LISTENER_DEVIATION 0.6
 #define LISTENER_SHORTEST 1.2
@@ -254,9 +254,9 @@ void blinks_at(struct blinks *blinks, double clock,
 #define TURN_PER_DEGREE 0.03
 #define ROLL_PER_YAW (-0.15)
 
-/* While speaking: probability of a glance away at the start of a sentence, and before a phrase by the length
- * of pause and phrase; time before a phrase's end, and the sentence's, from which on the listener is looked
- * at. */
+/* While speaking: probability of a glance away at the start of a sentence, and before a phrase, by the
+ * lengths of pause and phrase; time before the end of a phrase or sentence at which the gaze returns to the
+ * listener. */
 #define START 0.85
 #define HESITATION 0.5
 #define HESITATES 0.85

@@ -132,7 +132,7 @@ struct blinks {
 
 void blinks_free(struct blinks *blinks);
 
-/* Appends a block's blinks while nobody speaks: 17 a minute (A. R. Bentivoglio et al., Movement Disorders
+/* Appends a block's blinks outside speech: 17 a minute (A. R. Bentivoglio et al., Movement Disorders
  * 12, 1997), some with large glances. */
 void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const struct shifts *glances);
 
@@ -188,7 +188,7 @@ void shifts_at(struct shifts *shifts, double clock, double out[SHIFT_CHANNELS]);
 double life_edge(uint64_t seed, int64_t block);
 int64_t life_block(uint64_t seed, double clock);
 
-/* Appends a block's shifts of gaze and posture while nobody speaks. */
+/* Appends a block's shifts of gaze and posture outside speech. */
 void glances_of_block(struct shifts *glances, uint64_t seed, int64_t block);
 void poses_of_block(struct shifts *poses, uint64_t seed, int64_t block);
 

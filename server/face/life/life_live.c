@@ -216,7 +216,7 @@ static double live_prosody_arousal(const struct live_prosody *p) {
 #define LAST_NOD 1.8
 #define NODS_AFTER 0.8 /* minimum duration of a phrase, s */
 
-/* Brows: FAP units; probability, and height from which it is certain. */
+/* Brow raises, FAP units: probability, and the height from which a raise is certain. */
 #define BROW_CHANCE 0.7
 #define BROW_LEAST 45
 #define BROW_MOST 95

@@ -30,7 +30,7 @@ struct context_group {
 struct context_source {
     enum {
         CONTEXT_FROM_PLACE,  /* the vowel at place 0..4 */
-        CONTEXT_FROM_CLASS,  /* that class, whatever vowel is there */
+        CONTEXT_FROM_CLASS,  /* a fixed class, independent of the vowels around */
         CONTEXT_FROM_NONE,   /* silence */
         CONTEXT_FROM_BEFORE, /* the nearest vowel before the consonant without silence between */
         CONTEXT_FROM_AFTER   /* the same after it */

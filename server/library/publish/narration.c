@@ -232,7 +232,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct run *run = ctx;
-    if (e->code != ERROR_EMPTY_TEXT) /* a row of asterisks is no failure */
+    if (e->code != ERROR_EMPTY_TEXT) /* a row of asterisks has nothing to speak, which is not an error */
         run->narration->problem(run->narration->ctx, e, warning);
 }
 
@@ -290,7 +290,7 @@ static void speak(struct narration *r, struct run *run) {
     request_free(&request);
 }
 
-/* True when both blocks can be spoken as one text: same language, no markup. */
+/* Tells whether both blocks can be spoken as one text: same language, no markup. */
 static bool goes_on(const struct narration *r, const struct block *a, const struct block *b) {
     return !a->source && !b->source && !strcmp(lang_of(r, a), lang_of(r, b));
 }

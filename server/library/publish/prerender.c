@@ -8,7 +8,7 @@
 
 enum {
     LOOK_MS = 2000, /* polls for the voice, the works and their changes */
-    REST_MS = 3000, /* after somebody else used the voice */
+    REST_MS = 3000, /* pause after other speech used the voice */
 };
 
 struct prerender {
@@ -54,7 +54,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
     go_on(a, PRERENDER_FULL, LOOK_MS);
 }
 
-/* Pauses when somebody else needs the voice. What has been spoken stays in the cache. */
+/* Pauses when other speech needs the voice. Finished sentences stay in the cache. */
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct prerender *a = ctx;
     if (warning || e->code != ERROR_CANCELLED)

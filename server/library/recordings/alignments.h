@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Aligns the library's recordings to their texts in the background, one after the other. Each is aligned
- * by a process of its own (server/library/align/aligner.c), watched by the thread that started it. */
+/* Aligns the library's recordings to their texts in the background, one after the other. A separate process
+ * (faccia-align) aligns each; a thread starts and watches it. */
 #ifndef FACCIA_LIBRARY_RECORDINGS_ALIGNMENTS_H
 #define FACCIA_LIBRARY_RECORDINGS_ALIGNMENTS_H
 
@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* How recordings are aligned. */
+/* The alignment program and its limits. */
 struct aligner {
     const char *program; /* path of faccia-align */
     const char *worker;  /* path of faccia-voice */

@@ -7,7 +7,7 @@
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
-/* How a program reports times. */
+/* Where a program's times come from. */
 struct cm_timing {
     bool given;
     struct times_options options;

@@ -23,8 +23,7 @@ static const struct es_ipa_phone *find(const struct es_ipa *table, const char *i
     return bsearch(&key, table->list, table->count, sizeof key, by_ipa);
 }
 
-/* Returns the only phone that the engine makes of "[[name]]", without stress, or "" if there is none or
- * several. */
+/* Gets the phone that the engine speaks for "[[name]]", without stress; "" unless it is exactly one. */
 static void ask(const char *name, int mode, char out[20]) {
     char text[12];
     const void *at = text;
@@ -81,7 +80,7 @@ static void learn_all(struct es_ipa *table) {
                 if (!is_name_character(c))
                     continue;
                 snprintf(name, sizeof name, "%s%c", shorter[i], c);
-                /* two letters may be a phone even if the first alone is none */
+                /* a name of two letters may be valid even if its first letter is not */
                 if ((learn(table, name) || length == 1) && counts[length % 2] < 8192)
                     strcpy(longer[counts[length % 2]++], name);
             }

@@ -196,8 +196,9 @@ static bool has_echo(const struct es_phones *phones, const struct es_audio *audi
     return true;
 }
 
-/* Returns from where an echo in p's closure may come: after a voiced sound, whatever came last; a
- * fricative may be weaker than that. */
+/* Returns where the sound begins that p's closure is compared with. After a voiced sound it includes all that
+ * may still echo; otherwise it is only the previous phone, because a fricative may be weaker than the echo
+ * of an earlier sound. */
 static uint32_t heard_from(const struct evidence *e, const struct es_phone *p,
                            const struct es_phone *before) {
     enum manner manner = manner_of(before);

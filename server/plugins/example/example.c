@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An example of a voice plugin, to begin your own with: hums an "a" for each word.
+/* A minimal voice plugin to start from: hums an "a" for each word.
  *
  *   cc -shared -fPIC -fvisibility=hidden $(pkg-config --cflags faccia-voice) example.c -o example.so -lm
  *   cp example.so $(pkg-config --variable=plugindir faccia-voice)

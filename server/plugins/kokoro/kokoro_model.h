@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kokoro-82M in ONNX Runtime (C API). The library is loaded when the model is, as nothing else needs it.
+/* Kokoro-82M in ONNX Runtime (C API). The library is loaded with the model, because nothing else needs it.
  *
- * The weights are those of 32 bit: with 16 bit ("domandò Filippo;") the sound is NaN now and then.
+ * Uses the 32-bit weights: with 16-bit ones the sound of some texts ("domandò Filippo;") is NaN.
  *
  * Inputs: input_ids int64[1, n], style float[1, 256], speed float[1]. Outputs: waveform float[samples] at
- * 24 kHz, and the durations of the tokens in units of 25 ms, which are a tensor inside the graph. */
+ * 24 kHz, and the durations of the tokens in units of 25 ms, a tensor inside the graph. */
 #ifndef FACCIA_PLUGINS_KOKORO_KOKORO_MODEL_H
 #define FACCIA_PLUGINS_KOKORO_KOKORO_MODEL_H
 

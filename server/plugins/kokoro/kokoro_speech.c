@@ -31,7 +31,7 @@ struct speaking {
     const struct faccia_sink *sink;
     uint64_t at;    /* samples delivered */
     uint32_t told;  /* words of this text delivered */
-    uint64_t pause; /* end of the last phone: what follows is a pause so far */
+    uint64_t pause; /* end of the last phone delivered */
     double gain;    /* of the last sample */
     bool stopped;
     char *message;

@@ -9,7 +9,7 @@ enum { WINDOW = KO_RATE / 100 };
 #define QUIET 0.01
 #define NOTHING 0.0025
 
-/* Shorter gaps between words may be a stop's closure and are no pauses. */
+/* Minimum pause between words; a shorter gap may be a stop's closure. */
 #define PAUSE_MIN (KO_RATE * 6 / 100)
 
 static double level(const int16_t *samples, uint32_t from, uint32_t to) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forwarded commands: for a room that another daemon leads, or may lead. Each is kept until it is
- * answered, and after that while the speech that it requested waits or is spoken there. That speech is
- * lost with its leader: the daemon that forwarded the command then sends its end, or asks the next leader
- * if so requested. Commands stay in the order in which clients sent them here. */
+/* Forwarded commands: for a room that another daemon leads, or may lead. A command is kept until it is
+ * answered, and then until the speech that it requested has ended. If the leader is lost, so is the speech:
+ * the daemon that forwarded the command sends its end, or repeats the command to the next leader if the
+ * client asked for that (`again`). Commands keep the order in which clients sent them to this daemon. */
 #include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/rooms/shared/shared_internal.h"
@@ -110,7 +110,7 @@ static uint64_t before(const struct forward *o) {
 }
 
 /* Sends the command to the leader, which does not run it before the command that it comes after. */
-static void send_order(struct forward *o) {
+static void send_command(struct forward *o) {
     const struct shared_room *h = o->channel->shared;
     json_t *head = packet_begin("order", o->channel->name);
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
@@ -127,7 +127,7 @@ static void go_on(struct forward *o) {
     switch (o->channel->shared->role) {
     case ROLE_REPLICA:
         if (!o->sent)
-            send_order(o);
+            send_command(o);
         break;
     case ROLE_LEADER:
     case ROLE_ALONE:
@@ -218,11 +218,11 @@ void forwards_heard(struct shared_rooms *all, const struct packet *p) {
     json_object_set(head, "visit", json_object_get(p->head, "visit"));
     /* a command sent under another token was given up by its sender */
     bool here = h && h->role == ROLE_LEADER && json_is_object(asked) && packet_number(p, "token") == h->token;
-    uint64_t order = shared_command(p->from, packet_number(p, "number")), after = packet_number(p, "after");
+    uint64_t command = shared_command(p->from, packet_number(p, "number")), after = packet_number(p, "after");
     here &= !after || shared_has_done(h, shared_command(p->from, after));
     if (here)
-        shared_note_done(h, order);
-    bool heard = here && (shared_has_heard(h, order) || channel_order(h->channel) == order);
+        shared_note_done(h, command);
+    bool heard = here && (shared_has_heard(h, command) || channel_command(h->channel) == command);
     if (heard) {
         struct error e;
         shared_error(&e);
@@ -231,7 +231,7 @@ void forwards_heard(struct shared_rooms *all, const struct packet *p) {
     } else if (here) {
         json_object_set_new(
             head, "answer",
-            all->rooms->run(all->rooms->ctx, p->room, asked, shared_origin(p), order, &status));
+            all->rooms->run(all->rooms->ctx, p->room, asked, shared_origin(p), command, &status));
     }
     json_object_set_new(head, "status", json_integer(status));
     shared_tell(all, p->from, head);
@@ -284,7 +284,7 @@ static uint64_t forward_number(const struct forward *o) {
 }
 
 static bool forward_is_spoken(const struct forward *o) {
-    return o->channel->shared && channel_order(o->channel) == forward_number(o);
+    return o->channel->shared && channel_command(o->channel) == forward_number(o);
 }
 
 /* Returns whether its utterance has ended for local followers, or its end is about to be sent, even if the
@@ -293,7 +293,7 @@ static bool forward_has_ended(const struct forward *o) {
     return o->channel->shared && shared_has_heard(o->channel->shared, forward_number(o));
 }
 
-/* Returns whether its speech is to be spoken again when it is lost. */
+/* Returns whether its speech must be repeated if the leader is lost. */
 static bool forward_is_again(const struct forward *o) {
     return json_is_true(json_object_get(request_of(o), "again"));
 }
@@ -303,7 +303,7 @@ static void forward_tell_failed(const struct forward *o, const struct error *e) 
     struct stream_event event = {.kind = STREAM_ERROR,
                                  .utterance = o->utterance,
                                  .id = json_string_value(json_object_get(request_of(o), "id")),
-                                 .order = forward_number(o),
+                                 .command = forward_number(o),
                                  .error = e,
                                  .reason = "failed",
                                  .idle = -1};

@@ -131,9 +131,9 @@ static json_t *part_of_media(const struct channel_item *item, struct buf *body) 
 
 /* Adds the command's number, by which a replica recognises its utterance. Events between begin and end carry
  * none. */
-static json_t *part_with_order(json_t *part, uint64_t order) {
-    if (order)
-        json_object_set_new(part, "order", json_integer((json_int_t)order));
+static json_t *part_with_command(json_t *part, uint64_t command) {
+    if (command)
+        json_object_set_new(part, "order", json_integer((json_int_t)command));
     return part;
 }
 
@@ -141,7 +141,7 @@ static json_t *part_of(const struct channel_item *item, struct buf *body) {
     if (item->media)
         return part_of_media(item, body);
     bool whose = item->kind == STREAM_BEGIN || item->kind >= STREAM_WARNING;
-    return part_with_order(part_of_text(item->message, body), whose ? item->order : 0);
+    return part_with_command(part_of_text(item->message, body), whose ? item->command : 0);
 }
 
 static void send_parts(const struct shared_room *h, const struct bus_receivers *to, json_t *parts,
@@ -166,7 +166,7 @@ static void recap_text(void *ctx, struct queued_message *message) {
     const struct recap *r = ctx;
     struct buf body = {0};
     const struct late_join *up = &r->room->channel->late_join;
-    json_t *part = part_with_order(part_of_text(message, &body), message == up->begin ? up->order : 0);
+    json_t *part = part_with_command(part_of_text(message, &body), message == up->begin ? up->command : 0);
     json_t *parts = json_pack("[o]", part);
     send_parts(r->room, &r->to, parts, &body);
 }

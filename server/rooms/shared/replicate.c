@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Passes the output of a room's leader on to the followers of a replica, and keeps what late joiners must
- * be told. */
+/* Passes the output of a room's leader on to the followers of a replica, and keeps the state for late
+ * joiners. */
 #include "server/normalize/lexicon.h"
 #include "server/rooms/shared/shared_internal.h"
 #include <string.h>
@@ -29,26 +29,26 @@ static bool shared_was_past(const struct shared_room *h, uint32_t utterance) {
     return utterance && has(&h->past, shared_daemon(h->holder) | utterance);
 }
 
-void shared_note_done(struct shared_room *h, uint64_t order) {
-    add(&h->done, order);
+void shared_note_done(struct shared_room *h, uint64_t command) {
+    add(&h->done, command);
 }
 
-bool shared_has_done(const struct shared_room *h, uint64_t order) {
-    return has(&h->done, order);
+bool shared_has_done(const struct shared_room *h, uint64_t command) {
+    return has(&h->done, command);
 }
 
 void shared_note_heard(struct shared_room *h, const struct channel_item *item) {
     if (!item->media && !item->notice && item->kind == STREAM_END)
-        shared_note_ended(h, item->order);
+        shared_note_ended(h, item->command);
 }
 
-void shared_note_ended(struct shared_room *h, uint64_t order) {
-    if (order && !has(&h->ended, order))
-        add(&h->ended, order);
+void shared_note_ended(struct shared_room *h, uint64_t command) {
+    if (command && !has(&h->ended, command))
+        add(&h->ended, command);
 }
 
-bool shared_has_heard(const struct shared_room *h, uint64_t order) {
-    return order && (has(&h->ended, order) || channel_is_ending(h->channel, order));
+bool shared_has_heard(const struct shared_room *h, uint64_t command) {
+    return command && (has(&h->ended, command) || channel_is_ending(h->channel, command));
 }
 
 /* Returns -1 when it is not an event of a stream. */
@@ -126,8 +126,8 @@ static uint32_t utterance_of(const struct queued_message *message) {
 /* Returns whether the utterance has already ended here, when this daemon had lost the leader for a while.
  * Its events and media are not passed on. An end without a preceding begin is recognised only by its
  * command. */
-static bool is_past(struct shared_room *h, int kind, uint32_t utterance, uint64_t order) {
-    if (channel_utterance(h->channel) != utterance && shared_has_heard(h, order))
+static bool is_past(struct shared_room *h, int kind, uint32_t utterance, uint64_t command) {
+    if (channel_utterance(h->channel) != utterance && shared_has_heard(h, command))
         shared_is_past(h, utterance);
     bool past = shared_was_past(h, utterance);
     if (kind == STREAM_BEGIN)
@@ -167,12 +167,12 @@ static void replicate_text(struct shared_room *h, const struct part *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
-    uint64_t order = (uint64_t)json_integer_value(json_object_get(p->head, "order"));
-    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && (order || h->past.count));
+    uint64_t command = (uint64_t)json_integer_value(json_object_get(p->head, "order"));
+    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && (command || h->past.count));
     uint32_t utterance = asks ? utterance_of(message) : 0;
     if (kind < 0) {
         keep_notice(c, message);
-    } else if (is_past(h, kind, utterance, order)) {
+    } else if (is_past(h, kind, utterance, command)) {
         queued_message_release(message);
         h->joined_mid = kind == STREAM_BEGIN ? 0 : h->joined_mid;
         return;
@@ -181,7 +181,7 @@ static void replicate_text(struct shared_room *h, const struct part *p) {
                                                 .notice = kind < 0,
                                                 .kind = kind < 0 ? 0 : (enum stream_event_kind)kind,
                                                 .utterance = utterance,
-                                                .order = order});
+                                                .command = command});
     if (kind == STREAM_BEGIN && h->joined_mid)
         tell_missed(h);
 }

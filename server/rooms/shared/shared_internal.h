@@ -150,14 +150,14 @@ void shared_is_past(struct shared_room *room, uint32_t utterance);
 uint64_t shared_command(const char *daemon, uint64_t number);
 
 /* Records that the command was run here; tests whether it was. */
-void shared_note_done(struct shared_room *room, uint64_t order);
-bool shared_has_done(const struct shared_room *room, uint64_t order);
+void shared_note_done(struct shared_room *room, uint64_t command);
+bool shared_has_done(const struct shared_room *room, uint64_t command);
 
 /* Tests whether local followers were sent the end of the command's utterance, so that they must not hear
  * it again. The others record that end. */
-bool shared_has_heard(const struct shared_room *room, uint64_t order);
+bool shared_has_heard(const struct shared_room *room, uint64_t command);
 void shared_note_heard(struct shared_room *room, const struct channel_item *item);
-void shared_note_ended(struct shared_room *room, uint64_t order);
+void shared_note_ended(struct shared_room *room, uint64_t command);
 
 /* The room is being removed, and has no followers to notify. */
 void forwards_forget_room(struct shared_room *room);

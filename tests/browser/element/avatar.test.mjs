@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An exported head in somebody else's program: three.js loads the file, and what its shapes show is what our own head shows at the same
-// FAPs, vertex by vertex; the pictures are kept to be looked at.
+// Loads an exported head in three.js: its shapes must match faccia's own head at the same FAPs, vertex by vertex. The artefacts contain
+// the pictures.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
@@ -86,7 +86,7 @@ const draw = async (weights, turn) => PNG.sync.read(Buffer.from(await page.evalu
 const load = (name) => page.evaluate((url) => window.load(url), `${name}.glb`);
 const head = (name) => unpack(JSON.parse(fs.readFileSync(path.join(models, `heads/${name}.json`))));
 
-/** How many pixels differ clearly. */
+/** Counts clearly different pixels. */
 function differing(a, b) {
   let count = 0;
   for (let i = 0; i < a.data.length; i += 4) count += Math.abs(a.data[i] - b.data[i]) + Math.abs(a.data[i + 1] - b.data[i + 1]) + Math.abs(a.data[i + 2] - b.data[i + 2]) > 60;
@@ -156,7 +156,7 @@ test('every shape is to be seen, and a closed mouth is closed', async () => {
   };
   const [closed, open, over] = [await lips({}), await lips({ jawOpen: 1 }), await lips({ jawOpen: 1, mouthClose: 1 })];
   assert.ok(open - closed > 12 && Math.abs(over - closed) < 0.1, `${closed}, ${open}, ${over} mm`);
-  // the head turns on its bone, and the shoulders stay
+  // the head turns with its bone, the shoulders stay
   const turned = await draw({}, 0.5);
   assert.ok(differing(rest, turned) > 2000);
   assert.deepEqual(page.problems, []);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The npm package in what Vite and webpack make of an application, set up as they come: its worklet, its decoders and what
-// draws avatars are copied, found and used. esbuild copies nothing: there the application names the folder.
+// Bundles an application with the npm package using Vite and webpack with default settings: worklet, decoders and avatar renderer are
+// copied, found and used. esbuild copies nothing, so there the application names the folder.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -23,7 +23,7 @@ const dist = path.join(folder, 'node_modules/@faccia/talking-head/dist');
 const html = (script) => `<!doctype html><html lang="en"><meta charset="utf-8"><title>App</title><link rel="icon" href="data:,"><div id="app"></div><script type="module" src="${script}"></script></html>`;
 const TYPES = { '.js': 'text/javascript', '.html': 'text/html; charset=utf-8', '.glb': 'model/gltf-binary' };
 
-/** Each makes the folder `out` of the application's main.js, with index.html in it. */
+/** Each bundles the application's main.js into the folder `out`, with an index.html. */
 const bundlers = {
   async vite(out) {
     await vite({ root: folder, configFile: false, logLevel: 'error', build: { outDir: out } });
@@ -65,7 +65,7 @@ for (const [name, bundle] of Object.entries(bundlers))
     const out = path.join(folder, `out-${name}`);
     fs.mkdirSync(out);
     await bundle(out);
-    // a policy that lets no script in but what is served: nothing may be written into another file as data:
+    // a policy that allows only served scripts, so bundlers must not inline files as data: URLs
     const headers = { 'content-security-policy': `script-src 'self' 'wasm-unsafe-eval'` };
     const files = { '/mara.glb': { body: avatar, type: TYPES['.glb'] } };
     for (const entry of fs.readdirSync(out, { recursive: true })) {
@@ -78,7 +78,7 @@ for (const [name, bundle] of Object.entries(bundlers))
     const problems = [];
     page.on('pageerror', (error) => problems.push(String(error)));
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && /talking-head|Failed|policy/i.test(message.text()) && problems.push(message.text()));
-    await page.addInitScript(() => delete window.AudioDecoder); // so that the package's own decoder has to come
+    await page.addInitScript(() => delete window.AudioDecoder); // so that the package's own decoder is loaded
     try {
       await page.goto(server.url);
       await page.waitForFunction(() => window.bundled);
@@ -96,7 +96,7 @@ for (const [name, bundle] of Object.entries(bundlers))
       }, `${daemon.url.replace('http', 'ws')}/v1/stream`);
       assert.deepEqual(seen, { errors: [], reason: 'done', sound: 'on', instead: null }, 'spoken by the worklet, and by nothing in its place');
       for (const file of COMPANIONS) {
-        const named = new RegExp(`/${file.replace('.js', '')}(-[^/]+)?\\.js$`); // with a hash; webpack minifies it too
+        const named = new RegExp(`/${file.replace('.js', '')}(-[^/]+)?\\.js$`); // the name may have a hash
         const places = Object.keys(files).filter((place) => named.test(place));
         assert.ok(places.length, `${file} was not copied`);
         const fetched = () => places.some((place) => server.served.has(place));

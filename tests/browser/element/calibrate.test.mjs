@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The element takes somebody's feature points while the page lives: the face on the canvas is another, and a wrong point changes nothing.
+// Calibrates the element with a person's feature points at run time: the face on the canvas changes, and an invalid point changes nothing.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -62,7 +62,7 @@ test('the points that a room is given are on all its faces, on those that come l
   const first = await enter();
   const own = await units(first);
   assert.ok(Math.abs(own.MW / fapu.MW - 1) > 0.03, 'another face');
-  const twice = { '8.3': bruno['8.4'], '8.4': bruno['8.3'] }; // of no face
+  const twice = { '8.3': bruno['8.4'], '8.4': bruno['8.3'] }; // swapped: impossible in a face
   assert.ok(await first.evaluate((points) => document.querySelector('talking-head').calibrateAll({ featurePointsCoord: points }), twice));
   const [{ code, place, message }] = await told(first, 1);
   assert.deepEqual([code, place], ['bad-calibration', 'featurePointsCoord'], message);
@@ -86,7 +86,7 @@ test('the points that a room is given are on all its faces, on those that come l
   }
 });
 
-/** How many points of the canvas have something on them, just after a picture was drawn. */
+/** Counts pixels of skin on the canvas, right after a picture was drawn. */
 const drawnPoints = (page) => page.evaluate(() => {
   const { stage } = document.querySelector('talking-head').debugParts();
   const { view } = stage;

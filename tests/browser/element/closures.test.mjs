@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sample of `tests/bench/mouth.mjs --pixels`: what the lips of a fast, glad sentence touch is seen to touch while the sounds are heard, and its
-// vowels are seen to open.
+// A sample of `tests/bench/mouth.mjs --pixels`: in a fast, joyful sentence, lip contacts are visible while their sounds are heard, and vowels
+// visibly open.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch } from '../../lib/browser.mjs';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stop and pause in a real browser: how soon it is silent, and that it goes on where it was.
+// Stop and pause in a real browser: time until silence, and resuming at the same place.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch, openPage } from '../../lib/browser.mjs';
@@ -17,7 +17,7 @@ after(async () => {
 
 const text = 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.';
 
-/** A page whose sound goes through a meter: window.loud() is the greatest sample of the last 3 ms. */
+/** Opens a page with a sound meter: window.loud() returns the largest sample of the last 3 ms. */
 async function open() {
   const page = await openPage(browser, daemon.url);
   await page.evaluate(() => {
@@ -35,14 +35,14 @@ async function open() {
       return connect.call(this, meter, ...rest);
     };
     window.head = document.querySelector('talking-head');
-    /** Waits for loud speech, calls, and says after how many milliseconds it was silent for good; null: it was not. */
+    /** Waits for loud speech, calls act, and returns the ms until permanent silence, or null. */
     window.silence = async (act) => {
       const tick = () => new Promise((resolve) => setTimeout(resolve, 1));
       while (!(window.loud?.() > 0.02)) await tick();
       const began = performance.now();
       act();
-      let silent = null; // since this look, which a busy page may take late
-      while (performance.now() - began < 1500) { // for good: longer than what was sent ahead lasts
+      let silent = null; // time of the first silent sample, which a busy page may take late
+      while (performance.now() - began < 1500) { // longer than the media sent ahead
         await tick();
         if (window.loud() > 1e-4) silent = null;
         else silent ??= performance.now();
@@ -70,7 +70,7 @@ test('silent after stop, and after pause, which goes on where it was', async (t)
       const ended = window.head.speak(what, { lang: 'it' });
       const time = await window.silence(() => window.head.pause());
       const at = window.head.debug().audioTime;
-      for (let i = 0; i < 20; i++) await new Promise(requestAnimationFrame); // the face lives on meanwhile
+      for (let i = 0; i < 20; i++) await new Promise(requestAnimationFrame); // idle motion continues meanwhile
       if (window.head.debug().audioTime !== at) throw new Error(`the clock went on, ${at} to ${window.head.debug().audioTime}`);
       window.head.resume();
       while (!(window.loud() > 0.02)) await new Promise((resolve) => setTimeout(resolve, 1));
@@ -79,9 +79,9 @@ test('silent after stop, and after pause, which goes on where it was', async (t)
       await ended;
       return time;
     }, text));
-  // the browser's own block of sound, and the fade of 5 ms; read now and then by a busy page
+  // includes the browser's audio block and the fade of 5 ms; a busy page samples rarely
   for (const [what, list] of Object.entries(times)) t.diagnostic(`silent after ${what}: ${list.map((ms) => ms?.toFixed(0)).join(', ')} ms`);
-  // the server sends 400 ms ahead: of five, most are silent long before that has been played
+  // the server's lead is 400 ms: most of the five are silent long before that has been played
   for (const list of Object.values(times)) {
     assert.ok(list.every((ms) => ms !== null), JSON.stringify(times));
     assert.ok([...list].sort((x, y) => x - y)[2] < 200, JSON.stringify(times));

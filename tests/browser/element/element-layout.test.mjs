@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The face is drawn whatever a page's style says of the element: its pixels are counted in a screenshot of each case.
+// Draws the face under any page style; counts its pixels in a screenshot of each case.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { after, before, test } from 'node:test';
@@ -8,7 +8,7 @@ import { launch } from '../../lib/browser.mjs';
 import { artefacts, Daemon } from '../../lib/daemon.mjs';
 import { servePages } from '../../lib/page-server.mjs';
 
-// What is around the element: %s stands for it. `style` is the page's rule for it; size: what it has to measure, where that is certain.
+// HTML around the element, which replaces %s. style: the page's rule for it; size: expected size, if certain.
 const cases = [
   { name: 'as it comes', style: '', size: [320, 416] },
   { name: 'block', style: 'display: block', size: [320, 416] },
@@ -39,7 +39,7 @@ const cases = [
   { name: 'taken out of the flow', style: 'display: block; position: absolute; inset: 10px 0 auto auto; width: auto; height: auto', size: [320, 416] },
   { name: 'a border in the box', style: 'display: block; box-sizing: border-box; height: 200px; padding: 10px; border: 5px solid blue', size: [320, 200] },
 ];
-// page styles that name no element
+// page styles that do not name the element
 const resets = { 'a reset': '*, ::before, ::after { margin: 0; padding: 0; box-sizing: border-box; min-width: 0 } img, video, canvas, svg { display: block; max-width: 100% }' };
 
 let daemon, browser, server, page;
@@ -53,7 +53,7 @@ before(async () => {
   await page.goto(server.url);
   await page.addScriptTag({ type: 'module', url: `${daemon.url}/talking-head.js` });
   await page.evaluate(async (src) => {
-    // One element for all cases: each moves it and gives it another style, as a framework does.
+    // All cases use one element; each moves and restyles it, as frameworks do.
     window.head = Object.assign(document.createElement('talking-head'), { src, lang: 'it', quality: 'low', captions: false });
     window.head.setAttribute('poster', 'off');
     document.getElementById('here').append(window.head);
@@ -82,7 +82,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** How many pixels of skin the page shows. */
+/** Counts pixels of skin in a screenshot. */
 async function skin(name, on = page) {
   const picture = await on.screenshot();
   if (name) fs.writeFileSync(`${artefacts}/${name}.png`, picture);
@@ -92,7 +92,7 @@ async function skin(name, on = page) {
   return count;
 }
 
-const LEAST = 2000; // pixels of skin: a face 60 pixels high has as many
+const LEAST = 2000; // pixels of skin of a face 60 pixels high
 
 for (const { name, style, around = '%s', size } of cases)
   test(`drawn: ${name}`, async () => {
@@ -127,7 +127,7 @@ test('drawn: hidden at first, in every way, and shown later; and of no size at f
     await page.evaluate((css) => {
       window.head.remove();
       window.put('%s', css);
-      window.head.quality = window.head.quality === 'low' ? 'high' : 'low'; // goes over to another quality, of which nothing is seen
+      window.head.quality = window.head.quality === 'low' ? 'high' : 'low'; // switches the quality, which must not be visible
     }, hide);
     await page.evaluate(() => window.drawn());
     await page.evaluate(() => window.put('%s', 'display: block'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What pages do to an element: use it before it is in the page, move it, take it away, have many of it, load it twice.
+// Uses of the element by pages: before insertion, moved, removed, many at once, script loaded twice.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -20,7 +20,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** An empty page with the script, which counts what elements hold, and notes their events. */
+/** Opens an empty page with the script that counts resources of elements and records their events. */
 async function open({ scripts = [`${daemon.url}/talking-head.js`] } = {}) {
   const page = await browser.newPage({ viewport: { width: 900, height: 700 } });
   page.problems = [];
@@ -43,13 +43,13 @@ async function open({ scripts = [`${daemon.url}/talking-head.js`] } = {}) {
     const { getContext } = HTMLCanvasElement.prototype;
     HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
       const context = getContext.call(this, kind, ...rest);
-      if (kind === 'webgl2' && context && this.isConnected) window.pictures.push(context); // not the one that asks what there is
+      if (kind === 'webgl2' && context && this.isConnected) window.pictures.push(context); // not the context that probes for WebGL
       return context;
     };
   });
   await page.goto(server.url);
   for (const url of scripts) await page.addScriptTag({ type: 'module', url });
-  await page.mouse.click(5, 5); // so that it may sound
+  await page.mouse.click(5, 5); // allows sound
   await page.evaluate((src) => {
     window.src = src;
     window.make = (id, more = {}) => Object.assign(document.createElement('talking-head'), { id, src, lang: 'it', quality: 'low', ...more });
@@ -139,7 +139,7 @@ test('taken away in the middle of its speech it frees everything; put back it is
     await window.after(element, 'ready');
     const again = await element.speak('Sì.');
     const { frames } = element.debug();
-    while (element.debug().frames === frames) await new Promise((resolve) => setTimeout(resolve, 20)); // and it is drawn
+    while (element.debug().frames === frames) await new Promise((resolve) => setTimeout(resolve, 20)); // until it is drawn
     const message = element.shadowRoot.querySelector('.message').hidden;
     return { reason, again: again.reason, message, sockets: window.sockets.length, pictures: window.pictures.length };
   });
@@ -170,8 +170,8 @@ test('two heads take turns, in the order in which they were asked; one that is n
 });
 
 /**
- * A page that says by its console what it hears. Nothing is asked of it: the browser would take that for a touch.
- * @returns {{page: object, said: (text: string) => Promise<string>}} said: waits for a line that holds the text
+ * Opens a page that reports events by its console. Nothing may be evaluated in it, because the browser counts that as a user gesture.
+ * @returns {{page: object, said: (text: string) => Promise<string>}} said: waits for a line that contains the text
  */
 async function untouched(prepare = '') {
   server.files['/untouched'] = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
@@ -220,7 +220,7 @@ test('a page that was not touched is told that nothing is heard, and hears from 
 });
 
 test('where sound never begins a tap is asked for once, not for ever', async () => {
-  const { page, said } = await untouched('AudioContext.prototype.resume = () => new Promise(() => {})'); // as without a device
+  const { page, said } = await untouched('AudioContext.prototype.resume = () => new Promise(() => {})'); // as without a sound device
   assert.equal(await said('sound'), 'sound blocked autoplay false');
   assert.equal(await said('end'), 'end done blocked false');
   await page.mouse.click(100, 230);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sheets of the head: the six basic emotions at three intensities, all affects, and gestures of the other kinds. They are kept
-// to be looked at; the test asks that the six can be told from each other, and from a face at rest, by their pixels.
+// Contact sheets of the head in the artefacts: the six basic emotions at three intensities, all affects, and gestures of the other
+// kinds. The test checks that the six differ from each other and from a face at rest in pixels.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -22,7 +22,7 @@ before(async () => {
   daemon = await Daemon.start();
   browser = await launch();
   page = await openPage(browser, daemon.url, { quality: 'high' });
-  await page.setViewportSize({ width: 560, height: 560 }); // some hundred pictures: small ones
+  await page.setViewportSize({ width: 560, height: 560 }); // small, because there are about a hundred pictures
 });
 after(async () => {
   await browser?.close();
@@ -30,7 +30,7 @@ after(async () => {
 });
 
 const pictures = new Map();
-/** The head with an expression, '' = at rest. */
+/** Takes a picture of the head with an expression; '' = at rest. */
 async function look(what) {
   if (!pictures.has(what)) {
     const values = what ? parseFap(faccia('--fap', what)).frames[0] : Array(69).fill(0);
@@ -39,7 +39,7 @@ async function look(what) {
   return pictures.get(what);
 }
 
-/** The part of a picture in which the head is, at half size. */
+/** Crops the head from a picture, at half size. */
 function head(png) {
   const side = Math.min(png.width, png.height);
   const cut = new PNG({ width: side, height: side });
@@ -56,12 +56,12 @@ async function sheet(name, wishes, columns) {
   fs.writeFileSync(path.join(artefacts, `${name}.png`), PNG.sync.write(out));
 }
 
-/** Mean difference of two pictures, 0 to 255, where the face is. */
+/** Mean difference of two pictures in the face, 0 to 255. */
 function distance(a, b) {
   const [one, other] = [head(a), head(b)];
   let sum = 0;
   for (let i = 0; i < one.data.length; i++) sum += Math.abs(one.data[i] - other.data[i]);
-  return (sum / one.data.length) * (4 / 3); // the fourth is opacity
+  return (sum / one.data.length) * (4 / 3); // the fourth channel is opacity
 }
 
 test('the six basic emotions are told from rest, from each other, and by their intensity', async () => {

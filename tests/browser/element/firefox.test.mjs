@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A real Firefox: under the documented policy, and, on a machine without a sound device, with its audio that never begins.
+// Firefox under the documented policy, and on a machine without a sound device, where its audio never starts.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../../lib/daemon.mjs';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Avatars of others in place of a head: what their lips and lids do in mm and in pixels, whatever their shapes are called; and what
-// happens with files that are none.
+// Third-party avatars instead of a head: movement of lips and lids in mm and pixels, for any naming of shapes; and files that are not
+// avatars.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -34,7 +34,7 @@ const without = () => {
   return parts;
 };
 
-/** Files that are no avatars, and what is said of them. */
+/** Files that are not avatars, with the expected errors. */
 async function hostile() {
   const spoilt = await packed(own, { spoil: (draco) => draco.fill(255, 40, 90) });
   const { json } = without();
@@ -52,7 +52,7 @@ async function hostile() {
     circle: [changed(({ nodes }) => nodes[0].children.push(0)), 'damaged'],
     elsewhere: [changed(({ images: [image] }) => Object.assign(image, { uri: 'http://127.0.0.1:9/spy.png', bufferView: undefined })), 'unsupported'],
     unknown: [changed((one) => (one.extensionsRequired = ['KHR_gaussian_splatting']) && (one.meshes[0].primitives[0].extensions = { KHR_gaussian_splatting: {} })), 'unsupported'],
-    draco: [spoilt, 'unsupported'], // this page's policy allows no WebAssembly
+    draco: [spoilt, 'unsupported'], // the page's policy forbids WebAssembly
     endless: [changed(({ accessors }) => (accessors[0].count = 2 ** 40)), 'too-large'],
     beyond: [changed(({ bufferViews }) => (bufferViews[0].byteOffset = 2 ** 30)), 'damaged'],
     'no-mouth': [changed((one) => {
@@ -99,7 +99,7 @@ before(async () => {
     for (const type of ['ready', 'error', 'progress'])
       document.addEventListener(type, (e) => e.target.localName === 'talking-head' && window.heard.push({ type, ...e.detail }), true);
     window.head = () => document.querySelector('talking-head');
-    /** What shows it; kept by what the test knows of its own mesh: vertices that lie at feature points. */
+    /** The head that displays the avatar. Vertices at feature points are known from the original mesh. */
     window.avatar = () => window.head().debugParts().stage.view?.head;
     window.measure = () => {
       window.avatar().setFaps(new Float32Array(69));
@@ -158,7 +158,7 @@ async function visit(where) {
   await page.waitForFunction(() => window.heard.some(({ type }) => type === 'ready'), null, { timeout: 120000 });
 }
 
-/** Sets the attributes, and waits for what comes of it: `ready`, or the error. */
+/** Sets the attributes. Waits for `ready` or the error. */
 async function open(avatar, map = null) {
   await page.evaluate(([address, mapping]) => {
     window.heard.length = 0;
@@ -180,7 +180,7 @@ async function shot(name, faps, view = 'mouth') {
   return PNG.sync.read(await page.locator('talking-head').screenshot({ path: path.join(artefacts, `foreign-${name}.png`) }));
 }
 
-/** Points between the lips, in the middle of the mouth: as dark as no skin, or as grey as teeth. */
+/** Counts pixels between the lips in the middle of the mouth: darker than skin, or grey like teeth. */
 function between({ width, height, data }) {
   let count = 0;
   for (let y = Math.round(height * 0.25); y < height * 0.75; y++)
@@ -197,7 +197,7 @@ const CASES = {
   'zero.vrm': { tolerance: 0.4, eyes: true },
   'odd.glb': { map: 'odd.json', tolerance: 0.25, eyes: true },
   'bones.glb': { tolerance: 0.25, eyes: false },
-  'packed.glb': { where: '/packed', tolerance: 0.3, eyes: true }, // WebAssembly
+  'packed.glb': { where: '/packed', tolerance: 0.3, eyes: true }, // needs WebAssembly
 };
 
 for (const [file, { where, map, tolerance, eyes }] of Object.entries(CASES))
@@ -281,7 +281,7 @@ test('the head and the eyes turn on their bones', async () => {
 
 test('it speaks, and gives the place back to the head', async (t) => {
   await open('/own.glb');
-  // A busy machine draws a few pictures a second, and a closure is short: said again, others are drawn.
+  // A busy machine draws few pictures a second and may miss a short closure, so the sentence is repeated.
   const gaps = [];
   for (let turn = 0; turn < 6 && !(Math.max(...gaps) > 2 && Math.min(...gaps) < 0.1); turn++) {
     const spoken = await page.evaluate(async (text) => {

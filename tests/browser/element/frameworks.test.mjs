@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The element in React 19 (strict mode), Vue 3 and Svelte 5, as they come from npm.
+// The element in React 19 (strict mode), Vue 3 and Svelte 5 from npm.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -29,7 +29,7 @@ async function bundle(file) {
     bundle: true, write: false, format: 'esm', jsx: 'automatic', plugins: [svelte], conditions: ['browser'],
     nodePaths: [path.join(root, 'tests/node_modules')], logLevel: 'error',
     define: {
-      'process.env.NODE_ENV': '"development"', // what strict mode does twice it does here only
+      'process.env.NODE_ENV': '"development"', // strict mode runs effects twice only in development
       __VUE_OPTIONS_API__: 'true', __VUE_PROD_DEVTOOLS__: 'false', __VUE_PROD_HYDRATION_MISMATCH_DETAILS__: 'false',
     },
   });
@@ -48,7 +48,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** What the elements are set to, in the order in which they stand on the page. */
+/** Properties of the elements, in document order. */
 const settings = (page) => page.evaluate(() => [...document.querySelectorAll('talking-head')].map((element) => {
   const { rate, captions, still, polite, life, expression, voice, label } = element;
   return { name: element.dataset.name, rate, captions, still, polite, life, expression, voice, label, lang: element.lang };
@@ -76,19 +76,19 @@ for (const [framework, file] of Object.entries(apps))
       voice: 'espeak:it+f2', label: 'Anna', lang: 'it',
     };
 
-    // Before the script is there, and when it has come. Frameworks make attributes then: React leaves out what is false.
+    // Rendered before the script is loaded: frameworks set attributes then, and React omits false ones.
     await page.evaluate((given) => window.render({ names: ['a'], ...given }), { ...props, polite: 'off', expression: 'joy 0.5' });
     await page.addScriptTag({ type: 'module', url: `${daemon.url}/talking-head.js` });
     await page.waitForFunction(() => window.notes.includes('a: ready'), null, { timeout: 60000 });
     assert.deepEqual(await settings(page), [{ name: 'a', ...expected }]);
 
-    // Made when the script is there: the properties are set before the element is in the page.
+    // Created after the script is loaded: properties are set before insertion.
     await page.evaluate((given) => window.render({ names: ['a', 'b'], ...given, greeting: 'Sì.' }), props);
     await page.waitForFunction(() => window.notes.includes('b: done'), null, { timeout: 60000 });
     assert.deepEqual(await settings(page), [{ name: 'a', ...expected }, { name: 'b', ...expected }]);
     assert.ok((await page.evaluate(() => window.notes)).includes('b: Sì'), 'a word was heard');
 
-    // Other values, and what is not given any more.
+    // Changed and removed properties.
     const { voice: _, life: __, ...fewer } = props;
     await page.evaluate((given) => window.render({ names: ['a', 'b'], ...given, greeting: 'Sì.' }), { ...fewer, rate: 200, captions: true, still: false });
     const changed = { ...expected, rate: 200, captions: true, still: false };
@@ -97,7 +97,7 @@ for (const [framework, file] of Object.entries(apps))
     await page.evaluate((given) => window.render({ names: ['a', 'b'], ...given, greeting: 'Sì.' }), { ...fewer, captions: false });
     assert.equal((await settings(page))[0].captions, false);
 
-    // Moved while it speaks: the same element, and it speaks to its end.
+    // Moved while speaking: the element stays the same and speaks to the end.
     const end = await page.evaluate(async (given) => {
       const element = document.querySelector('[data-name=a]');
       const speech = element.speak('Uno, due, tre.', { lang: 'it' });
@@ -108,7 +108,7 @@ for (const [framework, file] of Object.entries(apps))
     assert.equal(end.same, true);
     assert.equal(end.reason, 'done');
 
-    // Taken away in the middle of its speech: that ends, and nothing is left.
+    // Removed while speaking: the speech ends, and all resources are freed.
     const left = await page.evaluate(async () => {
       const elements = [...document.querySelectorAll('talking-head')];
       const speech = elements[0].speak('Uno, due, tre, quattro, cinque, sei.', { lang: 'it' });
@@ -120,7 +120,7 @@ for (const [framework, file] of Object.entries(apps))
     });
     assert.deepEqual(left, { reason: 'stopped', count: 0, frames: 0 });
 
-    // And again, speaking as soon as it is mounted.
+    // Mounted again, speaking at once.
     await page.evaluate((given) => window.render({ names: ['c'], ...given, greeting: 'Eccomi.' }), props);
     await page.waitForFunction(() => window.ends.includes('done'), null, { timeout: 60000 });
     assert.deepEqual(await settings(page), [{ name: 'c', ...expected }]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// She speaks with the voices of the page: a sentence that comes through the browser's microphone, and one that an <audio> of the page plays. Every /p b m/ of
-// it is closed, in the frames that are drawn and in pixels.
+// Live voices in the page: a sentence from the browser's microphone, and one that an <audio> element plays. Every /p b m/ must be closed, in the drawn
+// frames and in pixels.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -39,10 +39,10 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** A page that keeps what comes, and how much sound it sends, in bytes; `plain`: of a browser that codes no sound. */
+/** Opens a page that records what it receives, and the bytes of sound it sends; plain: a browser without an audio encoder. */
 async function visit({ plain = false } = {}) {
   const context = await browser.newContext();
-  // Whatever is evaluated in a page counts as the user's doing, but not its own scripts.
+  // In a script of the page, because evaluated code would count as a user gesture.
   await context.addInitScript(() => addEventListener('DOMContentLoaded', () => {
     const asked = customElements.whenDefined('talking-head').then(() => document.querySelector('talking-head').listen().done);
     asked.then(() => (window.early = 'heard'), (error) => (window.early = error.name));
@@ -73,7 +73,7 @@ async function visit({ plain = false } = {}) {
 }
 const came = (page) => page.evaluate(() => window.came);
 
-/** When in what came the sentence begins, s: where its loudness fits best. */
+/** Start of the sentence in the received sound, s, by correlation of loudness. */
 function found({ audio, audioRate }) {
   const loud = (samples, rate) => Array.from({ length: Math.floor((samples.length / rate) * 200) }, (_, i) => {
     const part = samples.slice(Math.floor((i * rate) / 200), Math.floor(((i + 1) * rate) / 200));
@@ -85,7 +85,7 @@ function found({ audio, audioRate }) {
   return places.reduce((best, at) => (fit(at) > fit(best) ? at : best), 0) / 200;
 }
 
-/** Each /p b m/, whether a frame of its time, 40 ms to either side, has the lips together. */
+/** Checks for each /p b m/ that a frame within 40 ms of it has closed lips. */
 async function check(all) {
   const begin = found(all), { fps } = all;
   const { frames } = all;
@@ -101,7 +101,7 @@ async function check(all) {
   return bilabials.map(around);
 }
 
-/** What it was sent in, and how much of that: a block of samples, or a packet, lasts 20 ms. */
+/** Checks codec and amount of the sent sound, in blocks or packets of 20 ms. */
 function checkSent({ sent }, codec, t) {
   assert.equal(sent.codec, codec);
   assert.ok(sent.bytes.length > 100, `${sent.bytes.length} messages`);
@@ -127,7 +127,7 @@ for (const codec of ['opus', 'pcm']) patient(`a sentence through the microphone 
   await page.click('#mic');
   await page.evaluate(() => window.listening.caption('what a recogniser heard'));
   await page.waitForFunction(() => document.querySelector('talking-head').shadowRoot.querySelector('.captions').textContent === 'what a recogniser heard');
-  const seconds = spoken.samples.length / spoken.rate + 2; // of the loop that the microphone plays
+  const seconds = spoken.samples.length / spoken.rate + 2; // one loop of the fake microphone
   await page.waitForFunction((needed) => window.came.audio.length > needed * window.came.audioRate && window.came.audioRate, 2 * seconds + 1, { timeout: 60000 });
   await page.evaluate(() => window.listening.stop());
   const end = await page.evaluate(() => window.listening.done);
@@ -143,7 +143,7 @@ for (const codec of ['opus', 'pcm']) patient(`a sentence through the microphone 
 
 for (const plain of [false, true]) patient(`she follows a sound of the page: <talking-head for>, whenever it plays; in pixels, too: ${plain ? 'in a browser that codes no sound' : 'as Opus'}`, async (t) => {
   const page = await visit({ plain });
-  // its first moment passes before the server listens
+  // begins with silence, because the first moments pass before the server listens
   const address = `/v1/speech?lang=it&voice=${VOICE}&markup=ssml&text=${encodeURIComponent(`<speak><break time="2s"/>${SENTENCE}</speak>`)}`;
   await page.evaluate((src) => {
     const audio = document.createElement('audio');

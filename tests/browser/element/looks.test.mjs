@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What strangers once found wrong with the people, each as a figure of a picture: shadows that were missing, black holes,
-// eyes like lamps, skin like plastic. The pictures are kept to be looked at.
+// Regression tests for the look of the heads, each a measure of a picture: missing shadows, black holes, glowing eyes, plastic skin.
+// The artefacts contain the pictures.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -39,7 +39,7 @@ async function look(name, faps, { view = null, level = 'low', ...camera } = {}, 
 
 const light = ({ data }, i) => 0.2126 * data[i] + 0.7152 * data[i + 1] + 0.0722 * data[i + 2];
 
-/** Mean light of a disc round a place on the head, mm. */
+/** Mean brightness of a disc around a point of the head; radius in mm. */
 function patch({ png, shot: { target, distance, fov } }, [x, y, z], radius) {
   const focal = png.height / 2 / Math.tan((fov * Math.PI) / 360) / (distance + target[2] - z);
   const [column, row, reach] = [png.width / 2 + (x - target[0]) * focal, png.height / 2 - (y - target[1]) * focal, Math.max(1, radius * focal)];
@@ -69,13 +69,13 @@ test('nothing light is black: no hole under hair, no collar', async () => {
   }
 });
 
-// How light it is beside the nose, as a share of the other side. What vertices alone know is 0.87 to 0.9: the rest is painted.
+// Maximum brightness beside the nose relative to the lit side. Vertex shading alone gives 0.87 to 0.9; the texture adds the rest.
 const SHADOWS = { mara: 0.86, bruno: 0.875, ettore: 0.84 };
 
 test('the nose throws a shadow, in low quality, too', async () => {
   for (const [name, most] of Object.entries(SHADOWS)) {
     const seen = await look(name, []);
-    // The lamp is at the left of the picture.
+    // The light is at the left of the picture.
     const [x, y, z] = heads.get(name).fdp['9.1'];
     const [shadow, open] = [1, -1].map((side) => patch(seen, [side * (Math.abs(x) + 5), y - 4, z - 7], 2.5));
     assert.ok(shadow < most * open, `${name}: ${shadow.toFixed(0)} in the shadow, ${open.toFixed(0)} on the other side`);
@@ -98,7 +98,7 @@ test('the whites of the eyes are no lamps: darker than the light skin round them
       else if (flat.data[i + 2] > 200) skin.push(light(png, i));
     }
     const at = (list, share) => list.sort((a, b) => a - b)[Math.floor(share * list.length)];
-    const [white, usual] = [at(whites, 0.75), at(skin, 0.5)]; // the iris and the pupil are the darker half of it
+    const [white, usual] = [at(whites, 0.75), at(skin, 0.5)]; // 75th percentile: iris and pupil are the darker half
     assert.ok(white < most * usual, `${name}: ${white.toFixed(0)} beside a skin of ${usual.toFixed(0)}`);
   }
 });

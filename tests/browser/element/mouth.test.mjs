@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen in the mouth: for each sound of each language, and for the emotions that open it, the opening between the lips and the
-// shares of upper teeth, lower teeth, tongue and dark in it, counted in pictures with each part in one flat colour.
+// Visibility in the mouth: for each sound of each language, and for emotions that open it, the opening between the lips and its shares of
+// upper teeth, lower teeth, tongue and darkness, counted in pictures with flat colours per part.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -26,7 +26,7 @@ after(async () => {
   await browser?.close();
 });
 
-const sounds = {}; // of each language
+const sounds = {}; // by language
 const posesOf = (lang) => (sounds[lang] ??= soundPoses(lang));
 const seenOf = (name, faps, yaw) => seen(page, 'flat', head, name, faps, yaw);
 
@@ -61,7 +61,7 @@ test('joy, fear and surprise show what they open', async () => {
   assert.deepEqual(wrong, []);
 });
 
-/** Of the other heads: what is to be seen of them is that of people of their age (models/README.md). */
+/** The other heads; expectations depend on their age (models/README.md). */
 const OTHERS = fs.readdirSync(models).filter((file) => file.endsWith('.json') && file !== 'mara.json').map((file) => file.slice(0, -5));
 for (const name of OTHERS)
   test(`${name} shows it, too, in every language`, async () => {
@@ -101,7 +101,7 @@ test('what lips tell apart differs in the picture, in low quality, too', async (
       const d = await difference(poses[x], poses[y], level);
       assert.ok(d > least, `${level}: /${x}/ and /${y}/ differ by ${d.toFixed(2)} of 255`);
     }
-  // Lips that press are thinner and rolled in: not the picture of a mouth at rest.
+  // Pressed lips are thinner and rolled in, so the picture differs from a mouth at rest.
   const d = await difference(poses.p, [], 'high');
   assert.ok(d > 1, `/p/ differs from rest by ${d.toFixed(2)} of 255`);
 });
@@ -130,5 +130,5 @@ test('the inside of the mouth is never a black hole and never as bright as the s
   assert.deepEqual(page.page.problems, []);
 });
 
-/** The table of what was seen, for people. */
+/** Writes the results as a Markdown table. */
 const write = () => fs.writeFileSync(path.join(artefacts, 'mouth.md'), [heading, ...Object.entries(measured).map(([name, m]) => row(name, m)), ''].join('\n'));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All people on one sheet, chosen on the page by their pictures; what a chosen head changes: the voice, the poster. The same
-// without WebGL. The sheet is kept to be looked at.
+// Chooses each head on the page by its picture, and makes a contact sheet (in the artefacts); choosing a head changes voice and
+// poster. The same without WebGL.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -104,12 +104,12 @@ test('until the head has come its picture stands in its place', async () => {
   await slow.close();
 });
 
-/** The box of what is not background, in the upper two thirds: hair and face. */
+/** Bounding box of hair and face: everything but background in the upper two thirds. */
 function outline(png) {
   const box = { left: png.width, right: 0, top: png.height };
   const apart = (x, y) => [0, 1, 2].some((k) => Math.abs(png.data[4 * (y * png.width + x) + k] - png.data[4 * (y * png.width + 2) + k]) > 60);
   for (let y = 0; y < (png.height * 2) / 3; y++)
-    for (let x = 0; x < png.width * 0.8; x++) // beside the button
+    for (let x = 0; x < png.width * 0.8; x++) // excludes the button
       if (apart(x, y)) Object.assign(box, { left: Math.min(box.left, x), right: Math.max(box.right, x), top: Math.min(box.top, y) });
   return box;
 }
@@ -141,7 +141,7 @@ test('without WebGL there is a picture of the speaker', async () => {
     await plain.goto(daemon.url);
     const poster = plain.locator('talking-head .poster');
     const message = plain.locator('talking-head .message');
-    // Mara has pictures that move, Bruno has none.
+    // Mara has a picture set, Bruno has none.
     await plain.waitForFunction(() => document.querySelector('talking-head').debug?.().level === 'pictures', null, { timeout: 60000 });
     await poster.waitFor({ state: 'hidden', timeout: 30000 });
     assert.match(await poster.getAttribute('src'), /\/v1\/models\/mara\.webp$/);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A face of pictures in a real browser, without WebGL: the lips of a sentence meet and part in pixels, it blinks, it is small. The pictures are
-// kept to be looked at.
+// The picture face in a real browser without WebGL: lips meet and part in pixels, it blinks, and its files are small. The artefacts contain the
+// pictures.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -30,7 +30,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page with a face of pictures, and what it tells of the picture on its canvas. */
+/** Opens a page with a picture face, and functions that measure its canvas. */
 async function openFace() {
   const page = await browser.newPage({ viewport: { width: 600, height: 700 } });
   page.problems = [];
@@ -40,7 +40,7 @@ async function openFace() {
     const region = (name) => regions.find((one) => one.name === name);
     const pixels = ({ x, y, width, height }) =>
       document.querySelector('talking-head').shadowRoot.querySelector('canvas').getContext('2d').getImageData(x, y, width, height);
-    /** Rows between the lips, in the middle of the mouth: those from the first to the last that is red, less the red ones. */
+    /** Rows between the lips in the middle of the mouth: non-red rows between the first and the last red one. */
     window.gap = () => {
       const { x, y, pictures } = region('mouth');
       const [, , upper, lower] = pictures[0].anchors;
@@ -54,7 +54,7 @@ async function openFace() {
       const lips = red.slice(red.indexOf(true), red.lastIndexOf(true));
       return lips.filter((row) => !row).length;
     };
-    /** Points of an eye that are as dark or as bright as no skin is: the iris and the white. */
+    /** Counts pixels of iris and white in an eye: darker or brighter than skin. */
     window.eye = (name) => {
       const { data } = pixels(region(name));
       let count = 0;

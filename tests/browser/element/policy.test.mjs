@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The element under a strict content security policy: the one of web/docs/element/looks.md, as it is written there.
+// The element under the strict content security policy printed in web/docs/element/looks.md.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -25,7 +25,7 @@ after(async () => {
 
 const policyOf = (text) => text.replaceAll('http://127.0.0.1:8080', daemon.url).replaceAll('ws://127.0.0.1:8080', daemon.url.replace('http', 'ws'));
 
-/** A page under the policy, whose events and violations are kept. */
+/** Opens a page under the policy and records events and violations. */
 async function open(policy, attributes, prepare = () => {}) {
   server.files['/'] = { body: fiveLines(daemon.url, attributes), headers: { 'content-security-policy': policyOf(policy) } };
   const page = await browser.newPage({ viewport: { width: 500, height: 600 } });
@@ -41,7 +41,7 @@ async function open(policy, attributes, prepare = () => {}) {
   return page;
 }
 
-/** Speaks, and says how loud it became. */
+/** Speaks and returns the maximum loudness. */
 const speak = (page) => page.evaluate(async () => {
   const connect = AudioNode.prototype.connect;
   let loudest = 0;
@@ -69,7 +69,7 @@ test('under the documented policy the face draws, the sound plays, and nothing i
   assert.doesNotMatch(documented, /blob:|unsafe-inline|unsafe-eval/);
   const page = await open(documented);
   await ready(page);
-  await page.mouse.click(5, 5); // a browser gives sound to a page that was touched
+  await page.mouse.click(5, 5); // browsers allow sound only after a user gesture
   const { end, loudest } = await speak(page);
   assert.equal(end.reason, 'done');
   assert.ok(loudest > 0.05, `loudest sample ${loudest}`);

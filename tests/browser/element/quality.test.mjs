@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the quality does with the picture where there is no graphics processor: fewer triangles, and no step where it changes.
+// Adaptive quality without a GPU: fewer triangles, and no visible step when it changes.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch, openPage } from '../../lib/browser.mjs';

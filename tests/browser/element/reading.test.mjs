@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// <talking-head for>: an element of a page is read aloud and marked, under a strict policy, from a page of another origin.
+// <talking-head for>: reads an element of the page aloud and highlights words, under a strict policy, from another origin.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch } from '../../lib/browser.mjs';
@@ -33,7 +33,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page on which the words that are heard, those that are read, and what is marked are kept. */
+/** Opens a page that records words heard, words read, and highlights. */
 async function open(script = () => {}) {
   const page = await browser.newPage({ viewport: { width: 900, height: 600 }, reducedMotion: 'reduce' });
   page.problems = [];
@@ -100,7 +100,7 @@ test('a click on a word has her go on from there: in the sentence, elsewhere, in
   }, [selector, word]).then(({ x, y }) => page.mouse.click(x, y));
   await page.evaluate(() => {
     window.jumped = 0;
-    window.head.rate = 100; // so that the click comes in time
+    window.head.rate = 100; // slow, so that the click comes in time
     window.head.addEventListener('jumped', () => window.jumped++);
     window.result = window.head.read(document.querySelector('#first'));
   });
@@ -108,11 +108,11 @@ test('a click on a word has her go on from there: in the sentence, elsewhere, in
   await page.evaluate(() => window.read.splice(0));
   await click('#first', 'ritrovai');
   await heard(page, 'ritrovai');
-  await page.waitForFunction(() => window.jumped === 1); // what is spoken is played from there
+  await page.waitForFunction(() => window.jumped === 1); // plays synthesised speech from there
   assert.ok(!(await page.evaluate(() => window.read)).includes('vita'));
   await page.evaluate(() => window.head.pause());
   await page.evaluate(() => window.read.splice(0));
-  await click('#first', 'Nel'); // backwards, out of a pause
+  await click('#first', 'Nel'); // jumps backwards during a pause
   await heard(page, 'mezzo');
   await page.evaluate(() => (document.querySelector('#there') ?? document.body).id);
   await click('#first', 'selva');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The five lines of the README where they cannot work: the picture says what to do, and an error event comes at once.
+// The five-line page of the README under conditions where it cannot work: the element shows advice and fires an error event at once.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';

@@ -39,7 +39,7 @@ before(async () => {
   daemon = await Daemon.start(['--host', '*', '--remote', '--secret-file', secret, '--tls-self-signed', own], {}, { program: on(home, path.join(build, 'server/daemon/facciad')) });
   token = execFileSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secret, '--subject', 'tablet', '--rights', 'listen,speak', '--expires', '1h'], { encoding: 'utf8' }).trim();
   origin = `https://${address}:${daemon.port}`;
-  // the tablet's own store of authorities
+  // the tablet's trust store
   const store = path.join(folder, '.pki/nssdb');
   fs.mkdirSync(store, { recursive: true });
   execFileSync('certutil', ['-d', `sql:${store}`, '-N', '--empty-password']);

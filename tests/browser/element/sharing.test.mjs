@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several faces on one page: what they have in common is fetched, decoded and kept once.
+// Several faces on one page: shared data is fetched, decoded and stored once.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch } from '../../lib/browser.mjs';
@@ -28,7 +28,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** Until all faces are drawn. */
+/** Waits until all faces are drawn. */
 const drawn = (count) => page.waitForFunction((wanted) => {
   const all = [...document.querySelectorAll('talking-head')];
   return all.length === wanted && all.every((head) => head.debug?.().frames > 0);
@@ -40,7 +40,7 @@ const add = (name) => page.evaluate((model) => {
   document.body.append(other);
 }, name);
 
-/** The different pictures of heads, as they are decoded: with the colours multiplied by alpha, or not. */
+/** Distinct textures of the heads, separately for premultiplied and plain alpha. */
 async function pictures(...names) {
   const found = new Set();
   for (const name of names) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The listening test's page, opened from the disk as listeners open it: sound and face go together, the answers are saved.
+// The page of the listening test, opened from disk like by listeners: sound and face are in sync, and answers are saved.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -37,7 +37,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** Sixty pictures of a film, and a fourth mode that shows it, as somebody would add the films of a real speaker. */
+/** Adds a video of sixty pictures as a fourth mode, as an experimenter adds videos of a real speaker. */
 async function addFilm() {
   const film = await page.evaluate(async () => {
     const canvas = document.createElement('canvas');
@@ -61,7 +61,7 @@ async function addFilm() {
   });
 }
 
-/** Changes the data in the kit's page, and gives the page. */
+/** Returns the kit's page with modified data. */
 function changeData(change) {
   const place = /(<script type="application\/json" id="data">)(.*?)(<\/script>)/s;
   const file = path.join(kit, 'index.html');
@@ -74,7 +74,7 @@ function changeData(change) {
   return html;
 }
 
-/** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. A word takes some two seconds. */
+/** Records the gap of the lips in FAP units during a word, until it can be confirmed; about two seconds. */
 const watch = () => page.evaluate(async ([upper, lower]) => {
   const all = [...document.querySelectorAll('talking-head')];
   const button = document.querySelector('#answer button');
@@ -127,7 +127,7 @@ test('a listener goes through all blocks, and the answers are analysed', async (
     assert.equal(watched[i].filmed, mode === 'film');
     if (mode !== 'dominance' && mode !== 'pictures') assert.ok(Math.max(...watched[i].gaps) <= 0, 'the face kept still');
   }
-  // whatever the speed at which the face is drawn here, over two words it was seen open
+  // even with slow drawing, the mouth is seen open during two words
   assert.ok(Math.max(...watched.flatMap(({ gaps }) => gaps)) > 60, 'the mouth opened');
   const modes = fields.map((field) => field[3]);
   assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'film', 'pictures', 'still']);
@@ -140,7 +140,7 @@ test('a listener goes through all blocks, and the answers are analysed', async (
 
 test('a sound or a film that does not go on interrupts a word; it comes again, and is left out at last', async () => {
   const html = changeData((data) => {
-    data.modes = data.modes.filter(({ kind }) => kind === 'audio' || kind === 'video'); // no face: nothing to wait for
+    data.modes = data.modes.filter(({ kind }) => kind === 'audio' || kind === 'video'); // no face, so no loading
   });
   const media = (name, type, cut) => ({ body: fs.readFileSync(path.join(kit, name)), type, cut, headers: { 'cache-control': 'no-store' } });
   const [papa, lala] = ['papa', 'lala'].map((name) => `/wav/${fs.readdirSync(path.join(kit, 'wav')).find((file) => file.startsWith(name))}`);

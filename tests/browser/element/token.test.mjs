@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A page and a daemon that wants tokens: the three ways in which a browser can show one, and the element's own.
+// A page with a daemon that requires tokens: the three ways for browsers to present one, and the element's attribute.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -27,7 +27,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** What a socket of the page gets to hear in the end for "Sì.". */
+/** Speaks "Sì." on a socket of the page and returns the final message. */
 const speaks = (query, protocols, first) =>
   page.evaluate(([address, list, message]) => new Promise((resolve, reject) => {
     const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/v1/stream?lang=it&audio=none&fap=none${address}`, list);

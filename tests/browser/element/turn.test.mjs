@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The user turns the head a little, by mouse, by touch, by keys: it goes along, stops at its limits, and turns back. Swipes scroll the page.
+// Turning the head by mouse, touch and keys: it follows, stops at its limits and turns back. Swipes scroll the page.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { difference, launch, picture } from '../../lib/browser.mjs';
@@ -23,7 +23,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page with one head at rest that holds still but for what the user does. */
+/** Opens a page with one head that moves only by user input. */
 async function open(options = {}) {
   const page = await browser.newPage({ viewport: { width: 500, height: 600 }, ...options });
   page.problems = [];
@@ -49,7 +49,7 @@ test('it follows the mouse as far as it goes, and turns back when let go', async
   await page.mouse.down();
   await page.mouse.move(290, 300, { steps: 4 });
   await reaches(page, 12);
-  await page.mouse.move(800, 300, { steps: 4 }); // beyond the picture: it is held
+  await page.mouse.move(800, 300, { steps: 4 }); // beyond the picture the drag continues
   await reaches(page, 25);
   const right = await picture(page, 'turn-right', {});
   assert.ok(difference(straight, right).count > 500, 'it is seen');

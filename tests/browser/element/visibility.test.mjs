@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What cannot be seen is not drawn where no graphics processor draws: the picture is the same, with far fewer triangles.
+// Software rendering skips invisible triangles: the picture stays the same with far fewer of them.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -56,14 +56,14 @@ window.compare = (faps, turned) => {
   }
   return { different, points, triangles, all: head.parts.reduce((sum, { shape }) => sum + shape.part.index.length / 3, 0), picture, whole };
 };
-/** How many points of a face are changed where edges are made soft, and how many are half clear with that and without. */
+/** Counts pixels changed by edge smoothing, and half-transparent pixels with and without it. */
 window.edges = () => {
   head.setFaps(new Float32Array(69));
   view.turned = { yaw: 0, pitch: 0 };
   const soft = drawn(() => view.draw());
   view.edges.uniforms.leap.value = 1e9;
   const hard = drawn(() => view.draw());
-  const [first, half] = [4 * canvas.width * (canvas.height >> 1), (pixels, i) => Number(pixels[i + 3] > 40 && pixels[i + 3] < 215)]; // above what fades
+  const [first, half] = [4 * canvas.width * (canvas.height >> 1), (pixels, i) => Number(pixels[i + 3] > 40 && pixels[i + 3] < 215)]; // above the fade-out
   const found = { points: 0, changed: 0, soft: 0, hard: 0, samples: view.target.samples };
   for (let i = first; i < soft.length; i += 4) {
     found.points += Number(soft[i + 3] > 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A video of poses, given to the page that makes a head from a picture: of each pose the picture that shows it most is taken, and what is no video of this face is told.
+// Uploads a video of poses to the page that makes a head from pictures: it takes the strongest picture of each pose, and reports videos of anything else.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -14,8 +14,8 @@ import { checkStayed, watchPage } from '../../lib/page-private.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-page-film-'));
 const file = (name) => path.join(folder, name);
-const HELD_MS = 700; // each picture of a video
-const WAIT = { timeout: 400000 }; // a busy machine looks through a video slowly
+const HELD_MS = 700; // duration of each picture in the video
+const WAIT = { timeout: 400000 }; // a busy machine analyses a video slowly
 let daemon, browser, page, watched;
 
 const draw = async (name, head, faps, change) => writePng(await photograph(heads, head, 0, undefined, { width: 360, height: 468, faps, change }), file(name));
@@ -40,7 +40,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** What this browser records of pictures, one after the other: a WebM that does not say how long it is. */
+/** Records pictures one after the other with the browser's MediaRecorder: a WebM without a duration. */
 async function recorded(names) {
   const bytes = await page.evaluate(async ([pictures, held]) => {
     const images = await Promise.all(pictures.map(async (data) => {

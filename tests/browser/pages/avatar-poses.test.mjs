@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page that makes a head from a picture is given pictures of poses, too: a head of ours that smiles in a way that no tool knows. What the page learns of them,
-// and what it says of pictures that will not do.
+// Uploads pictures of poses to the page that makes a head from pictures: a head whose smile is unknown to the tools. Checks what the page learns from them, and its
+// messages for unsuitable pictures.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -38,14 +38,14 @@ before(async () => {
   await draw('smile.png', 'luca', poses.smile, withHabits);
   await draw('IMG_7.png', 'luca', poses['brows-up'], withHabits);
   await draw('stranger.png', 'bruno', poses.smile);
-  fs.copyFileSync(file('front.png'), file('open.png')); // it is not
-  fs.copyFileSync(file('front.png'), file('IMG_8.png')); // nothing at all
+  fs.copyFileSync(file('front.png'), file('open.png')); // does not show an open mouth
+  fs.copyFileSync(file('front.png'), file('IMG_8.png')); // shows no pose
   fs.copyFileSync(file('front.png'), file('puff.png'));
   await writePng({ data: Buffer.alloc(200 * 200 * 4, 150), width: 200, height: 200 }, file('wall.png'));
   fs.writeFileSync(file('sad.png'), 'GIF89a no picture');
   await writeJpeg(await photograph(heads, 'luca', 0, undefined, { ...SIZE, faps: poses.smile, change: withHabits }), file('smile.jpg'));
   const frame = fs.readFileSync(file('smile.jpg'));
-  fs.writeFileSync(file('camera.mjpeg'), Buffer.concat(Array(8).fill(frame))); // what Chromium's camera of a file takes, again and again
+  fs.writeFileSync(file('camera.mjpeg'), Buffer.concat(Array(8).fill(frame))); // the file that Chromium's fake camera plays in a loop
   daemon = await Daemon.start();
   browser = await launch({ flags: ['--use-fake-ui-for-media-stream', '--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file('camera.mjpeg')}`] });
   page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A short turn before the camera, which is a film of Bruno: the page chooses its three pictures, and nothing leaves it.
+// Turns a head in front of the camera (a film of Bruno): the page chooses three pictures, and none leaves it.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
@@ -19,7 +19,7 @@ const TURNS = [0, 20, 42, 0, -20, -42]; // degrees, one after the other, again a
 const HELD = 24; // frames
 let daemon, browser, folder;
 
-/** Frames one behind the other are what Chromium's camera of a file takes as MJPEG. */
+/** Writes concatenated JPEG frames, the MJPEG file that Chromium's fake camera plays. */
 async function film(file) {
   const bruno = unpack(JSON.parse(fs.readFileSync(path.join(models, 'heads/bruno.json'), 'utf8')));
   const seen = new Map();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The card for Home Assistant's dashboards, in a page of another origin that plays the part of the dashboard.
+// The card for Home Assistant dashboards, in a page of another origin that imitates a dashboard.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { PNG } from 'pngjs';
@@ -17,7 +17,7 @@ before(async () => {
   page.on('pageerror', (error) => problems.push(String(error)));
   await page.goto(pages.url);
   await page.evaluate(async (server) => {
-    // what the dashboard has
+    // an element that dashboards define
     customElements.define('ha-card', class extends HTMLElement {});
     await import(`${server}/faccia-card.js`);
     window.states = { 'sensor.kitchen_state': { state: 'idle' } };

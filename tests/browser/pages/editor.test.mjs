@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The markup editor in a browser: words marked by keyboard, heard, written in three markups that the daemon reads, saved and opened again; and
-// a stretch of the Face Player that becomes a gesture.
+// The markup editor in a browser: marks words by keyboard, plays them, writes three markups that the daemon reads, saves and reopens; and turns
+// a stretch of the Face Player into a gesture.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -49,7 +49,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   };
   await page.evaluate(() => document.querySelector('#head').addEventListener('begin', () => (document.body.dataset.begun = Number(document.body.dataset.begun ?? 0) + 1)));
   await put('bella', 'affect', 'joy');
-  await page.waitForFunction(() => Number(document.body.dataset.begun) >= 1); // heard at once
+  await page.waitForFunction(() => Number(document.body.dataset.begun) >= 1); // plays at once
   await page.uncheck('#at-once');
   await put('sorpresa', 'emphasis', 'strong');
   await put('Che', 'gesture', 'wink');
@@ -64,7 +64,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: path.join(artefacts, 'editor.png'), fullPage: true });
 
-  // what a markup cannot say is told; and a warning leads to its place
+  // reports what a markup cannot express; a warning links to its place
   await put('Buongiorno', 'affect', 'shame');
   assert.match(await page.textContent('#verdict'), /JSML non può dire: Affetto shame/);
   await page.selectOption('#markup', 'ssml');
@@ -76,7 +76,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   await page.keyboard.press('Enter');
   assert.equal(await page.evaluate(() => document.querySelector('#code').value.slice(document.querySelector('#code').selectionStart, document.querySelector('#code').selectionEnd)), '<faccia:gesture name="winc"/>');
 
-  // a mark is taken away by keyboard, the text edited, the result saved and opened again
+  // removes a mark by keyboard, edits the text, saves and reopens the result
   await page.focus('#marks button');
   await page.keyboard.press('Enter');
   assert.equal(await page.locator('#marks li').count(), 0);
@@ -92,7 +92,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   await page.waitForFunction(() => document.querySelector('#marks').textContent.includes('mamma'));
   assert.equal(await page.inputValue('#code'), written);
 
-  // into the library, and out of it; what somebody else has saved meanwhile stays
+  // saves to the library and loads from it; concurrent changes by others are not overwritten
   const file = path.join(folder, 'works/saluto.ssml');
   const said = (pattern, box = '#news') => page.waitForFunction(([source, at]) => new RegExp(source).test(document.querySelector(at).textContent), [pattern.source, box]);
   await page.fill('#work-name', 'saluto');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A page of another origin, under a strict policy, that embeds a work: in a frame, in a frame in a sandbox as WordPress makes it of a
-// pasted link, and as captions of a film. The frames are read, and heard.
+// Embeds a work in a page of another origin under a strict policy: in a frame, in a sandboxed frame as WordPress makes it of a pasted link, and
+// as captions of a video. The frames show text and play sound.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -25,7 +25,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** The site's page with the body, under a policy that allows nothing but frames and media of the daemon. */
+/** Opens the site's page with this body, under a policy that allows only frames and media of the daemon. */
 async function open(body) {
   const policy = `default-src 'none'; frame-src ${daemon.url}; media-src ${daemon.url}`;
   site.files['/'] = { body: `<!doctype html><html lang="it"><title>Sito</title><body>${body}</body></html>`, headers: { 'content-security-policy': policy } };

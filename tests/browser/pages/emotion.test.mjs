@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The emotion player in a real browser, and the element's living face: idling, the mood, captions of marked-up text.
+// The emotion player in a real browser, and the element's idle face, mood, and captions of marked-up text.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { artefacts, Daemon, root } from '../../lib/daemon.mjs';
@@ -24,7 +24,7 @@ const thumb = () => page.evaluate(() => {
   const { ariaValueNow, ariaValueText } = document.querySelector('#thumb');
   return { now: Number(ariaValueNow), text: ariaValueText };
 });
-/** Waits until FAP n is in the range, in the face as drawn. */
+/** Waits until FAP n of the drawn face is in the range. */
 const drawn = (n, least, most) =>
   page.waitForFunction(
     ([fap, from, to]) => {
@@ -34,14 +34,14 @@ const drawn = (n, least, most) =>
     [n, least, most],
     { timeout: 60000 },
   );
-/** Waits for so many pictures. */
+/** Waits until `count` pictures are drawn. */
 const frames = (count, on = page) =>
   on.evaluate(async (n) => {
     for (let i = 0; i < n; i++) await new Promise(requestAnimationFrame);
   }, count);
 /**
- * Waits until the mouth and the brows stay as they are for fifteen faces: an expression has come to its end. The rest of the face lives on.
- * Where drawing is slow a face stays for many beats of the display; one that does not change at all counts once in half a second.
+ * Waits until mouth and brows are constant for fifteen drawn faces, so an expression has settled; the rest of the face keeps moving. With slow
+ * drawing a face stays for many display refreshes; an unchanged face counts once per half second.
  */
 const settled = (on = page) =>
   on.evaluate(async () => {
@@ -100,7 +100,7 @@ test('the mood is seen at once on the idling face', async () => {
   await page.fill('#intensity', '100');
   await drawn(12, 150, 1200);
   await settled();
-  // the mouth's part of the picture
+  // the region of the mouth
   const { width, height } = neutral;
   const mouth = { left: Math.round(width * 0.35), right: Math.round(width * 0.65), top: Math.round(height * 0.5), bottom: Math.round(height * 0.75) };
   let changed;
@@ -151,7 +151,7 @@ test('the mixture is shown as markup that the server takes without a warning', a
 test('the values of the face are shown while she speaks in that mood', async () => {
   await page.selectOption('#affect', 'joy');
   await page.fill('#text', 'La mamma parla piano, e la nonna ascolta la radio in cucina.');
-  // Kept in the page: a look from here now and then can miss what is shown for a second.
+  // Recorded in the page, because polling from here can miss what is shown for a second.
   await page.evaluate(() => {
     const head = document.querySelector('talking-head');
     const body = document.querySelector('#faps tbody');
@@ -164,7 +164,7 @@ test('the values of the face are shown while she speaks in that mood', async () 
     document.querySelector('#faps-box').open = true;
   });
   let jaw = 0, smile = 0;
-  for (let go = 0; go < 4 && !(jaw > 100 && smile > 50); go++) { // a slow machine draws few faces of a sentence
+  for (let go = 0; go < 4 && !(jaw > 100 && smile > 50); go++) { // repeats, because a slow machine draws few faces of a sentence
     await page.evaluate(() => (window.ended = false));
     await page.click('#speak');
     await page.waitForFunction(() => window.ended, null, { timeout: 60000 });
@@ -177,7 +177,7 @@ test('from idling to speech and back the face as drawn takes no jump', async () 
   await page.focus('#thumb');
   await page.keyboard.press('Home');
   await settled();
-  // From one drawn face to the next is only a step where the machine draws in time: the best of some goes.
+  // Steps between drawn faces are meaningful only if the machine draws in time: takes the best of several attempts.
   let edges, held = Infinity;
   for (let go = 0; go < 6 && held > 60; go++) {
     await record(page);
@@ -187,12 +187,12 @@ test('from idling to speech and back the face as drawn takes no jump', async () 
     const faces = log.filter((l, i) => !i || l.running !== log[i - 1].running || `${l.fapValues}` !== `${log[i - 1].fapValues}`);
     const now = faces.slice(1).map((l, i) => [faces[i], l]).filter(([a, b]) => a.running !== b.running);
     const longest = Math.max(...now.map(([a, b]) => b.now - a.now));
-    // more than two: the sound had to wait in the middle
+    // more than two edges: sound was interrupted
     if (now.length === 2 && longest < held) [edges, held] = [now, longest];
   }
   assert.ok(edges, 'no utterance without a gap');
   const slack = Math.max(1, held / 60);
-  // 0.04 rad of the head, or a lip by half the height of an eye, in one step, would be a jump
+  // a jump would be 0.04 rad of the head, or a lip by half the height of an eye, in one step
   for (const [a, b] of edges) {
     for (const n of [48, 49, 50]) assert.ok(Math.abs(b.fapValues[n] - a.fapValues[n]) < 4000 * slack, `${held} ms, head ${a.fapValues[n]} to ${b.fapValues[n]}`);
     for (const n of [3, 4, 5, 12, 13]) assert.ok(Math.abs(b.fapValues[n] - a.fapValues[n]) < 160 * slack, `${held} ms, mouth ${n}: ${a.fapValues[n]} to ${b.fapValues[n]}`);
@@ -226,8 +226,8 @@ test('keeping still she shows her mood all the same, and holds it', async () => 
   const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
   const shown = () => page.evaluate(() => document.querySelector('talking-head').faps);
   await change("head.setAttribute('still', ''); head.setAttribute('expression', 'joy 0.9')");
-  await page.waitForFunction(() => document.querySelector('talking-head').faps[12] > 20, null, { timeout: 60000 }); // a corner of the lips
-  let before; // the mood has been taken on when it changes no more
+  await page.waitForFunction(() => document.querySelector('talking-head').faps[12] > 20, null, { timeout: 60000 }); // a mouth corner
+  let before; // waits until the mood has settled
   for (let now = await shown(); !isDeepStrictEqual(now, before); now = await shown()) {
     before = now;
     await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1000)));
@@ -303,7 +303,7 @@ test('with less motion the emotions show on a face that is still otherwise', asy
   const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
   await frames(30, other);
   const now = await other.evaluate(() => document.querySelector('talking-head').faps);
-  // 1e-5 rad; a living head turns by hundreds of them in half a second, what is left of a transition does not
+  // 1e-5 rad: idle motion turns the head by hundreds of units in half a second, the rest of a transition does not
   const turned = [(now[48] ?? 0) - pitch, (now[49] ?? 0) - yaw];
   assert.ok(turned.every((angle) => Math.abs(angle) < 20), `turned by ${turned}`);
   await other.close();

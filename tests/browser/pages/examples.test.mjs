@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of examples in a real browser: every example opens and does what it says, fields change the element, the source follows.
+// The page of examples in a real browser: every example opens and works, fields change the element, and the source is updated.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -41,7 +41,7 @@ async function follow(id, on = page) {
 const logged = (name, on = page) => on.waitForSelector(`#log li[data-event="${name}"]`, { state: 'attached', timeout: 60000 });
 const code = (on = page) => on.locator('#source').textContent();
 
-/** Events that this browser, or this daemon, has no occasion for: they are seen elsewhere in this file. */
+/** Events that do not occur in this browser or daemon; other tests of this file cover them. */
 const ELSEWHERE = { token: ['authorized'], calibrate: ['calibrated'] };
 
 for (const story of stories)

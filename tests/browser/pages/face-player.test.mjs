@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Face Player in a browser: what was just spoken is seen, played, scrubbed, edited, taken back, saved.
+// The Face Player in a browser: shows the last speech, plays, scrubs, edits, undoes and saves it.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -53,7 +53,7 @@ test('what was spoken: plots, frames beside the head, a key dragged, undone, sav
   assert.equal(await at(12), 900);
   const over = await page.locator('[data-plot="curves"] .u-over').boundingBox();
   const place = { x: over.x + (over.width * 12) / 25 / (await page.evaluate(() => document.querySelector('#scrub').max / 25)), y: over.y + 20 };
-  await page.mouse.dblclick(place.x, place.y + over.height / 2); // another key, by mouse
+  await page.mouse.dblclick(place.x, place.y + over.height / 2); // adds a key by mouse
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
   const file = await download.path();
   const saved = parseFap(fs.readFileSync(file, 'utf8'));
@@ -100,7 +100,7 @@ test('what a stream has just spoken is handed on from the first page, with its s
   assert.deepEqual(take.words.map(({ text }) => text), ['La', 'mamma', 'prepara', 'il', 'pane']);
   assert.ok(take.phones > 15 && Math.abs(take.face - take.sound) < 0.3 && take.sound > 1.2, JSON.stringify(take));
   assert.ok(take.vowel > 1e5, JSON.stringify(take));
-  assert.ok(take.m[0] + take.m[1] > take.a[0] + take.a[1], `the lips are nearer to each other in /m/: ${take.m}, ${take.a}`); // both are down and up, towards closing
+  assert.ok(take.m[0] + take.m[1] > take.a[0] + take.a[1], `the lips are nearer to each other in /m/: ${take.m}, ${take.a}`); // positive values close the lips
   assert.equal(await page.evaluate(() => Number(document.querySelector('#scrub').max) + 1), Math.round(take.face * 25));
   await page.screenshot({ path: path.join(artefacts, 'player-last.png') });
   assert.deepEqual(problems, []);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of a room on the screens that it hangs on: the answers are within reach, and it gets over what happens to its network.
+// The page of a room on wall screens: answers are reachable, and it recovers from network failures.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import http from 'node:http';
@@ -18,9 +18,9 @@ const OFFERS = {
   long: { question: 'Che cosa desidera? '.repeat(20).trim(), choices: [1, 2, 3, 4, 5, 6, 7, 8].map(long) },
   word: { question: 'Parola', choices: ['Precipitevolissimevolmente'.repeat(6), 'No'] },
 };
-const TOUCH = 44; // pixels that a finger takes
+const TOUCH = 44; // minimum size of a touch target, CSS pixels
 
-/** A network between browser and daemon that can be taken away, and comes back at the same address. */
+/** A proxy between browser and daemon that can be taken down and restored at the same address. */
 class Network {
   #sockets = new Set();
   #server = null;
@@ -66,7 +66,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** The page of the room through the network, connected. */
+/** Opens the room's page through the proxy and waits until it is connected. */
 async function open(context) {
   const page = await (context ?? browser).newPage(context ? undefined : { locale: 'it-IT' });
   page.problems = [];
@@ -77,7 +77,7 @@ async function open(context) {
   return page;
 }
 
-/** Where the answers lie: each as it lies when the reader has scrolled to it, in what scrolls by hand. */
+/** Positions of the answers, each after scrolling to it in its scrollable container. */
 const reach = (page) => page.evaluate(() => {
   const inside = (box) => box.left >= -0.5 && box.top >= -0.5 && box.right <= innerWidth + 0.5 && box.bottom <= innerHeight + 0.5;
   const scrolls = (element) => {
@@ -91,7 +91,7 @@ const reach = (page) => page.evaluate(() => {
     if (box) box.scrollTop += button.getBoundingClientRect().top - box.getBoundingClientRect().top;
     const rect = button.getBoundingClientRect();
     const frame = box?.getBoundingClientRect();
-    // of one that is higher than what scrolls a part is seen at a time
+    // an answer taller than its container is only partly visible
     const seen = frame ? { left: rect.left, right: rect.right, top: Math.max(rect.top, frame.top), bottom: Math.min(rect.bottom, frame.bottom) } : rect;
     const at = document.elementFromPoint((seen.left + seen.right) / 2, (seen.top + seen.bottom) / 2);
     found.push({ inside: inside(seen), frame: !frame || inside(frame), height: seen.bottom - seen.top, width: seen.right - seen.left, hit: at === button });
@@ -212,9 +212,9 @@ test('what is kept is never given where the daemon answers, and another version 
   await network.begin(daemon.url, network.port);
 });
 
-// The browser's own policy: a page that nobody has touched plays nothing. Whatever a test evaluates in a page counts as a touch, so the page tells of itself.
+// Browsers block sound in pages without a user gesture. Evaluating code in a page counts as a gesture, so this page reports by its console.
 test('an announcement on a screen that nobody has touched was not heard, as faccia-say says; after a touch it was', async () => {
-  const whole = await launch({ webgl: false, whole: true }); // the one without windows has no such policy
+  const whole = await launch({ webgl: false, whole: true }); // the headless shell has no such policy
   const page = await whole.newPage({ locale: 'it-IT' });
   const lines = [];
   page.on('console', (message) => lines.push(message.text()));
@@ -228,7 +228,7 @@ test('an announcement on a screen that nobody has touched was not heard, as facc
   await page.goto(`${network.url}/room.html?room=atrio`);
   const said = (line) => eventually(() => lines.includes(line), `"${line}" among ${lines}`, 120000);
   await said('idle');
-  await said('sound blocked'); // before anything is said: who announces something is told in time
+  await said('sound blocked'); // reported before the first speech, in time for an announcement
   const say = async () => {
     const child = spawn(path.join(build, 'server/bridges/faccia-say'), ['--url', daemon.url, '--room', 'atrio', '--lang', 'it', '--wait', 'La cena è pronta.']);
     let told = '';

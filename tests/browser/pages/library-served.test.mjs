@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A folder of texts as the daemon serves it: the page, plain pages without scripts, oEmbed, and what is there without a network.
+// The library as served by the daemon: its page, plain pages without scripts, oEmbed, and offline use.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -82,7 +82,7 @@ test('a text that the address names is asked for with the page, once, and is the
   });
   await page.addInitScript(() => localStorage.setItem('faccia.reading', JSON.stringify({ size: '2', wide: true, contrast: false })));
   await page.goto(`${daemon.url}/library.html?embed&at=mare:1:l2`, { waitUntil: 'commit' });
-  await page.waitForSelector('[id="mare:1:l2"]'); // library.js waits
+  await page.waitForSelector('[id="mare:1:l2"]'); // rendered by the server; library.js is delayed
   assert.deepEqual(await page.evaluate(() => [document.body.className, document.querySelector('#passage').className, document.querySelector('#passage').lang, getComputedStyle(document.querySelector('#passage')).fontSize]), ['embed open', 'wide', 'it', '32px']);
   await eventually(() => free, 'library.js to be asked for');
   free();
@@ -100,14 +100,14 @@ test('the page: found, opened, read; and again without a network, with sound, un
   await page.locator('#q').fill('LUNA');
   await page.click('#results a');
   await page.waitForSelector('[id="mare:1:l1"]');
-  await page.waitForFunction(() => !document.querySelector('#keep').hidden); // the worker is there
+  await page.waitForFunction(() => !document.querySelector('#keep').hidden); // the service worker is active
   await page.evaluate(() => navigator.serviceWorker.ready);
   await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');
   await page.evaluate(() => void (window.words = []) || document.querySelector('#head').addEventListener('reading', ({ detail }) => window.words.push(detail.text)));
   await page.click('#play');
   await page.waitForFunction(() => window.words.includes('calmo'));
   await page.keyboard.press('Escape');
-  await page.reload(); // now the worker sees what is asked for
+  await page.reload(); // now the service worker handles requests
   await page.waitForSelector('[id="mare:1:l1"]');
   await page.evaluate(() => document.querySelectorAll('details').forEach((box) => (box.open = true)));
   await page.click('#keep');
@@ -150,6 +150,6 @@ test('a recording is heard at the speed that is chosen: its own, and one and a h
   };
   const usual = await heard(1), faster = await heard(1.5);
   assert.deepEqual([usual.rate, faster.rate], [null, String(Math.round(own * 1.5))]);
-  assert.ok(Math.abs(usual.duration / faster.duration / 1.5 - 1) < 0.05, `${usual.duration}, ${faster.duration} s`); // what is added at the end stays
+  assert.ok(Math.abs(usual.duration / faster.duration / 1.5 - 1) < 0.05, `${usual.duration}, ${faster.duration} s`); // the final pause is not scaled
   await page.close();
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The library's page: search, read, listen, and by whom it can be used. The texts' answers stand in for a daemon's; the speech is real.
+// The library's page: search, reading, listening, accessibility. Library answers are fakes; speech is real.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -59,7 +59,7 @@ test('search as one types, open a passage there, hear it with its words marked, 
     window.read = [];
     document.querySelector('#head').addEventListener('reading', ({ detail }) => window.read.push([detail.text, detail.range.startContainer.parentElement.closest('.line')?.id]));
   });
-  await page.click('#play'); // from the line that was linked
+  await page.click('#play'); // from the linked line
   await page.waitForFunction(() => window.read.length > 2);
   assert.deepEqual((await page.evaluate(() => window.read)).slice(0, 3), [['Il', 'mare:1:l6'], ['mare', 'mare:1:l6'], ['è', 'mare:1:l6']]);
   await page.evaluate(() => document.querySelectorAll('details').forEach((box) => (box.open = true)));
@@ -84,7 +84,7 @@ test('keys do everything, and can be switched off; a line is repeated; looks are
     document.querySelector('#head').addEventListener('reading', ({ detail }) => window.read.push(detail.text));
   });
   await page.mouse.click(500, 5);
-  for (let i = 0; i < 2; i++) await page.keyboard.press('l'); // the heading, then the first line
+  for (let i = 0; i < 2; i++) await page.keyboard.press('l'); // to the heading, then to the first line
   await page.keyboard.press('r');
   await page.evaluate(() => (document.querySelector('#speed').value = 2, document.querySelector('#speed').dispatchEvent(new Event('input'))));
   await page.keyboard.press(' ');
@@ -112,14 +112,14 @@ test('keys do everything, and can be switched off; a line is repeated; looks are
 test('a recording that is being aligned, and where it and the text differ: told, marked, heard by another voice', async () => {
   const page = await open();
   await page.waitForSelector('#works a');
-  const verses = section.blocks.find(({ id }) => id === 'mare:1:g1'); // a sentence over two lines, with the newlines round it
+  const verses = section.blocks.find(({ id }) => id === 'mare:1:g1'); // a sentence over two lines, including its newlines
   const states = [
     { state: 'waiting' }, { state: 'aligning', share: 0.41 },
     { state: 'aligned', unread: [{ passage: 'mare:1:g1', start: verses.lines[2].start - 1, end: verses.lines[3].end + 1, confidence: 0, time: 6 }, { passage: 'mare:1:p1', start: 0, end: 28, confidence: 0.1, time: 9 }], unwritten: [{ passage: 'mare:1:g2', at: 0, time: 12, seconds: 4.1 }] },
   ];
   let now = 0;
   await page.route('**/v1/library/works/mare/sections/1', (route) => route.fulfill({ json: { ...answers['/v1/library/works/mare/sections/1'](), recording: { voice: 'recording:mare', file: 'mare.wav', ...states[now] } } }));
-  await page.clock.install(); // so that what is looked at again is so when the test says so
+  await page.clock.install(); // the test controls polling
   await page.evaluate(() => (location.hash = 'mare:1:l9'));
   await page.waitForFunction(() => /attende/.test(document.querySelector('#recording-state').textContent));
   assert.deepEqual(await page.evaluate(() => [...document.querySelector('#voice').options].slice(0, 2).map(({ value }) => value)), ['', 'recording']);
@@ -154,7 +154,7 @@ test('a recording that is being aligned, and where it and the text differ: told,
   await page.waitForFunction(() => window.said.length > 1);
   assert.match(await page.evaluate(() => window.said.find(({ voice }) => voice).voice), /^(espeak|festival|kokoro):/, 'not the recording');
   await page.waitForFunction(() => document.querySelector('.unheard.now'));
-  // she reads it whole with these marks in it
+  // the whole passage, with the marks in it
   await page.evaluate(() => document.querySelector('#head').stop());
   await page.waitForFunction(() => !document.querySelector('.unheard.now'));
   await page.selectOption('#voice', '');
@@ -187,8 +187,8 @@ test('in the frame of another site: the text and she alone; a phone has both in 
     const [range] = CSS.highlights.get('talking-head-word') ?? [];
     const her = document.querySelector('.her').getBoundingClientRect();
     const word = range?.getBoundingClientRect();
-    const speaks = document.querySelector('talking-head').debug?.().state === 'speaking'; // it may not be defined yet
-    if (window.spoke && !speaks) document.querySelector('#play').click(); // she was done before anybody looked
+    const speaks = document.querySelector('talking-head').debug?.().state === 'speaking'; // the element may not be defined yet
+    if (window.spoke && !speaks) document.querySelector('#play').click(); // the speech had ended before this check
     window.spoke = speaks;
     return word && word.top >= 0 && word.bottom <= her.top + 1 && her.bottom <= innerHeight + 1;
   }, null, { timeout: 120000 });

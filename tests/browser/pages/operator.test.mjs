@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The operator's desk and the face of a room, together: what is said, offered and chosen, and a daemon that comes back.
+// The operator's desk together with a room's face: speech, choices and answers, and reconnecting to a daemon.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -20,7 +20,7 @@ const open = async (address, options) => {
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 120000 });
   return page;
 };
-/** Waits until the room's page is in that state, or was since it was last asked: a busy machine may not look while a sentence is said. */
+/** Waits until the room's page is in that state, or was since the last call, because a busy machine may miss a short sentence. */
 const state = async (name) => {
   await kiosk.waitForFunction((wanted) => document.body.dataset.state === wanted || (wanted === 'speaking' && window.states.includes(wanted)), name, { timeout: 120000 });
   await kiosk.evaluate(() => (window.states.length = 0));
@@ -55,16 +55,16 @@ test('the operator types, and the face of the room says it', async () => {
   await state('speaking');
   await desk.waitForFunction(() => document.querySelector('#said .sentence span')?.textContent.includes('cena'));
   await state('idle');
-  // a page of a busy machine may have missed the whole sentence
+  // repeats, because a page on a busy machine may miss the whole sentence
   const again = () => daemon.get('/v1/say?room=cucina&lang=it&mode=quiet', { method: 'POST', body: 'La mamma parla, la mamma apre la bocca.' });
   await eventually(async () => (await kiosk.evaluate(() => window.opened)) > 100 || void (await again()), 'lips that move');
   await daemon.get('/v1/stop?room=cucina', { method: 'POST' });
   await state('idle');
-  // word by word, and whole once the desk has heard its end, too
+  // word by word, and complete after the end event
   await desk.waitForFunction(() => document.querySelector('#said .sentence span').textContent === 'La cena è pronta, mamma.');
   const here = (page, text) => page.waitForFunction((wanted) => document.querySelector('#listeners').textContent === wanted, text);
   await here(desk, 'Nella stanza: 1');
-  // a desk is no listener, and sees others
+  // a desk does not count as a listener, and lists other desks
   const other = await browser.newPage({ locale: 'it-IT' });
   await other.goto(`${daemon.url}/operator.html?room=cucina&name=Bruno`);
   await here(desk, 'Nella stanza: 1 · Altri che operano: Bruno');
@@ -124,14 +124,14 @@ test('what waits can be changed, and is said in its order', async () => {
   const head = (act) => desk.evaluate((name) => document.querySelector('talking-head')[name](), act);
   await desk.fill('#text', 'La prima frase, che dura un poco di più delle altre.');
   await desk.click('#speak');
-  await head('pause'); // however slow this machine is
+  await head('pause'); // however slow the machine is
   for (const each of ['Uno.', 'Due.', 'Tre.']) {
     await desk.fill('#text', each);
     await desk.click('#later');
   }
   await desk.click('#queue li:nth-child(3) button:nth-of-type(1)'); // Tre before Due
   await desk.fill('#queue li:nth-child(1) input', 'Quattro.');
-  await desk.click('#queue li:nth-child(3) button:nth-of-type(3)'); // Due is taken away
+  await desk.click('#queue li:nth-child(3) button:nth-of-type(3)'); // removes Due
   await head('resume');
   await desk.waitForFunction(() => [...document.querySelectorAll('#said .sentence span')].at(-1).textContent === 'Tre.', null, { timeout: 60000 });
   const said = await desk.$$eval('#said .sentence span', (all) => all.map((each) => each.textContent));
@@ -255,7 +255,7 @@ test('a study asks first; after a no nothing of the listener is written down, an
   }
   assert.deepEqual(await violations(kiosk), []);
   await stands('asked');
-  assert.doesNotMatch(await log(), /,chosen,/); // of the time before
+  assert.doesNotMatch(await log(), /,chosen,/); // from earlier
   await kiosk.keyboard.press('2');
   await stands('declined');
   await answered('Malissimo');
@@ -300,13 +300,13 @@ test('hours in a room leave nothing behind; the picture moves, and the link come
   const [first, last] = [samples[0], samples.at(-1)];
   for (const name of ['nodes', 'listeners', 'audio', 'timers']) assert.ok(last[name] <= first[name] + 4, `${name}: ${samples.map((each) => each[name])}`);
   assert.ok(last.heap < 1.15 * first.heap, `bytes: ${samples.map(({ heap }) => heap)}`);
-  assert.ok(places.length >= 5, places.join(', ')); // so that nothing burns in
+  assert.ok(places.length >= 5, places.join(', ')); // moves, to prevent burn-in
   assert.deepEqual([links, answers, wrong], [5, 4, []]);
 });
 
 test('when the daemon is gone in the middle of a word the room’s page says so, and comes back with it; nothing is said twice', async () => {
   const { port } = daemon;
-  // long enough for a slow machine to hear that it has begun before it ends
+  // long enough that a slow machine gets its begin before its end
   const lost = `Questa frase la sente solo a metà, ${'e continua piano piano ancora per un poco, '.repeat(5)}perché il demone se ne va prima che sia finita, e nessuno la dice di nuovo.`;
   await kiosk.evaluate(() => {
     window.begun = [];
@@ -320,7 +320,7 @@ test('when the daemon is gone in the middle of a word the room’s page says so,
   await desk.waitForFunction((text) => [...document.querySelectorAll('#said .refused span')].at(-1)?.textContent === text, lost);
   daemon = await Daemon.start(['--port', String(port)]);
   await state('idle');
-  // the desk that asked asks the daemon again, which has forgotten
+  // the desk repeats its request, because the restarted daemon has lost it
   await kiosk.waitForSelector('#consent:focus');
   await desk.waitForFunction(() => document.querySelector('#consent').dataset.consent === 'asked');
   await fetch(`${daemon.url}/v1/say?room=cucina&lang=it`, { method: 'POST', body: 'Eccomi di nuovo.' });

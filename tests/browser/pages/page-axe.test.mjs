@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// axe-core on every page, in each state that it can be in.
+// Runs axe-core on every page in each of its states.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -20,7 +20,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** Looks at the page by all rules, and at its contrasts in the dark and in the system's colours, too. */
+/** Checks the page by all rules, and its contrast also in dark mode and forced colours. */
 async function flawless(page, state) {
   const looks = [['light', {}], ['dark', { colorScheme: 'dark' }, ['color-contrast']], ['forced', { forcedColors: 'active' }, ['color-contrast']]];
   for (const [name, media, rules] of looks) {
@@ -50,7 +50,7 @@ test('the first page: loading, at rest, halted in a word, with an error, all ope
   await page.fill('#text', long);
   await page.click('#speak');
   await page.waitForSelector('#said mark:not(:empty)');
-  await page.click('#pause'); // the word stays marked
+  await page.click('#pause'); // the word stays highlighted
   await page.waitForFunction(() => document.querySelector('#pause').textContent === 'Continua');
   await flawless(page, 'halted');
   await page.click('#stop');
@@ -59,7 +59,7 @@ test('the first page: loading, at rest, halted in a word, with an error, all ope
   await page.waitForSelector('#problem .place');
   await page.click('#more summary');
   await page.click('#caption-box summary');
-  await page.evaluate(() => Object.defineProperty(navigator, 'clipboard', { value: undefined })); // as where pages are not secure
+  await page.evaluate(() => Object.defineProperty(navigator, 'clipboard', { value: undefined })); // as in insecure contexts
   await page.click('#link');
   await page.waitForSelector('#link-field');
   await flawless(page, 'open');

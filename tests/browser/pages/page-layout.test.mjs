@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The pages on a phone, at 200 %, and the captions as the reader wants them, also in the system's colours.
+// Pages on a phone and at 200 % zoom, and captions in the reader's style, also with forced colours.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -19,7 +19,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page without waiting for its head. */
+/** Opens a page without waiting for its head. */
 async function visit(name, options) {
   const page = await browser.newPage({ locale: 'it-IT', ...options });
   await page.goto(`${daemon.url}/${name}`);
@@ -108,7 +108,7 @@ test('captions are as the reader chose them, on all pages and the next time', as
     const now = await look();
     assert.deepEqual([now.ground, now.colour], [ground, colour], name);
   }
-  // so great that only a part of the sentence fits
+  // so large that only part of the sentence fits
   await page.evaluate(() => {
     window.captions = new Set();
     const box = document.querySelector('talking-head').shadowRoot.querySelector('.captions');

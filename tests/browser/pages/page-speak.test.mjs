@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first page: the reader's language, links, voices, pause and repeat, the transcript, errors in words with what to do.
+// The first page: the reader's language, links, voices, pause and repeat, the transcript, and errors with advice.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { after, before, test } from 'node:test';
@@ -16,7 +16,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page that is ready, and keeps what its head tells in window.heard. */
+/** Opens a page, waits until it is ready, and records the head's events in window.heard. */
 async function visit(address = '/', options = {}) {
   const page = await browser.newPage({ locale: 'it-IT', ...options });
   page.problems = [];
@@ -130,7 +130,7 @@ test('pause, go on, repeat; all that was said can be read, heard again, copied a
   const page = await visit('/', { permissions: ['clipboard-read', 'clipboard-write'], acceptDownloads: true });
   const button = (id) => page.locator(`#${id}`);
   assert.equal(await button('pause').getAttribute('aria-disabled'), 'true');
-  // kept in the page, which is halted there, too: a busy machine can be late by some words
+  // recorded and paused in the page, because a busy machine may be late by some words
   await page.evaluate(() => {
     window.marked = new Set();
     document.querySelector('talking-head').addEventListener('word', ({ detail }) => {
@@ -195,7 +195,7 @@ test('errors are told in the reader’s language, with their place and the way t
     await page.click('#speak');
     await page.waitForSelector('#problem .place');
     assert.match(await page.textContent('#problem .what'), what);
-    const { line, column, message } = (await of(page, 'warning')).find((each) => each.code === 'bad-xml'); // the word is spoken all the same
+    const { line, column, message } = (await of(page, 'warning')).find((each) => each.code === 'bad-xml'); // the word is still spoken
     assert.equal(await page.textContent('#problem .place'), place.replace('2', line).replace('8', column));
     assert.equal(await page.textContent('#problem .detail'), message);
     assert.equal(await page.getAttribute('#problem .detail', 'lang'), 'en');
@@ -224,7 +224,7 @@ test('what was said of a lost connection goes when it is back', async () => {
   const { port } = daemon;
   await daemon.stop();
   await page.waitForFunction(() => /connessione si è interrotta|server/.test(document.querySelector('#problem').textContent));
-  await page.waitForFunction(() => document.querySelector('#connection').textContent === 'Non connesso, si riprova'); // between two tries
+  await page.waitForFunction(() => document.querySelector('#connection').textContent === 'Non connesso, si riprova'); // between two attempts
   daemon = await Daemon.start(['--port', String(port)]);
   await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open', null, { timeout: 40000 });
   assert.equal(await page.textContent('#problem'), '');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A daemon that demands tokens: every page takes one from its address or from a field, keeps it for the tab, and says what is wrong.
+// A daemon that requires tokens: every page takes one from its address or a field, keeps it for the tab, and reports errors.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -62,7 +62,7 @@ test('without one the field is there; a wrong one is called wrong, a good one is
   await asked(page);
   assert.equal(await why(page), 'Questo server chiede un codice di accesso.');
   for (let i = 0; i < 2; i++) {
-    // twice the same, which is tried twice
+    // the same invalid token again is tried again
     await page.evaluate(() => (window.heard = []));
     await page.fill('#token', 'eyJhbGciOiJIUzI1NiJ9.eyJzdWIiOiJhbm5hIn0.AAAA');
     await page.press('#token', 'Enter');
@@ -87,7 +87,7 @@ test('one that is too old is called so, in the language of the page; what is ref
   await page.goto(`${daemon.url}/voices.html?token=${token('--expires', '1s')}`);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().connection === 'open');
   await page.waitForFunction(() => {
-    // it is asked for again and again until it is too old
+    // speaks repeatedly until the token expires
     const head = document.querySelector('talking-head');
     if (document.querySelector('#access').hidden && !head.debug().running) head.speak('Evet.', { lang: 'tr' });
     return !document.querySelector('#access').hidden;

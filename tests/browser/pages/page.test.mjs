@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page in a real browser: she loads, speaks, is heard, opens her mouth on /a/ and closes it on /p b m/.
+// The demo page in a real browser: the head loads and speaks, sound plays, the mouth opens on /a/ and closes on /p b m/.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { difference, launch, openPage, picture, record } from '../../lib/browser.mjs';
@@ -32,7 +32,7 @@ test('the page shows the head', async () => {
   assert.deepEqual(page.problems, []);
 });
 
-/** Says the text once. */
+/** Speaks the text once and returns the log. */
 async function spokenOnce() {
   await page.evaluate(() => (window.heard = []));
   await record(page);
@@ -53,7 +53,7 @@ test('a sentence is spoken: sound flows, the face follows, captions run', async 
     element.pose(null);
   });
   let once = await spokenOnce();
-  for (let again = 0; again < 3 && once.underruns; again++) once = await spokenOnce(); // the machine was held up
+  for (let again = 0; again < 3 && once.underruns; again++) once = await spokenOnce(); // repeats, because the machine was too busy
   const { log, heard, underruns } = once;
   const spoken = log.filter((l) => l.running && l.audioTime !== null);
   const duration = heard.find((e) => e.type === 'end').duration;
@@ -62,7 +62,7 @@ test('a sentence is spoken: sound flows, the face follows, captions run', async 
   assert.equal(underruns, 0);
   assert.ok(Math.max(...spoken.map((l) => l.fapValues[JAW])) > 150, 'the jaw opened');
   assert.ok(heard.filter((e) => e.type === 'word').length >= 8);
-  // what was drawn belongs to what is heard: the drawing's own age is known
+  // the drawn face is in sync with the sound, allowing for the age of the drawing
   const late = spoken.map((l) => Math.abs(l.audioTime - l.frameTime - l.frameAge / 1000));
   assert.ok(late.sort((a, b) => a - b)[Math.floor(late.length / 2)] < 0.02, `median skew ${late[Math.floor(late.length / 2)]}`);
   assert.deepEqual(page.problems, []);
@@ -73,14 +73,14 @@ test('open on /a/, closed on /p b m/: in the FAPs and in the pixels', async (t) 
   const { phones } = await (await post('json')).json();
   const { fps, frames } = parseFap(await (await post('fap')).text());
   const at = (phone, place) => frames[Math.round((phone.start + place * (phone.end - phone.start)) * fps)];
-  const opening = (frame) => -frame[UPPER] - frame[LOWER]; // how far the lips are apart
+  const opening = (frame) => -frame[UPPER] - frame[LOWER]; // distance of the lips
 
   const open = phones.filter((p) => p.ipa === 'a' && p.stress === 2).map((p) => at(p, 0.5)).sort((a, b) => opening(b) - opening(a))[0];
   const neutral = await picture(page, 'rest', {});
   const wide = await picture(page, 'open-a', open);
   const mouth = difference(neutral, await picture(page, 'lips-apart', { 4: -300, 5: -600, 8: -250, 9: -250, 10: -500, 11: -500 }));
   assert.ok(mouth.right - mouth.left < neutral.width / 3, 'only the mouth moves');
-  const shownOpen = difference(neutral, wide, mouth).count; // teeth, tongue and the dark between the lips
+  const shownOpen = difference(neutral, wide, mouth).count; // pixels of teeth, tongue and darkness between the lips
   assert.ok(opening(open) > 150, `opening of /a/ ${opening(open)}`);
   assert.ok(shownOpen > 300, `${shownOpen} pixels changed on /a/`);
 
@@ -99,7 +99,7 @@ test('a pose that is held is drawn once, and no more until something changes', a
   t.after(() => page.evaluate(() => document.querySelector('talking-head').pose(null)));
   const frames = () => page.evaluate(() => document.querySelector('talking-head').debug().frames);
   await page.evaluate(() => document.querySelector('talking-head').pose({ 3: 400 }));
-  // as many pictures as the browser has in a second
+  // 60 animation frames
   const second = () => page.evaluate(async () => { for (let i = 0; i < 60; i++) await new Promise(requestAnimationFrame); });
   await second();
   const before = await frames();
@@ -107,7 +107,7 @@ test('a pose that is held is drawn once, and no more until something changes', a
   assert.equal(await frames(), before);
   assert.deepEqual(await page.evaluate(() => document.querySelector('talking-head').faps), { 3: 400 });
   await page.evaluate(() => document.querySelector('talking-head').pose(null));
-  await page.waitForFunction((from) => document.querySelector('talking-head').debug().frames > from + 2, before, { timeout: 60000 }); // she lives on
+  await page.waitForFunction((from) => document.querySelector('talking-head').debug().frames > from + 2, before, { timeout: 60000 }); // idle motion continues
 });
 
 test('stop is silence at once, and the mouth goes to rest', async () => {

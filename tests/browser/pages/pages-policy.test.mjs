@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The daemon's own pages under the policy that it sends with them, and in the frames of others.
+// The daemon's pages under their content security policy, and in frames of other sites.
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { once } from 'node:events';
@@ -17,7 +17,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A page whose violations and errors are kept. */
+/** Opens a page and records violations and errors. */
 async function open(url) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 800 } });
   page.problems = [];
@@ -34,7 +34,7 @@ for (const name of ['', 'voices.html', 'emotion.html'])
   test(`/${name} draws, speaks and sounds without a violation`, async () => {
     const page = await open(`${daemon.url}/${name}`);
     await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().state === 'idle', null, { timeout: 60000 });
-    await page.mouse.click(500, 5); // a browser gives sound to a page that was touched
+    await page.mouse.click(500, 5); // browsers allow sound only after a user gesture
     const end = await page.evaluate(() => document.querySelector('talking-head').speak('La mamma parla.', { lang: 'it' }));
     assert.equal(end.reason, 'done');
     assert.deepEqual(page.problems, []);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page that makes a head from a picture, in a real Chromium: NASA's public-domain portrait of Eileen Collins, as Debian's python3-skimage has it.
+// The page that makes a head from a picture, with NASA's public domain portrait of Eileen Collins from Debian's python3-skimage.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';

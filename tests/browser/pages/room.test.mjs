@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two pages in one room: what a script says there is heard, seen and captioned on both, at the same time.
+// Two pages in one room: speech from a script is heard, seen and captioned on both at the same time.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch, openPage } from '../../lib/browser.mjs';
@@ -11,7 +11,7 @@ before(async () => {
   daemon = await Daemon.start();
   browser = await launch({ webgl: false });
   pages = await Promise.all([1, 2].map(() => openPage(browser, daemon.url)));
-  for (const page of pages) await page.setViewportSize({ width: 360, height: 480 }); // both are drawn at once: small pictures
+  for (const page of pages) await page.setViewportSize({ width: 360, height: 480 }); // small, because both are drawn at once
 });
 after(async () => {
   await browser?.close();

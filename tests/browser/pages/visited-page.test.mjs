@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a page that somebody visits can make the browser fetch from a daemon on their machine, in a real Chromium.
+// What a visited web page can make Chromium fetch from a daemon on the user's machine.
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { after, before, test } from 'node:test';
@@ -8,7 +8,7 @@ import { Daemon } from '../../lib/daemon.mjs';
 
 let browser, daemon, visited;
 before(async () => {
-  // both names lead to this machine, as a router's or an attacker's name may
+  // both names resolve to this machine, as a router's or an attacker's name may
   browser = await launch({ webgl: false, flags: ['--host-resolver-rules=MAP evil.example 127.0.0.1,MAP face.example 127.0.0.1'] });
   daemon = await Daemon.start(['--host-name', 'face.example']);
   visited = http.createServer((_, response) => response.writeHead(200, { 'content-type': 'text/html' }).end('<!DOCTYPE html><title>Elsewhere</title>'));
@@ -20,7 +20,7 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** Has a page of another origin fetch the address as an image, a sound, a script, a frame, a form and with fetch, and gives the statuses. */
+/** Lets a page of another origin load the address as image, sound, script, frame, form and with fetch. Returns the statuses. */
 async function embedded(address) {
   const page = await browser.newPage();
   const answers = [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page that compares voices, by keyboard alone: the voices of a language are listed, each speaks on the one face.
+// The page that compares voices, by keyboard: lists the voices of a language; each speaks on the same face.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch, openPage } from '../../lib/browser.mjs';
