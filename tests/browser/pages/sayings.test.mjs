@@ -5,9 +5,9 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { violations } from '../lib/axe.mjs';
-import { launch } from '../lib/browser.mjs';
-import { artefacts, Daemon, eventually } from '../lib/daemon.mjs';
+import { violations } from '../../lib/axe.mjs';
+import { launch } from '../../lib/browser.mjs';
+import { artefacts, Daemon, eventually } from '../../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-sayings-'));
 const [works, reports] = ['works', 'reports'].map((name) => path.join(folder, name));
