@@ -18,7 +18,7 @@ static const struct layout {
     const char *places[PLACES];
 } layouts[] = {
     {{"server/daemon", "server/cli", "server/voice"},
-     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/library/align/faccia-align",
+     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/library/faccia-align",
       "server/daemon/faccia-reader"}},
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",

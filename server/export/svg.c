@@ -108,15 +108,3 @@ void svg_line(struct buf *out, const struct svg_axes *a, const double *x, const 
             buf_printf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.4\" fill=\"%s\"/>\n", svg_x(a, x[i]),
                        svg_y(a, y[i]), style.colour);
 }
-
-enum {
-    WIDTH = 1100,
-    LEFT = 56,
-    TOP = 78,
-    CURVE_HEIGHT = 190,
-    CURVE_ROW = 262,
-    COLUMNS = 3,
-    CELL = 356,
-    ROW = 196,
-    CELL_HEIGHT = 128
-};

@@ -110,7 +110,7 @@ int work_read(const char *folder, const char *path, struct work_meta *meta, cons
               struct error *e);
 
 /* Opens the file for work_read, or NULL with *e. */
-FILE *work_open(const char *folder, const char *path, struct error *e);
+FILE *work_file_open(const char *folder, const char *path, struct error *e);
 
 /* True when the ending is that of a work. */
 bool work_is(const char *path);

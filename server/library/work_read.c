@@ -140,7 +140,7 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
     return result;
 }
 
-FILE *work_open(const char *folder, const char *path, struct error *e) {
+FILE *work_file_open(const char *folder, const char *path, struct error *e) {
     FILE *file = open_file_below(folder, path);
     if (!file)
         error_set(e, ERROR_BAD_WORK, "%s", error_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
@@ -154,7 +154,7 @@ static int work_read_file(const char *name, FILE *file, struct work_meta *meta, 
 
 int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
               struct error *e) {
-    FILE *file = work_open(folder, path, e);
+    FILE *file = work_file_open(folder, path, e);
     if (!file)
         return -1;
     int result = work_read_file(path, file, meta, sink, e);
@@ -557,7 +557,7 @@ int work_read_apart(const struct reader *reader, const char *folder, const char 
     struct hearing h = {.sink = sink, .meta = meta, .error = e};
     if (!reader || !reader->program || !*reader->program)
         return work_read(folder, path, meta, sink, e);
-    FILE *file = work_open(folder, path, e);
+    FILE *file = work_file_open(folder, path, e);
     if (!file)
         return -1;
     const char *const args[] = {"work", path, meta->lang ? meta->lang : "en", NULL};

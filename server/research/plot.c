@@ -3,6 +3,18 @@
 #include <math.h>
 #include <stdio.h>
 
+enum {
+    WIDTH = 1100,
+    LEFT = 56,
+    TOP = 78,
+    CURVE_HEIGHT = 190,
+    CURVE_ROW = 262,
+    COLUMNS = 3,
+    CELL = 356,
+    ROW = 196,
+    CELL_HEIGHT = 128
+};
+
 static void draw_legend(const struct plot *p, struct buf *out) {
     enum { IN_ROW = 5 };
     svg_text(out, LEFT, 24, 16, "start", p->title);

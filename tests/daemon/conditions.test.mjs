@@ -14,7 +14,7 @@ after(() => fs.rmSync(folder, { recursive: true }));
 const sources = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../../server');
 
 /** All executables below a folder of the build. */
-const programs = ['daemon', 'cli', 'library/align', 'bridges', 'voice'].flatMap((part) => {
+const programs = ['daemon', 'cli', 'library', 'bridges', 'voice'].flatMap((part) => {
   const under = path.join(build, 'server', part);
   return fs.readdirSync(under).map((name) => path.join(under, name))
     .filter((file) => fs.statSync(file).isFile() && fs.statSync(file).mode & 0o100 && fs.readFileSync(file).subarray(1, 4).toString() === 'ELF' && !file.endsWith('.so'));
