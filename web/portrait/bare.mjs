@@ -5,7 +5,7 @@ import { eachTexel, smoothOver } from './surface.mjs';
 
 const NEAR = [10, 15]; // mm: what is so near has their shadow, what is farther has not
 const TEMPLE = [1, 5]; // mm outward of the eyes: lids keep what is painted on them
-const ROUNDS = 24; // by which colours from about come in
+const ROUNDS = 24; // rounds of smoothing by which surrounding colours fill in
 const LEAST = 1e-5;
 
 /**

@@ -4,21 +4,21 @@
 import { LIP_CORNERS, LOWER_LIP, UPPER_LIP } from './landmarks.mjs';
 import { inside, ramp, smoothOver } from './surface.mjs';
 
-const DARK = [0.4, 0.65]; // of the skin's brightness: hair, and what is none
-const PALE = [0.2, 0.45]; // by how much less red than the skin (logarithms): what is no grey hair, and what is
+const DARK = [0.4, 0.65]; // of the skin's brightness: from certainly hair to certainly none
+const PALE = [0.2, 0.45]; // less red than the skin by (logarithms): from no grey hair to certainly grey hair
 // Below the mouth: the middle of the brightness, that of the darkest quarter, and the share of vertices that are as pale. Else
 // it is a shadow, or hair that hardly differs from its skin. Of drawn faces without a beard none was below 0.52, 0.39 and above
 // 0; with one, at least one figure lay beyond its bound on each of six.
 const HAIRY = { bright: 0.34, quarter: 0.2, pale: 0.06 };
 const LIPS = 1.5; // mm about them that are theirs
-const BEGINS = 2; // rounds by which it reaches beyond what is dark: hairs are thin there
+const BEGINS = 2; // rounds by which it extends beyond the dark area, where hair is thin
 
 
 /**
  * @param {import('./fit.mjs').Points} base @param {object} part its skin @param {number[]} seen vertices that the picture shows
- * @param {(vertex: number) => number} brightness there, of that of the face's skin
+ * @param {(vertex: number) => number} brightness there, relative to the face's skin
  * @param {(vertex: number) => number} paleness there: how much less red than the face's skin (a difference of logarithms)
- * @returns {Float32Array|null} of each vertex how much it is the beard's, 0 to 1; null: there is none
+ * @returns {Float32Array|null} the beard's share of each vertex, 0 to 1; null: no beard
  */
 export function beardOf({ at }, part, seen, brightness, paleness) {
   const { position, vertices } = part;

@@ -9,7 +9,7 @@ const CLOSE = 960; // pixels of the piece with the face: the detector's places a
 const AROUND = 0.6; // of the face's box, on each side of it
 const LEAST_SCORE = 0.4;
 const LEAST_FACE = 80; // pixels
-const SECOND_FACE = 0.4; // of the larger one's size: a smaller one is somebody behind
+const SECOND_FACE = 0.4; // of the larger face's size: a smaller one is in the background
 
 /** @param {string} models @param {string} wasm addresses that end in "/", of the nets' files and of WebAssembly's */
 export function detectorSettings(models, wasm) {
@@ -26,9 +26,9 @@ export function detectorSettings(models, wasm) {
 }
 
 /**
- * A piece of a picture, scaled: each new pixel is the mean of those that it covers, or lies between its neighbours.
+ * Cuts and scales a piece of a picture: each new pixel is the mean of those that it covers, or interpolates its neighbours.
  * @param {{width: number, height: number, data: ArrayLike<number>}} picture RGBA
- * @param {{x: number, y: number, size: number[]}} piece its corner, and columns and rows; what lies outside is as the border
+ * @param {{x: number, y: number, size: number[]}} piece its corner, and columns and rows; pixels outside repeat the border
  * @returns {{data: Int32Array, width: number, height: number, scale: number}} RGB
  */
 export function piece({ width, height, data }, { x, y, size }, longest) {

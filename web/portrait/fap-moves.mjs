@@ -55,13 +55,12 @@ export function fapsOf([LI, LS, AR, PI, PS, EM, thinUpper, thinLower]) {
 }
 
 /**
- * What is expected before anything is seen (of four languages as they are spoken here): a lower lip goes with the jaw,
- * lips are pushed as the mouth gets
- * narrow, mm for a mm; and how much else is to be expected, standard deviations in mm, wide for what the front shows well.
+ * The prior of the fit, from speech of four languages made here: the lower lip follows the jaw, lips are pushed forward as the
+ * mouth gets narrow, mm per mm; and standard deviations in mm, wide for movements that are visible from the front.
  */
 const WITH = { LI: ['EM', 0.8], PI: ['AR', -0.155], PS: ['AR', -0.215] };
 const EXPECTED = [3, 4, 8, 0.6, 0.35, 8, 0.4, 0.4];
 const LINKS = UNKNOWNS.map((name) => (WITH[name] ? { to: UNKNOWNS.indexOf(WITH[name][0]), share: WITH[name][1] } : null));
 
-/** Somebody who speaks, as lay.mjs looks for him. */
+/** The unknowns of speech, for lay.mjs. */
 export const SPEECH = { unknowns: UNKNOWNS, moved: MOVED, fapsOf, expected: EXPECTED, links: LINKS };

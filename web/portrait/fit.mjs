@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What shape a face has, from the landmarks of pictures of it: where those landmarks are on a head of that shape.
+// Fits the shape of a face to the landmarks in pictures of it: the positions of these landmarks on a head.
 //
 // A base head is known by the landmarks that the same detector finds in its own portrait, and by the places on its skin
 // where they are seen (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and
@@ -7,7 +7,7 @@
 import { align, upright } from './align.mjs';
 import { EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
 
-/** How much of a difference in depth is believed: from one picture the detector guesses it. */
+/** The share of a difference in depth that is used: from one picture the detector only guesses it. */
 const DEPTH = 0.6;
 /**
  * Lips that are further apart than this share of the mouth's width are parted: such a mouth tells little of the one at rest.
@@ -34,7 +34,7 @@ export function laid(landmarks, base) {
   return { points, turn: onto.turn, yaw, pitch };
 }
 
-/** How unlike a base head's shape is, root mean square in mm. */
+/** Returns the difference from a base head's shape, root mean square in mm. */
 export function unlikeness(landmarks, base) {
   const { points } = laid(landmarks, base);
   const which = STEADY.filter((i) => base.at[i]);
@@ -92,7 +92,7 @@ export const isFront = ({ yaw }) => Math.abs(yaw) < TURNED;
 export const tooTurned = ({ yaw, pitch }) => Math.abs(yaw) > MOST_FRONT || Math.abs(pitch) > 0.5;
 
 /**
- * Where an eye goes as a whole: ball, lids and margin keep their form, so that lids close as they did.
+ * Moves an eye as a rigid whole: ball, lids and margins keep their form, so that the lids still close.
  * @returns {{from: number[], to: number[], roll: number, scale: number}}
  */
 export function eyeMoves(target, base) {

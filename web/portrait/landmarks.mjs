@@ -29,7 +29,7 @@ const MOVING = new Set([
   ...UPPER_LIP.flat(), ...LOWER_LIP.flat(), ...Object.values(LIP_CORNERS).flat(), ...Object.values(BROWS).flat(),
   ...Object.values(EYES).flatMap(({ lower, upper, iris }) => [...lower, ...upper, ...iris]),
 ]);
-/** What no expression moves much: by these a face is laid onto another. */
+/** Landmarks that expressions hardly move: they align faces. */
 export const STEADY = Array.from({ length: 468 }, (_, i) => i).filter((i) => !MOVING.has(i));
 
 /** Those that a person sees and may move, with the feature point of MPEG-4 that each stands for where there is one. */
@@ -48,8 +48,8 @@ export const HANDLES = [
 ];
 
 /**
- * Landmarks of which some were moved by hand: their neighbours come along, less the farther they are.
- * @param {number[][]} points @param {Map<number, number[]>} moved landmark -> where it is put (columns and rows)
+ * Moves landmarks by hand; their neighbours follow, less with distance.
+ * @param {number[][]} points @param {Map<number, number[]>} moved landmark -> its new position (columns and rows)
  */
 export function withMoved(points, moved) {
   const size = Math.hypot(points[10][0] - points[152][0], points[10][1] - points[152][1]);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 /**
- * Laying a speaker's face (speaker.mjs) onto a picture: how the head stands and what lips and jaw do, such that every
- * place of the skin looks
- * as it did at rest. Gauss and Newton's steps with weights by which what looks otherwise (teeth, shadows, an eye that
- * blinks) does not count.
+ * Registers a speaker's face (speaker.mjs) with a picture: finds the pose of the head and the movement of lips and jaw for
+ * which every point of the skin looks as at rest. Gauss-Newton steps with robust weights, so that outliers (teeth, shadows, a
+ * blinking eye) do not count.
  */
 import { SPEECH } from './fap-moves.mjs';
 import { lookAt, planesOf } from './planes.mjs';
@@ -12,10 +11,10 @@ import { solve } from './solve.mjs';
 const WIDTHS = [2.4, 1.2, 0.6]; // mm of blur, from coarse to fine
 const STEPS = [5, 5, 6];
 const CLOSE = [0.1, 0.05, 0.02]; // mm: steps that are smaller are the last
-const EACH = [4, 2, 1]; // of the places one in so many
+const EACH = [4, 2, 1]; // at each level, one in this many sample points
 const POSE = 6;
 const JAW = 5;
-const NOISE = 0.3; // of 255: pictures are no truer
+const NOISE = 0.3; // of 255: noise of pictures
 // what is unexpected by a standard deviation costs an opening that is tried as much as so many places that look otherwise
 const SURPRISE = 4;
 // as much counts what is expected: places beside each other say the same thing, and what is left over is no noise
@@ -29,7 +28,7 @@ const NUDGE = 0.02; // mm, for derivatives
 const TRIALS = { EM: [-6, -4, -2, 0, 2, 4, 6], LI: [-3, -1.5, 0, 1.5, 3, 5, 8, 11], LS: [-2, 0, 2] };
 const MOST = { EM: 20, LI: 20, LS: 7, below: 7 }; // mm; below: of the lower lip from the jaw
 
-/** Where the head stands: turn (3 x 3), scale, shift; a small turn more, in rad about x, y and z. */
+/** Adds a small rotation, in rad about x, y and z, to the pose of the head: turn (3 x 3), scale, shift. */
 export const turned = ({ turn, scale, onto }, [rx, ry, rz, size, u, v]) => {
   const angle = Math.hypot(rx, ry, rz);
   const [x, y, z] = angle ? [rx / angle, ry / angle, rz / angle] : [0, 0, 1];
@@ -61,13 +60,13 @@ export class Layer {
     this.#fields = model.unknowns.map(() => new Float64Array(3 * speaker.count));
   }
 
-  /** How far an unknown is from what is expected with the others. */
+  /** Returns the deviation of an unknown from its expectation, given the others. */
   #unexpected(q, p) {
     const link = this.model.links[p];
     return q[p] - (link ? link.share * q[link.to] : 0);
   }
 
-  /** What the unknowns do to the places, and what a little more of each would. */
+  /** Computes the displacements of the sample points by the unknowns, and their derivatives. */
   #moves(q, slopes) {
     const { fields } = this.speaker;
     const { unknowns, moved, fapsOf } = this.model;
@@ -119,7 +118,7 @@ export class Layer {
     return planesOf(picture, [u0 - y, v0 - y, u1 - u0 + 2 * y, v1 - v0 + 2 * y], stand.scale, WIDTHS);
   }
 
-  /** What is seen at the places: of each width two lists. */
+  /** Samples the picture at the points: two lists for each width. */
   seen(picture, stand, q) {
     const at = this.places(stand, q);
     const look = (level, plane, i) => (lookAt(level, plane, at[2 * i], at[2 * i + 1], SIGHT) ? SIGHT[0] : NaN);
@@ -164,9 +163,8 @@ export class Layer {
   }
 
   /**
-   * Lips and jaw go farther between two pictures than steps find the way: of several openings that which looks most like
-   * it, and the one after it that is
-   * no neighbour.
+   * Chooses starting points, since lips and jaw move too far between two pictures for the steps: of several openings the most
+   * similar one, and the next best that is no neighbour of it.
    */
   #starts(level, rest, { stand, q }) {
     const tried = [];
@@ -190,7 +188,7 @@ export class Layer {
     return [best(tried.filter((one) => Math.abs(one.q[0] - lips.q[0]) < APART)), other].flatMap((one) => (one ? [one.q] : []));
   }
 
-  /** How many places of the mouth look otherwise than at rest. */
+  /** Counts the points of the mouth that look different from rest. */
   #cost(level, rest, stand, q) {
     const at = this.#mouth.places(stand, q);
     let sum = q.reduce((all, _, p) => all + SURPRISE * (this.#unexpected(q, p) / this.model.expected[p]) ** 2, 0);
@@ -285,7 +283,7 @@ function middle(list, each) {
   return Float64Array.from(known).sort()[known.length >> 1] ?? 0;
 }
 
-/** A speaker of which only some places are looked at. */
+/** Makes a copy of a speaker with a subset of its sample points. */
 function some({ place, fields }, which) {
   const number = new Map(which.map((i, n) => [i, n]));
   const few = ({ at, mm }) => {

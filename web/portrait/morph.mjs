@@ -95,7 +95,7 @@ function vertexAt(parts, place) {
 
 const placeOf = (positions, { part, v }) => [...positions.get(part).subarray(v, v + 3)];
 
-/** How far a unit of a turn moves a point, and whither. */
+/** Returns the displacement of a point by one unit of a turn. */
 function moved({ axis, pivot, radians }, p) {
   const [x, y, z] = p.map((value, k) => value - pivot[k]);
   return [axis[1] * z - axis[2] * y, axis[2] * x - axis[0] * z, axis[0] * y - axis[1] * x].map((value) => value * radians);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What one FAP does to a part of a head: for those that learn how a face moves.
+// Computes what one FAP does to a part of a head, for code that learns how a face moves.
 import { AU, faps } from '../../protocol/fap.mjs';
 import { turned } from '../element/head/mesh/influences.mjs';
 
@@ -10,7 +10,7 @@ const DIRECTIONS = { up: [0, 1, 0], down: [0, -1, 0], left: [1, 0, 0], right: [-
 export const FAPS = Object.fromEntries(faps.flatMap(({ number, fdp, unit, direction, bidirectional }) =>
   (number < 3 ? [] : [[number, { unit, point: fdp.split('/')[0], bidirectional, direction: DIRECTIONS[direction] ?? null }]])));
 
-/** mm that one unit of a FAP means. */
+/** Returns the length of one unit of a FAP, in mm. */
 export const unitLength = ({ fapu }, fap) => (FAPS[fap].unit === 'AU' ? AU : fapu[FAPS[fap].unit] / 1024);
 
 /**

@@ -25,7 +25,7 @@ export function inOrder(views, base) {
 }
 
 /**
- * A picture in which no landmarks are found, as one from the side: like one of the base heads it must be.
+ * Reads a picture without landmarks as one from the side; its outline must resemble one of the base heads.
  * @param {object} picture @param {Record<string, import('./fit.mjs').Points>} table of base heads
  * @returns {{picture: object, outlines: object, points: number[][]}} points: of the line that was found, in the picture
  * @throws {PortraitError}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** What is wrong with a picture, by an identifier that programs and pages know. */
+/** The reason why a picture is refused, with a stable identifier. */
 export class PortraitError extends Error {
   /**
    * @param {'no_face'|'several_faces'|'too_small'|'turned'|'no_picture'|'too_large'|'too_few'|'parted'|'unlike'|

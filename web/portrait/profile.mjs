@@ -10,12 +10,12 @@ const MIDDLE = [10, 151, 9, 8, 168, 6, 197, 195, 5, 4, 1, 19, 94, 2, 164, 0, 11,
 const NOSE = new Set([6, 197, 195, 5, 4, 1, 19, 94, 2]);
 const HAIR = [10, 151]; // where it may hang
 const HIGH = 400; // rows of the picture that is looked at
-const FAR = [13, 45]; // of 255: what differs by more from the background's colour is none, as even as that is
-const LEAST = 0.06; // of the picture: less is no head
+const FAR = [13, 45]; // of 255: difference from the background's colour, for an even and an uneven background
+const LEAST = 0.06; // least share of the picture that a head covers
 const SIZES = [0.22, 0.28, 0.35, 0.43, 0.52, 0.62]; // of the picture's height: forehead to chin
 const ROUNDS = 40;
 const TRIES = 6;
-const TILT = 0.35; // rad: more and it is no upright profile
+const TILT = 0.35; // rad: largest tilt of an upright profile
 const MATCH = 1.25; // as unlike as a face's outline may be
 const ALIKE = 0.6; // as much of the nose and the lips must be in it
 const APART = 4; // mm: from one height to the next
@@ -23,7 +23,7 @@ const LEAP = 5; // mm from one height to another: as unlike as it can be
 const SLOW = 0.1; // as much counts what is slow
 const WORST = 12; // mm: as bad as it can be in a place
 const MOST = 9; // mm of depth: what says more is hair, a hand, a collar
-const WIDE = { nose: 11, other: 30 }; // mm to each side: so far a part of the profile is as deep, standard deviation
+const WIDE = { nose: 11, other: 30 }; // mm to each side over which a part of the profile has the same depth, standard deviation
 const ALONG = 7; // mm up and down
 
 /** The picture, small. */
@@ -167,8 +167,8 @@ const asSeen = ({ scale, tilt, u, v }, [x, y]) => [
 ];
 
 /**
- * How far forward an outline of a head is at heights, mm: the farthest there; null: it is not there. @param {number[]}
- *   heights from the top down
+ * Returns the most forward point of an outline at each height, mm; null: the outline does not reach it.
+ * @param {number[]} heights from the top down
  */
 function forwardAt(own, heights) {
   const out = heights.map(() => null);
@@ -185,8 +185,8 @@ function forwardAt(own, heights) {
 }
 
 /**
- * How unlike an outline is to a profile: faces differ by what changes slowly along them, but each has its nose and its
- *   lips; mm in the mean.
+ * Returns the mean difference of an outline from a profile, mm, without its slow part: faces differ in that, but each has a
+ * nose and lips.
  */
 function unlike(profile, outline, stand) {
   const seen = forwardAt(asHead(outline, stand), profile.heights);
@@ -202,7 +202,7 @@ function unlike(profile, outline, stand) {
   return sum / off.length;
 }
 
-/** How far the outline has the profile's nose and lips, 0 to 1: a ball has none of them. */
+/** Returns how much of the profile's nose and lips the outline has, 0 to 1: a ball has nothing of them. */
 function likeness(profile, outline, stand) {
   const seen = forwardAt(asHead(outline, stand), profile.heights);
   const pairs = profile.forward.flatMap((z, i) => {
@@ -257,11 +257,11 @@ function profileOf(at) {
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];
 
 /**
- * Where a face is in a picture from the side.
+ * Locates a face in a picture from the side.
  * @param {{width: number, height: number}} picture @param {{left: number[][], right: number[][]}} outlines @param
  *   {(number[]|null)[]} at places of landmarks, mm
- * @returns {{way: 'left'|'right', outline: number[][], stand: object, cost: number, points: number[][]}} way: whither
- *   it looks in the picture; outline: forward and up;
+ * @returns {{way: 'left'|'right', outline: number[][], stand: object, cost: number, points: number[][]}} way: the
+ *   direction in which it looks; outline: forward and up;
  *   points: where the landmarks of the middle are in the picture @throws {PortraitError}
  */
 export function layProfile(picture, outlines, at) {
@@ -294,7 +294,7 @@ export function layProfile(picture, outlines, at) {
   return { ...best, points: profile.points.map((p) => asSeen(best.stand, p)).map(([x, y]) => [best.sign * x, -y]) };
 }
 
-/** Of each landmark of the middle how much nearer the outline is than it, mm; the root of the nose stays. */
+/** Returns for each landmark of the middle how far the outline is in front of it, mm; the root of the nose is fixed. */
 function depthsOf(picture, outlines, target) {
   const { outline, stand } = layProfile(picture, outlines, target);
   const { heights, forward } = profileOf(target);

@@ -16,18 +16,18 @@ const SLOW = 17; // mm: what is slower counts as light
 const GAIN = [0.5, 2.2];
 const RIM = [1, 17]; // mm inside the oval: where the picture begins, and is whole
 const LASHES = [0.6, 2.6]; // mm from the lids' margins
-const LID = [0.2, 0.7]; // of a lid's turn: what moves so much when it closes is hidden, or shaded, while it is open
+const LID = [0.2, 0.7]; // of a lid's turn: skin that moves this much on closing is hidden or shaded while the eye is open
 const FACING = [0.2, 0.55]; // cosine towards the picture
 const BETWEEN = [1, 3.2]; // mm from where lips meet: of parted ones a picture shows the teeth there
 const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
-const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
+const SHINE = [1.15, 0.35]; // factor over the surroundings from which skin is shiny, and the share of the excess that is kept
 
-const SHEEN = 0.018; // linear: what shines on skin in the portrait's light, whatever its colour
+const SHEEN = 0.018; // linear: the sheen of skin in the portrait's light, independent of its colour
 
 const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-const FAINT = 0.004; // what is as dark has no colour to be told
+const FAINT = 0.004; // darkness at which no colour can be measured
 const redness = ([r, g, b]) => Math.log((r + FAINT) / (0.7 * g + 0.3 * b + FAINT));
 
 /** Linear colour of a picture between its pixels. */
@@ -73,7 +73,7 @@ export function toneRatio(wanted, drawn) {
   return to.map((x, k) => Math.max(0.15 * x, x - SHEEN) / Math.max(0.15 * from[k], from[k] - SHEEN));
 }
 
-/** Which lip a place belongs to: below the line where they touch, or above. */
+/** Makes the test whether a point is on the lower lip: below the line where the lips touch. */
 function lowerLip(base) {
   const line = lipLine(base.at).sort((a, b) => a[0] - b[0]);
   const [first, last] = [line[0], line.at(-1)];
@@ -108,7 +108,7 @@ function placesIn(landmarks, base, positions, chosen) {
   return out;
 }
 
-/** How much of each vertex's skin a picture may give, 0 to 1, by where it is on the face. */
+/** Returns the share of each vertex's skin that a picture may supply, 0 to 1, by its position on the face. */
 function maskOf(base, { position: positions, turns }, isLid) {
   const oval = OVAL.map((i) => base.at[i]).filter(Boolean);
   const eyes = Object.values(EYES).map(({ outer, lower, inner, upper }) =>
@@ -139,7 +139,7 @@ function fromLipLine(base, position) {
   });
 }
 
-/** What changes slowly of colours on the skin: their mean over some mm, each counted by its weight. */
+/** Low-pass filters colours on the skin: their weighted mean over some mm. */
 function slowly(positions, colours, weights, chosen) {
   const sources = chosen.filter((v, i) => weights[v] > 0.3 && i % 3 === 0);
   const out = new Float32Array(colours.length);
@@ -214,7 +214,7 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
   const layers = pictures.map((one, i) =>
     layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
     look: eyes }));
-  // Of the base it is known how its skin looks when it is drawn, by the same measure: light adds to what the texture has.
+  // The base's drawn skin is known by the same measure: light adds to its texture.
   const ratio = toneRatio(tone.is, base.tone);
   // The picture shows its own light, too: this much of its colour belongs to the texture.
   const unlit = tone.was.map((x, k) => (x * ratio[k]) / (tone.is[k] + 1e-4));
@@ -224,7 +224,7 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
     for (const v of one.chosen)
       for (let k = 0; k < 3; k++) one.gain[3 * v + k] = unlit[k] * Math.min(GAIN[1],
         Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (unlit[k] * one.slow[3 * v + k] + 1e-4)) ** EVEN));
-    // The evening moves the tone: cheeks and forehead, by which it is measured, are lit more than their surroundings.
+    // Evening the light shifts the tone: cheeks and forehead, where it is measured, are lit more than their surroundings.
     const wanted = skinTone(base, position, own, one.weight);
     const painted = one.colours.map((x, i) => x * one.gain[i]);
     for (const v of one.chosen) for (let k = 0, dull = dulled(one.colours, one.slow, v); k < 3; k++) painted[3 * v + k] *= dull;
@@ -240,7 +240,7 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
   return { width: size[0], height: size[1], data, tone, bearded: layers.some((one) => one.bearded) };
 }
 
-/** Where several pictures see the skin, the one that looks straight at it wins, softly. */
+/** Blends several pictures of the skin by how directly each faces it. */
 function divide(layers) {
   const [{ weight: first }] = layers;
   for (let v = 0; v < first.length; v++) {
@@ -266,7 +266,7 @@ function skinTone(base, position, colours, weight = null) {
   return vertices.length ? medians(vertices.map((v) => [...colours.subarray(3 * v, 3 * v + 3)])) : null;
 }
 
-/** What is left of a colour that shines. */
+/** Reduces the shine of a colour. */
 function dulled(colours, slow, v = 0) {
   const bright = luma(colours.subarray?.(3 * v) ?? colours) / (luma(slow.subarray?.(3 * v) ?? slow) + 1e-4);
   return bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;

@@ -10,11 +10,11 @@ import { SPEECH } from './fap-moves.mjs';
 import { movedBy, unitLength } from './moved.mjs';
 
 const STEP = 1.25; // mm between the places
-const TRIAL = 3; // mm by which a FAP is tried
+const TRIAL = 3; // mm: trial value of a FAP
 const BOX = { left: -52, right: 52, below: -24, above: 34 }; // mm: below: from the chin; the others from between the eyes
 const FACING = 0.45; // cosine: what looks more aside is left out
 const LEAST = 0.004; // mm for a mm: what moves less stands
-const LIDS = 0.02; // weight of a lid from which on a place counts as one
+const LIDS = 0.02; // least weight of a lid for a point that counts as part of it
 
 /** The base head's skin in the shape of the face; moved: what a FAP does to it, in mm for a mm. */
 function skinOf(json, base, landmarks) {
@@ -101,8 +101,8 @@ export function speakerOf(json, base, landmarks, moved = SPEECH.moved) {
 }
 
 /**
- * How the base's mm come into the picture: columns and rows are the first two of scale * turn * place, rows downward, from
- * `onto`.
+ * Returns the projection of the base's mm into the picture: columns and rows are the first two of scale * turn * place, rows
+ * downward, from `onto`.
  */
 export function pictured(landmarks, base) {
   const { turn, points } = laid(landmarks, base);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What is asked of a mesh while a picture is laid onto it.
+// Queries of a mesh onto which a picture is laid.
 
 const CELL = 0.7; // mm
 const BIAS = 1.6; // mm: what lies so little behind the nearest surface is it
 
 /**
- * Which vertices are seen from where a picture was taken, from far.
- * @param {Float32Array} position @param {Uint16Array} index of the part that is asked about @param {{position: Float32Array,
+ * Finds the vertices that are visible in a picture, by parallel projection.
+ * @param {Float32Array} position @param {Uint16Array} index of the part @param {{position: Float32Array,
  *   index: Uint16Array}[]} others
  *   that may hide it @param {number[][]} turn columns: the picture's x, y, z in the head's directions
  * @returns {Uint8Array}

@@ -7,8 +7,8 @@ import { OVAL } from './landmarks.mjs';
 const SMALL = 160; // pixels that sharpness is looked for in
 const ENOUGH = 2; // pictures of each: the sharper one is kept
 /**
- * Radians to the side: within, and best at. The detector tells six tenths of what it is; what is not turned so far is no side
- * (fit.mjs).
+ * Radians to the side: bounds, and the best angle. The detector reports six tenths of the true angle; a smaller turn is no side
+ * view (fit.mjs).
  */
 const SIDES = {
   front: { from: -0.14, to: 0.14, best: 0 },
@@ -57,7 +57,7 @@ export class TurnPicker {
     return side;
   }
 
-  /** Sides of which there is no picture yet, the front first. */
+  /** Sides without a picture yet, the front first. */
   get missing() {
     return Object.keys(SIDES).filter((name) => !this.#kept.has(name));
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /**
- * Where a face has gone in a pose beyond what FAPs as they are would do to it, by looks: points of a coarse grid over it
- * are shifted, each with what lies about it
- * (Rueckert and others, "Nonrigid registration using free-form deformations", 1999). Upper and lower lip are shifted apart.
+ * Measures how a face in a pose differs from what the base's FAPs would do, by image registration: shifts the points of a
+ * coarse grid over it (Rueckert and others, "Nonrigid registration using free-form deformations", 1999). Upper and lower lip
+ * are shifted separately.
  */
 import { lookAt } from '../planes.mjs';
 import { solve } from '../solve.mjs';

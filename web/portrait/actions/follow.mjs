@@ -18,7 +18,7 @@ const SEEN_AT = { // landmarks
   browOuterLeft: 300, browOuterRight: 70,
 };
 const JAW = 3;
-// FAPs of which the front shows little: they do not say how strong a pose is
+// FAPs that are hardly visible from the front: they do not measure the strength of a pose
 const DIM = [16, 17, 18, 39, 40, 41, 42, 44, 45, 46, 61, 62, 63];
 const STRENGTH = [0.2, 2.5]; // of what the program asks for
 const LOST = 0.8; // of the picture's contrast: what is less like the face at rest is not it
@@ -40,13 +40,13 @@ export class Follower {
     this.guess = new PoseGuess(json, points, landmarks);
     this.face = this.guess.face;
     this.speaker = speakerOf(json, points, landmarks, MOVED);
-    this.jaw = json.fapu.MNS / this.speaker.skin.fapu.MNS; // the field of the jaw is told in the base's mm
+    this.jaw = json.fapu.MNS / this.speaker.skin.fapu.MNS; // the field of the jaw is in the base's mm
     this.rest = new Layer(this.speaker, modelOf([]));
     this.look = this.rest.seen(picture, this.speaker, this.rest.still);
     this.contrast = Math.sqrt(this.look.at(-1)[0].reduce((sum, x) => sum + (x * x || 0), 0) / this.speaker.count);
   }
 
-  /** How the head stands and what the base's FAPs do. @param {Layer} layer of the pose @param {object} view */
+  /** Fits the pose of the head and the base's FAPs to a picture. @param {Layer} layer of the pose @param {object} view */
   lay(layer, { picture, landmarks }) {
     const stand = pictured(landmarks, this.points);
     return layer.lay(picture, this.look, { stand, q: this.#guess(layer, laid(landmarks, this.points).points) });
@@ -66,7 +66,7 @@ export class Follower {
     return q;
   }
 
-  /** What FAPs do to the places: mm to the left and up. @param {Map<number, number>} faps mm */
+  /** Computes the displacements by FAPs: mm to the left and up. @param {Map<number, number>} faps mm */
   #moved(faps) {
     const out = new Float64Array(2 * this.speaker.count);
     MOVED.forEach((fap, f) => {

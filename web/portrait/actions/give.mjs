@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/** Actions of somebody's own into a head: more moves of the skin, and of what hangs on it. */
+/** Writes a person's own actions into a head: further moves of the skin and of what is attached to it. */
 import { readModel } from '../../element/head/model/model.mjs';
 import { packNumbers, packVectors } from '../pack.mjs';
 
 const HANGING = ['brows', 'beard', 'mouth'];
-const NEAR = 12; // mm: what is so far from the skin does not hang on it, what is nearer partly
+const NEAR = 12; // mm from the skin at which a part is no longer attached; nearer parts follow in proportion
 const WORTH = 0.03; // mm for a mm: less is not seen, and costs bytes
 
 /** For each vertex of a part the nearest of the skin, and how far it goes along. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /**
- * Which pose a picture shows, by where its landmarks have gone from those at rest: a first guess, for a picture that nobody
- * has named and for a camera that is to keep the best of many.
+ * Guesses the pose in a picture by the displacement of its landmarks from rest: for pictures without a name, and for a camera
+ * that keeps the best of many.
  */
 import { readModel } from '../../element/head/model/model.mjs';
 import { laid } from '../fit.mjs';
@@ -19,7 +19,7 @@ const STILL = 0.7; // mm: what no pose moves more
 const OTHER = 1.5; // mm: faces that differ more, in the middle of what poses leave alone, are two people's
 
 export class PoseGuess {
-  #signs; // name -> columns and rows by which the landmarks go, mm
+  #signs; // name -> displacements of the landmarks (columns and rows), mm
 
   /**
    * @param {object} json the base head
@@ -50,7 +50,7 @@ export class PoseGuess {
     this.still = known.filter((_, i) => most[i] < STILL);
   }
 
-  /** mm by which what poses leave alone differs from the face at rest, the middle of it. */
+  /** Returns the median difference from rest, in mm, of landmarks that no pose moves. */
   unlike(landmarks) {
     const { points } = laid(landmarks, this.points);
     const off = this.still

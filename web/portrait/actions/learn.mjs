@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 /**
- * What a face's poses say of its FAPs: to each action as much of what is left over as it was at work there, all poses at
- * once (after Li, Weise and Pauly,
- * "Example-based facial rigging", 2010). MPEG-4 says what a FAP does to its feature point along its axis: that stays, and
- * so do closed lips, and lids.
+ * Learns a face's FAPs from its poses: distributes the residuals to the actions by their activity, over all poses at once
+ * (after Li, Weise and Pauly, "Example-based facial rigging", 2010). MPEG-4 defines what a FAP does to its feature point along
+ * its axis: that is kept, and so are closed lips and lids.
  */
 import { FAPS } from '../moved.mjs';
 import { smoothOver } from '../surface.mjs';
@@ -16,8 +15,8 @@ import { smoothOver } from '../surface.mjs';
 const ACTIONS = [31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 53, 54, 59, 60, 61, 62, 63];
 const LINE = ['2.5', '2.7', '2.2', '2.6', '2.4']; // where the lips meet
 const TOUCH = { within: 5, deviation: 1.5 }; // mm from there both lips do the same
-const OWN = 0.6; // of what an action does: so much else may be somebody's own, standard deviation
-const SPREAD = 10; // rounds by which an action may reach farther
+const OWN = 0.6; // standard deviation of a person's own share of an action
+const SPREAD = 10; // rounds of smoothing by which an action may spread
 const TRIAL = 6; // mm
 const UNSURE = 0.4; // mm, of what is seen to be left over
 const SMOOTH = 2; // rounds
@@ -27,7 +26,7 @@ const WORTH = 0.03; // mm for a mm: less is not seen, and costs bytes
 
 const step = (t) => (t <= 0 ? 0 : t >= 1 ? 1 : t * t * (3 - 2 * t));
 
-/** What is left over at the places, at the vertices: x and y. */
+/** Interpolates the residuals from the sample points to the vertices: x and y. */
 function onSkin({ on, skin }, shift) {
   const vertices = skin.position.length / 3;
   const [x, y, sum] = [0, 1, 2].map(() => new Float64Array(vertices));
@@ -60,8 +59,7 @@ function fromLine({ position, fdp }) {
 }
 
 /**
- * What touches goes on touching: near the line of the lips each vertex does what those about it do, whatever lip they are
- * of.
+ * Keeps the lips in contact: near their line each vertex moves as its neighbours on both lips.
  */
 function together({ position }, far, own) {
   const near = [...far.keys()].filter((v) => far[v] < TOUCH.within + 2 * TOUCH.deviation);
@@ -83,7 +81,7 @@ function together({ position }, far, own) {
   return out;
 }
 
-/** Of each action: what it does, mm for a mm, and where more may be its own. */
+/** Returns for each action its displacements, mm per mm, and the region in which a person's own share is allowed. */
 function actionsOf({ skin }, poses) {
   const vertices = skin.position.length / 3;
   const lids = smoothOver({ index: skin.index, smooth: skin.smooth, vertices }, skin.lids, 2);
@@ -142,7 +140,7 @@ export function learn(speaker, poses) {
     .filter(({ own: list }) => list.some((x) => Math.abs(x) > WORTH));
 }
 
-/** Of a symmetric, positive matrix. */
+/** Inverts a symmetric, positive definite matrix. */
 function inverted(a) {
   const n = a.length;
   const both = a.map((row, i) => [...row, ...row.map((_, k) => Number(k === i))]);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 /**
- * What lay.mjs looks for in a pose: what speech does, and with it corners, cheeks, nose and brows, each side for itself.
- * All in mm.
+ * The unknowns that lay.mjs fits in a pose: those of speech, and corners, cheeks, nose and brows of each side. All in mm.
  */
 import { SPEECH } from '../fap-moves.mjs';
 
-/** Of each unknown more: its FAPs, and how far each goes with it. */
+/** The further unknowns: their FAPs, and the share of each. */
 const MORE = {
   cornerLeft: { 12: 1, 59: 1 }, cornerRight: { 13: 1, 60: 1 }, aside: { 6: 1, 53: 1, 7: -1, 54: -1 },
   cheekLeft: { 41: 1 }, cheekRight: { 42: 1 }, nostrilLeft: { 61: 1 }, nostrilRight: { 62: 1 }, noseUp: { 63: 1 },

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /**
- * Poses by which somebody's own ways of moving are told: those of Leone's thesis ("LUCIA-WebGL", 3.3) that say something,
- * and some more. Of each what moves in it, of the unknowns in model.mjs; what it is in FAPs, up to how strong it is, as the
- * program asks for it (models/expressions.json, models/pictures/poses.json); and what the person is asked to do.
+ * Poses that show a person's own way of moving: the informative ones of Leone's thesis ("LUCIA-WebGL", 3.3), and some more.
+ * Each has the unknowns of model.mjs that move in it; its FAPs and their greatest strength, as in models/expressions.json and
+ * models/pictures/poses.json; and the instruction for the person.
  */
 
 /** "6 7: 20; 3: -5" */
@@ -60,7 +60,7 @@ export const POSES = {
   f: pose(OPEN, viseme('f1'), 'a long F'),
 };
 
-/** Of the thesis, too: why they are not taken. */
+/** Poses of the thesis that are left out, with the reason. */
 export const LEFT_OUT = Object.fromEntries([
   ['puff', 'the front does not show cheeks that come forward'],
   ['jaw-front', 'the front does not show a jaw that comes forward'],
@@ -68,7 +68,7 @@ export const LEFT_OUT = Object.fromEntries([
     [name, "jaw and the middle of the lips keep the base's way"]),
 ]);
 
-/** @param {string} word a file's name, say @returns {string|null} the pose that it names, or one that is left out */
+/** @param {string} word for example a file's name @returns {string|null} the pose of that name, left out or not */
 export function nameOf(word) {
   const name = word.toLowerCase().replace(/[ _]/g, '-');
   return Object.hasOwn(POSES, name) || Object.hasOwn(LEFT_OUT, name) ? name : null;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 /**
- * The worker of the page of portraits: what takes seconds a picture, beside the page. It is told the face at rest
- * (`rest`), then
- * pictures of poses (`follow`), and puts what was learnt of some of them into a head (`give`). It asks for nothing.
+ * The web worker of the page of portraits, for work that takes seconds a picture. It gets the face at rest (`rest`), then
+ * pictures of poses (`follow`), and writes what it learnt from them into a head (`give`). It makes no requests.
  */
 import { PortraitError } from '../problem.mjs';
 import { Follower, restsClosed } from './follow.mjs';
@@ -29,7 +28,7 @@ const acts = {
   },
 };
 
-/** @param {{id: number, act: string}} message what a page asks @returns {object} what it is told */
+/** @param {{id: number, act: string}} message the page's request @returns {object} the reply */
 export function answer({ id, act, ...rest }) {
   try {
     return { id, answer: acts[act](rest) };
