@@ -5,6 +5,7 @@
 #include "server/base/files.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
+#include "server/normalize/lexicon.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>

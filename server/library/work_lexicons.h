@@ -5,11 +5,11 @@
 #define FACCIA_LIBRARY_WORK_LEXICONS_H
 
 #include "server/library/library.h"
-#include "server/normalize/lexicon.h"
 
 #define LIBRARY_LEXICON "lexicon.pls"
 enum { LIBRARY_LEXICONS_MAX = 1000 }; /* files read; further ones are not */
 
+struct lexicons;
 struct library_files;
 struct index_writer;
 

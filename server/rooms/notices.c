@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/rooms/notices.h"
 #include "server/base/error_json.h"
-#include "server/normalize/lexicon.h"
 #include "server/rooms/events.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
@@ -213,17 +212,13 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
 /* Only a room keeps the lexicon for late joiners, which include replicas of the room. */
 int notice_lexicon(struct channel *c, const json_t *message, struct error *e) {
     const json_t *document = json_object_get(message, "lexicon");
-    const char *text = json_string_value(document);
-    struct lexicon *lexicon = *text ? lexicon_read_sent(text, json_string_length(document), e) : NULL;
-    if ((*text && !lexicon) || count_large(c, "lexicons", e)) {
-        lexicon_free(lexicon);
+    size_t size = json_string_length(document);
+    if (count_large(c, "lexicons", e) || stream_set_lexicon(c->stream, json_string_value(document), size, e))
         return -1;
-    }
     json_t *told = notice_begin(c, "lexicon");
     take_member(message, "lexicon", told);
     struct queued_message *all = notice_tell(c, told, "lexicon");
-    notice_board_lexicon(&c->notices, c->room && lexicon ? all : NULL);
-    stream_set_lexicon(c->stream, lexicon);
+    notice_board_lexicon(&c->notices, c->room && size ? all : NULL);
     queued_message_release(all);
     json_decref(told);
     return 0;

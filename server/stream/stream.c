@@ -236,10 +236,14 @@ static struct utterance *add(struct stream *s, const struct speech_request *requ
     return t;
 }
 
-void stream_set_lexicon(struct stream *s, struct lexicon *lexicon) {
+int stream_set_lexicon(struct stream *s, const char *text, size_t size, struct error *e) {
+    struct lexicon *lexicon = size ? lexicon_read_sent(text, size, e) : NULL;
+    if (size && !lexicon)
+        return -1;
     lexicons_free(&s->lexicons);
     if (lexicon)
         lexicons_add(&s->lexicons, lexicon);
+    return 0;
 }
 
 uint32_t stream_speak(struct stream *s, const struct speech_request *request, struct error *why) {

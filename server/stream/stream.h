@@ -89,10 +89,9 @@ void stream_free(struct stream *stream);
  * once, *why (may be NULL) says why, and nothing else changes. */
 uint32_t stream_speak(struct stream *stream, const struct speech_request *request, struct error *why);
 
-/* Sets the lexicon for later requests to speak, which goes before the daemon's; takes the reference; NULL
- * removes it. */
-struct lexicon;
-void stream_set_lexicon(struct stream *stream, struct lexicon *lexicon);
+/* Reads a lexicon (PLS) for later requests to speak, which goes before the daemon's; size 0 removes it. -1
+ * with *e ("bad-lexicon"), and nothing changes. */
+int stream_set_lexicon(struct stream *stream, const char *text, size_t size, struct error *e);
 
 /* Tells whether the utterance exists and its text is still open (synthesis.h). */
 bool stream_is_open(const struct stream *stream, uint32_t utterance);

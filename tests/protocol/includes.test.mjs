@@ -18,7 +18,7 @@ const BELOW = {
   voice: ['cluster', 'markup', 'base'],
   face: ['voice', 'expression', 'markup', 'protocol', 'base'],
   synthesis: ['face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
-  stream: ['synthesis', 'face', 'voice', 'expression', 'markup', 'protocol', 'base'],
+  stream: ['synthesis', 'face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   codec: ['stream', 'protocol', 'base'],
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
@@ -26,7 +26,7 @@ const BELOW = {
   api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   // beside the core
   live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
-  library: ['base'],
+  library: ['normalize', 'base'],
   'library/align': ['library', 'face', 'voice', 'markup', 'protocol', 'base'],
   'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],

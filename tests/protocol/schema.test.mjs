@@ -47,6 +47,7 @@ const whole = {
   chosen: { stream: 's', choice: 0, text: 'x', by: 'x' },
   state: { stream: 's', state: 'idle' },
   calibrated: { stream: 's' },
+  lexicon: { stream: 's', lexicon: '' },
   expressed: { stream: 's', mix: [] },
   consent: { stream: 's', consent: 'asked', by: 'x' },
   desks: { stream: 's', desks: [], count: 0 },

@@ -37,7 +37,7 @@ export const included = {
   'protocol/messages': { from: 'protocol/messages.md' },
   'protocol/control': { from: protocol, sections: ['Control', 'Text as it is written'], title: 'Control, and text as it is written' },
   'protocol/own-voice': { from: protocol, sections: ["Somebody's own voice"], title: 'A voice without a text' },
-  'protocol/rooms': { from: protocol, sections: ['Rooms', 'Choices and states', 'Consent', 'Scenes', 'Whose face it is', 'Recordings'], title: 'Rooms' },
+  'protocol/rooms': { from: protocol, sections: ['Rooms', 'Choices and states', 'Consent', 'Scenes', 'How words are said', 'Whose face it is', 'Recordings'], title: 'Rooms' },
   'protocol/plain-text': { from: protocol, sections: ['Plain text'], title: 'Plain text' },
   'protocol/access': { from: protocol, sections: ['Who may do what'], title: 'Tokens and rights' },
   'protocol/face': { from: protocol, sections: ['The living face'], title: 'The living face' },

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Passes the output of a room's leader on to the followers of a replica, and keeps the state for late
  * joiners. */
-#include "server/normalize/lexicon.h"
 #include "server/rooms/shared/shared_internal.h"
 #include <string.h>
 
@@ -82,11 +81,9 @@ static void take_mood(struct channel *c, const json_t *told, struct queued_messa
 static void take_lexicon(struct channel *c, const json_t *told, struct queued_message *message) {
     const json_t *text = json_object_get(told, "lexicon");
     struct error e;
-    struct lexicon *lexicon = json_string_length(text)
-                                  ? lexicon_read_sent(json_string_value(text), json_string_length(text), &e)
-                                  : NULL;
-    stream_set_lexicon(c->stream, lexicon);
-    notice_board_lexicon(&c->notices, lexicon ? message : NULL);
+    size_t size = json_string_length(text);
+    bool set = !stream_set_lexicon(c->stream, json_string_value(text), size, &e);
+    notice_board_lexicon(&c->notices, set && size ? message : NULL);
 }
 
 static void keep_notice(struct channel *c, struct queued_message *message) {
@@ -224,7 +221,8 @@ static void forget(struct channel *c) {
     late_join_free(&c->late_join);
     c->late_join = (struct late_join){0};
     notice_board_free(&c->notices);
-    stream_set_lexicon(c->stream, NULL);
+    struct error e;
+    stream_set_lexicon(c->stream, NULL, 0, &e);
 }
 
 void replicate(struct shared_room *h, const struct packet *p) {

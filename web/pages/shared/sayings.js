@@ -58,7 +58,7 @@ export class Sayings {
     this.hint = Object.assign(this.#word('p', 'wordHint'), { className: 'hint', id: 'saying-hint' });
     this.word.setAttribute('aria-describedby', 'saying-hint');
     this.list = make('ul', { id: 'saying-reports' });
-    this.reports = make('section', { hidden: true }, this.#word('h3', 'reports'), this.list);
+    this.reports = make('section', { hidden: true }, this.#word('h2', 'reports'), this.list);
     const save = Object.assign(button('save', null, 'submit'), { className: 'primary' });
     const form = make('form', { id: 'saying' }, field('word', this.word), this.hint,
       make('div', { className: 'row' }, field('way', this.way), field('said', this.said), button('hearIt', () => this.#hear())),
@@ -81,7 +81,7 @@ export class Sayings {
     this.way.options[0].label = this.say('asText');
     this.way.options[1].label = this.say('asIpa');
     this.showPlaces();
-    for (const item of this.list.children) item.translate?.();
+    for (const item of this.list.children) item.retell?.();
   }
 
   /** Where it can be saved: without the right, in a file. */
@@ -225,12 +225,12 @@ export class Sayings {
     take.addEventListener('click', () => this.#correct(report));
     drop.addEventListener('click', () => this.#remove(report).catch((error) => this.frame.problem.show(error)));
     const item = make('li', {}, take, ' ', make('small', { textContent: about, lang: report.lang }), ' ', drop);
-    item.translate = () => {
+    item.retell = () => {
       take.textContent = this.say('take', report);
       drop.textContent = this.say('drop');
       drop.ariaLabel = this.say('dismiss', report);
     };
-    item.translate();
+    item.retell();
     return item;
   }
 
