@@ -53,6 +53,7 @@ export class Sayings {
     this.way = make('select', { id: 'saying-way' }, new Option('', 'alias'), new Option('', 'ipa'));
     this.said = make('input', { type: 'text', autocomplete: 'off', autocapitalize: 'none', spellcheck: false, maxLength: 500, id: 'saying-said' });
     this.where = make('select', { id: 'saying-place' });
+    this.where.addEventListener('change', () => (this.chosen = this.where.value));
     this.news = make('p', { id: 'saying-news' });
     this.news.setAttribute('role', 'status');
     this.hint = Object.assign(this.#word('p', 'wordHint'), { className: 'hint', id: 'saying-hint' });
@@ -86,7 +87,7 @@ export class Sayings {
 
   /** Where it can be saved: without the right, in a file. */
   showPlaces() {
-    const chosen = this.where.value;
+    const chosen = this.chosen; // by the user; else the first
     const places = [...(this.#files && this.#workFile() ? ['inWork'] : []), ...(this.#files ? ['inLibrary'] : []), 'inFile'];
     this.where.replaceChildren(...places.map((place) => new Option(this.say(place), place)));
     if (places.includes(chosen)) this.where.value = chosen;
