@@ -59,7 +59,7 @@ static int by_place(const void *a, const void *b) {
 /* Warns of unknown expressions and of what cannot be spoken, in order with the other warnings. */
 static void look_further(const struct check *c, struct score *score) {
     expressions_direct(c->expressions, score);
-    normalize_warn_unspoken(score);
+    normalize_warn_unspoken(score, NULL);
     if (score->warning_count)
         qsort(score->warnings, score->warning_count, sizeof *score->warnings, by_place);
 }

@@ -403,6 +403,8 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
     if (!rules || !rules->markdown_out || rules->markdown)
         return read_all(score, text, size, rules, e);
     struct markup_rules marked = *rules;
+    if (!markdown_is_needed(text, size))
+        return read_all(score, text, size, rules, e);
     char *copy = mem_strndup(text, size);
     markdown_blank(copy, size, true);
     /* in a text of nothing but symbols and emoji, leave them to the voice */

@@ -28,4 +28,8 @@ void characters_free(struct characters *characters);
  * a control character other than white space, U+FFFD, which stands for what was lost elsewhere. */
 bool characters_unspoken(UChar32 character);
 
+/* True for a combining mark, and for a character that only overrides or isolates the writing direction. */
+bool characters_is_mark(UChar32 character);
+bool characters_is_direction(UChar32 character);
+
 #endif
