@@ -21,6 +21,7 @@ struct markup_rules {
     bool markdown;                    /* recognise Markdown headings, list items and marked words */
     bool wrapped;                     /* a line break is white space like any other, as in XML */
     bool markdown_out;                /* remove Markdown marks and emoji first; for complete plain texts */
+    bool verse_pauses;                /* a line of plain text that ends without punctuation has a pause */
     const struct affects *affects;    /* known affects; NULL: names stay unchanged */
     const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */
     const char *const

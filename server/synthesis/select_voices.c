@@ -395,6 +395,7 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
         .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
+        .verse_pauses = s->request.verse == VERSE_PAUSE,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};

@@ -35,6 +35,9 @@ enum speech_blend {
  * voice sees it, and what Markdown writes is left out. */
 enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 
+/* How lines that end without punctuation are read. */
+enum speech_verse { VERSE_RUN_ON, VERSE_PAUSE };
+
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
     size_t text_size;
@@ -53,6 +56,7 @@ struct speech_request {
     enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     enum speech_normalize normalize;
+    enum speech_verse verse;
     bool still;      /* only the lips move */
     bool phones;     /* its phones are events, too */
     bool again;      /* what is lost with the daemon that was to speak it is asked of the next */
