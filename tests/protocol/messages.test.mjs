@@ -100,7 +100,7 @@ const DAMAGES = [
   ['web/src/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
   ['web/src/talking-head.d.ts', 'an option of listen', lines(/^ {2}lookahead\?: /)],
   ['web/src/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
-  ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization` | defaults for', '`blend`, `normalization` | defaults for')],
+  ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization`, `verse` | defaults for', '`blend`, `normalization` | defaults for')],
   ['web/docs/element/reference.md', 'an option', words('`blend`, `contacts`, `normalize`, `mode`', '`blend`, `normalize`, `mode`')],
   ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],
 ];
