@@ -64,6 +64,11 @@ def words_of(member):
     return list(member.get('words') or member.get('values') or [])
 
 
+def constant(word):
+    """The word as the end of a constant's name in C."""
+    return word.upper().replace('-', '_')
+
+
 def described(member):
     """The member in a sentence or two, for the schemas."""
     parts = [member['summary']]
@@ -494,7 +499,7 @@ def row(name, member, words):
 
 def words_rows(name, member):
     prefix = member.get('c')
-    listed = [f'[{prefix}{word.upper()}] = "{word}"' if prefix else f'"{word}"' for word in words_of(member)]
+    listed = [f'[{prefix}{constant(word)}] = "{word}"' if prefix else f'"{word}"' for word in words_of(member)]
     return f'static const char *const {name}[] = {{{", ".join(listed)}, NULL}};'
 
 
@@ -508,7 +513,7 @@ def speak_fields(declared):
             words = f'speak_{name}_words'
             out.append(words_rows(words, member))
             if words_of(member)[0] != member['default']:
-                initial.append(f'.{name} = {member["c"]}{member["default"].upper()}')
+                initial.append(f'.{name} = {member["c"]}{constant(member["default"])}')
         elif member['type'] in ('number', 'integer') and member.get('unset', member.get('default', 0)):
             initial.append(f'.{name} = {member.get("unset", member.get("default", 0))}')
         rows.append('    FIELD({}, {}, {}, {}, {})'.format(*row(name, member, words)))

@@ -77,6 +77,7 @@
     X(BAD_VALUE, "bad-value", 400, "the value is not understood, or goes too far") \
     X(IGNORED, "ignored", 0, "this is not acted on") \
     X(UNSPOKEN, "unspoken", 0, "this cannot be spoken") \
+    X(GUESSED, "guessed", 0, "this may have been meant otherwise") \
     X(INSIDE_WORD, "inside-word", 0, "this begins or ends inside a word") \
     X(ENTITY, "entity", 0, "entities are not read") \
     X(MORE_WARNINGS, "more-warnings", 0, "there are more warnings") \

@@ -25,6 +25,36 @@ size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
     return length;
 }
 
+size_t utf8_skip_latin(const char *s, size_t n, size_t at) {
+    typedef uint8_t bytes __attribute__((vector_size(16)));
+    while (at < n) {
+        uint8_t c = (uint8_t)s[at];
+        if (n - at >= sizeof(bytes) && c < 0x7F) {
+            bytes sixteen;
+            uint64_t other[2];
+            memcpy(&sixteen, s + at, sizeof sixteen);
+            sixteen = (bytes)(sixteen - 0x20 >= 0x5F); /* all printable? */
+            memcpy(other, &sixteen, sizeof other);
+            if (!(other[0] | other[1])) {
+                at += sizeof sixteen;
+                continue;
+            }
+        }
+        size_t left = n - at;
+        uint8_t second = left > 1 ? (uint8_t)s[at + 1] : 0, third = left > 2 ? (uint8_t)s[at + 2] : 0;
+        if ((c >= 0x20 && c < 0x7F) || c == '\n' || c == '\t' || c == '\r')
+            at++;
+        else if ((c >= 0xC3 && c <= 0xC9 && left > 1) || (c == 0xC2 && second >= 0xA0))
+            at += 2;
+        else if (c == 0xE2 &&
+                 ((second == 0x80 && third >= 0x90 && third <= 0xA6) || (second == 0x82 && third >= 0xA0)))
+            at += 3;
+        else
+            return at;
+    }
+    return n;
+}
+
 size_t utf8_put(uint32_t cp, char *out) {
     if (cp < 0x80) {
         out[0] = (char)cp;

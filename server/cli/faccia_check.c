@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia check: reports what in a text has no effect. */
+#include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
 #include "server/markup/score_dump.h"
 #include "server/normalize/normalizers.h"
+#include "server/normalize/said_words.h"
 #include <getopt.h>
 #include <stdlib.h>
 
 static const char usage[] =
     "Usage: faccia check [OPTION]... FILE...\n"
     "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
-    "wrong or is not acted on:\n"
+    "wrong, is not acted on, or is read by guess:\n"
     "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
     "\n"
     "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the "
     "root element\n"
+    "  -l, --lang TAG     the texts' language (the daemon's default)\n"
     "      --lexicon FILE how to say words (W3C PLS); may be repeated: its faults are told too\n"
     "  -s, --score        also write what was understood\n";
 
@@ -25,6 +28,8 @@ struct check {
     bool score;
     const struct expressions *expressions;
     const char *const *lexicons; /* names that texts may give */
+    const struct normalizers *normalizers;
+    const char *lang;
 };
 
 static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
@@ -56,10 +61,34 @@ static int by_place(const void *a, const void *b) {
     return (x->column > y->column) - (x->column < y->column);
 }
 
-/* Warns of unknown expressions and of what cannot be spoken, in order with the other warnings. */
+/* Warns of each reading that may have been meant otherwise. */
+static void look_for_guesses(const struct check *c, struct score *score) {
+    const char **langs = mem_alloc((score->item_count + 1) * sizeof *langs);
+    for (size_t i = 0; i < score->item_count; i++)
+        langs[i] = score->items[i].style->lang ? score->items[i].style->lang : c->lang;
+    normalize_script(c->normalizers, score, langs);
+    free(langs);
+    for (size_t i = 0; i < score->item_count; i++) {
+        const struct score_item *item = &score->items[i];
+        for (size_t k = 0; item->parts && k < item->part_count; k++) {
+            const struct score_part *p = &item->parts[k];
+            struct buf words = {0};
+            said_words(item->text + p->offset, p->bytes, &words);
+            if (p->guess)
+                score_warn(score, p->start, ERROR_GUESSED, "\"%.*s\" is read as \"%.*s\": a guess",
+                           (int)(p->end - p->start < 60 ? p->end - p->start : 60), score->input + p->start,
+                           (int)(words.size < 100 ? words.size : 100), words.size ? (char *)words.data : "");
+            buf_free(&words);
+        }
+    }
+}
+
+/* Warns of unknown expressions, of what cannot be spoken, and of guesses, in order with the other warnings.
+ */
 static void look_further(const struct check *c, struct score *score) {
     expressions_direct(c->expressions, score);
-    normalize_warn_unspoken(score);
+    normalize_warn_unspoken(score, NULL);
+    look_for_guesses(c, score);
     if (score->warning_count)
         qsort(score->warnings, score->warning_count, sizeof *score->warnings, by_place);
 }
@@ -79,7 +108,10 @@ static int check(const struct check *c, const char *path) {
         read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
     if (kind == markup_by_name("plain"))
         kind = c->kind;
-    struct markup_rules rules = {.affects = expressions_affects(c->expressions), .lexicons = c->lexicons};
+    struct markup_rules rules = {.lang = c->lang,
+                                 .affects = expressions_affects(c->expressions),
+                                 .lexicons = c->lexicons,
+                                 .abbreviations = normalizers_abbreviations(c->normalizers, c->lang)};
     if (read)
         document = markup_read(kind, (const char *)text.data, text.size, &rules, &e);
     if (!document)
@@ -102,14 +134,12 @@ static int check(const struct check *c, const char *path) {
 
 static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struct settings *settings) {
     enum { HELP = 256 };
-    static const struct option options[] = {{"markup", 1, NULL, 'm'},
-                                            {"score", 0, NULL, 's'},
-                                            {"lexicon", 1, NULL, 'X'},
-                                            {"help", 0, NULL, HELP},
-                                            {0}};
-    struct check c = {.kind = markup_by_name("auto")};
-    int most = cli_option_count(argc, argv, "m:sh", options);
-    for (int o; (o = getopt_long(most, argv, "m:sh", options, NULL)) != -1;) {
+    static const struct option options[] = {{"markup", 1, NULL, 'm'},  {"score", 0, NULL, 's'},
+                                            {"lexicon", 1, NULL, 'X'}, {"lang", 1, NULL, 'l'},
+                                            {"help", 0, NULL, HELP},   {0}};
+    struct check c = {.kind = markup_by_name("auto"), .lang = settings->lang};
+    int most = cli_option_count(argc, argv, "m:sl:h", options);
+    for (int o; (o = getopt_long(most, argv, "m:sl:h", options, NULL)) != -1;) {
         switch (o) {
         case 'm':
             c.kind = markup_by_name(optarg);
@@ -119,6 +149,9 @@ static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struc
             return EXIT_USAGE;
         case 's':
             c.score = true;
+            break;
+        case 'l':
+            c.lang = optarg;
             break;
         case 'X':
             cli_lexicons_add(lexicons, optarg);
@@ -143,6 +176,7 @@ static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struc
     }
     c.expressions = components.pipeline.expressions;
     c.lexicons = components.named_lexicons.names;
+    c.normalizers = &components.normalizers;
     struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)

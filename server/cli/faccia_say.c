@@ -285,6 +285,8 @@ static void on_segment(void *ctx, struct media_segment segment) {
         if (!o->path)
             continue;
         o->export.source.text = synthesis_request(s->synthesis)->text; /* it may have grown */
+        if (!segment.wait)
+            export_script(&o->export, synthesis_score(s->synthesis), segment.sentence);
         export_segment(&o->export, &segment);
         if (o->export.format->streams)
             flush(s, o);

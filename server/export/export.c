@@ -19,6 +19,7 @@ struct speech_export {
     size_t owed; /* consumed segments not yet released */
     bool full;   /* output is full */
     bool spoken; /* a segment came */
+    size_t read; /* sentences of the script that were handed over */
 };
 
 static void release(struct speech_export *s) {
@@ -51,6 +52,8 @@ static void on_segment(void *ctx, struct media_segment segment) {
     open_worker(s);
     metrics_add(s->pipeline->metrics, METRIC_SPEECH_SECONDS, (double)audio->samples / audio->sample_rate);
     s->spoken = true;
+    for (; !segment.wait && s->read <= segment.sentence; s->read++)
+        export_worker_script(s->worker, synthesis_score(s->synthesis), s->read);
     export_worker_add(s->worker, segment);
 }
 
@@ -126,9 +129,10 @@ void speech_export_free(struct speech_export *s) {
 enum { TURN_US = 200 };
 
 struct item {
-    enum { SEGMENT, WARNING, END } kind;
+    enum { SEGMENT, WARNING, SCRIPT, END } kind;
     struct media_segment segment;
     struct error warning;
+    struct buf script;
 };
 
 struct export_worker {
@@ -140,9 +144,10 @@ struct export_worker {
     void *ctx;
     struct item *items; /* queue */
     size_t count, cap;
-    struct item item; /* being written; owned by the thread while it runs, like x */
-    bool busy;        /* `item` is being written */
-    bool written;     /* `item` is completely written */
+    struct item item;           /* being written; owned by the thread while it runs, like x */
+    struct utf16_counter utf16; /* of the script */
+    bool busy;                  /* `item` is being written */
+    bool written;               /* `item` is completely written */
     bool working, held, freed;
 };
 
@@ -166,6 +171,7 @@ export_worker_open(uv_loop_t *loop, const struct export_format *format, const st
 static void drop(struct item *item) {
     if (item->kind == SEGMENT)
         media_segment_free(&item->segment);
+    buf_free(&item->script);
 }
 
 static void destroy(struct export_worker *s) {
@@ -196,6 +202,8 @@ static void in_thread(uv_work_t *work) {
     s->written = true;
     if (s->item.kind == WARNING)
         export_warning(&s->x, &s->item.warning);
+    else if (s->item.kind == SCRIPT)
+        buf_add(&s->x.script, s->item.script.data, s->item.script.size);
     else if (s->item.kind == END)
         export_end(&s->x);
     else
@@ -251,6 +259,32 @@ void export_worker_add(struct export_worker *s, struct media_segment segment) {
 
 void export_worker_warn(struct export_worker *s, const struct error *warning) {
     add(s, (struct item){.kind = WARNING, .warning = *warning});
+}
+
+static void add_script(const struct export_format *format, struct utf16_counter *utf16,
+                       const struct score *script, size_t sentence, struct buf *out) {
+    const struct score_sentence *in = &script->sentences[sentence];
+    for (size_t i = in->first; format->part && i < in->first + in->count; i++) {
+        const struct score_item *item = &script->items[i];
+        if (item->kind != SCORE_TEXT || !item->text)
+            continue;
+        const struct score_part whole = {0,         strlen(item->text), item->start,
+                                         item->end, item->verbatim,     false};
+        const struct score_part *parts = item->parts ? item->parts : &whole;
+        for (size_t k = 0; k < (item->parts ? item->part_count : 1); k++)
+            format->part(out, utf16, script->input, item->text + parts[k].offset, &parts[k]);
+    }
+}
+
+void export_script(struct export *x, const struct score *script, size_t sentence) {
+    add_script(x->format, &x->script_utf16, script, sentence, &x->script);
+}
+
+void export_worker_script(struct export_worker *s, const struct score *script, size_t sentence) {
+    struct item item = {.kind = SCRIPT};
+    add_script(s->x.format, &s->utf16, script, sentence, &item.script);
+    if (item.script.size)
+        add(s, item);
 }
 
 void export_worker_end(struct export_worker *s) {
@@ -337,21 +371,23 @@ static void fap_end(struct export *x) {
 #define NDJSON "application/x-ndjson", true, export_ndjson_piece, export_ndjson_end, export_ndjson_warning
 
 const struct export_format export_formats[] = {
-    {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL, NULL, false},
-    {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free, NULL, false},
-    {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL, NULL, false},
+    {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL, NULL, false, NULL},
+    {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free, NULL, false, NULL},
+    {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL, NULL, false, NULL},
     {"fapc", "application/octet-stream", true, export_fapc_piece, export_fapc_end, NULL, export_fapc_free,
-     NULL, false},
+     NULL, false, NULL},
     {"json", "application/json", true, export_json_piece, export_json_end, export_json_warning, NULL, NULL,
-     false},
-    {"ndjson", NDJSON, NULL, export_ndjson_faps, false},
+     false, export_json_part},
+    {"words", "text/plain; charset=utf-8", true, export_words_piece, export_words_end, NULL, NULL, NULL,
+     false, export_words_part},
+    {"ndjson", NDJSON, NULL, export_ndjson_faps, false, NULL},
     {"arkit", "text/csv; charset=utf-8", true, export_arkit_piece, export_arkit_end, NULL, export_arkit_free,
-     NULL, false},
-    {"arkit-ndjson", NDJSON, export_arkit_free, export_arkit_weights, false},
-    {"visemes", NDJSON, NULL, export_viseme_weights, true},
-    {"vtt", "text/vtt; charset=utf-8", true, export_vtt_piece, export_vtt_end, NULL, NULL, NULL, false},
+     NULL, false, NULL},
+    {"arkit-ndjson", NDJSON, export_arkit_free, export_arkit_weights, false, NULL},
+    {"visemes", NDJSON, NULL, export_viseme_weights, true, NULL},
+    {"vtt", "text/vtt; charset=utf-8", true, export_vtt_piece, export_vtt_end, NULL, NULL, NULL, false, NULL},
     {"textgrid", "text/plain; charset=utf-8", false, export_textgrid_piece, export_textgrid_end, NULL,
-     export_textgrid_free, NULL, false},
+     export_textgrid_free, NULL, false, NULL},
     {0},
 };
 
@@ -416,4 +452,5 @@ void export_free(struct export *x) {
     buf_free(&x->marks);
     buf_free(&x->sentences);
     buf_free(&x->warnings);
+    buf_free(&x->script);
 }

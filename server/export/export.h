@@ -39,7 +39,8 @@ struct export {
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
     struct buf sentences;                  /* likewise, for an aligned recording */
-    struct utf16_counter utf16;
+    struct buf script;                     /* parts of the script that are not written yet */
+    struct utf16_counter utf16, script_utf16;
     struct face_placement *face; /* of the segment; NULL = not placed yet */
 };
 
@@ -51,6 +52,8 @@ enum { EXPORT_PIECE_MS = 250 };
 /* Writes a whole segment. */
 void export_segment(struct export *x, const struct media_segment *segment);
 void export_warning(struct export *x, const struct error *e);
+/* Writes how a sentence of the script reads, for formats that report it; before its segment. */
+void export_script(struct export *x, const struct score *script, size_t sentence);
 void export_end(struct export *x);
 void export_free(struct export *x);
 
@@ -66,8 +69,17 @@ uint32_t export_frames_until(const struct export *x, const struct media_segment 
 
 void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_json_end(struct export *x);
+/* Only words that differ from the text. */
+void export_json_part(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
+                      const struct score_part *part);
 void export_json_warning(struct export *x, const struct error *e);
 void export_json_sentence(struct export *x, json_t *sentence); /* takes the reference */
+
+/* What is said, word by word, beside the text, as "faccia read" writes it. */
+void export_words_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_words_end(struct export *x);
+void export_words_part(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
+                       const struct score_part *part);
 
 void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ndjson_end(struct export *x);
@@ -113,6 +125,8 @@ export_worker_open(uv_loop_t *loop, const struct export_format *format, const st
                    bool (*written)(void *ctx, struct buf *out, size_t segments, bool done), void *ctx);
 void export_worker_add(struct export_worker *s, struct media_segment segment); /* takes ownership */
 void export_worker_warn(struct export_worker *s, const struct error *warning);
+/* As export_script; the script is not kept. */
+void export_worker_script(struct export_worker *s, const struct score *script, size_t sentence);
 void export_worker_end(struct export_worker *s); /* nothing follows */
 void export_worker_go_on(struct export_worker *s);
 void export_worker_free(struct export_worker *s);

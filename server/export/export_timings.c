@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Timings of a speech. JSON:
- * {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}, times in seconds.
+ * {"lang","voice","engine","fps","phones","words","normalized","marks","warnings","rate","duration"}, times
+ * in seconds.
  * Phones, which are most of it, are written at once; the other lists at the end. */
 #include "server/base/error_json.h"
 #include "server/base/mem.h"
 #include "server/export/export.h"
+#include "server/normalize/said_words.h"
 #include <jansson.h>
 #include <math.h>
 #include <stdbool.h>
@@ -69,6 +71,34 @@ void export_json_piece(struct export *x, const struct media_segment *segment, ui
             json_pack("{ss sf}", "name", u->marks[i].name, "time", seconds(start + u->marks[i].at, rate)));
 }
 
+void export_json_part(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
+                      const struct score_part *part) {
+    if (part->verbatim)
+        return;
+    size_t start = utf16_offset(utf16, input, part->start), end = utf16_offset(utf16, input, part->end);
+    add_member(out, false,
+               json_pack("{ss% ss% sI sI sI sI sb}", "text", input + part->start, part->end - part->start,
+                         "said", words, part->bytes, "byte_start", (json_int_t)part->start, "byte_end",
+                         (json_int_t)part->end, "utf16_start", (json_int_t)start, "utf16_end",
+                         (json_int_t)end, "guess", (int)part->guess));
+}
+
+void export_words_part(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
+                       const struct score_part *part) {
+    (void)utf16;
+    said_words_beside(words, input, part, out);
+}
+
+void export_words_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    (void)segment, (void)to;
+    buf_add(&x->out, x->script.data, x->script.size);
+    x->script.size = 0;
+}
+
+void export_words_end(struct export *x) {
+    (void)x;
+}
+
 void export_json_warning(struct export *x, const struct error *e) {
     char text[400];
     add_member(
@@ -90,6 +120,10 @@ void export_json_end(struct export *x) {
     if (!x->segments)
         open_object(x);
     add_list(x, "words", &x->words);
+    if (!x->source.play) {
+        buf_consume(&x->script, x->script.size > 0); /* the comma before the first */
+        add_list(x, "normalized", &x->script);
+    }
     if (x->source.aligned)
         add_list(x, "sentences", &x->sentences);
     add_list(x, "marks", &x->marks);

@@ -13,6 +13,8 @@
 struct export;
 struct fap_frame;
 struct media_segment;
+struct score_part;
+struct utf16_counter;
 
 struct export_format {
     const char *name; /* "wav" */
@@ -27,6 +29,9 @@ struct export_format {
     /* NDJSON: writes a frame's member with a leading comma; in a speech, phones are written as visemes. */
     void (*member)(struct export *x, const struct fap_frame *frame);
     bool visemes;
+    /* Appends a part of a sentence's words, and what stands for it in the input. NULL = not reported. */
+    void (*part)(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
+                 const struct score_part *part);
 };
 
 /* Ended by a NULL name. */

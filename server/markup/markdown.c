@@ -68,6 +68,33 @@ static bool is_emoji(uint32_t c) {
            c == 0x20E3 || c == 0x2B50 || c == 0x2B55 || (c >= 0xE0020 && c <= 0xE007F);
 }
 
+/* Offset of the next byte, from `at` on, that may be a mark, a line end or part of an emoji, or n. Several
+ * bytes are looked at in one step. */
+static size_t next_special(const char *s, size_t n, size_t at) {
+    typedef uint8_t bytes __attribute__((vector_size(16)));
+    while (at < n) {
+        uint8_t c = (uint8_t)s[at];
+        if (n - at >= sizeof(bytes)) {
+            bytes b;
+            uint64_t special[2];
+            memcpy(&b, s + at, sizeof b);
+            b = (bytes)((b == '\n') | (b == '*') | (b == '[') | (b == '_') | (b == '`') | (b >= 0x7E));
+            memcpy(special, &b, sizeof special);
+            if (!(special[0] | special[1])) {
+                at += sizeof b;
+                continue;
+            }
+        }
+        if (c >= 0xC2 && c <= 0xDF && n - at > 1)
+            at += 2; /* letters of two bytes */
+        else if (c >= 0x7E || c == '\n' || strchr("*[_`", c))
+            return at;
+        else
+            at++;
+    }
+    return n;
+}
+
 /* True if the mark at `s[at]` is markup; in "2 * 3" and "a_name" it is not. */
 static bool marks_words(const char *s, size_t n, size_t at) {
     char before = at ? s[at - 1] : ' ', after = at + 1 < n ? s[at + 1] : ' ';
@@ -94,6 +121,7 @@ void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rul
         length = 1;
         if (begins_line)
             at = blank_line_mark(s, n, at);
+        at = next_special(s, n, at);
         if (at == n)
             return;
         begins_line = s[at] == '\n';
@@ -112,6 +140,31 @@ void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rul
         else if (is_emoji(cp))
             memset(s + at, MARKDOWN_LEFT_OUT, length);
     }
+}
+
+/* True if a line that begins at `at` is marked: a heading, quotation, table or item. */
+static bool is_marked_line(const char *s, size_t n, size_t at) {
+    while (at < n && is_blank(s[at]))
+        at++;
+    size_t digits = at;
+    while (digits < n && s[digits] >= '0' && s[digits] <= '9')
+        digits++;
+    if (digits > at)
+        return digits < n && strchr(".)", s[digits]);
+    return at < n && (strchr("#>|", s[at]) || (strchr("-*+", s[at]) && (at + 1 == n || is_blank(s[at + 1]))));
+}
+
+bool markdown_is_needed(const char *s, size_t n) {
+    if (is_marked_line(s, n, 0) || memchr(s, MARKDOWN_LEFT_OUT, n))
+        return true;
+    for (size_t at = 0, length; (at = next_special(s, n, at)) < n; at += length) {
+        uint32_t cp = (uint8_t)s[at];
+        length = cp < 0x80 ? 1 : utf8_next(s + at, n - at, &cp);
+        length = length ? length : 1;
+        if (cp == '\n' ? is_marked_line(s, n, at + 1) : cp < 0x7F || is_emoji(cp))
+            return true;
+    }
+    return false;
 }
 
 bool markdown_has_words(const char *s, size_t n) {

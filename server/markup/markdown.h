@@ -15,6 +15,10 @@ struct markup_rules;
 /* begins_line: s starts at the beginning of a line. rules: which signs are said. */
 void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rules *rules);
 
+/* False if the text, which begins a line, has nothing that markdown_blank or the reading of Markdown's lines
+ * would treat otherwise than plain text. */
+bool markdown_is_needed(const char *s, size_t n);
+
 /* True if the text contains a letter, a digit, an emoji or another symbol that a voice can name. */
 bool markdown_has_words(const char *s, size_t n);
 

@@ -25,6 +25,7 @@ struct markup_rules {
      * with Markdown; 0 = none. NULL: none are kept. */
     size_t (*sign_said)(const void *lexicons, const char *lang, const char *s, size_t n);
     const void *sign_lexicons;        /* its first argument */
+    bool verse_pauses;                /* a line of plain text that ends without punctuation has a pause */
     const struct affects *affects;    /* known affects; NULL: names stay unchanged */
     const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */
     const char *const

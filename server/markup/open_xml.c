@@ -101,16 +101,21 @@ struct view {
     struct buf flat; /* text without tags; inside `wholes`, without punctuation */
     size_t *from;    /* offset in the text for each byte of it */
     size_t from_cap;
-    size_t whole; /* open elements of `wholes` */
-    size_t end;   /* end of the last complete token */
-    bool tags;    /* contains tags other than end tags */
+    size_t whole;             /* open elements of `wholes` */
+    size_t end;               /* end of the last complete token */
+    bool tags;                /* contains tags other than end tags */
+    bool line_ended, between; /* white space so far holds a line end; a tag followed it */
 };
 
 static void add(struct view *v, char c, size_t at) {
     v->from = mem_grow(v->from, &v->from_cap, v->flat.size + 1, sizeof *v->from);
     v->from[v->flat.size] = at;
-    char seen = is_white(c) ? ' ' : v->whole && c && strchr(".?!,;:", c) ? 'x' : c;
+    /* Line ends on both sides of a tag do not make a blank line (passage.c). */
+    char white = c == '\n' && !v->between && !v->whole ? '\n' : ' ';
+    char seen = is_white(c) ? white : v->whole && c && strchr(".?!,;:", c) ? 'x' : c;
     buf_add(&v->flat, &seen, 1);
+    v->line_ended = is_white(c) && (v->line_ended || c == '\n');
+    v->between = v->between && is_white(c);
 }
 
 static void view_free(struct view *v) {
@@ -129,7 +134,8 @@ static size_t first_end(const struct view *v, const struct markup_rules *base, b
     size_t skip = 0, n = v->flat.size;
     rules.more = more;
     rules.markdown = false;
-    while (skip < n && flat(v)[skip] == ' ')
+    rules.wrapped = true;
+    while (skip < n && is_white(flat(v)[skip]))
         skip++;
     if (!markdown_has_words(flat(v), n))
         return 0;
@@ -138,7 +144,7 @@ static size_t first_end(const struct view *v, const struct markup_rules *base, b
         return 0;
     if (skip + length == n && !more)
         return limit;
-    while (length && flat(v)[skip + length - 1] == ' ')
+    while (length && is_white(flat(v)[skip + length - 1]))
         length--;
     return v->from[skip + length - 1] + 1;
 }
@@ -146,6 +152,7 @@ static size_t first_end(const struct view *v, const struct markup_rules *base, b
 static void take(struct view *v, const char *text, struct token t) {
     bool is_whole = t.kind != TOKEN_TEXT && t.kind != TOKEN_OTHER && is_one_of(text, t, wholes);
     v->end = t.end;
+    v->between |= t.kind != TOKEN_TEXT && v->line_ended;
     if (t.kind == TOKEN_TEXT)
         add(v, text[t.start], t.start);
     if (begins(text + t.start, t.end - t.start, "<![CDATA["))

@@ -333,6 +333,36 @@ static void add_text(struct score *score, const char *text, size_t at, size_t to
     }
 }
 
+/* Where the first line of text[at..to) ends that has no punctuation at its end and is not the last; `to` if
+ * there is none. */
+static size_t verse_end(const char *text, size_t at, size_t to) {
+    for (const char *end; (end = memchr(text + at, '\n', to - at)); at = (size_t)(end - text) + 1) {
+        size_t last = (size_t)(end - text), next = last;
+        while (last > at && strchr(" \t\r", text[last - 1]))
+            last--;
+        while (next < to && strchr(" \t\r\n", text[next]))
+            next++;
+        bool dash = last >= 3 && !memcmp(text + last - 3, "\xE2\x80", 2) &&
+                    ((uint8_t)text[last - 1] == 0x93 || (uint8_t)text[last - 1] == 0x94);
+        if (last > at && next < to && !dash && !strchr(",;:.!?-", text[last - 1]))
+            return next;
+    }
+    return to;
+}
+
+/* The pause of a comma, s. */
+static const double comma_seconds = 0.15;
+
+/* Adds text, with a pause at the end of each line if the rules ask for it. */
+static void add_lines(struct score *score, const char *text, size_t at, size_t to, size_t end,
+                      const struct markup_rules *rules, const struct score_style *style) {
+    for (size_t next; rules && rules->verse_pauses && (next = verse_end(text, at, to)) < to; at = next) {
+        add_text(score, text, at, next, next, style);
+        score_add(score, SCORE_BREAK, next, next)->seconds = comma_seconds;
+    }
+    add_text(score, text, at, to, end, style);
+}
+
 /* Adds text in one language, starting at `at`. *run: index of the next language run. Returns the end. */
 static size_t add_run(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
@@ -354,7 +384,7 @@ static size_t add_run(struct score *score, const char *text, size_t at, size_t e
         style.lang = score_strndup(score, next->lang, strlen(next->lang));
         own = score_keep_style(score, &style);
     }
-    add_text(score, text, at, to, end, own);
+    add_lines(score, text, at, to, end, rules, own);
     return to;
 }
 
@@ -374,7 +404,7 @@ static void add_items(struct score *score, const char *text, size_t at, size_t e
         const char *out = markdown ? memchr(text + at, MARKDOWN_LEFT_OUT, end - at) : NULL;
         size_t to = out ? (size_t)(out - text) : end;
         if (to > at)
-            add_text(score, text, at, to, whole, NULL);
+            add_lines(score, text, at, to, whole, rules, NULL);
         at = to + (out != NULL);
     }
     score_end_sentence(score);
@@ -403,6 +433,8 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
     if (!rules || !rules->markdown_out || rules->markdown)
         return read_all(score, text, size, rules, e);
     struct markup_rules marked = *rules;
+    if (!markdown_is_needed(text, size))
+        return read_all(score, text, size, rules, e);
     char *copy = mem_strndup(text, size);
     markdown_blank(copy, size, true, rules);
     /* in a text of nothing but symbols and emoji, leave them to the voice */

@@ -64,8 +64,12 @@ static bool is_left_out(UChar32 cp) {
     return characters_unspoken(cp) || (u_charType(cp) == U_UNASSIGNED && cp >= 0x80);
 }
 
-static bool is_mark(UChar32 cp) {
+bool characters_is_mark(UChar32 cp) {
     return cp >= 0x300 && u_getCombiningClass(cp) != 0;
+}
+
+bool characters_is_direction(UChar32 cp) {
+    return (cp >= 0x202A && cp <= 0x202E) || (cp >= 0x2066 && cp <= 0x2069);
 }
 
 /* Composes a letter with its marks. */
@@ -114,7 +118,8 @@ void characters_read(struct characters *c, const char *stretch, size_t size) {
         }
         U16_APPEND_UNSAFE(units, count, first);
         size_t marks = 0, bare = count;
-        while (at < size && (length = utf8_next(stretch + at, size - at, &next)) && is_mark((UChar32)next)) {
+        while (at < size && (length = utf8_next(stretch + at, size - at, &next)) &&
+               characters_is_mark((UChar32)next)) {
             if (marks++ < CHARACTERS_MARKS)
                 U16_APPEND_UNSAFE(units, count, next);
             at += length;

@@ -28,4 +28,8 @@ void characters_free(struct characters *characters);
  * control character other than white space, or U+FFFD, which marks text lost earlier. */
 bool characters_unspoken(UChar32 character);
 
+/* True for a combining mark, and for a character that only overrides or isolates the writing direction. */
+bool characters_is_mark(UChar32 character);
+bool characters_is_direction(UChar32 character);
+
 #endif

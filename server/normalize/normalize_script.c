@@ -183,34 +183,79 @@ void normalize_script(const struct normalizers *normalizers, struct score *scrip
         normalize_sentence(normalizers, script, k, langs + script->sentences[k].first, NULL);
 }
 
-static bool is_printable(char c) {
-    return c >= ' ' && c < 0x7F;
+/* Characters of one kind that are left out: their number, and where the first is. */
+struct left_out {
+    size_t count, place;
+    uint32_t first;
+};
+
+struct unspoken {
+    struct left_out characters, directions, marks;
+};
+
+/* The sign for what Markdown leaves out has another character in its place in the text that was read. */
+static uint32_t as_written(const struct score *script, size_t place, uint32_t cp) {
+    uint32_t written;
+    bool known = script->input && place < script->input_size &&
+                 utf8_next(script->input + place, script->input_size - place, &written);
+    return known && characters_unspoken((UChar32)written) ? written : cp;
 }
 
-void normalize_warn_unspoken(struct score *script) {
-    size_t count = 0, place = 0, length;
-    uint32_t first = 0;
-    for (size_t i = 0; i < script->item_count; i++) {
-        const struct score_item *item = &script->items[i];
-        size_t size = item->kind == SCORE_TEXT && !item->style->phonemes ? strlen(item->text) : 0;
-        for (size_t at = 0; at < size; at += length) {
-            uint32_t cp = 0;
-            length = is_printable(item->text[at]) ? 1 : utf8_next(item->text + at, size - at, &cp);
-            if (!length || !cp || !characters_unspoken((UChar32)cp)) {
-                length = length ? length : 1;
-                continue;
-            }
-            if (!count++) {
-                place = item->start + (item->verbatim ? at : 0);
-                first = cp;
-            }
+static void leave_out(struct left_out *kind, const struct score *script, const struct score_item *item,
+                      size_t at, uint32_t cp) {
+    if (kind->count++)
+        return;
+    kind->place = item->start + (item->verbatim ? at : 0);
+    kind->first = item->verbatim ? cp : as_written(script, kind->place, cp);
+}
+
+static void find_unspoken(const struct score *script, const struct score_item *item, struct unspoken *found) {
+    const char *text = item->text;
+    size_t size = strlen(text), length, marks = 0, last = 0; /* last: end of the character before */
+    for (size_t at = 0; (at = utf8_skip_latin(text, size, at)) < size; at += length, last = at) {
+        uint32_t cp = 0;
+        length = utf8_next(text + at, size - at, &cp);
+        if (!length || !cp) {
+            length = length ? length : 1;
+            continue;
         }
+        marks = at != last ? 0 : marks;
+        marks = at && characters_is_mark((UChar32)cp) ? marks + 1 : 0;
+        if (marks > CHARACTERS_MARKS)
+            leave_out(&found->marks, script, item, at, cp);
+        else if (characters_is_direction((UChar32)cp))
+            leave_out(&found->directions, script, item, at, cp);
+        else if (characters_unspoken((UChar32)cp))
+            leave_out(&found->characters, script, item, at, cp);
     }
-    if (count == 1)
-        score_warn(script, place, ERROR_UNSPOKEN, "the character U+%04X cannot be spoken: it is left out",
-                   (unsigned)first);
-    else if (count)
-        score_warn(script, place, ERROR_UNSPOKEN,
-                   "%zu characters cannot be spoken and are left out: this is the first, U+%04X", count,
-                   (unsigned)first);
+}
+
+/* goes_on: more of the text may follow, whose characters are not counted. */
+static void warn_of_left_out(struct score *script, const struct left_out *kind, const char *what,
+                             bool goes_on, bool *told) {
+    if (!kind->count || (told && *told))
+        return;
+    if (told)
+        *told = true;
+    if (goes_on)
+        score_warn(script, kind->place, ERROR_UNSPOKEN,
+                   "%ss cannot be spoken and are left out: this is the first, U+%04X", what,
+                   (unsigned)kind->first);
+    else if (kind->count == 1)
+        score_warn(script, kind->place, ERROR_UNSPOKEN, "the %s U+%04X cannot be spoken: it is left out",
+                   what, (unsigned)kind->first);
+    else
+        score_warn(script, kind->place, ERROR_UNSPOKEN,
+                   "%zu %ss cannot be spoken and are left out: this is the first, U+%04X", kind->count, what,
+                   (unsigned)kind->first);
+}
+
+void normalize_warn_unspoken(struct score *script, struct unspoken_told *told) {
+    struct unspoken found = {0};
+    for (size_t i = 0; i < script->item_count; i++)
+        if (script->items[i].kind == SCORE_TEXT && !script->items[i].style->phonemes)
+            find_unspoken(script, &script->items[i], &found);
+    warn_of_left_out(script, &found.characters, "character", told, told ? &told->characters : NULL);
+    warn_of_left_out(script, &found.directions, "directional control", told, told ? &told->directions : NULL);
+    warn_of_left_out(script, &found.marks, "surplus combining mark", told, told ? &told->marks : NULL);
 }

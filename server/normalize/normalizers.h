@@ -58,9 +58,17 @@ const char *const *normalizers_abbreviations(const struct normalizers *normalize
 void normalize_sentence(const struct normalizers *normalizers, struct score *script, size_t sentence,
                         const char *const *langs, const void *const *voices);
 
-/* Warns once ("unspoken"), at the first occurrence, about characters of a script that cannot be spoken and
- * are left out (characters_unspoken), with their number. */
-void normalize_warn_unspoken(struct score *script);
+/* What has been reported of a text that arrives in pieces. Begins zeroed. */
+struct unspoken_told {
+    bool characters, directions, marks;
+    uint8_t scripts[64]; /* bits by script (script_runs.h) */
+};
+
+/* Warns once ("unspoken") of the characters of a script that the stage leaves out although they may have
+ * meant something (characters_unspoken), once of directional controls, and once of combining marks beyond
+ * CHARACTERS_MARKS on a letter, with their number, at the first of them. told: the script is a piece of a
+ * text; reports each kind only in its first piece, without the number. NULL: it is the whole text. */
+void normalize_warn_unspoken(struct score *script, struct unspoken_told *told);
 
 /* Normalises all sentences, spoken by one voice. langs: language of each item of the script. */
 void normalize_script(const struct normalizers *normalizers, struct score *script, const char *const *langs);

@@ -65,7 +65,7 @@ static size_t extend(const char *text, size_t size, struct script_run *run) {
 bool script_run_next(const char *text, size_t size, const char *lang, size_t at, struct script_run *run) {
     UScriptCode own[SCRIPTS];
     int count = -1;
-    while (at < size) {
+    while ((at = utf8_skip_latin(text, size, at)) < size) {
         uint32_t cp = 0;
         size_t length = (unsigned char)text[at] < 0x80 ? 1 : utf8_next(text + at, size - at, &cp);
         if (!length || cp <= LATIN_LAST) {

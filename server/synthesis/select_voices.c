@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
+#include "server/base/utf8.h"
 #include "server/normalize/lexicon.h"
 #include "server/normalize/script_runs.h"
 #include "server/synthesis/synthesis_internal.h"
@@ -166,15 +167,19 @@ static void find_foreigners(const struct selecting *c, const struct voice_select
 }
 
 /* Warns once about each script that no voice reads. */
-static void warn_of_unread(struct score *score, const struct foreigners *found) {
+static void warn_of_unread(struct score *score, const struct foreigners *found, struct unspoken_told *told) {
     size_t letters[SCRIPT_RUN_SCRIPTS] = {0};
     for (size_t i = 0; i < found->count; i++)
         letters[found->list[i].run.script] += found->list[i].voice ? 0 : found->list[i].run.letters;
     for (size_t i = 0; i < found->count; i++) {
         const struct foreign *f = &found->list[i];
         const struct score_item *item = &score->items[f->item];
-        if (f->voice || !letters[f->run.script])
+        uint8_t *byte = told ? &told->scripts[f->run.script / 8] : NULL,
+                bit = (uint8_t)(1 << f->run.script % 8);
+        if (f->voice || !letters[f->run.script] || (told && *byte & bit))
             continue;
+        if (told)
+            *byte |= bit;
         score_warn(score, item->start + (item->verbatim ? f->run.from : 0), ERROR_UNSPOKEN,
                    "no voice reads the script %s: %zu of its letters are left out",
                    script_run_name(f->run.script), letters[f->run.script]);
@@ -225,12 +230,13 @@ static void follow_items(struct voice_selection *chosen, const size_t *was, size
 
 /* Gives words in a foreign script to a voice that reads it. Without such a voice it leaves them out with a
  * warning ("unspoken"), because the original voice would only spell them. */
-static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen) {
+static void select_by_scripts(const struct selecting *c, struct voice_selection *chosen,
+                              struct unspoken_told *told) {
     struct foreigners found = {0};
     find_foreigners(c, chosen, &found);
     if (!found.count)
         return;
-    warn_of_unread(c->score, &found);
+    warn_of_unread(c->score, &found, told);
     size_t *origin = cut_foreigners(c->score, &found), from = 0, next = 0;
     follow_items(chosen, origin, c->score->item_count);
     for (size_t i = 0; i < c->score->item_count; i++) {
@@ -391,6 +397,7 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
         .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
+        .verse_pauses = s->request.verse == VERSE_PAUSE,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
@@ -452,6 +459,18 @@ static bool may_wait(const struct score *script, const struct score_sentence *se
     return !marked && bytes <= LATER_BYTES;
 }
 
+/* False if nothing in the script could be unspoken or in another script than Latin. In a long text of a
+ * megabyte, that takes 0.2 ms; to look at each character takes milliseconds. */
+static bool is_uncommon(const struct score *script) {
+    for (size_t i = 0; i < script->item_count; i++) {
+        const struct score_item *item = &script->items[i];
+        size_t size = item->kind == SCORE_TEXT ? strlen(item->text) : 0;
+        if (utf8_skip_latin(item->text, size, 0) < size)
+            return true;
+    }
+    return false;
+}
+
 void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
     const struct pipeline *pipeline = s->pipeline;
     r->score = score_script(r->document);
@@ -462,10 +481,10 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
         expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
     say_by_lexicons(s, r, limit);
-    if (s->request.normalize != NORMALIZE_OFF) {
+    if (s->request.normalize != NORMALIZE_OFF && is_uncommon(r->score)) {
         const struct selecting c = {r->score, s->voice, s->voices, pipeline->packs};
-        normalize_warn_unspoken(r->score);
-        select_by_scripts(&c, r->chosen);
+        normalize_warn_unspoken(r->score, r->told);
+        select_by_scripts(&c, r->chosen, r->told);
     }
     for (size_t i = 0; i < r->score->sentence_count && !work_limit_over(limit); i++)
         if (!limit || !may_wait(r->score, &r->score->sentences[i]))

@@ -38,6 +38,9 @@ enum speech_blend {
  * syntax is left out. */
 enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 
+/* How lines that end without punctuation are read. */
+enum speech_verse { VERSE_RUN_ON, VERSE_PAUSE };
+
 struct speech_request {
     char *text; /* as received: not validated, may contain NUL */
     size_t text_size;
@@ -56,6 +59,7 @@ struct speech_request {
     enum speech_blend blend;
     enum face_contacts contacts; /* whether to close lips that must touch, whatever the engine produces */
     enum speech_normalize normalize;
+    enum speech_verse verse;
     char *work;    /* or passage of the library, whose lexicons hold for the text; NULL = that of `passage` */
     char *lexicon; /* a PLS document: how words of the text are said; NULL = none */
     bool still;    /* only the lips move */

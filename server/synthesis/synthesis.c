@@ -37,6 +37,10 @@ const char *synthesis_entry(const struct synthesis *s) {
     return s->entry;
 }
 
+const struct score *synthesis_score(const struct synthesis *s) {
+    return s->score;
+}
+
 const struct voice *synthesis_voice(const struct synthesis *s) {
     return s->voice;
 }

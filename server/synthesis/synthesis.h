@@ -73,6 +73,9 @@ synthesis_sentences(const struct synthesis *synthesis); /* number of sentences; 
 size_t synthesis_next(const struct synthesis *synthesis);       /* index of the next one delivered */
 const char *synthesis_entry(const struct synthesis *synthesis); /* mark at which it is entered, or NULL */
 
+/* The script that is spoken; NULL until the text is parsed. A delivered sentence is in words. */
+const struct score *synthesis_score(const struct synthesis *synthesis);
+
 const struct voice *synthesis_voice(const struct synthesis *synthesis);
 const char *synthesis_lang(const struct synthesis *synthesis);
 const char *synthesis_engine(const struct synthesis *synthesis);

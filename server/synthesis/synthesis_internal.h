@@ -8,6 +8,7 @@
 #include "server/face/track.h"
 #include "server/markup/open_text.h"
 #include "server/normalize/lexicon.h"
+#include "server/normalize/normalizers.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sentence.h"
 
@@ -56,7 +57,8 @@ struct reading_result {
     struct voice_selection *chosen;
     enum face_blend blend; /* from the request and the text */
     struct error error;
-    bool marks; /* it has marks */
+    bool marks;                 /* it has marks */
+    struct unspoken_told *told; /* of a piece: what earlier pieces reported; NULL: a whole text */
 };
 
 /* A text that is still being written. */
@@ -71,6 +73,7 @@ struct writing {
     bool read;                            /* and completely parsed */
     struct error error;                   /* parsing stopped there; ERROR_NONE = no error */
     bool told;                            /* the error was reported */
+    struct unspoken_told unspoken;
     uv_timer_t *timer;
     uv_timer_cb look;                /* runs when the timer fires */
     uint64_t first, last;            /* loop times of writes, ms */

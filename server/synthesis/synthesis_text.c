@@ -55,7 +55,8 @@ static int learn_kind(struct synthesis *s, struct error *e) {
 
 int writing_read_piece(struct synthesis *s, const struct open_piece *piece, struct reading_result *into,
                        struct error *e) {
-    struct reading_result r = {0};
+    struct unspoken_told ahead = s->writing->unspoken; /* a sentence spoken ahead is read once more */
+    struct reading_result r = {.told = into == &s->result ? &s->writing->unspoken : &ahead};
     struct markup_rules rules;
     if (learn_kind(s, e))
         return -1;

@@ -63,6 +63,7 @@ export const benchmarks = {
   pictures: { packages: browser, moment: [], long: 'draws in software' },
   poses: { packages: browser, moment: ['--only', 'smile'], long: 'draws a head and makes two of it' },
   readings: { moment: ['1', '0.1'] },
+  'readings-others': { packages: ['espeak-ng', ...lp, ...kal], moment: ['5'], long: 'takes two packages from npm' },
   'seen-lips': { packages: [...browser, 'ffmpeg'], moment: ['--sentences', '0', '--lines', '480'], long: 'films a face' },
   sharing: { moment: [], long: 'packs eight heads twice' },
   sides: { moment: [], long: 'makes three portraits' },

@@ -213,3 +213,46 @@ test('characters that nobody can say are told with the place of the first', asyn
   assert.match(said_.warnings[0].message, /^1:6: 3 characters/);
   assert.deepEqual((await export_('Ciao \ue000a.', '&lang=it&normalize=off')).warnings, []);
 });
+
+test('what is said, beside what is written: in the JSON export, and as lines', async () => {
+  const text = 'Perché il 26 pago € 3,50? Ora.';
+  const { normalized } = await export_(text);
+  assert.deepEqual(normalized.map(({ text: from, said: to, guess }) => [from, to, guess]), [['26', 'ventisei', false], ['€ 3,50', 'tre euro e cinquanta', false]]);
+  for (const one of normalized) {
+    assert.equal(Buffer.from(text).subarray(one.byte_start, one.byte_end).toString(), one.text);
+    assert.equal(text.slice(one.utf16_start, one.utf16_end), one.text);
+  }
+  const lines = await (await post('/v1/speech?format=words&lang=it', text, 'text/plain')).text();
+  assert.equal(lines, 'Perché\tPerché\nil\til\nventisei\t26\npago\tpago\ntre euro e cinquanta\t€ 3,50\nOra\tOra\n');
+  assert.equal(lines, faccia(['read', '-l', 'it', text]).stdout);
+  assert.deepEqual((await export_('Ciao.')).normalized, []);
+});
+
+test('faccia check names what was guessed, with its place', () => {
+  const { status, stdout } = faccia(['check', '--lang', 'it', '-'], { input: 'Ciao.\nAlle 3 o il 5/6 vengo.\n' });
+  assert.equal(status, 0);
+  assert.match(stdout, /^-:2:13: warning: "5\/6" is read as "cinque giugno": a guess$/m);
+  assert.equal(faccia(['check', '--lang', 'it', '-'], { input: 'Pago € 3,50.\n' }).stdout, '');
+});
+
+test('verses run on, or have a pause at each end without punctuation', async () => {
+  const poem = 'la gente della valle usciva di casa presto\nal primo lume e andava ai campi, senza parlare';
+  const length = async (text, query = '') => (await wavOf(text, query)).length;
+  const [runs, paused] = [await length(poem), await length(poem, '&verse=pause')];
+  assert.ok(Math.abs((await length(poem.replace('\n', ' '))) - runs) < 2205, 'the line end is white space'); // 50 ms
+  assert.ok(paused > runs + 2 * 2205, `${paused} bytes, not more than ${runs}`);
+  assert.equal(await length(poem.replace('presto', 'presto,'), '&verse=pause'), await length(poem.replace('presto', 'presto,')));
+  const wrong = await post('/v1/speech?verse=sometimes', poem, 'text/plain');
+  assert.equal(wrong.status, 400);
+});
+
+test('an open text is warned of unspoken characters once', async () => {
+  const stream = await daemon.stream(`?voice=${voice}`);
+  stream.send({ type: 'speak', id: 'open', voice, open: true });
+  for (const text of ['Uno \u{e000} due. ', 'Tre \u{e001} quattro. ', 'Cinque \u{202e}sei. ']) stream.send({ type: 'text', id: 'open', text });
+  stream.send({ type: 'close', id: 'open' });
+  await stream.wait((message) => message.type === 'end');
+  const told = stream.messages.filter(({ type, code }) => type === 'warning' && code === 'unspoken');
+  assert.deepEqual(told.map(({ message }) => message.match(/U\+\w+/)[0]), ['U+E000', 'U+202E']);
+  await stream.close();
+});

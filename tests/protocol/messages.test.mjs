@@ -125,7 +125,7 @@ const DAMAGES = [
   ['web/element/talking-head.d.ts', 'a member of the server that is not always there', lines(/^ {2}lookahead\?: 0 \| 40 \| 80 \| 120;$/, 2)],
   ['web/element/talking-head.d.ts', 'an event', lines(/^ {2}jumped: CustomEvent/)],
   ['web/element/speak-attributes.mjs', 'an attribute', lines(/^ {2}contacts: /)],
-  ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization` | defaults for', '`blend`, `normalization` | defaults for')],
+  ['web/docs/element/reference.md', 'an attribute', words('`blend`, `contacts`, `normalization`, `verse` | defaults for', '`blend`, `normalization` | defaults for')],
   ['web/docs/element/reference.md', 'an option', words('`blend`, `contacts`, `normalize`,', '`blend`, `normalize`,')],
   ['web/client/python/faccia.py', 'a message', words('resume rate jump play', 'resume rate play')],
   ['web/client/python/faccia.py', 'a message of the server', words('paused resumed jumped', 'paused resumed')],

@@ -166,6 +166,16 @@ static void reads_pieces_inside_their_elements(void **state) {
     check("jsml", "<sent>Uno</sent><sent>Due. Tre</sent>", NULL);
 }
 
+/* A blank line ends a sentence, as in a text that is read whole; line ends around a tag do not. */
+static void ends_sentences_at_blank_lines(void **state) {
+    (void)state;
+    check("ssml", "<speak>One line\ngoes on\n \nand two</speak>",
+          "0:<speak>One line\ngoes on</speak>|23:<speak>\n \nand two</speak>|");
+    check("ssml", "<speak>One\n<break/>\nand on</speak>", "0:<speak>One\n<break/>\nand on</speak>|");
+    check("ssml", "<speak><emphasis>One\n\nand</emphasis> on</speak>",
+          "0:<speak><emphasis>One\n\nand</emphasis> on</speak>|");
+}
+
 /* Unterminated sentences, tags and elements. */
 static void bounds_what_it_keeps(void **state) {
     (void)state;
@@ -283,6 +293,7 @@ int main(void) {
         cmocka_unit_test(leaves_links_out),
         cmocka_unit_test(takes_one_pass_over_brackets),
         cmocka_unit_test(reads_pieces_inside_their_elements),
+        cmocka_unit_test(ends_sentences_at_blank_lines),
         cmocka_unit_test(bounds_what_it_keeps),
         cmocka_unit_test(knows_what_looks_like_an_end),
         cmocka_unit_test(finds_the_place_of_an_error),

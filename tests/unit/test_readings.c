@@ -185,10 +185,11 @@ static void characters(void **state) {
 
 static void warned(const char *text, size_t count, const char *message, size_t column) {
     struct error e;
-    struct score *document = markup_read(markup_by_name("plain"), text, strlen(text), NULL, &e);
+    static const struct markup_rules rules = {.markdown_out = true};
+    struct score *document = markup_read(markup_by_name("plain"), text, strlen(text), &rules, &e);
     assert_non_null(document);
     struct score *script = score_script(document);
-    normalize_warn_unspoken(script);
+    normalize_warn_unspoken(script, NULL);
     assert_int_equal(script->warning_count, count);
     if (count) {
         assert_int_equal(script->warnings[0].code, ERROR_UNSPOKEN);
@@ -208,8 +209,37 @@ static void unspoken(void **state) {
     warned("H\ufffdllo.", 1, "U+FFFD", 2);
     warned("Soft\u00adly, \u200bso \ufeffto speak,\tand\r\nnext. \302\205", 0, "", 0);
     warned("A smile: \U0001f600 \U0001fae9 \U0001f468\u200d\U0001f469.", 0, "", 0);
+    warned("One **two**\001 three.", 1, "U+0001", 12);
+    warned("One\002 **two**.", 1, "U+0002", 4);
+    warned("One \u202etwo\u202c.", 1, "2 directional controls", 5);
+    warned("One \u2067two.", 1, "the directional control U+2067", 5);
+    char text[64] = "O a";
+    for (size_t i = 0; i < 12; i++)
+        strcat(text, "\u0301");
+    warned(text, 1, "4 surplus combining marks cannot be spoken and are left out: this is the first, U+0301",
+           12);
+    text[3 + 2 * 8] = '\0';
+    warned(text, 0, "", 0);
     check("en", "plain", "One\001two.", "One two");
     check("en", "plain", "One \ue000two.", "One two");
+}
+
+/* Of a text in pieces, only the first that leaves out something of a kind is warned of. */
+static void unspoken_in_pieces(void **state) {
+    (void)state;
+    static const char *const pieces[] = {"One.", "Two \ue000\ue001.", "Three \ue000.", "Four \u202e."};
+    static const size_t warnings[] = {0, 1, 0, 1};
+    struct unspoken_told told = {0};
+    for (size_t i = 0; i < sizeof pieces / sizeof *pieces; i++) {
+        struct error e;
+        struct score *document = markup_read(markup_by_name("plain"), pieces[i], strlen(pieces[i]), NULL, &e);
+        assert_non_null(document);
+        struct score *script = score_script(document);
+        normalize_warn_unspoken(script, &told);
+        assert_int_equal(script->warning_count, warnings[i]);
+        score_free(script);
+        score_free(document);
+    }
 }
 
 static void run_of(const char *lang, const char *text, const char *run, const char *spoken) {
@@ -280,9 +310,11 @@ static void hostile(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(expressions), cmocka_unit_test(italian),    cmocka_unit_test(english),
-        cmocka_unit_test(portuguese),  cmocka_unit_test(turkish),    cmocka_unit_test(markups),
-        cmocka_unit_test(places),      cmocka_unit_test(characters), cmocka_unit_test(unspoken),
+        cmocka_unit_test(expressions), cmocka_unit_test(italian),
+        cmocka_unit_test(english),     cmocka_unit_test(portuguese),
+        cmocka_unit_test(turkish),     cmocka_unit_test(markups),
+        cmocka_unit_test(places),      cmocka_unit_test(characters),
+        cmocka_unit_test(unspoken),    cmocka_unit_test(unspoken_in_pieces),
         cmocka_unit_test(scripts),     cmocka_unit_test(hostile),
     };
     return cmocka_run_group_tests(tests, load, unload);

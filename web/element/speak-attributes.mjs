@@ -11,4 +11,5 @@ export const SPEAK_ATTRIBUTES = {
   blend: { member: 'blend', type: String },
   contacts: { member: 'contacts', type: String },
   normalization: { member: 'normalize', type: String },
+  verse: { member: 'verse', type: String },
 };

@@ -90,6 +90,8 @@ export interface SpeakOptions {
   work?: string;
   /** How words of the text are said: a document of the W3C's Pronunciation Lexicon Specification, which goes before all other lexicons. At most 65536 bytes. When left out: those of the work, the library, the room and the daemon only. */
   lexicon?: string;
+  /** How the lines of a plain text that end without punctuation are read. run-on: only where punctuation asks for a pause; pause: a comma's worth at each line's end. */
+  verse?: 'run-on' | 'pause';
   /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
   /** Of two, the higher one comes first and cuts the lower one. */
@@ -572,6 +574,7 @@ export interface TalkingHeadAttributes {
   blend?: 'auto' | 'regions' | 'weighted' | null;
   contacts?: 'engine' | 'on' | 'off' | null;
   normalization?: 'on' | 'off' | null;
+  verse?: 'run-on' | 'pause' | null;
   // </speak attributes>
   label?: string | null;
   'caption-size'?: 'large' | 'larger' | 'largest' | null;
@@ -619,6 +622,7 @@ export class TalkingHead extends HTMLElement {
   blend: 'auto' | 'regions' | 'weighted' | null;
   contacts: 'engine' | 'on' | 'off' | null;
   normalization: 'on' | 'off' | null;
+  verse: 'run-on' | 'pause' | null;
   // </speak properties>
   label: string | null;
   captionSize: 'large' | 'larger' | 'largest' | null;

@@ -92,6 +92,7 @@ export const errors = {
   'bad-expressions': 'The expressions of the server are broken. Whoever runs it has to mend them.',
   'bad-normalization': 'The server’s words for numbers and dates are broken. Whoever runs it has to mend them.',
   'bad-lexicon': 'A lexicon of pronunciations of the server is broken. Whoever runs it has to mend it.',
+  guessed: 'Some words may have been meant otherwise.',
   unspoken: 'Some characters cannot be spoken and were left out.',
   'bad-boundaries': 'The table of the boundaries between sounds is broken. Whoever runs the server has to mend it.',
   'bad-settings': 'The settings of the server are broken. Whoever runs it has to correct them.',

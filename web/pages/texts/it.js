@@ -92,6 +92,7 @@ export const errors = {
   'bad-expressions': 'Le espressioni del server sono guaste. Chi lo gestisce deve ripararle.',
   'bad-normalization': 'Le parole per numeri e date del server sono guaste. Chi lo gestisce deve ripararle.',
   'bad-lexicon': 'Un lessico di pronunce del server è guasto. Chi lo gestisce deve correggerlo.',
+  guessed: 'Qualche parola può essere stata letta diversamente da come era intesa.',
   unspoken: 'Alcuni caratteri non si possono pronunciare e sono stati tralasciati.',
   'bad-boundaries': 'La tabella dei confini tra i suoni è guasta. Chi gestisce il server deve ripararla.',
   'bad-settings': 'Le impostazioni del server sono guaste. Chi lo gestisce deve correggerle.',

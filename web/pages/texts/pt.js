@@ -92,6 +92,7 @@ export const errors = {
   'bad-expressions': 'As expressões do servidor estão com defeito. Quem o administra precisa consertá-las.',
   'bad-normalization': 'As palavras para números e datas do servidor estão com defeito. Quem o administra precisa consertá-las.',
   'bad-lexicon': 'Um léxico de pronúncias do servidor está com defeito. Quem o administra precisa consertá-lo.',
+  guessed: 'Algo pode ter sido lido de outro modo que o pretendido.',
   unspoken: 'Alguns caracteres não podem ser pronunciados e foram deixados de fora.',
   'bad-boundaries': 'A tabela dos limites entre os sons está com defeito. Quem administra o servidor precisa consertá-la.',
   'bad-settings': 'As configurações do servidor têm um erro. Quem o administra precisa corrigi-las.',

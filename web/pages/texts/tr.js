@@ -92,6 +92,7 @@ export const errors = {
   'bad-expressions': 'Sunucunun ifade dosyası bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-normalization': 'Sunucunun sayı ve tarih sözcükleri bozuk. Sunucuyu yöneten kişi onları onarmalı.',
   'bad-lexicon': 'Sunucunun bir söyleyiş sözlüğü bozuk. Sunucuyu yöneten kişi onu onarmalı.',
+  guessed: 'Bazı sözler amaçlanandan farklı okunmuş olabilir.',
   unspoken: 'Bazı karakterler söylenemez; atlandılar.',
   'bad-boundaries': 'Sesler arasındaki sınırların tablosu bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-settings': 'Sunucunun ayarlarında bir hata var. Sunucuyu yöneten kişi düzeltmeli.',
