@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/work_lexicons.h"
+#include "server/base/files.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/base/files.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
 #include "server/normalize/lexicon.h"

@@ -20,7 +20,7 @@ const BELOW = {
   synthesis: ['face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   stream: ['synthesis', 'face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   codec: ['stream', 'protocol', 'base'],
-  export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
+  export: ['codec', 'normalize', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
   rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],
   api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
