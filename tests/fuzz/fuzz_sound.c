@@ -5,6 +5,7 @@
 #include "server/plugins/command/command_sound.h"
 #include "server/synthesis/recording.h"
 #include "server/voice/sentence.h"
+#include "server/voice/sound_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

@@ -128,7 +128,8 @@ static void writes_what_one_stroke_would(void **state) {
         expected(format, frames, &all);
         assert_true(r.done);
         assert_int_equal(r.segments, SEGMENTS);
-        assert_true(all.size > 100);
+        /* the words come with the sentences' scripts, which these segments lack */
+        assert_true(all.size > 100 || !strcmp(format->name, "words"));
         assert_int_equal(r.got.size, all.size);
         assert_memory_equal(r.got.data, all.data, all.size);
         buf_free(&all);
