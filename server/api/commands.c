@@ -205,8 +205,14 @@ int command_admit(const struct command_call *call, const struct principal *princ
     unsigned limit = call->api->options.text_bytes;
     if (call->api->draining)
         return error_set(e, ERROR_STOPPING, "the server is about to stop");
+#ifdef HAVE_LIBRARY
     if (passage_resolve(call->api, request, e))
         return -1;
+#else
+    if (request->passage)
+        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage",
+                              "this daemon was built without the library");
+#endif
     if (request->text_size > limit)
         return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
     request->quota_key = principal_quota_key(principal);

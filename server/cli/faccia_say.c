@@ -476,8 +476,13 @@ int say_main(int argc, char **argv, const struct settings *settings) {
     request_init(&request);
     int status = parse(argc, argv, &s, &request, &text);
     if (status == HEARD) {
+#ifdef HAVE_LIVE
         optind = 0; /* restarts the scan */
         status = hear_main(argc, argv, settings);
+#else
+        fputs("say: --voice-file: this program was built without live voices\n", stderr);
+        status = EXIT_USAGE;
+#endif
     } else if (status < 0) {
         status =
             cli_open(&s.cli, cli_lexicons_with(&s.lexicons, settings)) ? EXIT_FAILED : speak(&s, &request);

@@ -137,7 +137,7 @@ export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room 
     await command({ type: 'state', state: 'idle' });
     told.said++;
     if (i % 2) return;
-    await post(`choices?room=${room}`, { id: `q${i}`, question: `Va bene, domanda ${i}?`, choices: ['Sì', 'No', 'Non so'] });
+    await command({ type: 'choices', id: `q${i}`, question: `Va bene, domanda ${i}?`, choices: ['Sì', 'No', 'Non so'] });
     await until(() => document.querySelector('.answers button') !== null); // keeps no handle, which would prevent garbage collection
     await page.evaluate(() => document.querySelector('.answers button').click());
     await until(() => document.querySelector('#question').hidden);
