@@ -7,7 +7,6 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
 import { Daemon, build, eventually, ordinary, root } from '../lib/daemon.mjs';
-import { further } from '../lib/long.mjs';
 
 // not in /tmp, which the aligner may always read; given as a relative path, as an operator may
 const folder = fs.mkdtempSync(path.join(fs.realpathSync(build), 'alignment-'));
@@ -94,7 +93,7 @@ test('one after the other, behind everybody else and within its share; killed wi
   assert.ok(!fs.existsSync(path.join(kept, 'a-lungo.alignment.json')));
 });
 
-test('begun again; what is not read and what is not written is told by passages, what fails with its reason', further, async () => {
+test('begun again; what is not read and what is not written is told by passages, what fails with its reason', async () => {
   const before = fs.readdirSync(works).sort();
   fs.writeFileSync(path.join(kept, 'a-lungo.timing.json.1.part'), '{');
   daemon = await Daemon.start(options(100), {}, { voices: false });

@@ -25,8 +25,10 @@ before(async () => {
   fs.writeFileSync(path.join(folder, 'scenes/lunch.json'), '{"lines":[]}');
   fs.writeFileSync(path.join(folder, 'texts/altro.md'), 'Un altro testo.\n');
   fs.mkdirSync(path.join(folder, 'gestures'));
+  fs.mkdirSync(path.join(folder, 'reports'));
+  fs.writeFileSync(path.join(folder, 'reports/0123456789abcdef.json'), '{"word":"mare","lang":"it"}');
   fs.copyFileSync(path.join(root, 'models/gestures/wink.json'), path.join(folder, 'gestures/wink.json'));
-  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index')]);
+  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index'), '--reports', path.join(folder, 'reports')]);
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
 });
 after(async () => {
@@ -34,7 +36,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md' };
+const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md', '{report}': '0123456789abcdef' };
 
 /** Resolves a reference within the document. */
 const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
@@ -88,7 +90,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
+const BODIES = { '/v1/library/reports': { word: 'calmo', lang: 'it' }, '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');
@@ -161,8 +163,8 @@ test('the daemon takes each message of the client, and sends each of the server'
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
-    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 } };
-  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'leave', 'stop'];
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 } };
+  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
   const desk = await daemon.stream(); // observers are notified of each other (desks)
   desk.send({ type: 'join', room: 'api', watch: true });

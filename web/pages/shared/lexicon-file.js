@@ -26,7 +26,9 @@ export function lexiconOf(lang, entries) {
  * @throws {{code: string, lang?: string}} `other-language`, `bad-xml`
  */
 export function withEntry(text, lang, entry) {
-  const document = new globalThis.DOMParser().parseFromString(text, 'application/xml');
+  // The pages take no text as markup without a policy (Trusted Types). This document is XML, inert, and shown nowhere.
+  const inert = globalThis.trustedTypes?.createPolicy('faccia-lexicon', { createHTML: (xml) => xml });
+  const document = new globalThis.DOMParser().parseFromString(inert ? inert.createHTML(text) : text, 'application/xml');
   const root = document.documentElement;
   if (document.querySelector('parsererror') || root.localName !== 'lexicon') throw { code: 'bad-xml' };
   const own = root.getAttribute('xml:lang') ?? '';

@@ -116,7 +116,7 @@ export class Sayings {
 
   async #opened() {
     this.#take();
-    this.#files = await this.keep.list();
+    this.#files = (await this.keep.list())?.map(({ name }) => name) ?? null;
     this.showPlaces();
     await this.#showReports();
   }
