@@ -29,7 +29,8 @@ struct check {
     const struct expressions *expressions;
     const char *const *lexicons; /* names that texts may give */
     const struct normalizers *normalizers;
-    const char *lang;
+    const char *lang;  /* of a text that names none */
+    const char *asked; /* the same if the user named it, so that the score does not repeat it; else NULL */
 };
 
 static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
@@ -108,7 +109,7 @@ static int check(const struct check *c, const char *path) {
         read ? markup_detect(c->kind, (const char *)text.data, text.size) : c->kind;
     if (kind == markup_by_name("plain"))
         kind = c->kind;
-    struct markup_rules rules = {.lang = c->lang,
+    struct markup_rules rules = {.lang = c->asked,
                                  .affects = expressions_affects(c->expressions),
                                  .lexicons = c->lexicons,
                                  .abbreviations = normalizers_abbreviations(c->normalizers, c->lang)};
@@ -151,7 +152,7 @@ static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struc
             c.score = true;
             break;
         case 'l':
-            c.lang = optarg;
+            c.lang = c.asked = optarg;
             break;
         case 'X':
             cli_lexicons_add(lexicons, optarg);
