@@ -65,13 +65,17 @@ static int by_place(const void *a, const void *b) {
 /* Warns of each reading that may have been meant otherwise. */
 static void look_for_guesses(const struct check *c, struct score *score) {
     const char **langs = mem_alloc((score->item_count + 1) * sizeof *langs);
-    for (size_t i = 0; i < score->item_count; i++)
+    bool *told = mem_alloc(score->item_count + 1); /* its author says how to read it: no guess */
+    for (size_t i = 0; i < score->item_count; i++) {
         langs[i] = score->items[i].style->lang ? score->items[i].style->lang : c->lang;
+        told[i] = score->items[i].style->say_as != NULL;
+    }
+    const size_t count = score->item_count;
     normalize_script(c->normalizers, score, langs);
     free(langs);
-    for (size_t i = 0; i < score->item_count; i++) {
+    for (size_t i = 0; i < score->item_count && i < count; i++) {
         const struct score_item *item = &score->items[i];
-        for (size_t k = 0; item->parts && k < item->part_count; k++) {
+        for (size_t k = 0; item->parts && !told[i] && k < item->part_count; k++) {
             const struct score_part *p = &item->parts[k];
             struct buf words = {0};
             said_words(item->text + p->offset, p->bytes, &words);
@@ -82,6 +86,7 @@ static void look_for_guesses(const struct check *c, struct score *score) {
             buf_free(&words);
         }
     }
+    free(told);
 }
 
 /* Warns of unknown expressions, of what cannot be spoken, and of guesses, in order with the other warnings.
