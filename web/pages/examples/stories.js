@@ -56,6 +56,12 @@ const speechStories = [
     actions: { speak: ['Speak', (head) => head.speak('On 3 May 1994 Dr Smith paid $1,250.50, i.e. 12% more.')] },
   },
   {
+    id: 'verse', group: speaking, title: 'Lines of a poem',
+    about: 'Lines that end without punctuation run on, as sense asks; with verse="pause" each has a pause of a comma\u2019s worth.',
+    shows: [], controls: ['verse'], attributes: { lang: 'en' },
+    actions: { speak: ['Speak', (head) => head.speak('The sea is grey tonight\nand softly it goes home\nto where the boats are light.')] },
+  },
+  {
     id: 'open', group: speaking, title: 'A text while it is written',
     about: 'What a language model writes is spoken sentence by sentence, while it goes on writing. A stream of a response can be given, too.',
     shows: ['open()'], attributes: { lang: 'en' },
