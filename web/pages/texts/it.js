@@ -252,8 +252,8 @@ export const voices = {
 
 /** The form for pronunciations, on the pages that have it. */
 export const sayings = {
-  sayings: 'Pronuncia di una parola', word: 'Parola', wordHint: 'Selezionatela nel testo, o scrivetela qui.', way: 'Pronunciala come', asText: 'un altro testo', asIpa: 'fonemi (IPA)',
-  said: 'Come si dice', hearIt: 'Ascolta', place: 'Dove', inWork: 'in quest’opera', inLibrary: 'in tutta la biblioteca', inFile: 'in un file da scaricare', save: 'Dilla così',
+  sayings: 'Pronuncia di una parola', word: 'Parola', wordHint: 'Selezionatela nel testo, o scrivetela qui.', way: 'Pronuncia come', asText: 'un altro testo', asIpa: 'fonemi (IPA)',
+  said: 'Come si dice', hearIt: 'Ascolta', place: 'Dove', inWork: 'in quest’opera', inLibrary: 'in tutta la biblioteca', inFile: 'in un file da scaricare', save: 'Salva così',
   saved: '«{word}» si pronuncia così da adesso: {file}.', downloaded: 'Il file {file} è stato scaricato.', noWord: 'Indicate la parola.', noSaid: 'Scrivete come si dice.',
   badEntry: 'Così non si può dire: {message}', otherLang: 'Il lessico {file} è per un’altra lingua: {lang}.', brokenFile: 'Il lessico {file} non si può leggere.',
   report: 'Segnala come letta male', reported: 'Grazie: la segnalazione è arrivata.', noReports: 'Qui non si raccolgono segnalazioni.', tooMany: 'Troppe segnalazioni: riprovate fra un minuto.',
