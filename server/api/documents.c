@@ -6,6 +6,7 @@
 #include "server/api/api_internal.h"
 #include "server/api/document_store.h"
 #include "server/api/shared_limits.h"
+#include "server/base/etag.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
@@ -455,14 +456,13 @@ static json_t *read_report(const json_t *message, struct error *e) {
     return report;
 }
 
-/* Names a report by its word, language and work, so that the same one is kept once. 64-bit FNV-1a. */
+/* Names a report by its word, language and work, so that the same one is kept once. */
 static void name_report(const json_t *report, char name[DOCUMENT_NAME_BYTES]) {
-    uint64_t hash = 14695981039346656037u;
+    uint64_t hash = HASH_BEGIN;
     for (size_t i = 0; i < 3; i++) {
-        const char *c = json_string_value(json_object_get(report, report_members[i].name));
-        for (; c && *c; c++)
-            hash = (hash ^ (unsigned char)*c) * 1099511628211u;
-        hash = (hash ^ 0xFF) * 1099511628211u;
+        const char *text = json_string_value(json_object_get(report, report_members[i].name));
+        hash = hash_add(hash, text, text ? strlen(text) : 0);
+        hash = hash_add(hash, "\xFF", 1); /* in no UTF-8 text */
     }
     snprintf(name, DOCUMENT_NAME_BYTES, "%016llx", (unsigned long long)hash);
 }

@@ -39,10 +39,7 @@ void buf_printf(struct buf *b, const char *format, ...) {
     va_end(again);
 }
 
-int buf_add_file(struct buf *b, const char *path, size_t most) {
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return errno;
+int buf_add_stream(struct buf *b, FILE *file, size_t most) {
     struct stat about;
     const size_t before = b->size;
     bool regular = !fstat(fileno(file), &about) && S_ISREG(about.st_mode);
@@ -57,9 +54,17 @@ int buf_add_file(struct buf *b, const char *path, size_t most) {
         room = 65536;
     }
     int result = b->size - before > most ? EFBIG : ferror(file) ? (errno ? errno : EIO) : 0;
-    fclose(file);
     if (result)
         b->size = before;
+    return result;
+}
+
+int buf_add_file(struct buf *b, const char *path, size_t most) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return errno;
+    int result = buf_add_stream(b, file, most);
+    fclose(file);
     return result;
 }
 

@@ -295,17 +295,12 @@ void cli_close(struct cli *cli) {
 int cli_read(const char *path, struct buf *text) {
     enum { BYTES_MAX = 256 << 20 }; /* some devices never end */
     FILE *file = !strcmp(path, "-") ? stdin : fopen(path, "rb");
-    size_t got = 1;
-    while (file && got && text->size <= BYTES_MAX) {
-        got = fread(buf_reserve(text, 65536), 1, 65536, file);
-        text->size += got;
-    }
-    bool large = text->size > BYTES_MAX, failed = !file || ferror(file) || large;
-    if (failed)
-        cli_complain("%s: %s", path, large ? "larger than 256 MiB" : strerror(errno));
+    int why = file ? buf_add_stream(text, file, BYTES_MAX) : errno;
+    if (why)
+        cli_complain("%s: %s", path, why == EFBIG ? "larger than 256 MiB" : strerror(why));
     if (file && file != stdin)
         fclose(file);
-    return failed ? -1 : 0;
+    return why ? -1 : 0;
 }
 
 int cli_text(int argc, char **argv, const char *path, struct buf *text) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/daemon/library_setup.h"
+#include "server/base/etag.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/library/recordings/library_voices.h"
@@ -18,9 +19,8 @@ static bool make(const char *folder) {
 static char *index_place(const struct settings *s, struct error *e) {
     struct buf path = {0};
     char *real = realpath(s->library, NULL);
-    uint64_t hash = 14695981039346656037u; /* FNV-1a: each library has its own index */
-    for (const char *c = real ? real : s->library; *c; c++)
-        hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    const char *library = real ? real : s->library;
+    uint64_t hash = hash_add(HASH_BEGIN, library, strlen(library)); /* each library has its own index */
     free(real);
     if (s->index)
         return mem_strdup(s->index);

@@ -51,16 +51,10 @@ static void lang_of_name(const char *path, struct work_meta *meta) {
 }
 
 static int load(FILE *file, struct buf *data, struct error *e) {
-    size_t got = 1;
-    while (got && data->size <= WORK_FILE_BYTES_MAX) {
-        got = fread(buf_reserve(data, 1 << 18), 1, 1 << 18, file);
-        data->size += got;
-    }
-    if (ferror(file))
-        return error_set(e, ERROR_BAD_WORK, "%s", strerror(errno));
-    return data->size > WORK_FILE_BYTES_MAX
-               ? error_set(e, ERROR_BAD_WORK, "the file has more than %d bytes", WORK_FILE_BYTES_MAX)
-               : 0;
+    int why = buf_add_stream(data, file, WORK_FILE_BYTES_MAX);
+    if (why == EFBIG)
+        return error_set(e, ERROR_BAD_WORK, "the file has more than %d bytes", WORK_FILE_BYTES_MAX);
+    return why ? error_set(e, ERROR_BAD_WORK, "%s", strerror(why)) : 0;
 }
 
 /* Reports an invalid byte by line and column. */

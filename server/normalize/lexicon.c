@@ -197,13 +197,11 @@ struct lexicon *lexicon_load_file(FILE *file, const char *path, struct error *e)
     struct error inner = {0};
     struct lexicon *lexicon = NULL;
     struct buf text = {0};
-    size_t got = 0;
-    while (text.size <= LEXICON_BYTES && (got = fread(buf_reserve(&text, 1 << 16), 1, 1 << 16, file)) > 0)
-        text.size += got;
-    if (ferror(file))
-        error_set(&inner, ERROR_BAD_LEXICON, "%s", strerror(errno));
-    else if (text.size > LEXICON_BYTES)
+    int why = buf_add_stream(&text, file, LEXICON_BYTES);
+    if (why == EFBIG)
         error_set(&inner, ERROR_BAD_LEXICON, "a lexicon may have at most %d bytes", LEXICON_BYTES);
+    else if (why)
+        error_set(&inner, ERROR_BAD_LEXICON, "%s", strerror(why));
     else
         lexicon = lexicon_read((const char *)text.data, text.size, &inner);
     fclose(file);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/align/aligned_recording.h"
 #include "server/base/buf.h"
+#include "server/base/etag.h"
 #include "server/base/mem.h"
 #include "server/base/sampa.h"
 #include "server/base/utf8.h"
@@ -103,13 +104,6 @@ struct sentence_audio *aligned_recording_audio(const struct aligned_recording *r
     return u;
 }
 
-static uint64_t hash_of(const char *text, size_t size) {
-    uint64_t hash = 14695981039346656037u;
-    for (size_t i = 0; i < size; i++)
-        hash = (hash ^ (uint8_t)text[i]) * 1099511628211u;
-    return hash;
-}
-
 static void put(FILE *file, bool first, json_t *object) {
     fputs(first ? "\n  " : ",\n  ", file);
     json_dumpf(object, file, JSON_FLAGS);
@@ -125,7 +119,7 @@ json_t *aligned_recording_sentence_json(const struct aligned_recording_sentence 
 static void write_all(const struct aligned_recording *r, FILE *file) {
     fprintf(file, "{\"lang\":\"%s\",\"samples\":%llu,\"rate\":%u,\"text\":\"%016llx\",\n \"phones\":[",
             r->lang, (unsigned long long)r->sound->samples, r->sound->rate,
-            (unsigned long long)hash_of(r->text, r->text_size));
+            (unsigned long long)hash_add(HASH_BEGIN, r->text, r->text_size));
     for (size_t i = 0; i < r->phone_count; i++) {
         const struct aligned_recording_phone *p = &r->phones[i];
         put(file, !i,
@@ -182,7 +176,7 @@ bool aligned_recording_is_of(const char *json, size_t size, const char *text, si
     const json_t *made_of = json_object_get(root, "samples");
     const char *made_for = json_string_value(json_object_get(root, "text"));
     char hash[24];
-    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)hash_of(text, text_size));
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)hash_add(HASH_BEGIN, text, text_size));
     bool well = (!made_of || (uint64_t)json_integer_value(made_of) == samples) &&
                 (!made_for || !strcmp(made_for, hash));
     json_decref(root);

@@ -283,19 +283,6 @@ static void path_of(const struct aligner_run *a, const char *ending, char path[P
     snprintf(path, PATH_MAX, "%s/%s%s", a->folder, a->work, ending);
 }
 
-static int read_file(const char *path, struct buf *out) {
-    FILE *file = fopen(path, "rb");
-    size_t got = 1;
-    while (file && got && out->size < TEXT_BYTES_MAX) {
-        got = fread(buf_reserve(out, 65536), 1, 65536, file);
-        out->size += got;
-    }
-    bool well = file && !ferror(file) && out->size < TEXT_BYTES_MAX;
-    if (file)
-        fclose(file);
-    return well ? 0 : -1;
-}
-
 /* Records size and time of a source before it is read, so that a later change is noticed. */
 static int stamp(struct aligner_run *a, const char *member, const char *path) {
     char hash[65];
@@ -343,7 +330,7 @@ static bool take_kept(struct aligner_run *a, uint64_t samples) {
     path_of(a, TIMES_ENDING, path);
     struct aligner_sentences sentences = {0};
     struct aligned_recording_sentence *list = NULL;
-    if (!read_file(path, &data) &&
+    if (!buf_add_file(&data, path, TEXT_BYTES_MAX - 1) &&
         aligned_recording_is_of((char *)data.data, data.size, (char *)a->text.data, size, samples)) {
         json_t *times = json_loadb((char *)data.data, data.size, 0, NULL);
         list = aligner_sentences_kept(times, size, &sentences.count);
@@ -407,7 +394,7 @@ static int run(struct aligner_run *a) {
     const char *lang = json_string_value(json_object_get(about, "lang"));
     json_t *kept = kept_json(a->folder, a->work, ".places");
     a->places = json_object_get(kept, "places");
-    if (!lang || !a->places || stamp(a, "text", text) || read_file(text, &a->text)) {
+    if (!lang || !a->places || stamp(a, "text", text) || buf_add_file(&a->text, text, TEXT_BYTES_MAX - 1)) {
         status = later("the text cannot be read");
     } else if (stamp(a, "sound", a->sound)) {
         status = later("the recording cannot be read");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/align/text_words.h"
+#include "server/base/etag.h"
 #include "server/base/mem.h"
 #include <stdbool.h>
 #include <stdlib.h>
@@ -28,12 +29,10 @@ static bool is_of_word(utf8proc_int32_t cp) {
 /* FNV-1a hash of the normal form. */
 static uint64_t hash_of(const char *text, size_t size) {
     utf8proc_uint8_t *normal = NULL;
-    uint64_t hash = 14695981039346656037u;
     utf8proc_ssize_t length = utf8proc_map((const utf8proc_uint8_t *)text, (utf8proc_ssize_t)size, &normal,
                                            UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_COMPAT |
                                                UTF8PROC_CASEFOLD | UTF8PROC_STRIPMARK | UTF8PROC_IGNORE);
-    for (utf8proc_ssize_t i = 0; i < length; i++)
-        hash = (hash ^ normal[i]) * 1099511628211u;
+    uint64_t hash = hash_add(HASH_BEGIN, normal, length > 0 ? (size_t)length : 0);
     free(normal);
     return hash;
 }

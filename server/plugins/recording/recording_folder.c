@@ -97,18 +97,8 @@ static char *join(const char *a, const char *b, const char *c, const char *d) {
 }
 
 static int read_file(const char *path, struct buf *out, struct error *e) {
-    FILE *file = fopen(path, "rb");
-    size_t got = 1;
-    while (file && got && out->size < FILE_BYTES_MAX) {
-        got = fread(buf_reserve(out, 65536), 1, 65536, file);
-        out->size += got;
-    }
-    bool failed = !file || ferror(file) || out->size >= FILE_BYTES_MAX;
-    if (failed)
-        error_set(e, CODE, "%.180s: %s", path, file && !ferror(file) ? "is too large" : strerror(errno));
-    if (file)
-        fclose(file);
-    return failed ? -1 : 0;
+    int why = buf_add_file(out, path, FILE_BYTES_MAX - 1);
+    return why ? error_set(e, CODE, "%.180s: %s", path, why == EFBIG ? "is too large" : strerror(why)) : 0;
 }
 
 /* Reads an optional string. Returns false if it is something else. */
