@@ -78,11 +78,12 @@ static void look_for_guesses(const struct check *c, struct score *score) {
         for (size_t k = 0; item->parts && !told[i] && k < item->part_count; k++) {
             const struct score_part *p = &item->parts[k];
             struct buf words = {0};
+            if (!p->guess)
+                continue;
             said_words(item->text + p->offset, p->bytes, &words);
-            if (p->guess)
-                score_warn(score, p->start, ERROR_GUESSED, "\"%.*s\" is read as \"%.*s\": a guess",
-                           (int)(p->end - p->start < 60 ? p->end - p->start : 60), score->input + p->start,
-                           (int)(words.size < 100 ? words.size : 100), words.size ? (char *)words.data : "");
+            score_warn(score, p->start, ERROR_GUESSED, "\"%.*s\" is read as \"%.*s\": a guess",
+                       (int)(p->end - p->start < 60 ? p->end - p->start : 60), score->input + p->start,
+                       (int)(words.size < 100 ? words.size : 100), words.size ? (char *)words.data : "");
             buf_free(&words);
         }
     }

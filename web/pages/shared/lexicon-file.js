@@ -7,6 +7,9 @@ const escape = (text) => text.replace(/[&<>"]/g, (sign) => ESCAPES[sign]);
 const collapsed = (text) => text.trim().replace(/\s+/g, ' ');
 const primary = (tag) => tag.split('-')[0].toLowerCase();
 
+// Trusted Types: the pages parse no text without a policy. What this one allows is parsed as XML, which is inert, and never shown.
+const inert = globalThis.trustedTypes?.createPolicy('faccia-lexicon', { createHTML: (xml) => xml });
+
 /**
  * How a word is said. @typedef {object} Entry
  * @property {string} word @property {string} [alias] a text that is said instead @property {string} [ipa]
@@ -26,8 +29,6 @@ export function lexiconOf(lang, entries) {
  * @throws {{code: string, lang?: string}} `other-language`, `bad-xml`
  */
 export function withEntry(text, lang, entry) {
-  // The pages take no text as markup without a policy (Trusted Types). This document is XML, inert, and shown nowhere.
-  const inert = globalThis.trustedTypes?.createPolicy('faccia-lexicon', { createHTML: (xml) => xml });
   const document = new globalThis.DOMParser().parseFromString(inert ? inert.createHTML(text) : text, 'application/xml');
   const root = document.documentElement;
   if (document.querySelector('parsererror') || root.localName !== 'lexicon') throw { code: 'bad-xml' };
