@@ -17,8 +17,7 @@ struct presence;
 struct bus;
 struct library;
 
-/* Options of the API. server/daemon/settings_table.c holds the bounds and defaults of those that are
- * settings. */
+/* Options of the API. Bounds and defaults of settings are in server/daemon/settings_table.c. */
 struct api_options {
     struct http_options http; /* `tokens` is derived from `secrets` */
     struct room_limits rooms; /* `send_bytes` is derived from `http` */

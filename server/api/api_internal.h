@@ -88,8 +88,8 @@ void post_text_free(struct post_text *p);
 
 /* media_routes.c */
 
-/* Fills `source` with a recording of the recordings folder. -1 with *e: "unknown-media" if there is no
- * folder, or as recording_source_in. */
+/* Finds a recording by name in the recordings folder and describes it in `source`. -1 with *e:
+ * "unknown-media" if no folder is configured; otherwise the errors of recording_source_in. */
 int media_source(const struct api *api, struct recording_source *source, const char *name, struct error *e);
 int media_get(struct exchange *x); /* GET /v1/media */
 int play_post(struct exchange *x); /* POST /v1/play?room= */

@@ -41,7 +41,7 @@ static void client_warn(void *client, const struct error *e) {
     client_say(client, warning_json(e));
 }
 
-/* In a room, only the client itself is told. */
+/* Reports a refused request to this client only, even in a room. */
 void client_refuse(struct client *c, const char *id, const struct error *e) {
     if (!client_room(c)) {
         stream_refuse(client_stream(c), id, 0, e);
@@ -150,7 +150,7 @@ static void enter(struct client *c, struct channel *channel) {
     channel_join(channel, &c->follower);
 }
 
-/* Sets what other members of the room are told about it. */
+/* Sets how the room lists this observer: its name, and whether it may speak. */
 static void name_observer(struct client *c, const char *room) {
     struct error ignored;
     c->follower.observer = client_called(c);

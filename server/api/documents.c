@@ -378,7 +378,7 @@ enum {
     WORKS_KEPT = 10000,
 };
 
-/* Without editing there is no folder. */
+/* Returns NULL unless editing is enabled (--editing). */
 static const char *folder_of(const struct api *api, const char *folder) {
     return api->options.editing ? folder : NULL;
 }

@@ -66,7 +66,7 @@ static const struct route {
     int (*get)(struct exchange *x);
     int (*post)(struct exchange *x);
     const char *command; /* POST runs it in the room of ?room=, unless `post` does; declares the right */
-    enum right right;    /* required right where there is no command; 0: none */
+    enum right right;    /* required right if `command` is NULL; 0: none */
     enum scope scope;
     const struct members *members; /* accepted query members; NULL: not checked */
     bool below;                    /* also serves all addresses below */

@@ -7,7 +7,7 @@ const escape = (text) => text.replace(/[&<>"]/g, (sign) => ESCAPES[sign]);
 const collapsed = (text) => text.trim().replace(/\s+/g, ' ');
 const primary = (tag) => tag.split('-')[0].toLowerCase();
 
-// Trusted Types: the pages parse no text without a policy. What this one allows is parsed as XML, which is inert, and never shown.
+// Trusted Types: the pages parse text only through a policy. This one is for XML, which is inert and never shown.
 const inert = globalThis.trustedTypes?.createPolicy('faccia-lexicon', { createHTML: (xml) => xml });
 
 /**
