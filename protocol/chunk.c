@@ -51,7 +51,7 @@ static struct fap_expression expression_of(const struct fap_frame *f) {
     return fap_frame_has(f, 2) ? f->expression : (struct fap_expression){0};
 }
 
-/* Returns the end of the code, for which there is room for CHUNK_FRAME_BYTES_MAX. */
+/* Appends the code of a frame and returns its end. Needs room for CHUNK_FRAME_BYTES_MAX bytes. */
 static uint8_t *put_frame(uint8_t *at, const struct fap_frame *f, const struct fap_frame *before) {
     uint8_t *mask = at;
     struct fap_viseme viseme = viseme_of(f), viseme_before = viseme_of(before);

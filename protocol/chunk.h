@@ -36,8 +36,8 @@ struct chunk {
     const uint8_t *events; /* borrowed; before the audio */
 };
 
-/* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. What the
- * mask of a frame leaves out counts as 0. Values are not compared with the FAPs' ranges. Returns the number
+/* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. FAPs
+ * missing from a frame's mask count as 0. Does not check values against the FAPs' ranges. Returns the number
  * of bytes, or 0 when cap is too small or a field is out of range. cap = CHUNK_HEADER_BYTES + audio_bytes +
  * frame_count * CHUNK_FRAME_BYTES_MAX always suffices. */
 size_t chunk_encode(const struct chunk *chunk, const struct fap_frame *frames, uint8_t *out, size_t cap);

@@ -23,7 +23,7 @@ uint32_t compact_packets(const uint8_t *audio, size_t size) {
     return count;
 }
 
-/* What the chunk after this one is, if nothing changes. */
+/* Predicts the next chunk's header, assuming that nothing changes. */
 static void follow(struct compact *state, const struct chunk *chunk) {
     state->known = true;
     state->next = *chunk;

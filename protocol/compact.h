@@ -12,18 +12,18 @@ enum {
     CHUNK_FAP_FAPC = 2,   /* fapc.md */
 };
 
-/* Where a reader, or a writer, has come. Begins zeroed. */
+/* State of a reader or writer. Zeroed at first. */
 struct compact {
     bool known;
     struct chunk next; /* utterance, sample_rate, fps_hundreds, start, samples, first_frame of the next one */
 };
 
-/* How many Opus packets lie there; the last may be cut short. */
+/* number of Opus packets; the last may be truncated */
 uint32_t compact_packets(const uint8_t *audio, size_t size);
 
-/* Writes the header for a chunk whose events (if any), audio and FAP bytes follow. begin: all that a reader
- * needs to begin here is said (it is by itself where the chunk does not follow from the one before). out has
- * room for COMPACT_HEADER_BYTES_MAX. Returns the number of bytes. */
+/* Writes the header of a chunk, to be followed by its events (if any), audio and FAP bytes. begin: write
+ * everything that a reader needs to start here (implied where the chunk does not follow from the previous
+ * one). out has room for COMPACT_HEADER_BYTES_MAX. Returns the number of bytes. */
 size_t compact_write(struct compact *state, const struct chunk *chunk, bool begin, uint8_t *out);
 
 /* Reads a header; chunk->events and chunk->audio point into data, and what follows the audio is FAP bytes

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Compact media chunks (version 2): README.md, section "Compact chunks". A stream has one reader.
 import { AUDIO_SILENCE, ChunkError, FAP_NONE } from './chunk.mjs';
-import { FapcDecoder } from './fapc.mjs';
+import { FapcDecoder } from './fapc/fapc.mjs';
 import { unpackEvents } from './packed.mjs';
 
 export const AUDIO_OPUS = 2;
 export const FAP_FAPC = 2;
 
-/** Opus runs at this clock, Hz, whatever the utterance's rate. */
+/** Clock rate of Opus in Hz, at any sample rate of the utterance. */
 export const OPUS_RATE = 48000;
 /** Samples at OPUS_RATE that the decoder drops at an utterance's beginning. */
 export const OPUS_SKIP = 312;

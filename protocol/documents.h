@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What describes the protocol to programs: openapi.json, asyncapi.json, and the schemas that they refer to.
- */
+/* Machine-readable descriptions of the protocol: openapi.json, asyncapi.json, and the schemas that they refer
+ * to. */
 #ifndef FACCIA_PROTOCOL_DOCUMENTS_H
 #define FACCIA_PROTOCOL_DOCUMENTS_H
 

@@ -23,7 +23,7 @@ export const clampFap = (number, value) =>
   number <= 2 ? value : Math.min(faps[number].max, Math.max(faps[number].min, value));
 
 /**
- * What one unit of a FAP is worth on a face: mm, or radians for AU; 0 for FAP 1 and 2.
+ * Returns the size of one unit of a FAP on a face: mm, or radians for AU; 0 for FAP 1 and 2.
  * @param {number} number
  * @param {Record<string, number>} fapu distances in mm on the neutral face, not divided by 1024
  */

@@ -9,7 +9,7 @@ import random
 
 here = os.path.dirname(os.path.abspath(__file__))
 table = {f["number"]: f for f in json.load(open(f"{here}/../fap-table.json"))["faps"]}
-prior = json.load(open(f"{here}/../fapc-prior.json"))
+prior = json.load(open(f"{here}/../fapc/fapc-prior.json"))
 habit = {f["number"]: f for f in prior["faps"]}
 random.seed(5)
 
@@ -189,6 +189,6 @@ def lines(items):
     return ",\n".join(json.dumps(item, separators=(",", ":")) for item in items)
 
 
-print('{\n"title": "FAPC packets with their contents; bad: what must be refused after the first packet of the first stream",\n"streams": [')
+print('{\n"title": "FAPC packets with their contents; bad: packets that must be rejected after the first packet of the first stream",\n"streams": [')
 print(",\n".join(f'{{"name":"{s["name"]}","quality":{s["quality"]},"packets":[\n{lines(s["packets"])}\n]}}' for s in streams))
 print(f'],\n"bad": [\n{lines(bad)}\n]\n}}')

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Writes fapc-prior.json anew: node make-fapc-prior.mjs FILE.fap... > new.json && mv new.json fapc-prior.json
-// What is learnt from the .fap files (25 frames a second, of speech and of silence, with expression): the weights of the
-// guesses and the probabilities to begin with. What stays as it stands in fapc-prior.json: groups, steps, models.
-// A new table makes another coding: decoders with the old one understand nothing of it.
+// Learns the prediction weights and the initial probabilities from the .fap files (25 frames a second, speech and silence, with
+// expression). Keeps the groups, steps and models of fapc-prior.json. A new table changes the coding: decoders with the old
+// one cannot decode it.
 import fs from 'node:fs';
 import { fapcFrame, putFrame } from './fapc.mjs';
 import { CLASSES, CTX_COUNT, CTX_SIGN, CTX_SIZE, GROUPS, SIGNS, State, UNARY, WEIGHTS, ZEROS, habits } from './fapc-model.mjs';
-import { FAP_COUNT } from './fap.mjs';
+import { FAP_COUNT } from '../fap.mjs';
 
 const QUALITY = 5;
 const ROUNDS = 4;
@@ -42,7 +42,7 @@ function solve(a, b) {
   return x;
 }
 
-/** Runs the coder over the tracks; `seen` is told of every guess, `bit` of every bit. */
+/** Runs the coder over the tracks; reports every prediction to `seen` and every bit to `bit`. */
 function run(tracks, quality, seen, bit) {
   const s = new State();
   const put = (at, value) => {
@@ -76,7 +76,7 @@ function weigh(tracks, quality, name) {
     habits[n][name] = solve(a[n], b[n]).map((w) => Math.max(-32768, Math.min(32767, Math.round(4096 * w))));
 }
 
-/** How often each bit was 0, of 65536, those of a group together. */
+/** Probabilities of a 0, of 65536, for the contexts of each group. */
 function count(tracks) {
   const bits = Array.from({ length: CTX_COUNT }, () => [0, 0]);
   run(tracks, QUALITY, () => {}, (at, value) => bits[at][value]++);
@@ -100,7 +100,7 @@ for (let round = 0; round < ROUNDS; round++) {
 const list = (rows) => `[\n  ${rows.map((row) => JSON.stringify(row)).join(',\n  ')}\n ]`;
 const { zero, sign, size } = count(tracks);
 console.log(`{
- "title": "What FAPC (fapc.md) knows of FAPs beforehand; weights (exact: without loss) in 1/4096, probabilities of a 0 in 1/65536; see make-fapc-prior.mjs",
+ "title": "Prior statistics of FAPs for FAPC (fapc.md); weights (exact: lossless) in 1/4096, probabilities of a 0 in 1/65536; see make-fapc-prior.mjs",
  "licence": "MIT",
  "faps": ${list(habits.slice(3))},
  "zero": ${list(zero)},

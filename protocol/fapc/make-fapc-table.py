@@ -10,7 +10,7 @@ def braces(values):
     return "{" + ", ".join(str(v) for v in values) + "}"
 
 
-print('#include "protocol/fapc_model.h"\n\nconst struct fapc_habit fapc_habits[FAP_COUNT + 1] = {')
+print('#include "protocol/fapc/fapc_model.h"\n\nconst struct fapc_habit fapc_habits[FAP_COUNT + 1] = {')
 for fap in prior["faps"]:
     models = (fap["models"] + [0, 0])[:2]
     print(f'    [{fap["number"]}] = {{{fap["group"]}, {fap["eighths"]}, {braces(models)}, {braces(fap["weights"])}, '

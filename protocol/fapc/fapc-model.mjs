@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How FAPC guesses a value and codes what it did not guess; fapc_model.c is the same in C. Integers only.
+// Predicts FAPC values and codes the prediction errors; fapc_model.c is the same in C. Integers only.
 import prior from './fapc-prior.json' with { type: 'json' };
-import { FAP_COUNT, faps } from './fap.mjs';
+import { FAP_COUNT, faps } from '../fap.mjs';
 import { Contexts } from './rangecoder.mjs';
 
 export const VALUE_MAX = 1 << 24;
@@ -24,11 +24,11 @@ export const CTX_MASK = CTX_LONG + GROUPS * LONG;
 export const CTX_HIGH = CTX_MASK + 3;
 export const CTX_COUNT = CTX_HIGH + 10;
 
-/** Of the activity: where the classes end. */
+/** Upper bounds of the activity classes. */
 const bounds = [5, 16, 48, 160, 500, Infinity];
 
 const empty = { group: 0, models: [], eighths: 8, weights: Array(WEIGHTS).fill(0), exact: Array(WEIGHTS).fill(0) };
-/** What the table says of each FAP. */
+/** Entries of the prior table, by FAP. */
 export const habits = Array.from({ length: FAP_COUNT + 1 }, (_, n) => prior.faps.find((fap) => fap.number === n) ?? empty);
 
 /** The quantiser step of FAP n (3..68), in FAP units. */
@@ -55,7 +55,7 @@ function begin(contexts) {
   prior.size.forEach((values, group) => from(CTX_SIZE + group * CLASSES * UNARY, values));
 }
 
-/** What encoder and decoder have in common: both change it in the same way with every frame. */
+/** State shared by encoder and decoder: both update it in the same way with every frame. */
 export class State {
   sequence = 0;
   quality = 0;
@@ -81,7 +81,7 @@ export class State {
     this.error.fill(0);
   }
 
-  /** What the guess is made from. */
+  /** Inputs of the prediction. */
   inputs(n) {
     const [now, a, b, c] = this.value;
     const [m, k] = habits[n].models;

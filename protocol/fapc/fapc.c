@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/fapc.h"
-#include "protocol/fapc_model.h"
+#include "protocol/fapc/fapc.h"
+#include "protocol/fapc/fapc_model.h"
 #include <string.h>
 
 enum { HEADER_INTRA = 0x80, SEQUENCE_MASK = 0x7F };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Binary arithmetic coding with a 32-bit range (G. N. N. Martin, "Range encoding", 1979), one bit at a time
- * with a probability of its own. */
+/* Binary arithmetic coding with a 32-bit range (G. N. N. Martin, "Range encoding", 1979), one bit at a time,
+ * each with its own adaptive probability. */
 #ifndef FACCIA_PROTOCOL_RANGECODER_H
 #define FACCIA_PROTOCOL_RANGECODER_H
 

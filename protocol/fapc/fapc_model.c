@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/fapc_model.h"
+#include "protocol/fapc/fapc_model.h"
 #include <string.h>
 
 enum {
@@ -54,7 +54,7 @@ static int64_t divide(int64_t a, int64_t b) {
     return a / b - (a % b < 0);
 }
 
-/* What is known before a value is coded. */
+/* Prediction made before a value is coded. */
 struct guess {
     int32_t level;
     int zero, sign, size, length; /* contexts */
@@ -126,7 +126,7 @@ void fapc_put_value(struct fapc_state *s, struct range_encoder *e, int n, int32_
     follow(s, n, level, error);
 }
 
-/* 0 when there is no end of it. */
+/* Returns 0 if the number has no end. */
 static uint32_t get_long(struct fapc_state *s, struct range_decoder *d, int at) {
     int bits = 0;
     uint32_t x = 1;

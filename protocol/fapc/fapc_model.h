@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* How FAPC guesses a value and codes what it did not guess. Inside of fapc.c. */
+/* Predicts FAPC values and codes the prediction errors. Private to the FAPC coder. */
 #ifndef FACCIA_PROTOCOL_FAPC_MODEL_H
 #define FACCIA_PROTOCOL_FAPC_MODEL_H
 
-#include "protocol/fapc.h"
+#include "protocol/fapc/fapc.h"
 
-/* What fapc-prior.json says of a FAP. */
+/* Prior of a FAP, from fapc-prior.json. */
 struct fapc_habit {
     uint8_t group, eighths;                             /* of the MPEG-4 quantiser step, for a quality of 1 */
     uint8_t models[2];                                  /* FAPs before it that it moves like; 0 = none */

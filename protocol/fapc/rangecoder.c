@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/rangecoder.h"
+#include "protocol/fapc/rangecoder.h"
 
 enum { ONE = 65536, LEAST = 64, SEEN_MAX = 60 };
 #define TOP 0x1000000u
 
-/* The less often it was asked, the further a probability goes towards what was seen. */
+/* Adaptation step by number of uses: the more often a context was used, the smaller its step. */
 static void learn(struct range_context *c, int bit) {
     uint32_t rate = 10 * ONE / (10 * (uint32_t)c->seen + 16), p = c->zero;
     if (c->seen < SEEN_MAX)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// FAPC: face animation parameters at a few kilobits a second. fapc.md describes the coding; fapc.c is the same in C.
-import { FAP_COUNT } from './fap.mjs';
+// FAPC: face animation parameters at a few kilobits a second. ../fapc.md describes the coding; fapc.c is the same in C.
+import { FAP_COUNT } from '../fap.mjs';
 import { CTX_HIGH, CTX_MASK, FapcError, State, getValue, putValue } from './fapc-model.mjs';
 import { RangeDecoder, RangeEncoder } from './rangecoder.mjs';
 
@@ -23,7 +23,7 @@ export const fapcFrame = () => ({
   expression: new Uint8Array(6),
 });
 
-/** Writes packets; the first of a stream, and any on request, is one that a decoder can begin with. */
+/** Writes packets. The first packet of a stream, and any other on request, is one at which a decoder can start. */
 export class FapcEncoder {
   #state = new State();
   #started = false;

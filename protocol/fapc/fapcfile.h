@@ -4,14 +4,14 @@
 #ifndef FACCIA_PROTOCOL_FAPCFILE_H
 #define FACCIA_PROTOCOL_FAPCFILE_H
 
-#include "protocol/fapc.h"
+#include "protocol/fapc/fapc.h"
 
 enum {
     FAPCFILE_HEADER_BYTES = 8,
     FAPCFILE_PACKET_BYTES = 3,            /* before each packet */
     FAPCFILE_PACKET_FRAMES = 5,           /* in one packet, */
-    FAPCFILE_PACKET_MS = 120,             /* or as many as last so long when those are more */
-    FAPCFILE_BEGIN_SECONDS = 10,          /* at least so often one can begin */
+    FAPCFILE_PACKET_MS = 120,             /* or more, for the same duration */
+    FAPCFILE_BEGIN_SECONDS = 10,          /* longest distance between intra packets */
     FAPCFILE_FRAMES_MAX = 1 << 20,        /* that a reader takes: 11 hours at 25 a second */
     FAPCFILE_FPS_HUNDREDTHS_MAX = 100000, /* 1000 a second, as FAPFILE_FPS_MAX */
 };

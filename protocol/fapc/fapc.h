@@ -5,11 +5,11 @@
 #define FACCIA_PROTOCOL_FAPC_H
 
 #include "protocol/fap.h"
-#include "protocol/rangecoder.h"
+#include "protocol/fapc/rangecoder.h"
 #include <stddef.h>
 
 enum {
-    FAPC_QUALITY_LOSSLESS = 0, /* values as they are */
+    FAPC_QUALITY_LOSSLESS = 0, /* lossless */
     FAPC_QUALITY_MAX = 31,
     FAPC_QUALITY = 5, /* default: lips of a common head within 0.2 mm, its turns within 0.15 degrees */
     /* Largest magnitude of a value that can be coded; larger ones are limited to it. */
@@ -37,7 +37,7 @@ enum {
     FAPC_CTX_COUNT = FAPC_CTX_HIGH + 10,
 };
 
-/* What encoder and decoder have in common: both change it in the same way with every frame. */
+/* State shared by encoder and decoder: both update it in the same way with every frame. */
 struct fapc_state {
     uint8_t quality;  /* 0..31 */
     uint8_t sequence; /* of the next packet, 0..127 */
@@ -64,17 +64,17 @@ int32_t fapc_step(int n, int quality);
 /* quality 0 (lossless) to 31. */
 void fapc_encoder_init(struct fapc_encoder *encoder, int quality);
 
-/* One packet of the frames, in order; intra: one that a decoder can begin with (the first is so by itself).
- * A FAP that a frame's mask leaves out keeps its value. Returns the number of bytes, 0 when cap or count are
- * out of range; cap = (count + 1) * FAPC_FRAME_BYTES_MAX always suffices. */
+/* Encodes the frames into one packet, in order. intra: make it a packet at which a decoder can start (the
+ * first one always is). A FAP missing from a frame's mask keeps its value. Returns the number of bytes, 0
+ * when cap or count are out of range; cap = (count + 1) * FAPC_FRAME_BYTES_MAX always suffices. */
 size_t fapc_encode(struct fapc_encoder *encoder, const struct fap_frame *frames, size_t count, bool intra,
                    uint8_t *out, size_t cap);
 
 void fapc_decoder_init(struct fapc_decoder *decoder);
 
-/* The count frames of the packet. NULL, or why there are none: then all that follows up to the next packet to
- * begin with is refused too. Any bytes may be given; at worst the values are nonsense,
- * not over FAPC_VALUE_MAX by more than two steps. */
+/* Decodes the `count` frames of a packet. Returns NULL, or the reason of the failure; then all packets up to
+ * the next intra packet are refused too. Accepts any bytes; damaged values exceed FAPC_VALUE_MAX by at most
+ * two steps. */
 const char *fapc_decode(struct fapc_decoder *decoder, const uint8_t *data, size_t size,
                         struct fap_frame *frames, size_t count);
 

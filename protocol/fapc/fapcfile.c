@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/fapcfile.h"
+#include "protocol/fapc/fapcfile.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

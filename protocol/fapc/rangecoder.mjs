@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Binary arithmetic coding with a 32-bit range, one bit at a time with a probability of its own; rangecoder.c is the
-// same in C. What stands for numbers of up to 2^32 are doubles, which hold them exactly.
+// Binary arithmetic coding with a 32-bit range, one bit at a time, each with its own adaptive probability; rangecoder.c is the same in C.
+// Numbers of up to 2^32 are doubles, which represent them exactly.
 
 const TOP = 0x1000000;
 const ONE = 65536;
 const LEAST = 64;
 const SEEN_MAX = 60;
 
-/** How far a probability goes towards what was seen, of 65536, by how often it was asked before. */
+/** Adaptation step, of 65536, by how often the context was used. */
 const rates = Uint16Array.from({ length: SEEN_MAX + 1 }, (_, seen) => Math.trunc((10 * ONE) / (10 * seen + 16)));
 
 /** Adaptive probabilities, of 65536, that a bit is 0. */
@@ -82,7 +82,7 @@ export class RangeDecoder {
   constructor(contexts, bytes, at) {
     this.contexts = contexts;
     this.bytes = bytes;
-    this.at = at; // of the next byte; there may be none
+    this.at = at; // of the next byte; may lie beyond the last
     this.range = 0xffffffff;
     this.code = 0;
     for (let i = 0; i < 4; i++) this.code = this.code * 256 + this.#next();
