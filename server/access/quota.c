@@ -154,7 +154,7 @@ static struct quota_other *add(struct quota *quota, struct quota_entry *entry, c
     snprintf(other->owner, sizeof other->owner, "%s", owner);
     LL_PREPEND(entry->others, other);
     if (++quota->others == TALLY_OTHERS_MOST)
-        log_warn("cluster: other daemons count for %d addresses and subjects; further ones are left out",
+        log_warn("cluster: other daemons report %d addresses and subjects; ignoring the rest",
                  TALLY_OTHERS_MOST);
     return other;
 }

@@ -27,7 +27,7 @@ static int check(const char *value, const char *claim, long until, long now, str
         return error_in_field(e, ERROR_BAD_FIELD, claim, "must have 1 to %d bytes", NAME_BYTES_MOST);
     if (until <= now || until > LATEST)
         return error_in_field(e, ERROR_BAD_FIELD, "exp",
-                              "must be a time to come: what has expired is refused anyway");
+                              "must be in the future: expired tokens are refused anyway");
     return 0;
 }
 
@@ -42,7 +42,7 @@ int revoked_subject(struct revoked *one, const char *subject, long issued, long 
     *one = (struct revoked){.issued = issued, .until = until};
     key_of(one, 's', subject);
     if (issued < 0 || issued > now)
-        return error_in_field(e, ERROR_BAD_FIELD, "iat", "must not be a time to come");
+        return error_in_field(e, ERROR_BAD_FIELD, "iat", "must not be in the future");
     return check(subject, "sub", until, now, e);
 }
 
@@ -66,7 +66,7 @@ static void drop(struct revocations *all, struct revocation *r) {
     free(r);
 }
 
-/* Drops all expired revocations; if there are none, the one that expires first. */
+/* Drops all expired revocations, or else the one that expires first. */
 static void make_room(struct revocations *all, long now) {
     struct revocation *r, *next, *first = NULL;
     HASH_ITER(hh, all->by_key, r, next) {
@@ -77,7 +77,7 @@ static void make_room(struct revocations *all, long now) {
     }
     if (HASH_COUNT(all->by_key) < REVOCATIONS_MOST || !first)
         return;
-    log_warn("more than %d tokens are revoked: the one that expires first counts again", REVOCATIONS_MOST);
+    log_warn("more than %d tokens are revoked: the one that expires first is valid again", REVOCATIONS_MOST);
     drop(all, first);
 }
 

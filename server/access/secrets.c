@@ -28,15 +28,15 @@ static int check_file(FILE *file, const char *path, bool secret, struct error *e
         result = error_set(e, ERROR_BAD_SECRETS, "%s: is a folder, not a file of secrets", path);
     else if (S_ISREG(status.st_mode) && others_write(&status))
         result = error_set(e, ERROR_BAD_SECRETS,
-                           "%s: others than its owner may write it (mode %03o); 'chmod 600' helps", path,
+                           "%s: users other than its owner can write it (mode %03o); run 'chmod 600'", path,
                            (unsigned)(status.st_mode & 0777));
     else if (S_ISREG(status.st_mode) && open_folder)
-        result =
-            error_set(e, ERROR_BAD_SECRETS,
-                      "%s: others than its owner may replace it, as they may write its folder (mode %03o)",
-                      path, (unsigned)(folder.st_mode & 0777));
+        result = error_set(
+            e, ERROR_BAD_SECRETS,
+            "%s: users other than its owner can replace it, because they can write its folder (mode %03o)",
+            path, (unsigned)(folder.st_mode & 0777));
     else if (secret && S_ISREG(status.st_mode) && status.st_mode & S_IROTH)
-        log_warn("%s: everybody on this machine can read the secrets; 'chmod 600' helps", path);
+        log_warn("%s: every user of this machine can read the secrets; run 'chmod 600'", path);
     free(real);
     return result;
 }
@@ -76,7 +76,7 @@ static int read_lines(struct secrets *secrets, FILE *file, const char *path, str
     }
     free(line);
     if (!result && !secrets->count)
-        result = error_set(e, ERROR_BAD_SECRETS, "%s: holds no secret", path);
+        result = error_set(e, ERROR_BAD_SECRETS, "%s: contains no secret", path);
     return result;
 }
 
@@ -115,7 +115,7 @@ bool secrets_have(const struct secrets *secrets, uint64_t number) {
 }
 
 void secret_mark(const char *secret, char mark[SECRET_MARK_BYTES]) {
-    static const unsigned char text[] = "faccia: this secret counts no more";
+    static const unsigned char text[] = "faccia: this secret is revoked";
     unsigned char digest[EVP_MAX_MD_SIZE];
     HMAC(EVP_sha256(), secret, (int)strlen(secret), text, sizeof text - 1, digest, NULL);
     for (size_t i = 0; i < (SECRET_MARK_BYTES - 1) / 2; i++)

@@ -29,7 +29,8 @@ int rights_parse(const char *words, unsigned *rights, struct error *e) {
                 found = rights_words[i].right;
         if (n && !found)
             return error_in_field(e, ERROR_BAD_FIELD, "rights",
-                                  "no right '%.*s'; there are listen, speak, operate", (int)n, words);
+                                  "unknown right '%.*s'; the rights are listen, speak and operate", (int)n,
+                                  words);
         *rights |= found;
     }
     return *rights ? 0 : error_in_field(e, ERROR_BAD_FIELD, "rights", "names no right");
@@ -59,14 +60,14 @@ char *token_make(const struct secrets *secrets, const struct token *token, struc
     if (RAND_bytes(random, sizeof random) == 1)
         write_digits(random, sizeof random, id);
     else
-        return error_set(e, ERROR_BAD_TOKEN, "there is no randomness for the token's id"), NULL;
+        return error_set(e, ERROR_BAD_TOKEN, "no random numbers for the token's id"), NULL;
     if (jwt_new(&jwt) ||
         jwt_set_alg(jwt, JWT_ALG_HS256, (const unsigned char *)secret, (int)strlen(secret)) ||
         jwt_add_grant(jwt, "sub", token->subject) ||
         (*token->room && jwt_add_grant(jwt, "room", token->room)) || jwt_add_grant(jwt, "rights", rights) ||
         jwt_add_grant(jwt, "jti", id) || (token->issued && jwt_add_grant_int(jwt, "iat", token->issued)) ||
         jwt_add_grant_int(jwt, "exp", token->expires) || !(text = jwt_encode_str(jwt)))
-        error_set(e, ERROR_BAD_TOKEN, "the token could not be made");
+        error_set(e, ERROR_BAD_TOKEN, "cannot create the token");
     jwt_free(jwt);
     return text;
 }
@@ -77,7 +78,7 @@ static int copy_claim(char *out, size_t cap, const json_t *claims, const char *n
     const char *value = json_string_value(claim);
     if ((!value && (claim || needed)) || (value && json_string_length(claim) >= cap) ||
         (value && strlen(value) != json_string_length(claim)))
-        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing, too long, or no string",
+        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing, too long, or not a string",
                          name);
     snprintf(out, cap, "%s", value ? value : "");
     return 0;
@@ -90,7 +91,7 @@ static int copy_date(long *seconds, const json_t *claims, const char *name, bool
     if (!claim && !needed)
         return 0;
     if (!json_is_number(claim) || !(value >= 0 && value <= LATEST))
-        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing or no date", name);
+        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing or not a date", name);
     *seconds = (long)value;
     return 0;
 }
@@ -138,7 +139,7 @@ static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e
     /* a token with "crit" must be rejected by implementations that do not understand it (RFC 7515, 4.1.11) */
     if (json_object_get(header, "crit"))
         result = error_set(e, ERROR_BAD_TOKEN,
-                           "the token's header has 'crit', of which this server knows nothing");
+                           "the token's header has 'crit', which this server does not support");
     else
         result = read_claims(claims, now, token, e);
     json_decref(header);

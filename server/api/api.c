@@ -97,7 +97,7 @@ void api_change(struct api *api, const struct api_options *options) {
     complete(o);
     rooms_change(api->rooms, &o->rooms);
     if (http_server_change(api->http, &o->http, &e))
-        log_error("%s; the certificate stays as it was", error_text(&e, text, sizeof text));
+        log_error("%s; keeping the current certificate", error_text(&e, text, sizeof text));
     rights_revoke_all(api, options->revocations);
     rights_replace(api, options->secrets);
     shared_limits_change(api->shared_limits);
@@ -119,6 +119,10 @@ void api_dismiss(struct api *api, const char *reason) {
 
 bool api_address(const struct api *api, size_t number, struct buf *out) {
     return http_server_address(api->http, number, out);
+}
+
+bool api_outside_address(const struct api *api, size_t number, struct buf *out) {
+    return http_server_outside_address(api->http, number, out);
 }
 
 void api_set_ready(struct api *api) {

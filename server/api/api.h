@@ -5,10 +5,10 @@
 #define FACCIA_API_API_H
 
 #include "server/access/token.h"
-#include "server/api/document_store.h"
+#include "server/api/documents/document_store.h"
 #include "server/api/offer.h"
 #include "server/base/buf.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include "server/http/http_server.h"
 #include "server/rooms/rooms.h"
 #include "server/stream/stream.h"
@@ -58,9 +58,12 @@ struct api;
 struct api *api_open(const struct pipeline *pipeline, const struct offer_source *offer,
                      const struct api_options *options, struct error *e);
 
-/* Appends the address of listening socket `number`, counted from 0, as in "http://[::1]:8080/". Returns
- * false if there is no such socket. */
+/* Appends the URL of listening socket `number` (from 0), such as "http://[::1]:8080/". False if `number` is
+ * out of range. */
 bool api_address(const struct api *api, size_t number, struct buf *out);
+
+/* The same of addresses at which other machines may reach the daemon. */
+bool api_outside_address(const struct api *api, size_t number, struct buf *out);
 
 /* Marks the voices as loaded. Until then /healthz answers 503 and speak fails with "voice-unavailable". */
 void api_set_ready(struct api *api);

@@ -5,17 +5,58 @@
 
 #include "server/access/quota.h"
 #include "server/access/revocations.h"
+#include "server/access/token.h"
 #include "server/api/api.h"
 #include "server/api/heads.h"
-#include "server/api/principal.h"
 #include "server/api/request_json.h"
-#include "server/api/search_queue.h"
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/metrics.h"
+#include "server/codec/coder_pool.h"
+#include "server/export/speech_export.h"
 #include "server/http/exchange.h"
 #include "server/rooms/channel.h"
 #include "server/rooms/events.h"
 #include "server/synthesis/recording.h"
+
+/* ---- search_queue.c: queues jobs that search the library or save documents. Each client has its own line,
+ * and the lines take turns, so that no client waits for all the jobs of another. The jobs run in threads of
+ * lower priority than speech. ---- */
+
+enum {
+    SEARCHES_THREADS = 2, /* worker threads */
+    SEARCHES_EACH = 64,   /* jobs of one client, waiting or running */
+    SEARCHES_ALL = 512,   /* jobs in total, above which a client may have only SEARCHES_FEW */
+    SEARCHES_FEW = 4,
+    SEARCHES_MOST = 2048, /* jobs in total, above which all are refused */
+};
+
+/* A client with jobs in the queue. */
+struct queue_client {
+    struct coder_line line;
+    struct queue_client *next;
+    char key[80]; /* see struct principal */
+    unsigned questions;
+};
+
+/* Initialise with zeros. */
+struct search_queue {
+    struct coder_pool *pool; /* NULL until the first job */
+    struct queue_client *first;
+    unsigned questions;
+    enum error_code full; /* error when the queue is full; ERROR_NONE: "too-many-searches" */
+};
+
+/* Queues the job under the client with that key. *client is the client, valid until search_queue_done,
+ * which job->done must call. -1 with *e (full, or "too-many-searches") if too many jobs wait. */
+int search_queue_add(struct search_queue *queue, uv_loop_t *loop, const char *key, struct coder_job *job,
+                     struct queue_client **client, struct error *e);
+void search_queue_done(struct search_queue *queue, struct queue_client *client);
+
+/* Lowers the priority of the calling thread for good. Call it from job->work. */
+void search_queue_lower_priority(void);
+
+/* Waits for the running jobs; the waiting ones are completed as cancelled. */
+void search_queue_close(struct search_queue *queue);
 
 struct api {
     struct api_options options;
@@ -25,7 +66,7 @@ struct api {
     struct rooms *rooms;
     struct heads heads;
     struct client *clients; /* open WebSockets */
-    uint64_t streams;       /* stream numbers assigned so far */
+    uint64_t streams;       /* the last stream number assigned */
     bool ready, draining;
     const char *unavailable; /* why nothing can be spoken, now or soon; or NULL */
     struct quota quota;
@@ -41,6 +82,60 @@ struct api {
     json_t *more_languages;       /* cached member of hello */
     const struct offer_voice *languages_of; /* voice list from which it was built */
 };
+
+/* ---- principal.c: identity and rights of a client, from its request's headers or from a token sent later
+ * ---- */
+
+struct connection;
+struct http_request;
+
+struct principal {
+    struct token token; /* if no tokens are required: subject "", room "", all rights, no expiry */
+    char key[80];       /* quota key of its requests: "a ADDRESS" or "s SUBJECT" */
+    struct connection *connection;
+};
+
+/* Returns whether the page that sent the request may use the daemon. */
+bool principal_origin_allowed(const struct api *api, const struct http_request *request);
+
+/* Checks that the Host header is a name of the daemon. -1 with *e: "unknown-host". */
+int principal_check_host(const struct api *api, const struct http_request *request, struct error *e);
+
+/* Identifies the client by the token of the request, if there is one (Authorization: Bearer, or token= in
+ * the address). -1 with *e: "bad-token", "expired-token", "revoked-token", "too-many-per-address". */
+int principal_enter(struct api *api, const struct http_request *request, struct principal *principal,
+                    struct error *e);
+
+/* Switches to another token. -1 with *e as above, and the principal is unchanged. */
+int principal_show(struct api *api, struct principal *principal, const char *token, struct error *e);
+
+/* Stands for the room that the token is for, or any room. */
+extern const char principal_own_room[];
+
+/* Removes the rights if the secret or the token has been revoked. Returns whether it removed any. */
+bool principal_revoke(const struct api *api, struct principal *principal);
+
+/* Hash of the quota key, used to schedule quota keys in turn (speech_request.h); never 0. */
+uint32_t principal_quota_key(const struct principal *principal);
+
+/* Number of the connection, used to schedule the connections of one quota key in turn; never 0. */
+uint32_t principal_connection(const struct principal *principal);
+
+/* Checks a right at the current time. room NULL: no room. -1 with *e: "token-needed", "expired-token",
+ * "forbidden". */
+int principal_may(const struct api *api, const struct principal *principal, enum right right,
+                  const char *room, struct error *e);
+
+/* Counts a request. -1 with *e ("too-many-requests") if the limit for this minute is reached. */
+int principal_ask(struct api *api, const struct principal *principal, struct error *e);
+
+/* Checks the page's origin, the right and the request limit. right 0: only the origin. Returns false after
+ * answering with an error; the caller then returns *result. */
+bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
+/* Likewise for what anyone may ask, with or without a token: a token that is sent must be valid. */
+bool exchange_admits(struct exchange *x, int *result);
+struct principal *
+exchange_principal(struct exchange *x); /* valid once exchange_permits has granted a right */
 
 struct api *exchange_api(const struct exchange *x);
 
@@ -67,6 +162,25 @@ void routes_serve(struct exchange *x);
 /* speech_route.c: /v1/speech, by POST or GET */
 int speech_ask(struct exchange *x);
 extern const struct members speech_members; /* members that it accepts */
+
+/* Answers a request with exported speech. Zero-initialise, then set the members up to `event`. */
+struct speech_answer {
+    struct exchange *x;
+    const struct export_format *format;
+    int (*refuse)(struct exchange *x,
+                  const struct error *e); /* answers with an error; NULL: exchange_error */
+    void (*event)(struct exchange *x, const struct buf *bytes); /* sends the bytes as an event of a
+                                                                   text/event-stream; bytes NULL: the end.
+                                                                   NULL: they are the body */
+    struct speech_export *speech;                               /* freed by the owner */
+    bool begun;
+};
+/* -1 with *e, and nothing is answered. The answer must live as long as its exchange. */
+int speech_answer_open(struct speech_answer *a, const struct speech_request *request, struct error *e);
+void speech_answer_sent(void *answer); /* `sent` of the exchange's work, whose self begins with the answer */
+
+/* openai_speech.c: POST /v1/audio/speech */
+int openai_speech(struct exchange *x);
 
 /* Speech requested over HTTP, by the query and by the body if there is one: plain text, or a JSON object
  * that contains it. */

@@ -82,7 +82,7 @@ static void deliver_one(struct client *c, struct queued_message *message) {
     f->waits = true;
     if (!f->lagging)
         client_say(c, json_pack("{ss ss ss}", "type", "warning", "code", error_name(ERROR_SKIPPED), "message",
-                                "media were left out: they came faster than they were taken"));
+                                "media were dropped: the client reads too slowly"));
     f->lagging = true;
 }
 
@@ -252,11 +252,11 @@ static int set_media(struct client *c, const struct media_wish *wish, struct err
         encoding.kilobits = (uint8_t)codec;
     int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
     if (packed < 0)
-        return error_in_field(e, ERROR_UNKNOWN_CODEC, "events", "no form of events '%s'", wish->events);
+        return error_in_field(e, ERROR_UNKNOWN_CODEC, "events", "unknown form of events '%s'", wish->events);
     encoding.packed = packed;
     if (!encoding_possible(&encoding))
         return error_in_field(e, ERROR_UNKNOWN_CODEC, "fap",
-                              "plain FAPs do not go with Opus: ask for fapc, or for pcm");
+                              "plain FAPs cannot be combined with Opus: request fapc or pcm");
     channel_want(&c->follower, &encoding);
     return 0;
 }
@@ -384,17 +384,17 @@ void client_accept(struct exchange *x) {
     const char *protocol;
     struct error e;
     if (r->method != HTTP_GET || !r->minor) {
-        refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is opened by a GET of HTTP/1.1");
+        refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is opened with an HTTP/1.1 GET");
     } else if (principal_check_host(api, r, &e)) {
         exchange_error(x, &e);
     } else if (strcmp(r->path, "/v1/stream")) {
-        refuse(x, ERROR_NOT_FOUND, "no WebSocket is at this address");
+        refuse(x, ERROR_NOT_FOUND, "there is no WebSocket at this address");
     } else if (!principal_origin_allowed(api, r)) {
         metrics_add(api->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
-        refuse(x, ERROR_FORBIDDEN_ORIGIN, "pages from there may not use this server");
+        refuse(x, ERROR_FORBIDDEN_ORIGIN, "pages of that origin may not use this server");
     } else if (api->draining) {
         metrics_add(api->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-        refuse(x, ERROR_STOPPING, "the server is about to stop");
+        refuse(x, ERROR_STOPPING, "the server is shutting down");
     } else {
         struct websocket *ws = websocket_accept(x, protocols, &protocol);
         if (ws)

@@ -12,7 +12,7 @@
 struct open_text {
     char *id;
     uint32_t utterance;
-    uint16_t half; /* high surrogate at the end of the text so far, 0: none; see surrogates.h */
+    uint16_t half; /* high surrogate at the end of the text, or 0; see surrogates.h */
 };
 
 struct client {
@@ -24,7 +24,7 @@ struct client {
     char name[24];
     char called[OBSERVER_NAME_BYTES + 1]; /* name that it gave when it joined its room, or "" */
     bool plain;                           /* uses TEXT_PROTOCOL */
-    struct follower follower;             /* of its own stream or of a room's */
+    struct follower follower;             /* of its own stream or of a room */
     struct speech_request defaults;       /* set by the address */
     const char *asked;                    /* id of the message being handled; NULL: none */
     struct open_text *open;
@@ -33,7 +33,7 @@ struct client {
     struct long_message *reading; /* message being parsed in another thread, while later ones wait */
     const struct model *model;    /* head being sent part by part; NULL: none */
     size_t model_part;
-    uint64_t commanded; /* time, ns, up to which the budget of commands that tell others is spent */
+    uint64_t commanded; /* the budget of room commands is spent up to this time, ns */
 };
 
 /* client.c: lifecycle, room and media settings */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/client_message.h"
 #include "server/api/request_json.h"
-#include "server/base/field.h"
+#include "server/base/json/field.h"
 #include <math.h>
 #include <string.h>
 

@@ -3,17 +3,17 @@
 #include "server/api/client_internal.h"
 #include "server/api/client_message.h"
 #include "server/api/commands.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/base/work_limit.h"
+#include "server/base/work/work_limit.h"
 #include "server/rooms/shared/forward.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* What is told to all in a room costs as much as they are many. A hand on the mood's disc sends 120 in a
- * second at most. */
+/* A command that is sent to everyone in a room costs as much as the room has members. A hand on the mood disc
+ * sends at most 120 per second. */
 enum {
     COMMANDS_A_SECOND = 120, /* average of one client */
     COMMANDS_BURST = 400,    /* most at once */
@@ -67,17 +67,17 @@ static int forward(struct client *c, const struct command *command, const struct
 static int check_open(struct client *c, const struct speech_request *request, struct error *e) {
     if (channel_is_remote(c->follower.channel))
         return error_set(e, ERROR_ROOM_AWAY,
-                         "another daemon speaks in this room: a text that is being written goes to that one");
+                         "another daemon leads this room: send a text piece by piece to that daemon");
     return open_text_check(c, request, e);
 }
 
-/* Counts a command that others are told of. Returns -1 with *e when there were too many. */
+/* Charges a command that is sent to others. Returns -1 with *e when the limit is exceeded. */
 static int count_command(struct client *c, struct error *e) {
     const uint64_t now = uv_hrtime(), each = 1000000000 / COMMANDS_A_SECOND;
     uint64_t from = c->commanded > now ? c->commanded : now;
     if (from + each - now > each * COMMANDS_BURST)
         return error_set(e, ERROR_TOO_MANY_REQUESTS,
-                         "a client may give a room %d commands a second, and %d at once", COMMANDS_A_SECOND,
+                         "a client may send a room %d commands per second, and %d at once", COMMANDS_A_SECOND,
                          COMMANDS_BURST);
     c->commanded = from + each;
     return 0;

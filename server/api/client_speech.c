@@ -3,7 +3,7 @@
  * arrives in binary messages and is an utterance like any other. */
 #include "server/api/client_internal.h"
 #include "server/api/client_message.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/live/live_voice.h"
 #include <stdlib.h>
@@ -34,14 +34,14 @@ static void drop(struct client *c, struct open_text *w) {
 int open_text_check(struct client *c, const struct speech_request *request, struct error *e) {
     size_t open = 0;
     if (!request->id)
-        return error_in_field(e, ERROR_MISSING_FIELD, "id", "an utterance that is open needs one");
+        return error_in_field(e, ERROR_MISSING_FIELD, "id", "an open utterance needs one");
     const struct open_text *same = find(c, request->id);
     if (same && is_open(c, same))
-        return error_in_field(e, ERROR_BAD_FIELD, "id", "one of that id is open already");
+        return error_in_field(e, ERROR_BAD_FIELD, "id", "an utterance with this id is already open");
     for (size_t i = 0; i < c->open_count; i++)
         open += is_open(c, &c->open[i]);
     if (open >= c->api->options.open)
-        return error_set(e, ERROR_TOO_MANY_OPEN, "%zu texts are being written already", open);
+        return error_set(e, ERROR_TOO_MANY_OPEN, "%zu texts are already being written", open);
     return 0;
 }
 
@@ -55,7 +55,7 @@ void open_text_begin(struct client *c, const char *id, uint32_t utterance, uint1
 
 void open_texts_leave(struct client *c) {
     struct error e;
-    error_set(&e, ERROR_UNFINISHED, "who wrote it has gone: the text is taken as it is");
+    error_set(&e, ERROR_UNFINISHED, "its writer disconnected: the text is spoken as far as it was written");
     while (c->open_count) {
         struct open_text *w = &c->open[c->open_count - 1];
         if (stream_of(c))
@@ -96,7 +96,7 @@ static struct open_text *asked(struct client *c, const json_t *message) {
     struct open_text *w = id ? find(c, id) : NULL;
     struct error e;
     if (id && !w) {
-        error_in_field(&e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is being written here", id);
+        error_in_field(&e, ERROR_UNKNOWN_UTTERANCE, "id", "no open utterance '%.64s'", id);
         complain(c, id, &e);
     }
     return w;
@@ -129,7 +129,7 @@ void open_text_close(struct client *c, const json_t *message) {
     uint32_t utterance = w->utterance;
     struct error e;
     if (w->half) {
-        error_set(&e, ERROR_BAD_UTF8, "the text ends in half a character, which is left out");
+        error_set(&e, ERROR_BAD_UTF8, "the text ends with an incomplete character, which is dropped");
         json_t *warning = warning_json(&e);
         json_object_set_new(warning, "id", json_string(w->id));
         client_say(c, warning);
@@ -151,8 +151,7 @@ static int read_voice(struct live_request *request, const json_t *message, struc
     if (codec && live_codec_find(codec, &request->codec, e))
         return -1;
     if (!json_object_get(message, "rate") && request->codec == LIVE_PCM)
-        return error_in_field(e, ERROR_MISSING_FIELD, "rate",
-                              "how many samples a second does the sound have?");
+        return error_in_field(e, ERROR_MISSING_FIELD, "rate", "the sound needs a sample rate");
     read_number(message, "rate", &request->rate);
     read_number(message, "channels", &request->channels);
     read_number(message, "lookahead", &request->lookahead);
@@ -184,7 +183,7 @@ static void close_last(struct client *c) {
 static int may_begin(struct client *c, struct error *e) {
     if (may_send(c, "voice", e) || principal_ask(c->api, &c->principal, e))
         return -1;
-    return c->api->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
+    return c->api->draining ? error_set(e, ERROR_STOPPING, "the server is shutting down") : 0;
 }
 
 static int begin(struct client *c, struct live_request *request, struct speech_request *speech,
@@ -196,7 +195,8 @@ static int begin(struct client *c, struct live_request *request, struct speech_r
     if (open_text_check(c, speech, e))
         return -1;
     return channel_is_remote(c->follower.channel)
-               ? error_set(e, ERROR_ROOM_AWAY, "another daemon speaks in this room: a voice goes to that one")
+               ? error_set(e, ERROR_ROOM_AWAY,
+                           "another daemon leads this room: send the voice to that daemon")
                : 0;
 }
 
@@ -223,6 +223,6 @@ void client_voice_sound(struct client *c, const uint8_t *bytes, size_t size) {
         stream_sound(client_stream(c), c->voice, bytes, size);
         return;
     }
-    error_set(&e, ERROR_BINARY_MESSAGE, "binary messages are the sound of a voice: none has begun");
+    error_set(&e, ERROR_BINARY_MESSAGE, "a binary message is sound of a live voice, but none has started");
     client_complain(c, &e);
 }

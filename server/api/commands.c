@@ -87,7 +87,7 @@ static int jump(struct command_call *call, struct error *e) {
 static int cancel(struct command_call *call, struct error *e) {
     const char *id = string_of(call, "id");
     if (!stream_cancel(stream_of(call), id))
-        return error_in_field(e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is spoken or waits",
+        return error_in_field(e, ERROR_UNKNOWN_UTTERANCE, "id", "no utterance '%.64s' is playing or queued",
                               id);
     return accepted(call);
 }
@@ -125,7 +125,7 @@ static int check_consent(const struct command_call *call, bool *exempt, struct e
     if (client_message_check("consent", call->message, e))
         return -1;
     *exempt = consent_is_answer(call->message);
-    return *exempt && call->observes ? error_set(e, ERROR_FORBIDDEN, "only who listens can consent") : 0;
+    return *exempt && call->observes ? error_set(e, ERROR_FORBIDDEN, "only listeners can consent") : 0;
 }
 
 /* The rights are in protocol/messages.json. */
@@ -170,7 +170,7 @@ const struct command *command_find(const char *name) {
 const struct command *command_of(const json_t *message, struct error *e) {
     const char *type = json_string_value(json_object_get(message, "type"));
     if (!json_is_object(message) || !type) {
-        error_in_field(e, ERROR_BAD_MESSAGE, "type", "a message is an object with a string 'type'");
+        error_in_field(e, ERROR_BAD_MESSAGE, "type", "a message must be an object with a string 'type'");
         return NULL;
     }
     const struct command *command = command_find(type);
@@ -179,7 +179,7 @@ const struct command *command_of(const json_t *message, struct error *e) {
         char text[SUGGESTIONS_TEXT];
         for (size_t i = 0; i < COMMANDS; i++)
             suggest_name(&near, commands[i].name, commands[i].name);
-        error_in_field(e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type,
+        error_in_field(e, ERROR_UNKNOWN_TYPE, "type", "unknown message type '%.80s'%s", type,
                        suggestions_text(&near, text));
     }
     return command;
@@ -204,7 +204,7 @@ int command_admit(const struct command_call *call, const struct principal *princ
     struct speech_request *request = call->request;
     unsigned limit = call->api->options.text_bytes;
     if (call->api->draining)
-        return error_set(e, ERROR_STOPPING, "the server is about to stop");
+        return error_set(e, ERROR_STOPPING, "the server is shutting down");
 #ifdef HAVE_LIBRARY
     if (passage_resolve(call->api, request, e))
         return -1;
@@ -223,7 +223,7 @@ int command_admit(const struct command_call *call, const struct principal *princ
 int command_run(const struct command *command, struct command_call *call, struct error *e) {
     bool anywhere = command->run == speak && call->keeps;
     if (!call->channel && !anywhere)
-        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", call->room);
+        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "there is nobody in the room '%s'", call->room);
     if (call->message && client_message_check(command->name, call->message, e))
         return -1;
     return command->run(call, e);

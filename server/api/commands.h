@@ -42,7 +42,7 @@ struct command {
     void (*act)(struct client *client, const json_t *message); /* acts on the client itself; replaces `run` */
 };
 
-/* Returns NULL if there is no command of that name. */
+/* Returns NULL if no command has that name. */
 const struct command *command_find(const char *name);
 
 /* Finds the command for a message. NULL with *e: "unknown-type" with similar names, or "bad-message" if

@@ -138,7 +138,7 @@ int heads_load(struct heads *heads, const char *web, const char *models, struct 
             qsort(heads->list, heads->count, sizeof *heads->list, by_rank);
     }
     if (!static_files_find(&heads->files, "/"))
-        log_warn("no page to serve: '%s' holds no index.html", web);
+        log_warn("no page to serve: '%s' contains no index.html", web);
     if (!heads->count)
         log_warn("no head model in '%s/heads'", models);
     if (failed)

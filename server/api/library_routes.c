@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* /v1/library, /library and /oembed. The library answers in other threads. */
 #include "server/api/api_internal.h"
-#include "server/api/library_page.h"
+#include "server/api/library/library_page.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/library/library.h"
@@ -202,10 +202,9 @@ static int check_langs(const char *list, struct error *e) {
     size_t bad;
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
         if (!lang_read(at, strcspn(at, ","), tag, &bad))
-            return error_in_field(
-                e, ERROR_BAD_FIELD, "lang",
-                "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there",
-                (size_t)(at - list) + bad);
+            return error_in_field(e, ERROR_BAD_FIELD, "lang",
+                                  "is not a language tag (BCP 47, such as pt-BR): byte %zu is invalid",
+                                  (size_t)(at - list) + bad);
     return 0;
 }
 
@@ -250,11 +249,11 @@ int library_get(struct exchange *x) {
 int passage_resolve(const struct api *api, struct speech_request *request, struct error *e) {
     struct library_passage passage;
     if (!request->passage)
-        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "goes with a passage only") : 0;
+        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "is only for passages") : 0;
     if (request->text)
-        return error_in_field(e, ERROR_BAD_FIELD, "passage", "there is a text already");
+        return error_in_field(e, ERROR_BAD_FIELD, "passage", "cannot be combined with a text");
     if (!api->options.library)
-        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no library here");
+        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "this server has no library");
     if (library_passage(api->options.library, request->passage, request->from, api->options.text_bytes,
                         &passage, e))
         return -1;

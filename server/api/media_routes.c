@@ -13,7 +13,7 @@
 int media_source(const struct api *api, struct recording_source *source, const char *name, struct error *e) {
     source->fap_bytes_max = api->options.play_bytes;
     if (!api->options.media)
-        return error_in_field(e, ERROR_UNKNOWN_MEDIA, "name", "there is no folder of recordings here");
+        return error_in_field(e, ERROR_UNKNOWN_MEDIA, "name", "this server has no folder of recordings");
     return recording_source_in(source, api->options.media, name, e);
 }
 
@@ -156,7 +156,7 @@ static int play_elsewhere(struct exchange *x, const char *name, const struct spe
     if (name)
         return room_forward(x, json_pack("{ss s{ss*} so}", "type", "play", "message", "name", name, "request",
                                          request_to_json(request)));
-    error_set(&e, ERROR_ROOM_AWAY, "another daemon speaks in this room: a recording is uploaded to that one");
+    error_set(&e, ERROR_ROOM_AWAY, "another daemon leads this room: upload the recording to that daemon");
     return exchange_error(x, &e);
 }
 
@@ -184,7 +184,7 @@ int play_post(struct exchange *x) {
         return open_upload(x, &request);
     } else {
         error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE,
-                  "a recording is uploaded as multipart/form-data, or named by name=");
+                  "upload a recording as multipart/form-data, or name one with name=");
         result = exchange_error(x, &e);
     }
     recording_source_free(&source);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/api_internal.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/codec/opus_audio.h"
 #include <stdio.h>
 #include <string.h>
@@ -87,7 +87,7 @@ json_t *message_health(const struct api *api) {
     const char *status = api->ready ? "ok" : api->unavailable ? "unavailable" : "starting";
     const char *cluster = api->pipeline->metrics->values[METRIC_CLUSTER_UP] > 0 &&
                                   api->pipeline->metrics->values[METRIC_BUS_UP] > 0 &&
-                                  api->pipeline->metrics->values[METRIC_BOARD_UP] > 0
+                                  api->pipeline->metrics->values[METRIC_PRESENCE_UP] > 0
                               ? "up"
                               : "away";
     return json_pack("{ss ss* ss si ss*}", "status", status, "reason", api->unavailable, "server",

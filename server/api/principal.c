@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/api/principal.h"
 #include "server/access/origin.h"
 #include "server/api/api_internal.h"
 #include "server/api/shared_limits.h"
@@ -21,9 +20,8 @@ int principal_check_host(const struct api *api, const struct http_request *reque
         host_allowed(host, api->options.http.host, NULL, http_server_is_local(api->http)))
         return 0;
     metrics_add(api->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
-    return error_set(
-        e, ERROR_UNKNOWN_HOST,
-        "this server has no name '%.100s'; when it shall have that name, start it with --host-name", host);
+    return error_set(e, ERROR_UNKNOWN_HOST,
+                     "this server is not named '%.100s'; to add the name, start it with --host-name", host);
 }
 
 bool principal_revoke(const struct api *api, struct principal *principal) {
@@ -143,7 +141,7 @@ int principal_ask(struct api *api, const struct principal *principal, struct err
     if (quota_ask(&api->quota, principal->key, api->options.address_requests, shared_limits_now(api)))
         return 0;
     metrics_add(api->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-    return error_set(e, ERROR_TOO_MANY_REQUESTS, "%u requests in a minute are the limit",
+    return error_set(e, ERROR_TOO_MANY_REQUESTS, "the limit is %u requests per minute",
                      api->options.address_requests);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/request_json.h"
 #include "server/api/client_message.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/base/suggest.h"
 #include "server/http/http_request.h"
 #include "server/stream/stream.h"

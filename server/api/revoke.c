@@ -14,14 +14,14 @@ void rights_renew(struct api *api) {
     secrets_free(&api->secrets);
     api->secrets = secrets_good(all, &api->revoked);
     if (all && api->secrets.count < all->count && api->secrets.count != before)
-        log_warn("%zu of the %zu secrets of the token file count no more: a daemon of this cluster has given "
-                 "them up",
+        log_warn("%zu of the %zu secrets in the secret file are revoked: another daemon of this cluster has "
+                 "dropped them",
                  all->count - api->secrets.count, all->count);
     clients_revoke(api);
     room_events_revoke(api);
 }
 
-/* Compares with the secrets accepted so far: the old list may have been changed in place. */
+/* Compares with the previously accepted secrets, because the old list may have been changed in place. */
 void rights_replace(struct api *api, const struct secrets *secrets) {
     for (size_t i = 0; i < api->secrets.count; i++)
         if (!secrets || !secrets_have(secrets, secret_number(api->secrets.list[i])))
@@ -56,19 +56,19 @@ static int take_time(const json_t *body, const char *name, long otherwise, long 
     if (value ? json_is_integer(value) && *seconds >= 0 : otherwise >= 0)
         return 0;
     return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, name,
-                          "must be a time in whole seconds since 1970");
+                          "must be a time in seconds since 1970");
 }
 
 /* Revokes a token by its full text. If the token is invalid, there is nothing to revoke: an error. */
 static int whole(const struct api *api, const char *text, long now, struct revoked *one, struct error *e) {
     struct token token;
     if (!api->options.secrets)
-        return error_in_field(e, ERROR_BAD_FIELD, "token", "this server demands no tokens");
+        return error_in_field(e, ERROR_BAD_FIELD, "token", "this server does not require tokens");
     if (token_check(&api->secrets, text, now, &token, e))
-        return error_in_field(e, ERROR_BAD_FIELD, "token", "is not one that this server takes");
+        return error_in_field(e, ERROR_BAD_FIELD, "token", "is not a token of this server");
     if (!*token.id)
         return error_in_field(e, ERROR_BAD_FIELD, "token",
-                              "has no 'jti': take back what its subject, 'sub', has");
+                              "has no 'jti': revoke its subject, 'sub', instead");
     *one = (struct revoked){.key = "t", .until = token.expires};
     memcpy(one->key + 1, token.id, sizeof token.id);
     return 0;
@@ -81,7 +81,7 @@ static int read_body(const struct api *api, const json_t *body, struct revoked *
     long now = (long)time(NULL), issued, until;
     if ((token != NULL) + (jti != NULL) + (subject != NULL) != 1)
         return error_in_field(e, ERROR_MISSING_FIELD, "token",
-                              "one of 'token', 'jti' and 'sub' must be there, as a string");
+                              "one of 'token', 'jti' and 'sub' is needed, as a string");
     if (token)
         return whole(api, token, now, one, e);
     if (take_time(body, "exp", -1, &until, e) || take_time(body, "iat", now, &issued, e))

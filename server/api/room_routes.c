@@ -4,7 +4,7 @@
 #include "server/access/token.h"
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/rooms/shared/forward.h"
 #include <stdlib.h>
@@ -18,7 +18,7 @@ struct channel *room_asked(struct exchange *x, int *result) {
     if (!name)
         error_plain_in_field(&e, ERROR_MISSING_FIELD, "room");
     else if (!channel)
-        error_in_field(&e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", name);
+        error_in_field(&e, ERROR_UNKNOWN_ROOM, "room", "there is nobody in the room '%s'", name);
     else
         return channel;
     *result = exchange_error(x, &e);
@@ -101,8 +101,8 @@ static int give_speech(struct command_post *p, const struct command *command, co
     call.keeps = speak;
     int failed = command_request(command, message, &request, &e);
     if (!failed && request.open)
-        failed =
-            error_in_field(&e, ERROR_BAD_FIELD, "open", "a text is written over a WebSocket, or to /v1/say");
+        failed = error_in_field(&e, ERROR_BAD_FIELD, "open",
+                                "send a text piece by piece over a WebSocket, or to /v1/say");
     if (!failed && speak && !request.text && !request.passage)
         failed = error_plain_in_field(&e, ERROR_MISSING_FIELD, "text");
     result = failed ? exchange_error(x, &e) : give(p, command, &call);
@@ -115,8 +115,7 @@ static int give_message(struct command_post *p, const json_t *message) {
     struct error e;
     const struct command *command = p->command ? p->command : command_of(message, &e);
     if (command && command->act)
-        error_in_field(&e, ERROR_UNKNOWN_TYPE, "type", "'%s' is for a WebSocket client itself",
-                       command->name);
+        error_in_field(&e, ERROR_UNKNOWN_TYPE, "type", "'%s' is only for WebSocket clients", command->name);
     if (!command || command->act)
         return exchange_error(x, &e);
     if (command->speaks)
@@ -251,7 +250,7 @@ static void free_written(void *self) {
     struct text_post *p = self;
     struct stream *stream = p->utterance ? stream_of(p) : NULL;
     struct error e;
-    error_set(&e, ERROR_UNFINISHED, "who wrote it has gone: the text is taken as it is");
+    error_set(&e, ERROR_UNFINISHED, "its writer disconnected: the text is spoken as far as it was written");
     if (stream)
         stream_close(stream, p->utterance, &e);
     post_text_free(&p->text);
@@ -262,19 +261,18 @@ static int speak_written(struct text_post *p, struct speech_request *request, st
     struct exchange *x = p->text.x;
     const char *room = http_query(exchange_request(x), "room");
     if (p->text.json)
-        return error_in_field(e, ERROR_BAD_FIELD, "open",
-                              "a text that is written comes as it is, not as JSON");
+        return error_in_field(e, ERROR_BAD_FIELD, "open", "a text sent piece by piece is plain, not JSON");
     struct channel *channel = channel_find(exchange_api(x)->rooms, room);
     if (channel && channel_is_remote(channel))
         return error_set(e, ERROR_ROOM_AWAY,
-                         "another daemon speaks in this room: a text that is being written goes to that one");
+                         "another daemon leads this room: send a text piece by piece to that daemon");
     if (!channel)
-        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", room);
+        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "there is nobody in the room '%s'", room);
     struct command_call call = {.api = exchange_api(x), .request = request};
     if (post_text_request(&p->text, request, e) || command_admit(&call, exchange_principal(x), e))
         return -1;
     if (!request->open)
-        return error_in_field(e, ERROR_BAD_FIELD, "open", "must be true where it is given");
+        return error_in_field(e, ERROR_BAD_FIELD, "open", "must be true if it is given");
     p->channel = channel_number(channel);
     p->listeners = (int)channel_listeners(channel);
     p->utterance = stream_speak(channel_stream(channel), request, NULL);

@@ -81,6 +81,7 @@ static const struct route {
      .post = speech_ask,
      .right = RIGHT_SPEAK,
      .members = &speech_members},
+    {.path = "/v1/audio/speech", .post = openai_speech, .right = RIGHT_SPEAK, .members = &none},
     {.path = "/v1/expressions", .document = expressions, .members = &none},
     {.path = rooms_path, .get = rooms, .right = RIGHT_LISTEN, .scope = SCOPE_OWN, .members = &none},
     {.path = "/v1/gestures",
@@ -213,7 +214,7 @@ static int refuse(struct exchange *x, enum error_code code) {
 
 static int refuse_method(struct exchange *x, const char *methods) {
     struct error e;
-    error_set(&e, ERROR_METHOD_NOT_ALLOWED, "this address takes %s", methods);
+    error_set(&e, ERROR_METHOD_NOT_ALLOWED, "this address accepts %s", methods);
     return exchange_error(x, &e);
 }
 

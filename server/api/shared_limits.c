@@ -56,7 +56,7 @@ static void forget_otherwise(struct shared_limits *s, const char *owner) {
             continue;
         LL_DELETE(s->otherwise, one);
         free(one);
-        metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, -1);
+        metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_MISMATCHED, -1);
     }
 }
 
@@ -68,8 +68,8 @@ static void compare(struct shared_limits *s, const char *owner, const char *text
     snprintf(one->owner, sizeof one->owner, "%s", owner);
     snprintf(one->text, sizeof one->text, "%s", text);
     LL_PREPEND(s->otherwise, one);
-    metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, 1);
-    log_warn("cluster: a daemon has other settings than this one: %s; here: %s", text, s->limits);
+    metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_MISMATCHED, 1);
+    log_warn("cluster: a daemon has different settings: %s; this daemon: %s", text, s->limits);
 }
 
 static void on_seen(void *ctx, const char *owner, const char *name, const char *text) {
@@ -124,7 +124,7 @@ void shared_limits_change(struct shared_limits *s) {
     struct otherwise *list = s->otherwise, *one, *next;
     s->otherwise = NULL;
     LL_FOREACH_SAFE(list, one, next) {
-        metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, -1);
+        metrics_add(s->api->pipeline->metrics, METRIC_CLUSTER_MISMATCHED, -1);
         compare(s, one->owner, one->text);
         free(one);
     }

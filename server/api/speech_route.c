@@ -3,10 +3,9 @@
  * are read by the same code. */
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
-#include "server/api/surrogates.h"
+#include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
-#include "server/export/speech_export.h"
 #include "server/markup/markup.h"
 #include <stdlib.h>
 #include <string.h>
@@ -42,8 +41,8 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
     p->markup = markup_of(type ? type : "");
     if (p->markup)
         return 0;
-    error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE, "no markup has the type '%.80s'; JSON is application/json",
-              type);
+    error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE,
+              "no markup has the media type '%.80s'; JSON is application/json", type);
     *result = exchange_error(x, &e);
     return -1;
 }
@@ -91,8 +90,8 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     return 0;
 }
 
-/* Reads a member that is not a request field, from the body or else the query. *found tells whether it is
- * there. `cap` must exceed the longest valid value. -1 with *e if it is no string. */
+/* Reads a member that is not a request field, from the body or else the query. Sets *found if it is present.
+ * `cap` must exceed the longest valid value. -1 with *e if it is not a string. */
 static int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
                             struct error *e) {
     const json_t *member = json_object_get(p->object, name);
@@ -111,113 +110,130 @@ void post_text_free(struct post_text *p) {
 /* Pauses synthesis while more than this is unsent, bytes. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
 
-struct post {
-    struct exchange *x;
-    struct post_text text;
-    const struct export_format *format;
-    struct speech_export *speech;
-    bool begun;
-    bool writing; /* the text is spoken while it is still being written */
-};
-
-static bool has_room(const struct post *p) {
-    return exchange_unsent(p->x) < UNSENT_BYTES_MAX;
+static bool has_room(const struct speech_answer *a) {
+    return exchange_unsent(a->x) < UNSENT_BYTES_MAX;
 }
 
-static void on_sent(void *self) {
-    struct post *p = self;
-    if (p->speech && has_room(p))
-        speech_export_go_on(p->speech);
+static int refuse(const struct speech_answer *a, const struct error *e) {
+    return a->refuse ? a->refuse(a->x, e) : exchange_error(a->x, e);
+}
+
+static void add(const struct speech_answer *a, const struct buf *bytes) {
+    if (a->event)
+        a->event(a->x, bytes);
+    else
+        exchange_add(a->x, bytes->data, bytes->size);
 }
 
 static bool on_written(void *ctx, struct buf *out, bool done) {
-    struct post *p = ctx;
-    if (p->format->streams && out->size) {
-        if (!p->begun)
-            exchange_begin(p->x, p->format->content_type);
-        p->begun = true;
-        exchange_add(p->x, out->data, out->size);
+    struct speech_answer *a = ctx;
+    bool streams = a->format->streams || a->event;
+    if (streams && out->size && (done || a->format->streams)) {
+        if (!a->begun)
+            exchange_begin(a->x, a->event ? "text/event-stream" : a->format->content_type);
+        a->begun = true;
+        add(a, out);
         buf_consume(out, out->size);
     }
-    if (done && p->begun)
-        exchange_end(p->x);
-    else if (done)
-        exchange_answer(p->x, 200, p->format->content_type, out->data, out->size);
-    return has_room(p);
+    if (done && a->begun) {
+        if (a->event)
+            a->event(a->x, NULL);
+        exchange_end(a->x);
+    } else if (done) {
+        exchange_answer(a->x, 200, a->format->content_type, out->data, out->size);
+    }
+    return has_room(a);
 }
 
 static void on_failed(void *ctx, const struct error *e) {
-    struct post *p = ctx;
-    exchange_error(p->x, e);
+    refuse(ctx, e);
 }
+
+int speech_answer_open(struct speech_answer *a, const struct speech_request *request, struct error *e) {
+    static const struct speech_export_callbacks callbacks = {on_written, on_failed};
+    size_t count;
+    const struct error *warnings = exchange_warnings(a->x, &count);
+    a->speech = speech_export_open(exchange_api(a->x)->pipeline, request, a->format, warnings, count,
+                                   &callbacks, a, e);
+    return a->speech ? 0 : -1;
+}
+
+void speech_answer_sent(void *self) {
+    struct speech_answer *a = self;
+    if (a->speech && has_room(a))
+        speech_export_go_on(a->speech);
+}
+
+struct post {
+    struct speech_answer answer; /* the first member: of the same address */
+    struct post_text text;
+    bool writing; /* the text is spoken while it is still being written */
+};
 
 static int no_format(const char *name, struct error *e) {
     struct suggestions near = suggestions_for(name);
     char text[SUGGESTIONS_TEXT];
     for (const struct export_format *format = export_formats; format->name; format++)
         suggest_name(&near, format->name, format->name);
-    return error_in_field(e, ERROR_UNKNOWN_FORMAT, "format", "no format '%s'%s", name,
+    return error_in_field(e, ERROR_UNKNOWN_FORMAT, "format", "unknown format '%s'%s", name,
                           suggestions_text(&near, text));
 }
 
 static int read_request(struct post *p, struct speech_request *request, struct error *e) {
     char name[32];
     bool found;
-    struct command_call call = {.api = exchange_api(p->x), .request = request};
-    if (post_text_request(&p->text, request, e) || command_admit(&call, exchange_principal(p->x), e) ||
+    struct exchange *x = p->answer.x;
+    struct command_call call = {.api = exchange_api(x), .request = request};
+    if (post_text_request(&p->text, request, e) || command_admit(&call, exchange_principal(x), e) ||
         post_text_member(&p->text, "format", name, sizeof name, &found, e))
         return -1;
-    p->format = export_by_name(found ? name : "wav");
-    if (!p->format)
+    p->answer.format = export_by_name(found ? name : "wav");
+    if (!p->answer.format)
         return no_format(name, e);
     if (p->writing != request->open)
-        return error_in_field(e, ERROR_BAD_FIELD, "open", "stands in the address, with a text as it is");
-    if (p->writing && strcmp(p->format->name, "wav") && strcmp(p->format->name, "ogg"))
+        return error_in_field(e, ERROR_BAD_FIELD, "open", "belongs into the address when the text is plain");
+    if (p->writing && strcmp(p->answer.format->name, "wav") && strcmp(p->answer.format->name, "ogg"))
         return error_in_field(e, ERROR_BAD_FIELD, "format",
-                              "a text that is being written becomes wav or ogg");
+                              "a text sent piece by piece can only become wav or ogg");
     return 0;
 }
 
 static int speak(struct post *p) {
-    static const struct speech_export_callbacks callbacks = {on_written, on_failed};
     struct speech_request request;
     struct error e;
     request_init(&request);
-    if (!read_request(p, &request, &e)) {
-        size_t count;
-        const struct error *warnings = exchange_warnings(p->x, &count);
-        p->speech = speech_export_open(exchange_api(p->x)->pipeline, &request, p->format, warnings, count,
-                                       &callbacks, p, &e);
-    }
+    int failed = read_request(p, &request, &e) || speech_answer_open(&p->answer, &request, &e);
     request_free(&request);
     post_text_free(&p->text);
-    return p->speech ? 0 : exchange_error(p->x, &e);
+    return failed ? exchange_error(p->answer.x, &e) : 0;
 }
 
 static int on_body_end(void *self) {
     struct post *p = self;
-    if (p->speech && p->writing)
-        speech_export_close(p->speech);
-    return p->speech ? 0 : speak(p);
+    struct speech_export *speech = p->answer.speech;
+    if (speech && p->writing)
+        speech_export_close(speech);
+    return speech ? 0 : speak(p);
 }
 
 /* Once the response has begun, an error in later text cannot be reported: the text before it is spoken. */
 static void on_body(void *self, const void *data, size_t size) {
     struct post *p = self;
     struct error e;
-    if (!p->speech || !speech_export_write(p->speech, data, size, exchange_api(p->x)->options.text_bytes, &e))
+    struct speech_answer *a = &p->answer;
+    if (!a->speech || !speech_export_write(a->speech, data, size, exchange_api(a->x)->options.text_bytes, &e))
         return;
-    speech_export_close(p->speech);
-    if (exchange_answered(p->x))
+    speech_export_close(a->speech);
+    if (exchange_answered(a->x))
         return;
-    speech_export_free(p->speech);
-    p->speech = NULL;
-    exchange_error(p->x, &e);
+    speech_export_free(a->speech);
+    a->speech = NULL;
+    exchange_error(a->x, &e);
 }
 
 static void on_free(void *self) {
     struct post *p = self;
-    speech_export_free(p->speech);
+    speech_export_free(p->answer.speech);
     post_text_free(&p->text);
     free(p);
 }
@@ -228,9 +244,10 @@ const struct members speech_members = {.speech = true, .more = more_members};
 int speech_ask(struct exchange *x) {
     struct post *p = mem_alloc(sizeof *p);
     int result = 0;
-    p->x = x;
-    exchange_set_work(
-        x, (struct exchange_work){.body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
+    p->answer.x = x;
+    exchange_set_work(x,
+                      (struct exchange_work){
+                          .body_end = on_body_end, .sent = speech_answer_sent, .free = on_free, .self = p});
     if (post_text_begin(&p->text, x, &speech_members, &result))
         return result;
     p->writing = http_query(exchange_request(x), "open") && !p->text.json && !p->text.bodiless;

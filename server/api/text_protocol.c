@@ -113,7 +113,7 @@ static void do_command(struct client *c, const char *line, size_t size) {
         for (size_t i = 0; i < sizeof simple / sizeof *simple; i++)
             suggest_name(&near, simple[i].command, simple[i].command);
         suggest_names(&near, settings);
-        error_set(&e, ERROR_UNKNOWN_COMMAND, "no command /%s; /help tells which there are%s", name,
+        error_set(&e, ERROR_UNKNOWN_COMMAND, "unknown command /%s; /help lists the commands%s", name,
                   suggestions_text(&near, text));
         client_complain(c, &e);
     }

@@ -13,7 +13,7 @@ enum { ETAG_BYTES = 24 };
 #define HASH_BEGIN UINT64_C(14695981039346656037)
 uint64_t hash_add(uint64_t hash, const void *data, size_t size);
 
-/* The tag of that hash: not resistant to deliberate collisions. */
+/* The ETag of a hash; not resistant to deliberate collisions. */
 void etag_of(const void *data, size_t size, char tag[ETAG_BYTES]);
 
 /* True if the tag is in a list (If-Match, If-None-Match), weak tags included, or the list is "*". */

@@ -7,7 +7,7 @@
 
 static void *checked(void *p, size_t size) {
     if (!p && size) {
-        fprintf(stderr, "faccia: out of memory (%zu bytes wanted)\n", size);
+        fprintf(stderr, "faccia: out of memory (allocating %zu bytes)\n", size);
         abort();
     }
     return p;

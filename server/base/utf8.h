@@ -39,10 +39,10 @@ size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte);
 /* The inverse: byte offset of a UTF-16 unit, at most n. The same counter may serve both. */
 size_t utf16_byte(struct utf16_counter *counter, const char *s, size_t n, size_t units);
 
-/* Returns the offset of the first character, from `at` on, that is neither ASCII to be printed or white
- * space, nor a Latin letter or sign (U+00A0 to U+024F), nor common punctuation (U+2010 to U+2026) or a sign
- * of money (U+20A0 to U+20BF); n if there is none. Well-formed text; several bytes are looked at in one step.
- */
+/* Returns the offset of the first character, from `at` on, other than printable ASCII, white space, Latin
+ * letters and signs (U+00A0 to U+024F), common punctuation (U+2010 to U+2026) and currency signs (U+20A0 to
+ * U+20BF); n if every character is one of these. The text must be well-formed. Examines several bytes per
+ * step. */
 size_t utf8_skip_latin(const char *s, size_t n, size_t at);
 
 /* Overwrites text with white space of the same length in bytes and UTF-16 units. Keeps line ends. */

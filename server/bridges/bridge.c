@@ -53,9 +53,11 @@ static void complain(const char *where, const char *text) {
     size_t length = strlen(text), dots = 0;
     for (const char *c = text; *c; c++)
         dots += *c == '.';
-    log_error("%s: no token is in it, but %zu characters with %zu dots%s. A token has three parts with dots "
-              "between; 'faccia token --secret-file FILE --subject NAME' makes one of the daemon's secret",
-              where, length, dots, dots ? "" : ", perhaps the secret that signs tokens, which goes nowhere");
+    log_error(
+        "%s: contains no token, but %zu characters with %zu dots%s. A token has three parts separated by "
+        "dots; create one from the daemon's secret with 'faccia token --secret-file FILE --subject NAME'",
+        where, length, dots,
+        dots ? "" : ", perhaps the secret that signs tokens, which must not leave the daemon's machine");
 }
 
 void daemon_address_open(struct daemon_address *p) {
@@ -82,7 +84,7 @@ int daemon_address_read_token(struct daemon_address *p, const char *file) {
     }
     line[strcspn(line, "\r\n")] = '\0';
     if (!*line) {
-        log_error("%s: no token is in it: %s", file, strerror(errno ? errno : ENODATA));
+        log_error("%s: contains no token: %s", file, strerror(errno ? errno : ENODATA));
         return -1;
     }
     if (!is_token(line)) {

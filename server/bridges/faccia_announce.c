@@ -12,24 +12,23 @@
 
 static const char usage[] =
     "Usage: faccia-say [OPTION]... TEXT...\n"
-    "Has a face say the text in a room of a running facciad. TEXT - is standard input.\n"
+    "Makes the face in a room of a running facciad say the text. TEXT - is standard input.\n"
     "\n"
     "  -r, --room NAME       the room (FACCIA_ROOM, else home)\n"
     "  -u, --url URL         the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE its token (else FACCIA_TOKEN)\n"
-    "  -w, --wait            go on when it has been heard, and tell by the exit status\n"
-    "  -q, --if-quiet        only when nothing is said there\n"
+    "  -w, --wait            wait until it has been heard; the exit status tells how it ended\n"
+    "  -q, --if-quiet        only if nothing is being said there\n"
     "  -p, --priority WORD   background, chat (default) or alarm\n"
-    "  -t, --topic NAME      what it is about: takes the place of those that wait with the same\n"
+    "  -t, --topic NAME      topic: replaces queued texts of the same topic\n"
     "  -l, --lang TAG, -v, --voice ID, --rate N, --markup NAME\n"
-    "                        as of faccia say\n"
+    "                        as in faccia say\n"
     "  -h, --help            print this and exit\n"
     "      --version         print the version and exit\n"
-    "Exit status: 0 accepted, and with --wait heard to its end; 1 failed; 2 wrong usage; 3 nobody is there "
-    "to hear it;\n"
-    "4 something is being said (--if-quiet); 5 it was cut short; 6 nobody can have heard it: the browsers "
-    "there\n"
-    "play no sound until somebody touches them (--wait).\n";
+    "Exit status: 0 accepted, or with --wait heard to its end; 1 failed; 2 wrong usage; 3 there is no "
+    "listener;\n"
+    "4 something is being said (--if-quiet); 5 it was cut short; 6 not heard: the browsers there\n"
+    "play no sound until a user clicks or taps (--wait).\n";
 
 enum {
     EXIT_HEARD = 0,
@@ -109,8 +108,8 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         note_error(a, message);
     } else if (!strcmp(type, "end") && reason && !strcmp(reason, "done")) {
         if (json_is_true(json_object_get(message, "blocked"))) {
-            fputs("faccia-say: it was not heard: the browsers in the room play no sound until somebody "
-                  "touches them\n",
+            fputs("faccia-say: it was not heard: the browsers in the room play no sound until a user clicks "
+                  "or taps\n",
                   stderr);
             leave(a, EXIT_BLOCKED);
             return;
@@ -127,7 +126,7 @@ static void on_following(void *ctx, const char *why) {
         say(a);
         return;
     }
-    fprintf(stderr, "faccia-say: the room cannot be followed: %s\n", why);
+    fprintf(stderr, "faccia-say: cannot follow the room: %s\n", why);
     leave(a, EXIT_FAILED);
 }
 
@@ -169,7 +168,7 @@ static int read_text(struct buf *text, int count, char **words) {
     if (whole && text->size > 1 && text->size <= TEXT_MOST)
         return 0;
     fprintf(stderr, "faccia-say: %s\n",
-            whole ? "the text must have 1 byte to 1 MiB" : "the text holds a NUL character");
+            whole ? "the text must have 1 byte to 1 MiB" : "the text contains a NUL character");
     return -1;
 }
 

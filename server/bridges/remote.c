@@ -201,7 +201,7 @@ static void on_done(struct transfer *t, CURLcode code) {
         const char *message = json_string_value(json_object_get(body, "message"));
         curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &answer.status);
         answer.body = body;
-        answer.why = message ? message : "the daemon refuses it";
+        answer.why = message ? message : "the daemon refused it";
     }
     remote_finish(q->remote, t);
     if (give_in(q, &answer)) {
@@ -396,7 +396,7 @@ static void on_stream_done(struct transfer *t, CURLcode code) {
     snprintf(why, sizeof why, "%s",
              message ? message
              : code  ? curl_easy_strerror(code)
-                     : "the daemon ended it");
+                     : "the daemon closed the connection");
     json_decref(body);
     f->lines.size = 0;
     let_go(f);
@@ -461,7 +461,7 @@ struct follow *remote_follow(struct remote *r, const char *room, const struct re
     return f;
 }
 
-/* ---- libcurl on a libuv loop: curl names sockets and timeouts, and is told of events ---- */
+/* ---- libcurl on a libuv loop: curl sets sockets and timeouts to watch, and receives events ---- */
 
 enum { CONNECT_SECONDS = 5 };
 
@@ -546,7 +546,7 @@ static int on_time(CURLM *multi, long ms, void *ctx) {
 
 struct remote *remote_new(uv_loop_t *loop, const char *url, const char *token) {
     if (strncmp(url, "http://", 7) && strncmp(url, "https://", 8)) {
-        log_error("'%s' is no address of a daemon, such as http://127.0.0.1:8080", url);
+        log_error("'%s' is not a daemon's address such as http://127.0.0.1:8080", url);
         return NULL;
     }
     struct remote *r = mem_alloc(sizeof *r);

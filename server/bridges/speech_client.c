@@ -53,7 +53,7 @@ static struct fetch *ask(struct speech_client *s, struct said_text *t, remote_an
 static void on_answered(void *ctx, const struct remote_answer *answer) {
     (void)ctx;
     if (answer->status != 202)
-        log_warn("the room does not say it: %s", answer->why);
+        log_warn("the room did not speak it: %s", answer->why);
 }
 
 static void say_again(struct speech_client *s, struct said_text *t) {
@@ -79,7 +79,8 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
     if (t == s->kept + KEPT)
         return;
     bool again = remote_leave_out(t->members, member(message, "code"), member(message, "field"), t->other);
-    log_warn("%s: %s", member(message, "message"), again ? "it is said without" : "the room does not say it");
+    log_warn("%s: %s", member(message, "message"),
+             again ? "it is spoken without" : "the room did not speak it");
     if (again && t->writes)
         t->refused = true;
     else if (again)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/cli.h"
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/base/utf8.h"
 #include <ctype.h>
 #include <errno.h>
@@ -23,7 +24,7 @@ static int take_number(const struct cli_option *option, const char *text) {
     double value = strtod(text, &end);
     if (end == text || *end || !(value >= option->min && value <= option->max) ||
         (whole && value != floor(value))) {
-        cli_complain("--%s: must be a %snumber from %g to %g", option->name, whole ? "whole " : "",
+        cli_complain("--%s: must be %s from %g to %g", option->name, whole ? "an integer" : "a number",
                      option->min, option->max);
         return EXIT_USAGE;
     }
@@ -307,8 +308,8 @@ int cli_text(int argc, char **argv, const char *path, struct buf *text) {
     if (!path && optind + 1 == argc && !strcmp(argv[optind], "-"))
         path = argv[optind++];
     if (!path == (optind == argc)) {
-        cli_complain(path ? "unexpected '%s': the text is in a file"
-                          : "no text: give it, a --file, or - for standard input",
+        cli_complain(path ? "unexpected '%s': the text comes from a file"
+                          : "no text: give a text, a --file, or - for standard input",
                      argv[optind]);
         return EXIT_USAGE;
     }
@@ -330,4 +331,24 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
     request_free(&copy);
     synthesis_free(synthesis);
     return synthesis ? 0 : -1;
+}
+
+int cli_run_tool(const struct settings *settings, const char *tool, const char *command, int count,
+                 char **words) {
+    char path[4096], node[] = "node";
+    char **list = mem_alloc(((size_t)count + 3) * sizeof *list);
+    snprintf(path, sizeof path, "%s/tools/%s.mjs", settings->models, tool);
+    if (access(path, R_OK)) {
+        cli_complain("%s: %s; it is built only where Node.js is installed", path, strerror(errno));
+        free(list);
+        return EXIT_FAILED;
+    }
+    list[0] = node;
+    list[1] = path;
+    memcpy(list + 2, words, sizeof *words * (size_t)count);
+    program_give_back_signals();
+    execvp(node, list);
+    cli_complain("'%s' needs Node.js, 18 or later: node: %s", command, strerror(errno));
+    free(list);
+    return EXIT_FAILED;
 }

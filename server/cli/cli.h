@@ -40,8 +40,8 @@ struct cli_option {
     int (*take)(void *ctx, const char *name, const char *text);
 };
 
-/* How many of the arguments may be options: all, or those before a text that begins with a minus ("-5 °C").
- * Takes the place of argc for getopt_long. */
+/* Number of arguments that may be options: all, or those before a text that begins with a minus ("-5 °C").
+ * Pass it to getopt_long instead of argc. */
 int cli_option_count(int argc, char **argv, const char *letters, const struct option *options);
 
 /* The list ends with a NULL name; --help and -h are implied. argv[0] is the command's name. Returns an
@@ -94,6 +94,11 @@ int cli_text(int argc, char **argv, const char *path, struct buf *text);
 int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
                    struct error *e);
 
+/* Replaces this process by the Node.js program models/tools/TOOL.mjs with the given words. Returns an exit
+ * code after a message, which names the command. */
+int cli_run_tool(const struct settings *settings, const char *tool, const char *command, int count,
+                 char **words);
+
 /* The commands. argv[0] is the command's name. */
 int say_main(int argc, char **argv, const struct settings *settings);
 int play_main(int argc, char **argv, const struct settings *settings);
@@ -103,6 +108,7 @@ int models_main(int argc, char **argv, const struct settings *settings);
 int eval_main(int argc, char **argv, const struct settings *settings);
 int stimuli_main(int argc, char **argv, const struct settings *settings);
 int anova_main(int argc, char **argv, const struct settings *settings);
+int speaker_main(int argc, char **argv, const struct settings *settings);
 int fit_main(int argc, char **argv, const struct settings *settings);
 int token_main(int argc, char **argv, const struct settings *settings);
 int timed_main(int argc, char **argv, const struct settings *settings);

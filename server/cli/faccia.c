@@ -11,36 +11,37 @@ static const struct {
     int (*run)(int argc, char **argv, const struct settings *settings);
     const char *help;
 } commands[] = {
-    {"say", say_main, "speak a text: its sound, its face animation, its timing"},
-    {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
-    {"play", play_main, "a recorded face and its sound in other forms"},
-    {"fap", fap_main, "look into, convert, code and draw files of face animation"},
+    {"say", say_main, "speak a text: sound, face animation, timing"},
+    {"timed", timed_main, "animate the face for recorded speech, from a timed transcription"},
+    {"play", play_main, "convert a recorded face and its sound"},
+    {"fap", fap_main, "inspect, convert, encode and plot face animation files"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
-    {"head", head_main, "a head as an avatar for other programs (GLB, VRM); heads of other origin"},
-    {"expressions", expressions_main, "list the expressions, or write how they look"},
+    {"head", head_main, "export a head as an avatar for other programs (GLB, VRM); import heads"},
+    {"expressions", expressions_main, "list the expressions, or write them as FAPs"},
 #ifdef HAVE_RESEARCH
-    {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
-    {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
+    {"eval", eval_main, "measure how well each engine's lips can be read"},
+    {"stimuli", stimuli_main, "create a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
-    {"fit", fit_main, "make a speech pack from recordings of a speaker"},
+    {"fit", fit_main, "create a speech pack from recordings of a speaker"},
+    {"speaker", speaker_main, "create a speech pack from a film of a speaker"},
 #endif
 #ifdef HAVE_LIBRARY
-    {"align", align_main, "times and face of a recording with its text"},
+    {"align", align_main, "align a recording with its text: times and face"},
 #endif
 #ifdef HAVE_LIVE
-    {"hear", hear_main, "the face of a voice whose words nobody knows, while it speaks"},
+    {"hear", hear_main, "animate the face for speech without a transcript, as it arrives"},
 #endif
 #ifdef HAVE_RESEARCH
-    {"life", life_main, "what the face does of itself, in figures"},
+    {"life", life_main, "measure the face's idle motion"},
 #endif
 #ifdef HAVE_LIBRARY
-    {"library", library_main, "read a folder of works and tell what is in it, and what is wrong"},
+    {"library", library_main, "read a folder of works, and list its contents and problems"},
 #endif
-    {"read", read_main, "tell how a text is read aloud, word by word"},
-    {"lexicon", lexicon_main, "check a file of pronunciations"},
-    {"check", check_main, "tell what in a text with markup would not be acted on"},
-    {"token", token_main, "sign a token for a daemon that demands them"},
+    {"read", read_main, "show how a text is read aloud, word by word"},
+    {"lexicon", lexicon_main, "check a pronunciation lexicon"},
+    {"check", check_main, "check a text with markup for errors and for what is ignored"},
+    {"token", token_main, "sign a token for a daemon that requires them"},
 };
 
 static void print_usage(FILE *out) {
@@ -48,8 +49,7 @@ static void print_usage(FILE *out) {
     fputs("Usage: faccia [SETTING]... COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad, whose settings these are, too:\n\n",
-          out);
+    fputs("\nSee 'faccia COMMAND --help'. These settings are shared with the daemon, facciad:\n\n", out);
     settings_help(PROGRAM_COMMANDS, &text);
     fwrite(text.data, 1, text.size, out);
     buf_free(&text);
@@ -59,15 +59,15 @@ static int run(int argc, char **argv, const struct settings *settings) {
     const char *name = argc ? argv[0] : "";
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (!strcmp(commands[i].name, name)) {
-            optind = 0; /* the command has options of its own */
+            optind = 0; /* the command parses its own options */
             return commands[i].run(argc, argv, settings);
         }
     if (!strcmp(name, "help")) {
         print_usage(stdout);
         return EXIT_DONE;
     }
-    cli_complain(*name ? "no command '%s'; 'faccia --help' lists them"
-                       : "a command is needed: 'faccia --help' lists them",
+    cli_complain(*name ? "unknown command '%s'; 'faccia --help' lists the commands"
+                       : "a command is needed: 'faccia --help' lists the commands",
                  name);
     return EXIT_USAGE;
 }

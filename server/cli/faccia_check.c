@@ -5,7 +5,7 @@
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
-#include "server/markup/score_dump.h"
+#include "server/markup/score.h"
 #include "server/normalize/normalizers.h"
 #include "server/normalize/said_words.h"
 #include <getopt.h>
@@ -13,15 +13,14 @@
 
 static const char usage[] =
     "Usage: faccia check [OPTION]... FILE...\n"
-    "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
-    "wrong, is not acted on, or is read by guess:\n"
+    "Reads each FILE (- = standard input) as it would be spoken, and reports what is wrong, ignored, or "
+    "guessed:\n"
     "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
     "\n"
-    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the "
-    "root element\n"
-    "  -l, --lang TAG     the texts' language (the daemon's default)\n"
-    "      --lexicon FILE how to say words (W3C PLS); may be repeated: its faults are told too\n"
-    "  -s, --score        also write what was understood\n";
+    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the root element\n"
+    "  -l, --lang TAG     language of the texts (the daemon's default)\n"
+    "      --lexicon FILE pronunciation lexicon (W3C PLS), also checked; may be repeated\n"
+    "  -s, --score        also print what was understood\n";
 
 struct check {
     const struct markup_kind *kind;
@@ -152,7 +151,7 @@ static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struc
             c.kind = markup_by_name(optarg);
             if (c.kind)
                 break;
-            cli_complain("markup: no markup '%s'", optarg);
+            cli_complain("markup: unknown markup '%s'", optarg);
             return EXIT_USAGE;
         case 's':
             c.score = true;

@@ -13,13 +13,13 @@
 static const char usage[] =
     "Usage: faccia expressions [--kind KIND] [--json]\n"
     "       faccia expressions --fap [KIND:]NAME[=INTENSITY]...\n"
-    "Lists the expressions: kind, name, and of affects the place on the emotion disc (activation,\n"
+    "Lists the expressions: kind, name, and for affects the position on the emotion disc (activation,\n"
     "evaluation, -1 to 1).\n"
     "\n"
-    "  -k, --kind KIND   only those of a kind: affect, performative, certainty...\n"
+    "  -k, --kind KIND   only expressions of this kind: affect, performative, certainty...\n"
     "      --json        as JSON\n"
-    "      --fap WHAT    writes expressions as MPEG-4 FAPs (text, version 2.1), one frame for each that is\n"
-    "                    named: held, at INTENSITY 0 to 1 (1); a KIND that is not given is 'affect'\n";
+    "      --fap WHAT    write expressions as MPEG-4 FAPs (text, version 2.1), one frame for each\n"
+    "                    expression, held at INTENSITY 0 to 1 (1); the default KIND is 'affect'\n";
 
 enum { FPS = 25 };
 
@@ -79,7 +79,7 @@ static int pose(const struct expressions *all, const char *wish, struct fap_fram
     }
     int found = expressions_find(all, kind, name);
     if (found < 0) {
-        cli_complain("--fap %s: there is no %s '%s'", wish, kind, name);
+        cli_complain("--fap %s: unknown %s '%s'", wish, kind, name);
         return -1;
     }
     still_expression(all, (size_t)found, intensity, frame);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/fapc.h"
-#include "protocol/fapcfile.h"
+#include "protocol/fapc/fapc.h"
+#include "protocol/fapc/fapcfile.h"
 #include "protocol/fapfile.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
@@ -111,14 +111,14 @@ static int parse(int argc, char **argv, const struct option *options, struct tas
         case 'r':
             task->fps = strtod(optarg, &end);
             if (*end || !(task->fps >= 1 && task->fps <= FAPFILE_FPS_MAX)) {
-                cli_complain("--fps: '%s' is no number of 1 to %d", optarg, FAPFILE_FPS_MAX);
+                cli_complain("--fps: '%s' is not a number from 1 to %d", optarg, FAPFILE_FPS_MAX);
                 return EXIT_USAGE;
             }
             break;
         case 'q': {
             long quality = strtol(optarg, &end, 10);
             if (*end || end == optarg || quality < 0 || quality > FAPC_QUALITY_MAX) {
-                cli_complain("--quality: '%s' is no whole number of 0 to %d", optarg, FAPC_QUALITY_MAX);
+                cli_complain("--quality: '%s' is not an integer from 0 to %d", optarg, FAPC_QUALITY_MAX);
                 return EXIT_USAGE;
             }
             task->quality = (int)quality;
@@ -191,7 +191,7 @@ static int run(const struct task *task, bool code) {
     else if (!code)
         write_text(&file.face, task->name ? task->name : name, &out);
     else if (fap_file_code(&file.face, task->quality, &out)) {
-        cli_complain("%s: too much at once: a packet would have more than 64 KiB", task->in);
+        cli_complain("%s: a packet would exceed 64 KiB", task->in);
         status = EXIT_FAILED;
     }
     if (!status)
@@ -274,7 +274,7 @@ static int parse_list(const char *list, struct fap_chart *plot) {
         if (end == word || *end)
             n = fap_by_name(word);
         if (n < 3 || n > FAP_COUNT || plot->count == PANELS_MAX) {
-            cli_complain("--fap: '%s' is no FAP with a value over time: 3 to %d, or a name", word, FAP_COUNT);
+            cli_complain("--fap: '%s' is not a low-level FAP: 3 to %d, or a name", word, FAP_COUNT);
             return -1;
         }
         plot->faps[plot->count++] = (int)n;
@@ -288,7 +288,7 @@ static int parse_seconds(const char *name, const char *text, double *out) {
     *out = strtod(text, &end);
     if (end != text && !*end && *out >= 0 && isfinite(*out))
         return 0;
-    cli_complain("--%s: '%s' is no time in seconds", name, text);
+    cli_complain("--%s: '%s' is not a time in seconds", name, text);
     return -1;
 }
 
@@ -326,7 +326,7 @@ static int draw(const char *in, const char *path, struct fap_chart *plot) {
     plot->to = fmin(plot->to, (double)file.face.count / file.face.fps);
     int status = EXIT_FAILED;
     if (!plot->count)
-        cli_complain("%s: nothing moves in it", in);
+        cli_complain("%s: nothing moves", in);
     else if (plot->to <= plot->from)
         cli_complain("%s: there is nothing between --from and --to", in);
     else {
@@ -353,7 +353,7 @@ static int fap_plot(int argc, char **argv) {
             (c == 'z' && parse_seconds("to", optarg, &plot.to)))
             return EXIT_USAGE;
     if (argc - optind < 1 || argc - optind > 2) {
-        cli_complain("plot: one file is wanted, and at most one to write");
+        cli_complain("plot: expected one input file, and at most one output file");
         return EXIT_USAGE;
     }
     return draw(argv[optind], argv[optind + 1] ? argv[optind + 1] : "-", &plot);
@@ -367,16 +367,17 @@ static const char usage[] =
     "       faccia fap encode [--quality N] [--fps N] FILE [OUT.fapc]\n"
     "       faccia fap decode [--name NAME] FILE.fapc [OUT.fap]\n"
     "       faccia fap plot [--fap LIST] [--from S] [--to S] FILE [OUT.svg]\n"
-    "Files of face animation: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a header,\n"
-    "and .fapc (the same at a few kilobits a second). Which of them FILE is shows in its first bytes.\n"
+    "Works with face animation files: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a "
+    "header,\n"
+    "and .fapc (the same at a few kilobits per second). The first bytes tell which of them FILE is.\n"
     "\n"
-    "  info     version, name, rate, length, what each FAP does, and what it costs coded\n"
+    "  info     prints version, name, rate, length, the range of each FAP, and its coded size\n"
     "  convert  writes version 2.1 with a header, at another rate if wanted (1 to 1000)\n"
-    "  encode   to .fapc; quality 0 keeps every value, 31 is the coarsest (5)\n"
-    "  decode   to .fap\n"
+    "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5)\n"
+    "  decode   writes .fap\n"
     "  plot     draws FAPs over time as SVG: LIST has names or numbers with commas\n"
-    "           (the eight that move most); S are seconds\n"
-    "FILE - is standard input, OUT - or none standard output. Exit status: 0 done, 1 failed, 2 wrong "
+    "           (the eight that move most); S is in seconds\n"
+    "FILE - is standard input; OUT - or no OUT is standard output. Exit status: 0 done, 1 failed, 2 wrong "
     "usage.\n";
 
 static double kilobits(const struct fapfile *face, int quality) {
@@ -429,7 +430,7 @@ static int info_of(const char *path) {
                 printf("coded     - (quality %d: too much at once)\n", qualities[i]);
             else
                 printf("coded     %.2f kbit/s (quality %d%s)\n", rate, qualities[i],
-                       qualities[i] ? "" : ", nothing lost");
+                       qualities[i] ? "" : ", lossless");
         }
         printf("FAP  name                       frames      min      max       mean\n");
         for (int n = 1; n <= FAP_COUNT; n++)
@@ -474,7 +475,7 @@ int fap_main(int argc, char **argv, const struct settings *settings) {
         if (!strcmp(commands[i].name, name))
             return commands[i].run(argc - 1, argv + 1);
     if (*name)
-        cli_complain("fap: no command '%s'", name);
+        cli_complain("fap: unknown command '%s'", name);
     fputs(usage, stderr);
     return EXIT_USAGE;
 }

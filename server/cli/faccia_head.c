@@ -2,35 +2,30 @@
 /* faccia head: imports, exports and rigs heads. `export` copies the avatars that the build made with
  * models/tools/avatar/export-head.mjs; `lips` runs models/tools/lips/faccia-lips.mjs, the rest
  * models/tools/import/faccia-head.mjs, in Node.js. */
-#include "server/base/program.h"
 #include "server/cli/cli.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-static const char usage[] =
-    "Usage: faccia head export NAME [--glb FILE] [--vrm FILE]\n"
-    "Writes a head that 'faccia models' lists as an avatar for other programs, in "
-    "the public domain (CC0): ARKit's "
-    "52 shapes and 15\n"
-    "visemes as morph targets, bones, the expressions of VRM 1.0. Both options write "
-    "the same: a VRM is a GLB.\n"
-    "\n"
-    "      --glb FILE       the avatar (standard output when nothing is named)\n"
-    "      --vrm FILE       under the name that VRM's programs look for\n"
-    "  -h, --help           print this and exit\n"
-    "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n"
-    "\n"
-    "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check HEAD.json: "
-    "heads of other origin; needs Node.js\n"
-    "(18 or later). 'faccia head import --help' tells more.\n"
-    "faccia head lips TRACKS: how somebody's lips moved, for 'faccia fit'. 'faccia head lips --help' tells "
-    "more.\n"
-    "Of photographs, models/tools of the sources makes heads (portrait/make-portrait.mjs) and sets of "
-    "pictures "
-    "(pictures/make-set.mjs).\n";
+static const char usage[] = "Usage: faccia head export NAME [--glb FILE] [--vrm FILE]\n"
+                            "Writes a head listed by 'faccia models' as an avatar for other programs, in the "
+                            "public domain (CC0): ARKit's 52 shapes and 15\n"
+                            "visemes as morph targets, bones, and the expressions of VRM 1.0. Both options "
+                            "write the same data: a VRM is a GLB.\n"
+                            "\n"
+                            "      --glb FILE       the avatar (standard output if no option is given)\n"
+                            "      --vrm FILE       the avatar with the file name that VRM programs expect\n"
+                            "  -h, --help           print this and exit\n"
+                            "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n"
+                            "\n"
+                            "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check "
+                            "HEAD.json: imports and checks heads; needs Node.js\n"
+                            "(18 or later). See 'faccia head import --help'.\n"
+                            "faccia head lips TRACKS: measures a speaker's lips in a video, for 'faccia "
+                            "fit'. See 'faccia head lips --help'.\n"
+                            "To make heads (portrait/make-portrait.mjs) and picture sets "
+                            "(pictures/make-set.mjs) from photographs, see models/tools in the sources.\n";
 
 static int copy(FILE *avatar, const char *path) {
     struct cli_file file = {0};
@@ -52,7 +47,7 @@ static int write_avatar(const struct settings *settings, const char *name, const
     snprintf(file, sizeof file, "%s/heads/%s.glb", settings->models, name);
     FILE *avatar = strchr(name, '/') ? NULL : fopen(file, "rb");
     if (!avatar) {
-        cli_complain("no head model '%s', or no avatar beside it (%s/heads)", name, settings->models);
+        cli_complain("unknown head model '%s', or no avatar beside it (%s/heads)", name, settings->models);
         return EXIT_FAILED;
     }
     for (int i = 0; i < 2 && !status; i++)
@@ -60,30 +55,6 @@ static int write_avatar(const struct settings *settings, const char *name, const
             status = copy(avatar, paths[i]);
     fclose(avatar);
     return status;
-}
-
-enum { WORDS = 64 };
-
-/* Replaces this process by the Node.js tool. */
-static int run_tool(int argc, char **argv, const struct settings *settings) {
-    char tool[4096], node[] = "node";
-    char *words[WORDS + 3] = {node, tool};
-    bool lips = !strcmp(argv[1], "lips");
-    snprintf(tool, sizeof tool, "%s/tools/%s.mjs", settings->models,
-             lips ? "lips/faccia-lips" : "import/faccia-head");
-    if (argc - 1 > WORDS) {
-        cli_complain("more than %d words for 'head %s'", WORDS, argv[1]);
-        return EXIT_USAGE;
-    }
-    if (access(tool, R_OK)) {
-        cli_complain("%s: %s; it is made while building, where Node.js is", tool, strerror(errno));
-        return EXIT_FAILED;
-    }
-    memcpy(words + 2, argv + 1 + lips, sizeof *argv * (size_t)(argc - 1 - lips));
-    program_give_back_signals();
-    execvp(words[0], words);
-    cli_complain("'head %s' needs Node.js, 18 or later: node: %s", argv[1], strerror(errno));
-    return EXIT_FAILED;
 }
 
 static bool is_of_tool(const char *word) {
@@ -98,8 +69,11 @@ int head_main(int argc, char **argv, const struct settings *settings) {
     static const struct option options[] = {
         {"glb", 1, NULL, 0}, {"vrm", 1, NULL, 1}, {"help", 0, NULL, 'h'}, {0}};
     const char *paths[2] = {NULL, NULL};
-    if (argc > 1 && is_of_tool(argv[1]))
-        return run_tool(argc, argv, settings);
+    if (argc > 1 && is_of_tool(argv[1])) {
+        bool lips = !strcmp(argv[1], "lips");
+        return cli_run_tool(settings, lips ? "lips/faccia-lips" : "import/faccia-head", "head",
+                            argc - 1 - lips, argv + 1 + lips);
+    }
     for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
@@ -112,9 +86,8 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         paths[c] = optarg;
     }
     if (argc - optind != 2 || strcmp(argv[optind], "export") != 0) {
-        cli_complain(
-            "'export' is wanted, and the name of one head; or import, calibrate, points, check, lips: "
-            "'faccia head --help' tells more");
+        cli_complain("expected 'export' and the name of one head; or import, calibrate, points, check, lips: "
+                     "see 'faccia head --help'");
         return EXIT_USAGE;
     }
     if (!paths[0] && !paths[1])

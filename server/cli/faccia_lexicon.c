@@ -7,9 +7,9 @@
 
 static const char usage[] =
     "Usage: faccia lexicon check FILE...\n"
-    "Reads each FILE as a lexicon (W3C PLS 1.0), and tells how many spellings of which language\n"
-    "it has, and what in it is wrong or is not acted on: FILE:LINE:COLUMN: warning|error: message.\n"
-    "The exit code is 1 when a file, or a lexeme of it, cannot be used.\n";
+    "Reads each FILE as a lexicon (W3C PLS 1.0), and prints how many spellings of which language\n"
+    "it has, and what is wrong or ignored: FILE:LINE:COLUMN: warning|error: message.\n"
+    "The exit code is 1 if a file, or a lexeme in it, cannot be used.\n";
 
 /* Returns -1 if something in the file cannot be used. */
 static int check(const char *path) {
@@ -34,7 +34,7 @@ static int check(const char *path) {
     size_t left_out = lexicon_left_out(lexicon);
     for (size_t i = 0; i < warnings; i++)
         printf("%s:%zu:%zu: warning: %s\n", path, faults[i].line, faults[i].column, faults[i].message);
-    printf("%s: %zu spellings (%s), %zu left out\n", path, lexicon_count(lexicon), lexicon_lang(lexicon),
+    printf("%s: %zu spellings (%s), %zu ignored\n", path, lexicon_count(lexicon), lexicon_lang(lexicon),
            left_out);
     lexicon_free(lexicon);
     buf_free(&text);
@@ -48,8 +48,9 @@ int lexicon_main(int argc, char **argv, const struct settings *settings) {
     if (result >= 0)
         return result;
     if (argc - optind < 2 || strcmp(argv[optind], "check") != 0) {
-        cli_complain(optind < argc && strcmp(argv[optind], "check") ? "there is only 'faccia lexicon check'"
-                                                                    : "check what? A file is needed");
+        cli_complain(optind < argc && strcmp(argv[optind], "check")
+                         ? "the only command is 'faccia lexicon check'"
+                         : "check: a file is needed");
         return EXIT_USAGE;
     }
     struct cli_file out = {.file = stdout, .path = "standard output"};

@@ -63,14 +63,14 @@ static char *gender_of(const char *models, const char *model) {
     char *copy = head ? mem_strdup(gender ? gender : "") : NULL;
     json_decref(head);
     if (!head)
-        cli_complain("no head model '%s'", model);
+        cli_complain("unknown head model '%s'", model);
     return copy;
 }
 
 int voices_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] = "Usage: faccia voices [--lang TAG] [--model NAME] [--json]\n"
                                 "Lists the voices: id, language, gender, quality, name.\n"
-                                "With a model those that suit that head.\n";
+                                "With a model, only the voices that suit that head.\n";
     const char *lang = NULL, *model = NULL;
     bool json = false;
     int status = parse(argc, argv, usage, &lang, &model, &json);

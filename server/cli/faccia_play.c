@@ -7,23 +7,23 @@
 #include <getopt.h>
 #include <string.h>
 
-static const char usage[] = "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
-                            "Reads a face animation and its sound (any format of libsndfile; without SOUND: "
-                            "a file of the same name beside it,\n"
-                            "or silence) as the daemon does, and writes it down. Without a file to write, "
-                            "lines of JSON go to standard output.\n"
-                            "\n"
-                            "      --ndjson FILE    a line for each frame\n"
-                            "      --wav FILE       the sound, mono 16 bit\n"
-                            "      --ogg FILE       the sound as Opus in Ogg\n"
-                            "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-                            "      --fapc FILE      the same at a few kilobits a second\n"
-                            "      --arkit FILE     the face as weights of ARKit's 52 shapes, in the columns "
-                            "of Live Link Face (CSV)\n"
-                            "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
-                            "      --visemes FILE   the 15 visemes of FAP 1, frame by frame (lines of JSON)\n"
-                            "  -h, --help           print this and exit\n"
-                            "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+static const char usage[] =
+    "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
+    "Reads a face animation and its sound (any format of libsndfile; default: a file of the same name beside "
+    "it,\n"
+    "or silence) as the daemon does, and converts it. Without an output file, lines of JSON go to standard "
+    "output.\n"
+    "\n"
+    "      --ndjson FILE    a line for each frame\n"
+    "      --wav FILE       the sound, mono, 16 bits\n"
+    "      --ogg FILE       the sound, as Opus in Ogg\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
+    "      --fapc FILE      the same, at a few kilobits per second\n"
+    "      --arkit FILE     weights of ARKit's 52 shapes, in the columns of Live Link Face (CSV)\n"
+    "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
+    "      --visemes FILE   the 15 visemes of FAP 1, frame by frame (lines of JSON)\n"
+    "  -h, --help           print this and exit\n"
+    "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
 enum { OUTPUTS = 8 };
 static const char *const names[OUTPUTS] = {"ndjson", "wav",   "ogg",          "fap",
@@ -155,7 +155,7 @@ int play_main(int argc, char **argv, const struct settings *settings) {
         p.outputs[c].path = optarg;
     }
     if (argc - optind < 1 || argc - optind > 2) {
-        cli_complain("one .fap file is wanted, and at most one with its sound");
+        cli_complain("expected one .fap file, and at most one sound file");
         return EXIT_USAGE;
     }
     return run(&p, settings, argv[optind], argv[optind + 1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* faccia read: what would be said, beside what is written. */
+/* faccia read: prints the words that would be spoken beside the written text. */
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
@@ -13,17 +13,17 @@
 
 static const char usage[] =
     "Usage: faccia read [OPTION]... TEXT...\n"
-    "Tells how TEXT (- = standard input) is read aloud, without a voice: on each line a word or words, as\n"
-    "they will be said, a tab, and what stands for them in the text. Behind words that may have been meant\n"
-    "otherwise is a question mark.\n"
+    "Shows how TEXT (- = standard input) is read aloud, without a voice: on each line a word or words, as\n"
+    "they will be spoken, a tab, and the text that they stand for. A question mark follows words whose\n"
+    "reading is a guess.\n"
     "\n"
-    "  -l, --lang TAG         the text's language (the daemon's default)\n"
+    "  -l, --lang TAG         language of the text (the daemon's default)\n"
     "  -f, --file FILE        read the text from a file\n"
     "  -m, --markup NAME      plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the root "
     "element\n"
-    "  -n, --normalize WHICH  on, or off: numbers, signs and short forms are left to the voice (on)\n"
-    "      --lexicon FILE     how to say words (W3C PLS); may be repeated\n"
-    "  -w, --words            only the words, on one line with single spaces\n";
+    "  -n, --normalize WHICH  on, or off: leave numbers, signs and abbreviations to the voice (on)\n"
+    "      --lexicon FILE     pronunciation lexicon (W3C PLS); may be repeated\n"
+    "  -w, --words            print only the words, on one line\n";
 
 struct read {
     const char *lang, *markup, *file, *normalize;
@@ -124,7 +124,7 @@ static int run(struct read *r, int argc, char **argv, const struct settings *set
         return result;
     const struct markup_kind *kind = markup_by_name(r->markup);
     if (!kind || (strcmp(r->normalize, "on") && strcmp(r->normalize, "off"))) {
-        cli_complain(kind ? "normalize: must be on or off" : "markup: no markup '%s'", r->markup);
+        cli_complain(kind ? "normalize: must be on or off" : "markup: unknown markup '%s'", r->markup);
         return EXIT_USAGE;
     }
     buf_reserve(&text, 1);

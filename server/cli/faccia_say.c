@@ -3,8 +3,8 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
+#include "server/codec/arkit_table.h"
 #include "server/codec/arkit_weights.h"
-#include "server/codec/osc.h"
 #include "server/export/export.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
@@ -26,7 +26,81 @@ struct cli_written {
     bool watches, failed;        /* failed: after a message */
 };
 
-/* ---- plays the face to a puppet: sends frames as OSC datagrams (codec/osc.h) when they are due ---- */
+/* ---- plays the face to a puppet: sends ARKit weights as Open Sound Control packets (OSC 1.0,
+ * opensoundcontrol.org) of the Virtual Motion Capture protocol (protocol.vmc.info) when they are due ---- */
+
+/* A packet is a bundle that fits one datagram in any network; a frame takes up to OSC_PACKETS_MOST. */
+enum { OSC_PACKET_MOST = 1400, OSC_PACKETS_MOST = 8 };
+
+struct osc_packets {
+    struct buf bytes;
+    size_t ends[OSC_PACKETS_MOST]; /* of each packet, in bytes */
+    size_t count;
+};
+
+enum { MESSAGE_MOST = 96 };
+
+static void put32(struct buf *b, uint32_t value) {
+    uint8_t bytes[4] = {(uint8_t)(value >> 24), (uint8_t)(value >> 16), (uint8_t)(value >> 8),
+                        (uint8_t)value};
+    buf_add(b, bytes, sizeof bytes);
+}
+
+/* Pads with one to four zeros to a multiple of four bytes. */
+static void put_text(struct buf *b, const char *text) {
+    size_t length = strlen(text);
+    buf_add(b, text, length);
+    buf_add(b, "\0\0\0\0", 4 - length % 4);
+}
+
+static void put_float(struct buf *b, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put32(b, bits);
+}
+
+/* name NULL: the message that ends a frame. */
+static void put_message(struct buf *b, const char *name, double weight) {
+    size_t at = b->size;
+    put32(b, 0); /* its size */
+    put_text(b, name ? "/VMC/Ext/Blend/Val" : "/VMC/Ext/Blend/Apply");
+    put_text(b, name ? ",sf" : ",");
+    if (name) {
+        put_text(b, name);
+        put_float(b, (float)weight);
+    }
+    size_t size = b->size - at - 4;
+    b->data[at + 2] = (uint8_t)(size >> 8);
+    b->data[at + 3] = (uint8_t)size;
+}
+
+static void begin_bundle(struct buf *b) {
+    put_text(b, "#bundle");
+    put32(b, 0);
+    put32(b, 1); /* immediately */
+}
+
+/* Replaces the packets with all weights of one frame: "/VMC/Ext/Blend/Val" NAME WEIGHT for each, then
+ * "/VMC/Ext/Blend/Apply". */
+static void osc_frame(const double weights[ARKIT_SHAPES], struct osc_packets *packets) {
+    struct buf *b = &packets->bytes;
+    size_t begun = 0;
+    packets->count = 0;
+    b->size = 0;
+    begin_bundle(b);
+    for (int i = 0; i <= ARKIT_SHAPES; i++) {
+        if (b->size - begun > OSC_PACKET_MOST - MESSAGE_MOST) {
+            packets->ends[packets->count++] = begun = b->size;
+            begin_bundle(b);
+        }
+        put_message(b, i < ARKIT_SHAPES ? arkit_table[i].name : NULL, i < ARKIT_SHAPES ? weights[i] : 0);
+    }
+    packets->ends[packets->count++] = b->size;
+}
+
+static void osc_packets_free(struct osc_packets *packets) {
+    buf_free(&packets->bytes);
+}
 
 struct osc_play;
 
@@ -128,7 +202,7 @@ static struct osc_play *osc_play_open(uv_loop_t *loop, const char *target,
                                       const struct export_source *source) {
     struct sockaddr_storage address;
     if (find(target, &address)) {
-        cli_complain("--osc: no address like '%s': HOST:PORT is wanted", target);
+        cli_complain("--osc: invalid address '%s': expected HOST:PORT", target);
         return NULL;
     }
     struct osc_play *p = mem_alloc(sizeof *p);
@@ -224,24 +298,24 @@ static void osc_play_free(struct osc_play *p) {
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-). Without FILE the timing is told.\n"
+    "Speaks TEXT, a file, or standard input (-). Without an output file, prints the timing.\n"
     "\n" SPEAK_HELP /* made of protocol/messages.json */
     "  -f, --file FILE      the text\n"
-    "      --voice-file FILE  somebody's recorded voice in place of a text, as 'faccia hear FILE'\n"
-    "      --open           speak standard input (-) while it is written\n"
-    "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
-    "      --lexicon FILE   how to say words (W3C PLS); may be repeated\n"
-    "      --wav FILE       the sound, mono 16 bit\n"
-    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --fapc FILE      the same at a few kilobits a second\n"
-    "      --ogg FILE       the sound as Opus in Ogg\n"
+    "      --voice-file FILE  a recorded voice instead of a text, as 'faccia hear FILE'\n"
+    "      --open           speak standard input (-) while it is being written\n"
+    "      --audio DIR      sound files that the text may refer to (SSML's audio); default $FACCIA_AUDIO\n"
+    "      --lexicon FILE   pronunciation lexicon (W3C PLS); may be repeated\n"
+    "      --wav FILE       the sound, mono, 16 bits\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
+    "      --fapc FILE      the same, at a few kilobits per second\n"
+    "      --ogg FILE       the sound, as Opus in Ogg; --mp3 FILE, --flac FILE as these\n"
     "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"
-    "      --arkit FILE     the face as weights of ARKit's 52 shapes, in Live Link Face's columns (CSV)\n"
+    "      --arkit FILE     weights of ARKit's 52 shapes, in Live Link Face's columns (CSV)\n"
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
     "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
-    "      --osc HOST:PORT  the face, as it goes on, to a puppet of the VMC protocol\n"
+    "      --osc HOST:PORT  send the face in real time to an avatar that speaks the VMC protocol\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
 
@@ -252,7 +326,7 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, OUTPUTS };
+enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, MP3, FLAC, OUTPUTS };
 enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
 enum { HEARD = -2 };          /* exit code of parse: play a recording instead */
 
@@ -335,8 +409,9 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static int open_outputs(struct say *s) {
     const struct export_source source = export_source_of(s->synthesis);
-    static const char *const names[OUTPUTS] = {"wav",   "fap",          "json",    "ogg", "ndjson",  "fapc",
-                                               "arkit", "arkit-ndjson", "visemes", "vtt", "textgrid"};
+    static const char *const names[OUTPUTS] = {"wav",      "fap",   "json",         "ogg",     "ndjson",
+                                               "fapc",     "arkit", "arkit-ndjson", "visemes", "vtt",
+                                               "textgrid", "mp3",   "flac"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -385,6 +460,8 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"visemes", 1, NULL, OUTPUT_OPTION + VISEMES},
         {"vtt", 1, NULL, OUTPUT_OPTION + VTT},
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
+        {"mp3", 1, NULL, OUTPUT_OPTION + MP3},
+        {"flac", 1, NULL, OUTPUT_OPTION + FLAC},
         {"osc", 1, NULL, 'P'},
         {"lexicon", 1, NULL, 'X'},
         {"voice-file", 1, NULL, 'S'},

@@ -20,9 +20,9 @@ static const char usage[] = "Usage: faccia timed [OPTION]... FILE\n"
                             "  -l, --lang TAG      a language with a table of visemes (pt-BR)\n"
                             "  -e, --engine NAME   visible-speech engine (context)\n"
                             "      --fps N         frames per second, 1 to 120 (30)\n"
-                            "      --header BYTES  of the sound file before its first sample (44)\n"
-                            "      --hz RATE       its samples per second (16000)\n"
-                            "      --frame BYTES   of one sample of all its channels (2)\n";
+                            "      --header BYTES  bytes of the sound file before its first sample (44)\n"
+                            "      --hz RATE       sample rate of the sound file (16000)\n"
+                            "      --frame BYTES   bytes of one sample of all channels (2)\n";
 
 struct timed {
     const char *lang, *engine;
@@ -68,11 +68,11 @@ static int write_face(const struct timed *o, const struct speech_pack *pack, con
 static int run(const struct timed *o, const char *path, const struct speech_packs *packs) {
     const struct speech_pack *pack = speech_packs_find(packs, o->lang);
     if (!pack) {
-        cli_complain("lang: no language '%s'", o->lang);
+        cli_complain("lang: unknown language '%s'", o->lang);
         return EXIT_USAGE;
     }
     if (!face_engine_speaks(o->engine, pack)) {
-        cli_complain("engine: no engine '%s' for '%s'", o->engine, o->lang);
+        cli_complain("engine: unknown engine '%s' for '%s'", o->engine, o->lang);
         return EXIT_USAGE;
     }
     struct transcription_sound sound = {(size_t)o->header, (uint32_t)o->hz, (size_t)o->frame};

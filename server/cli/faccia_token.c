@@ -1,28 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia token: signs tokens, which grant a page or a person permissions. */
+#include "server/access/page_link.h"
 #include "server/access/token.h"
 #include "server/cli/cli.h"
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 static const char usage[] =
     "Usage: faccia token --secret-file FILE --subject NAME [OPTION]...\n"
     "       faccia token --secret-file FILE --revoke TOKEN\n"
     "       faccia token --revoke-subject NAME [--expires TIME]\n"
-    "Prints a token that a daemon started with --secret-file FILE accepts; or the line that\n"
-    "takes one back, or all that a subject has: it goes into the file of --revoked-file.\n"
+    "Prints a token for a daemon started with --secret-file FILE; or the line that\n"
+    "revokes one token, or all of a subject: add it to the daemon's --revoked-file.\n"
     "\n"
-    "      --secret-file FILE   a secret of at least 32 bytes in each line; the first signs.\n"
-    "                           One can be made so: head -c 32 /dev/urandom | base64\n"
-    "  -s, --subject NAME       who it is for; up to 64 bytes\n"
-    "      --room NAME          good in this room only\n"
-    "      --rights WORDS       of listen, speak, operate, with commas (listen,speak)\n"
-    "      --expires TIME       good for so long: 90s, 15m, 12h, 30d (15m)\n"
-    "      --revoke TOKEN       that one counts no more\n"
-    "      --revoke-subject NAME  those issued up to now for NAME count no more; --expires is how\n"
-    "                           long the longest of them is good for\n"
+    "      --secret-file FILE   a secret of at least 32 bytes on each line; the first one signs.\n"
+    "                           To create one: head -c 32 /dev/urandom | base64\n"
+    "  -s, --subject NAME       the token's holder; up to 64 bytes\n"
+    "      --room NAME          valid only in this room\n"
+    "      --rights WORDS       listen, speak, operate, separated by commas (listen,speak)\n"
+    "      --expires TIME       period of validity: 90s, 15m, 12h, 30d (15m)\n"
+    "      --page ADDRESS       print the address of this page with the token in it, and its QR\n"
+    "                           code on a terminal: http://192.168.1.20:8080/room.html?room=kitchen\n"
+    "      --revoke TOKEN       revoke this token\n"
+    "      --revoke-subject NAME  revoke all tokens issued so far for NAME; --expires is the\n"
+    "                           longest period of validity among them\n"
     "  -h, --help               print this and exit\n"
     "Exit status: 0 printed, 1 failed, 2 wrong usage.\n";
 
@@ -57,7 +61,21 @@ static int copy(char *out, size_t cap, const char *value, const char *option) {
     return 0;
 }
 
-static int print(const char *secret_file, const struct token *token) {
+/* Prints a page's address with the token, and its QR code below if a person sees it. */
+static int print_page(const char *page, const char *token) {
+    struct buf link = {0};
+    struct error e;
+    if (page_link_write(page, token, &link, &e))
+        return complain(&e);
+    const char *text = (const char *)link.data;
+    puts(text);
+    if (isatty(STDOUT_FILENO) && page_link_draw(text, stdout))
+        cli_complain("the address is too long for a QR code");
+    buf_free(&link);
+    return EXIT_DONE;
+}
+
+static int print(const char *secret_file, const struct token *token, const char *page) {
     struct secrets secrets;
     struct error e;
     if (secrets_load(&secrets, secret_file, &e)) {
@@ -70,9 +88,13 @@ static int print(const char *secret_file, const struct token *token) {
         complain(&e);
         return EXIT_FAILED;
     }
-    puts(text);
+    int result = EXIT_DONE;
+    if (page)
+        result = print_page(page, text);
+    else
+        puts(text);
     free(text);
-    return EXIT_DONE;
+    return result;
 }
 
 static int print_revoked(const char *secret_file, const char *text) {
@@ -88,7 +110,8 @@ static int print_revoked(const char *secret_file, const char *text) {
     if (token_check(&secrets, text, (long)time(NULL), &token, &e)) {
         complain(&e);
     } else if (!(jti = token_id(text))) {
-        cli_complain("the token has no 'jti': --revoke-subject takes back what '%s' has", token.subject);
+        cli_complain("the token has no 'jti': use --revoke-subject to revoke all tokens of '%s'",
+                     token.subject);
     } else {
         printf("token %ld %s\n", token.expires, jti);
         result = EXIT_DONE;
@@ -100,19 +123,16 @@ static int print_revoked(const char *secret_file, const char *text) {
 
 int token_main(int argc, char **argv, const struct settings *settings) {
     (void)settings;
-    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES, REVOKE, REVOKE_SUBJECT };
-    static const struct option options[] = {{"secret-file", 1, NULL, SECRET},
-                                            {"subject", 1, NULL, 's'},
-                                            {"room", 1, NULL, ROOM},
-                                            {"rights", 1, NULL, RIGHTS},
-                                            {"expires", 1, NULL, EXPIRES},
-                                            {"revoke", 1, NULL, REVOKE},
-                                            {"revoke-subject", 1, NULL, REVOKE_SUBJECT},
-                                            {"help", 0, NULL, 'h'},
-                                            {0}};
+    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES, PAGE, REVOKE, REVOKE_SUBJECT };
+    static const struct option options[] = {
+        {"secret-file", 1, NULL, SECRET}, {"subject", 1, NULL, 's'},
+        {"room", 1, NULL, ROOM},          {"rights", 1, NULL, RIGHTS},
+        {"expires", 1, NULL, EXPIRES},    {"page", 1, NULL, PAGE},
+        {"revoke", 1, NULL, REVOKE},      {"revoke-subject", 1, NULL, REVOKE_SUBJECT},
+        {"help", 0, NULL, 'h'},           {0}};
     struct token token = {.rights = RIGHT_LISTEN | RIGHT_SPEAK};
     struct error e;
-    const char *secret_file = NULL, *revoke = NULL, *revoke_subject = NULL;
+    const char *secret_file = NULL, *page = NULL, *revoke = NULL, *revoke_subject = NULL;
     long seconds = 15 * 60;
     for (int c; (c = getopt_long(argc, argv, "s:h", options, NULL)) != -1;) {
         switch (c) {
@@ -133,9 +153,12 @@ int token_main(int argc, char **argv, const struct settings *settings) {
             break;
         case EXPIRES:
             if ((seconds = seconds_of(optarg)) < 0) {
-                cli_complain("--expires: '%s' is no time such as 90s, 15m, 12h, 30d", optarg);
+                cli_complain("--expires: '%s' is not a period such as 90s, 15m, 12h, 30d", optarg);
                 return EXIT_USAGE;
             }
+            break;
+        case PAGE:
+            page = optarg;
             break;
         case REVOKE:
             revoke = optarg;
@@ -153,7 +176,7 @@ int token_main(int argc, char **argv, const struct settings *settings) {
     }
     bool makes = *token.subject != '\0';
     if (makes + (revoke != NULL) + (revoke_subject != NULL) != 1 || (!secret_file && !revoke_subject) ||
-        optind < argc) {
+        (page && !makes) || optind < argc) {
         fputs(usage, stderr);
         return EXIT_USAGE;
     }
@@ -165,5 +188,5 @@ int token_main(int argc, char **argv, const struct settings *settings) {
         printf("subject %ld %ld %s\n", token.issued, token.expires, revoke_subject);
         return EXIT_DONE;
     }
-    return print(secret_file, &token);
+    return print(secret_file, &token, page);
 }

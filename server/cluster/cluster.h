@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the daemons of a cluster share, on a Redis server (7, or the compatible Valkey): spoken sentences, a
- * bus with leases, the presence of each daemon, and a queue of work. Each part connects in the background
- * when it is opened, and again after each loss. Everything runs in the loop's thread; no function blocks.
- * Built without hiredis (-Dcluster), nothing can be opened. */
+/* State shared by the daemons of a cluster, on a Redis server (7, or the compatible Valkey): spoken
+ * sentences, a bus with leases, the presence of each daemon, and a queue of work. Each part connects in the
+ * background when it is opened, and again after each loss. Everything runs in the loop's thread; no function
+ * blocks. Built without hiredis (-Dcluster), nothing can be opened. */
 #ifndef FACCIA_CLUSTER_CLUSTER_H
 #define FACCIA_CLUSTER_CLUSTER_H
 
@@ -70,12 +70,12 @@ enum {
 enum { CLUSTER_HASH_BYTES = 65 };
 void cluster_hash_of(const struct buf *key, char hex[CLUSTER_HASH_BYTES]);
 
-/* ---- the bus: how daemons talk to each other ----
- * Each daemon has a name on the bus. A lease has one holder at a time: a holder that does not claim it again
- * within BUS_LEASE_MS loses it, and each new holder has a higher token than the one before. Data sent under
- * a lease leaves only while the sender still holds the lease under that token: the bus itself checks at the
- * moment of sending, so that a daemon that was suspended cannot speak after another has taken its place.
- * What one daemon sends to another arrives in order, or not at all. */
+/* ---- the bus: messages between daemons ----
+ * Each daemon has a name on the bus. A lease has one holder at a time: a holder that does not renew it within
+ * BUS_LEASE_MS loses it, and each new holder has a higher token than the one before. Data sent under a lease
+ * leaves only while the sender still holds the lease under that token: the bus itself checks at the moment of
+ * sending, so that a suspended daemon cannot speak after another has taken its place. Data from one daemon to
+ * another arrives in order, or not at all. */
 
 struct bus;
 
@@ -182,7 +182,7 @@ void presence_close(struct presence *presence);
 
 /* ---- work: sentences to be spoken elsewhere. Daemons put them in, workers take them out ---- */
 
-/* The voices of live workers. A sentence in a queue sounds the same whichever worker takes it. */
+/* The voices of live workers. Every worker that takes a queued sentence produces the same sound. */
 struct work_source {
     const char *queue;  /* name of the queue */
     const char *plugin; /* public name of the voices */
@@ -225,7 +225,7 @@ void work_watch(struct work *work, work_seen seen, void *ctx);
 struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t quota_key,
                            const struct buf *sentence, work_answered answered, void *ctx);
 
-/* Cancels a sentence: no callback follows, and its worker is told to stop. NULL is allowed. */
+/* Cancels a sentence: no callback follows, and its worker stops. NULL is allowed. */
 void work_cancel(struct work_task *task);
 
 /* Call after the last task was answered or cancelled. Frees the queue once the loop has run out of its

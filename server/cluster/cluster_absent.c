@@ -5,7 +5,7 @@
 
 static void *refuse(struct error *e) {
     error_in_field(e, ERROR_BAD_FIELD, "--cluster",
-                   "this daemon was built without hiredis, and shares nothing");
+                   "this daemon was built without hiredis and cannot join a cluster");
     return NULL;
 }
 

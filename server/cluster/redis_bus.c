@@ -35,7 +35,7 @@
     "for i = 3, #ARGV do redis.call('PUBLISH', ARGV[i], ARGV[2]) end "                                       \
     "return 1"
 
-_Static_assert((int)BUS_NAME_BYTES == (int)REDIS_ID_BYTES, "a name on the bus is such an id");
+_Static_assert((int)BUS_NAME_BYTES == (int)REDIS_ID_BYTES, "a name on the bus must be such an id");
 
 enum { LEASE_BYTES = 96, KEY_BYTES = 128, HOLDER_BYTES = 64, CHANNEL_BYTES = 64, RECEIVERS_AT_ONCE = 8 };
 

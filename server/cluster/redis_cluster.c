@@ -164,8 +164,8 @@ static bool send_ask(struct cluster_ask *a) {
     return a->sent;
 }
 
-/* Sends the waiting queries again; one that cannot be sent is answered NULL. Each leaves the list first,
- * so callbacks may change the list. */
+/* Sends the waiting queries again, and answers NULL to those that cannot be sent. Removes each from the list
+ * first, so callbacks may change the list. */
 static void on_again(uv_timer_t *timer) {
     struct cluster *c = timer->data;
     while (c->waiting) {
@@ -221,7 +221,7 @@ static void on_given(void *ctx, const redisReply *reply) {
     struct cluster *c = gift->cluster;
     if (reply && reply->type == REDIS_REPLY_ERROR) {
         if (!c->full_told)
-            log_warn("cluster: a sentence is not taken: %s", reply->str);
+            log_warn("cluster: refused a sentence: %s", reply->str);
         c->full_told = true;
         leave(c, &gift->names);
     }

@@ -40,7 +40,7 @@ static void redis_consumer_free_item(struct redis_item *item) {
 static void on_answered(void *ctx, const redisReply *reply) {
     (void)ctx;
     if (redis_work_well(reply) && reply->type == REDIS_REPLY_INTEGER && !reply->integer)
-        log_info("a sentence was another worker's by now, or nobody waited for it");
+        log_info("a sentence had been claimed by another worker, or was no longer needed");
 }
 
 /* Sends the answer in pieces, and frees the item. */
@@ -100,16 +100,16 @@ static void take(struct work_consumer *h, const redisReply *reply) {
     item->item.turn =
         well && strlen(item->key) > turn_at ? (enum work_turn)(item->key[turn_at] - '0') : WORK_TURNS;
     if (!well || item->item.turn >= WORK_TURNS) {
-        log_warn("cluster: an entry of the queue that has no name was left where it is");
+        log_warn("cluster: left a queue entry without a name where it is");
         redis_consumer_free_item(item);
     } else if (strncmp(item->to, to, sizeof to - 1) != 0 || sentence->type != REDIS_REPLY_STRING ||
                !work_unpack_sentence(sentence->str, (size_t)sentence->len, &item->item.sentence)) {
-        log_warn("cluster: an entry of the queue that is no sentence was thrown away");
+        log_warn("cluster: discarded a queue entry that is not a sentence");
         snprintf(item->to, sizeof item->to, REDIS_WORK ":to:nobody");
-        refuse(item, "is no sentence");
+        refuse(item, "is not a sentence");
     } else if (item->times > WORK_TIMES) {
-        log_error("a sentence was lost by %d workers, and is given up", WORK_TIMES);
-        refuse(item, "its workers died over the sentence");
+        log_error("%d workers lost a sentence; giving it up", WORK_TIMES);
+        refuse(item, "its workers crashed on the sentence");
     } else {
         h->events.taken(h->ctx, &item->item);
     }

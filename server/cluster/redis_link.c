@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
 #include "server/base/log.h"
-#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
+#include "server/base/work/loop_idle.h"
 #include "server/cluster/redis_internal.h"
 #include <errno.h>
 #include <hiredis/hiredis.h>
@@ -24,8 +24,7 @@ enum { NUMBER_MOST = 65535 };
 static int fail(struct error *e, const char *why) {
     return error_in_field(
         e, ERROR_BAD_FIELD, "--cluster",
-        "%s: redis://[[USER]:PASSWORD@]HOST[:PORT][/NUMBER] or unix://[[USER]:PASSWORD@]/PATH is wanted",
-        why);
+        "%s: must be redis://[[USER]:PASSWORD@]HOST[:PORT][/NUMBER] or unix://[[USER]:PASSWORD@]/PATH", why);
 }
 
 /* Parses a number that consists of digits only. Returns -1 if it is not valid. */
@@ -67,7 +66,7 @@ static char *decoded(const char *text, size_t size) {
 static int read_login(const char *text, size_t size, struct redis_address *address, struct error *e) {
     const char *colon = memchr(text, ':', size);
     if (!colon)
-        return fail(e, "a password follows a colon");
+        return fail(e, "a password must follow a colon");
     if (colon > text && !(address->user = decoded(text, (size_t)(colon - text))))
         return fail(e, "a percent sign that encodes nothing");
     address->password = decoded(colon + 1, size - (size_t)(colon + 1 - text));
@@ -86,7 +85,7 @@ static int read_place(const char *at, struct redis_address *address, struct erro
     if (address->port <= 0)
         return fail(e, "no such port");
     address->number = slash && slash[1] ? number_of(slash + 1, strlen(slash + 1)) : 0;
-    return address->number < 0 ? fail(e, "no such number of a database") : 0;
+    return address->number < 0 ? fail(e, "invalid database number") : 0;
 }
 
 static void show(struct redis_address *address) {
@@ -103,13 +102,13 @@ int redis_address_read(const char *text, struct redis_address *address, struct e
     *address = (struct redis_address){0};
     bool file = !strncmp(text, "unix://", 7);
     if (!file && strncmp(text, "redis://", 8) != 0)
-        return fail(e, "no address of Redis");
+        return fail(e, "it has no address of Redis");
     const char *at = text + (file ? 7 : 8), *login_end = strrchr(at, '@');
     int status = login_end ? read_login(at, (size_t)(login_end - at), address, e) : 0;
     if (login_end)
         at = login_end + 1;
     if (!status && file && *at != '/')
-        status = fail(e, "no path of a socket");
+        status = fail(e, "it has no socket path");
     else if (!status && file)
         address->path = mem_strdup(at);
     else if (!status)
@@ -217,7 +216,7 @@ static void answer(struct redis_loop *l, const redisReply *reply) {
     } else if (!q) {
         char why[128];
         snprintf(why, sizeof why, "%s",
-                 reply->type == REDIS_REPLY_ERROR ? reply->str : "it sends what nobody has asked for");
+                 reply->type == REDIS_REPLY_ERROR ? reply->str : "it sent an unexpected reply");
         lose(l, why);
     } else {
         LL_DELETE(l->questions, q);
@@ -437,7 +436,7 @@ static void lost(struct redis_link *link, const char *why) {
     if (link->closing)
         return;
     if (!link->told)
-        log_warn("cluster: %s: %s; this daemon goes on by itself", link->address.shown, why);
+        log_warn("cluster: %s: %s; continuing without the cluster", link->address.shown, why);
     link->told = true;
     if (was_up)
         link->changed(link->ctx, false);
@@ -524,7 +523,7 @@ static void on_channel(void *ctx, const redisReply *reply) {
     bool message =
         well && is_word(reply->element[0], "message") && reply->element[2]->type == REDIS_REPLY_STRING;
     if (!message && !(well && is_word(reply->element[0], "subscribe"))) {
-        drop(link, reply->type == REDIS_REPLY_ERROR ? reply->str : "it sends what no channel has");
+        drop(link, reply->type == REDIS_REPLY_ERROR ? reply->str : "it sent an invalid channel message");
         return;
     }
     silence_begin(&link->silence, uv_now(link->loop));
@@ -634,7 +633,7 @@ static void begin(struct redis_link *link) {
     link->looking_up =
         !uv_getaddrinfo(link->loop, &link->look_up, on_found, link->address.host, NULL, &hints);
     if (!link->looking_up)
-        lost(link, "its name cannot be looked up");
+        lost(link, "its name cannot be resolved");
 }
 
 static void on_pulse(uv_timer_t *timer) {

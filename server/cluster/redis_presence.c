@@ -31,13 +31,13 @@ struct notes {
     unsigned written; /* notes believed to be on the store */
 };
 
-/* The script of the store, in Redis's Lua: it runs atomically. "faccia:board" holds the daemons by the
- * time of their last look; "faccia:board:notes:ID" the notes of one daemon; "faccia:board:marks" the marks
- * by the time of creation; "faccia:board:ends" the marks that end, by their end; "faccia:board:count" the
- * number of changes so far; and "faccia:board:changes" the latest change of each note ("ID NAME") and mark
- * ("* NAME"). */
+/* The store's Lua script, which Redis runs atomically. Keys: "faccia:presence": daemons, scored by the time
+ * of their last look. "faccia:presence:notes:ID": the notes of one daemon. "faccia:presence:marks": marks,
+ * scored by creation time. "faccia:presence:ends": expiring marks, scored by expiry time.
+ * "faccia:presence:count": number of changes. "faccia:presence:changes": the latest change of each note ("ID
+ * NAME") and mark ("* NAME"). */
 
-#define REDIS_PRESENCE "faccia:board"
+#define REDIS_PRESENCE "faccia:presence"
 
 /* most changes per reply; more than one look can make (BATCH) */
 #define REDIS_PRESENCE_ROWS "512"
@@ -194,7 +194,7 @@ static int notes_batch(struct notes *all, struct link_text *words, int most, uin
     return count;
 }
 
-/* Frees the notes that the last batch removed for good: its words are no longer needed. */
+/* Frees the notes that the last batch deleted. */
 static void notes_sent(struct notes *all) {
     while (all->leaving && all->leaving->leaves == 1) {
         struct note *n = all->leaving;
@@ -290,7 +290,7 @@ static void set_up(struct presence *b, bool up) {
     if (b->up == up)
         return;
     b->up = up;
-    metrics_add(b->metrics, METRIC_BOARD_UP, up ? 1 : -1);
+    metrics_add(b->metrics, METRIC_PRESENCE_UP, up ? 1 : -1);
     if (!up)
         forget_all(b);
 }
@@ -324,7 +324,8 @@ static void read_owners(struct presence *b, const redisReply *ids) {
     }
 }
 
-/* Reads owner, name, text. Any client of Redis may have written them, so long ones are skipped. */
+/* Reads a row of owner, name and text. Skips oversized ones, because any client of Redis may have written
+ * them. */
 static void read_row(struct presence *b, const redisReply *rows, size_t at) {
     const char *who = redis_work_text(rows, at), *name = redis_work_text(rows, at + 1);
     const char *text = redis_work_text(rows, at + 2);
@@ -373,8 +374,8 @@ static void look_now(struct presence *b);
 /* reply NULL: the connection was lost. */
 static void fail(struct presence *b, const redisReply *reply) {
     if (reply && !b->told)
-        log_warn("cluster: the store: %s; this daemon counts by itself",
-                 reply->type == REDIS_REPLY_ERROR ? reply->str : "an answer that is none");
+        log_warn("cluster: the store: %s; this daemon counts on its own",
+                 reply->type == REDIS_REPLY_ERROR ? reply->str : "it sent an invalid reply");
     b->told |= reply != NULL;
     notes_again(&b->notes);
     set_up(b, false);

@@ -138,7 +138,7 @@ static struct known_voices *known(struct work_sources *s, const char *queue, con
     if (count >= KNOWN_MOST)
         return NULL;
     if (count == KNOWN_MOST - 1)
-        log_warn("cluster: workers have announced %d kinds of voices; further ones are left out", KNOWN_MOST);
+        log_warn("cluster: workers have announced %d voice plugins; ignoring the rest", KNOWN_MOST);
     k = mem_alloc(sizeof *k);
     snprintf(k->queue, sizeof k->queue, "%s", queue);
     snprintf(k->plugin, sizeof k->plugin, "%s", plugin);
@@ -188,9 +188,9 @@ static void work_sources_free(struct work_sources *s) {
 }
 
 static const char *const why[WORK_ENDS] = {
-    [WORK_UNREACHED] = "cannot be asked: its workers cannot be reached",
-    [WORK_FULL] = "cannot be asked: its queue is full",
-    [WORK_FAILED] = "has lost the sentence on its way",
+    [WORK_UNREACHED] = "is unavailable: its workers cannot be reached",
+    [WORK_FULL] = "is unavailable: its queue is full",
+    [WORK_FAILED] = "lost the sentence in transit",
 };
 
 static void end_task(struct work_task *t, enum work_end end, const struct buf *body) {
@@ -301,7 +301,7 @@ static void redis_task_piece(struct work *w, const void *data, size_t size) {
     struct work_piece piece;
     if (!work_unpack_piece(data, size, &piece)) {
         if (!w->warned)
-            log_warn("cluster: an answer that is none was left out");
+            log_warn("cluster: ignored an invalid reply");
         w->warned = true;
         return;
     }

@@ -2,7 +2,7 @@
 #include "server/codec/media_encoder.h"
 #include "protocol/chunk.h"
 #include "protocol/compact.h"
-#include "protocol/fapc.h"
+#include "protocol/fapc/fapc.h"
 #include "protocol/packed.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"

@@ -46,9 +46,9 @@ static int load_boundaries(struct components *s, const char *path, struct error 
 static int load_hearing(struct components *s, const struct settings *settings, const char *path,
                         struct error *e) {
     struct error inner = {0};
-    s->live = (struct live_pool){.most = settings->heard_most,
-                                 .key_most = settings->heard_address,
-                                 .seconds = settings->heard_seconds};
+    s->live = (struct live_pool){.most = settings->live_voices,
+                                 .key_most = settings->live_voices_per_address,
+                                 .seconds = settings->live_voice_seconds};
     s->pipeline.live = &s->live;
     if (access(path, F_OK))
         return 0;

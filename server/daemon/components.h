@@ -8,7 +8,7 @@
 #include "server/normalize/lexicon.h"
 #include "server/synthesis/synthesis.h"
 
-/* What to load. */
+/* Selects the parts to load. */
 enum {
     COMPONENTS_SPEECH = 1u << 0,        /* speech packs */
     COMPONENTS_EXPRESSIONS = 1u << 1,   /* including the meaning of FAP 1 and 2; needs the packs */
@@ -37,8 +37,8 @@ int components_load(struct components *components, const struct settings *settin
 int components_load_expressions(struct components *components, const struct settings *settings,
                                 struct error *e);
 
-/* Starts the voices and adds them to the pipeline. `voices` is a copy of the settings, with the members
- * that are no settings, except the boundaries. For ready see voice_pool_open. -1 with *e. */
+/* Starts the voices and adds them to the pipeline. `voices` is a copy of the settings, completed by members
+ * that are not settings, except the boundaries. For ready see voice_pool_open. -1 with *e. */
 int components_start_voices(struct components *components, const struct voice_pool_options *voices,
                             void (*ready)(void *ctx), void *ctx, struct error *e);
 

@@ -77,7 +77,7 @@ static struct voice_queue *queue_of(struct worker_side *w, size_t index, const s
     queue->plugin = index;
     queue->voices = voices_of(plugin);
     name_queue(queue, plugin);
-    log_info("speaks for others: the voice %s", plugin->name);
+    log_info("serves the voice %s", plugin->name);
     return queue;
 }
 
@@ -131,7 +131,7 @@ static void on_done(void *ctx, struct sentence_audio *audio) {
     if (s->whole)
         end(s, WORK_SPOKEN, NULL);
     else
-        end(s, WORK_FAILED, "said more than can be sent");
+        end(s, WORK_FAILED, "produced more than can be sent");
 }
 
 /* The sentence gave way to a live one or this worker is ending: another worker speaks it. */
@@ -168,14 +168,14 @@ static void on_taken(void *ctx, struct work_item *item) {
                                      &callbacks, s, &e);
     if (s->job)
         return;
-    log_warn("cluster: an entry of the queue cannot be spoken: %s", e.message);
+    log_warn("cluster: cannot speak a queue entry: %s", e.message);
     end(s, WORK_FAILED, e.message);
 }
 
 static void on_lost(void *ctx, struct work_item *item) {
     struct sentence *s = item->mine;
     (void)ctx;
-    log_info("a sentence is another worker's by now, or nobody waits for it");
+    log_info("a sentence has been claimed by another worker, or is no longer needed");
     voice_job_cancel(s->job);
     --*count_of(s);
     forget(s);
@@ -310,7 +310,8 @@ static int start(struct speaker *p, struct error *e) {
     voices.cache = (struct cache_options){0};
     voices.boundaries = NULL;
     if (!p->settings.cluster || !*p->settings.cluster)
-        return error_in_field(e, ERROR_BAD_FIELD, "--cluster", "is missing: where to take sentences from");
+        return error_in_field(e, ERROR_BAD_FIELD, "--cluster",
+                              "is missing: the Redis to take sentences from");
     p->work = worker_side_new();
     p->consumer = work_consumer_open(&p->loop, p->settings.cluster, &worker_side_events, p->work, e);
     if (!p->consumer)
@@ -339,9 +340,8 @@ static int run(struct speaker *p) {
 
 static void print_usage(void) {
     struct buf text = {0};
-    buf_printf(&text,
-               "Usage: faccia-worker --cluster URL [OPTION]...\nSpeaks with the voices of this machine for "
-               "facciads elsewhere that share the same Redis.\n\n");
+    buf_printf(&text, "Usage: faccia-worker --cluster URL [OPTION]...\nServes the voices of this machine to "
+                      "facciads on other machines that share the same Redis.\n\n");
     settings_help(PROGRAM_WORKER, &text);
     fwrite(text.data, 1, text.size, stdout);
     buf_free(&text);

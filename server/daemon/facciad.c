@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/access/page_link.h"
 #include "server/access/revocations.h"
 #include "server/api/api.h"
 #include "server/api/offer.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/base/work_gate.h"
+#include "server/base/work/work_gate.h"
 #include "server/cluster/cluster.h"
 #include "server/codec/coder_pool.h"
 #include "server/daemon/components.h"
@@ -24,6 +25,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 /* Secrets and revoked tokens, from the settings' files. */
 
@@ -73,7 +75,7 @@ static char *join(const char *folder, const char *name) {
 static int make_own(struct tls_setup *setup, const char *folder, struct error *e) {
     setup->tls = (struct transport_tls){join(folder, "cert.pem"), join(folder, "key.pem")};
     if (mkdir(folder, 0700) && errno != EEXIST)
-        return error_in_field(e, ERROR_BAD_FIELD, "--tls-self-signed", "'%s' cannot be made: %s", folder,
+        return error_in_field(e, ERROR_BAD_FIELD, "--tls-self-signed", "cannot create '%s': %s", folder,
                               strerror(errno));
     char *ca = join(folder, "ca.pem"), fingerprint[CERTIFICATE_FINGERPRINT];
     const struct certificate_files files = {setup->tls.cert, setup->tls.key, ca};
@@ -81,8 +83,8 @@ static int make_own(struct tls_setup *setup, const char *folder, struct error *e
     if (!failed)
         failed = certificate_fingerprint(files.cert, fingerprint, e);
     if (!failed)
-        log_info("TLS by a certificate of its own: a device trusts it that has taken %s; others ask, and its "
-                 "SHA-256 fingerprint is %s",
+        log_info("TLS with a self-made certificate: devices that have installed %s trust it; others warn "
+                 "(SHA-256 fingerprint: %s)",
                  ca, fingerprint);
     free(ca);
     return failed;
@@ -94,10 +96,10 @@ static int tls_setup_open(struct tls_setup *setup, const struct settings *s, str
     *setup = (struct tls_setup){0};
     if (!s->tls_cert != !s->tls_key)
         return error_in_field(e, ERROR_BAD_FIELD, s->tls_cert ? "--tls-cert" : "--tls-key",
-                              "a certificate and its key are named together: --tls-cert FILE --tls-key FILE");
+                              "a certificate needs its key: --tls-cert FILE --tls-key FILE");
     if (s->tls_cert && s->tls_self_signed)
         return error_in_field(e, ERROR_BAD_FIELD, "--tls-self-signed",
-                              "there is a certificate already: --tls-cert");
+                              "it cannot be combined with --tls-cert");
     if (!s->tls_cert && !s->tls_self_signed)
         return 0;
     setup->on = true;
@@ -151,10 +153,10 @@ static void start_prerender(struct prerender **prerender, const struct settings 
     if (*prerender || !s->ahead || !library)
         return;
     if (!kept)
-        log_warn("nothing is prerendered: finished sentences are not kept (--cache, --cache-file)");
+        log_warn("prerendering is off: there is no sentence cache (--cache, --cache-file)");
     else if (voice_pool_settled(pipeline->voices, s->ahead, NULL) &&
              !voice_pool_find(pipeline->voices, s->ahead, NULL, NULL, &e))
-        log_warn("nothing is prerendered: --library-ahead: %s", e.message);
+        log_warn("prerendering is off: --library-ahead: %s", e.message);
     else
         *prerender =
             prerender_open(pipeline, library, s->ahead, most < kept ? most : kept, s->api.text_bytes);
@@ -209,17 +211,17 @@ static void provide_descriptors(struct http_options *o, unsigned workers) {
     if (above < o->connections_above)
         o->connections_above = above;
     o->connections = (unsigned)left - o->connections_above;
-    log_warn(
-        "%llu descriptors are too few for %u connections: %u are the limit (see ulimit -n, LimitNOFILE=)",
-        (unsigned long long)limit.rlim_cur, asked, o->connections);
+    log_warn("%llu file descriptors are too few for %u connections: the limit is now %u (see ulimit -n, "
+             "LimitNOFILE=)",
+             (unsigned long long)limit.rlim_cur, asked, o->connections);
 }
 
 /* Prints what needs no start: help, version, settings. Returns the exit status, or -1 to continue. */
 static int print_request(const struct settings *settings, const struct settings_request *request) {
     struct buf text = {0};
     if (request->help) {
-        buf_printf(&text, "Usage: facciad [OPTION]...\nServes the talking head: a page, a WebSocket and HTTP "
-                          "(protocol/README.md says how).\n\n");
+        buf_printf(&text, "Usage: facciad [OPTION]...\nServes the talking head: web pages, a WebSocket and "
+                          "an HTTP API (see protocol/README.md).\n\n");
         settings_help(PROGRAM_DAEMON, &text);
     } else if (request->version)
         buf_printf(&text, "facciad " FACCIA_VERSION "\n");
@@ -234,7 +236,7 @@ static int print_request(const struct settings *settings, const struct settings_
     return 0;
 }
 
-/* What the components offer, described for the network. */
+/* Describes the components' offer for the network. */
 struct daemon_offer {
     struct offer offer;
     const struct pipeline *pipeline;
@@ -395,7 +397,7 @@ static void on_gestures(void *ctx) {
         complain(&e);
 }
 
-/* Adds to the network's settings what is no setting. */
+/* Fills in the members of the network's settings that are not settings of the daemon. */
 static struct api_options api_options_of(struct daemon *d) {
     struct api_options options = d->settings.api;
     options.models = d->settings.models;
@@ -432,7 +434,7 @@ static void on_ready(void *ctx) {
     }
     if (!synthesis_can_speak(&d->components.pipeline, d->settings.lang)) {
         struct error e;
-        error_in_field(&e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", d->settings.lang);
+        error_in_field(&e, ERROR_UNKNOWN_LANGUAGE, "--lang", "unknown language '%s'", d->settings.lang);
         complain(&e);
         d->failed = true;
         stop(d);
@@ -455,10 +457,10 @@ static void reload(struct daemon *d) {
     if (settings_read(&settings, &request, PROGRAM_DAEMON, d->argc, d->argv, &d->paths, &e) ||
         access_setup_load(&access, &settings, &e)) {
         complain(&e);
-        log_warn("the settings stay as they were");
+        log_warn("keeping the current settings");
         settings_free(&settings);
     } else if (d->access.secrets.count && !access.secrets.count) {
-        log_warn("tokens cannot be given up while the daemon runs; the settings stay as they were");
+        log_warn("tokens cannot be turned off while the daemon runs; keeping the current settings");
         settings_free(&settings);
         access_setup_free(&access);
     } else {
@@ -468,14 +470,14 @@ static void reload(struct daemon *d) {
         d->access = access;
         struct api_options options = api_options_of(d);
         api_change(d->api, &options);
-        d->components.live.most = settings.heard_most;
-        d->components.live.key_most = settings.heard_address;
-        d->components.live.seconds = settings.heard_seconds;
+        d->components.live.most = settings.live_voices;
+        d->components.live.key_most = settings.live_voices_per_address;
+        d->components.live.seconds = settings.live_voice_seconds;
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(
-                "changed settings of listen, speech, voices, library, paths or cluster wait for a restart");
-        log_info("settings read anew");
+                "changes of listen, speech, voices, library, paths or cluster take effect after a restart");
+        log_info("settings reloaded");
         settings_follow(&d->settings, &old);
         access_setup_free(&old_access);
     }
@@ -555,7 +557,7 @@ static int start(struct daemon *d, struct error *e) {
         components_load(&d->components, s, COMPONENTS_ALL, &d->loop, e))
         return -1;
     if (!speech_packs_find(&d->components.packs, s->lang))
-        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
+        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "unknown language '%s'", s->lang);
     if (library_setup_open(s, &d->paths, &d->library, &d->voice_config, e) ||
         cluster_setup_open(s, &d->loop, &d->metrics, &d->cluster, e))
         return -1;
@@ -588,10 +590,19 @@ static int start(struct daemon *d, struct error *e) {
     return 0;
 }
 
+/* Logs where the daemon listens and where other machines find it, with a QR code of the first of these
+ * addresses if a person watches. */
 static void log_addresses(const struct daemon *d) {
     struct buf text = {0};
     for (size_t i = 0; api_address(d->api, i, &text); i++) {
         log_info("listening on %.*s", (int)text.size, (const char *)text.data);
+        buf_free(&text);
+    }
+    bool person = isatty(STDERR_FILENO) && !strcmp(log_format_name(), "text");
+    for (size_t i = 0; api_outside_address(d->api, i, &text); i++) {
+        log_info("on other machines: %.*s", (int)text.size, (const char *)text.data);
+        if (!i && person)
+            page_link_draw((const char *)text.data, stderr);
         buf_free(&text);
     }
 }

@@ -26,8 +26,7 @@ static char *index_place(const struct settings *s, struct error *e) {
         return mem_strdup(s->index);
     char *cache = settings_cache_folder();
     if (!cache) {
-        error_in_field(e, ERROR_BAD_INDEX, "--library-index",
-                       "there is no cache folder: say where it is to be");
+        error_in_field(e, ERROR_BAD_INDEX, "--library-index", "there is no cache folder: name one");
         return NULL;
     }
     bool well = make(cache);
@@ -91,15 +90,18 @@ int library_setup_open(const struct settings *s, const struct paths *paths, stru
     struct buf plugin = {0};
     buf_printf(&plugin, "%s/espeak.so", s->voices.plugin_dir);
     buf_add(&plugin, "", 1);
+    char normalization[4096];
+    snprintf(normalization, sizeof normalization, "%s/normalization", s->models);
     const struct aligner aligner = {.program = paths->aligner,
                                     .worker = s->voices.worker,
                                     .plugin = (char *)plugin.data,
+                                    .normalization = normalization,
                                     .percent = *paths->aligner ? s->align_percent : 0,
                                     .megabytes = s->voices.megabytes,
                                     .unconfined = s->voices.unconfined};
     const struct reader reader = {paths->reader, s->voices.unconfined};
     if (!*paths->reader)
-        log_warn("faccia-reader is not there: works are read without limits and sandbox");
+        log_warn("faccia-reader is missing: works are read without limits and sandbox");
     if (index && !place_voices(s, index, &reader, &voices, voice_config, e))
         *library =
             library_open(&(struct library_options){s->library, index, voices, s->lang, aligner, reader}, e);

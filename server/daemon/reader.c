@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia-reader: parses one untrusted input for the daemon, which starts it for each input or live voice
- * (base/reader_process.h). It may read standard input and the system's libraries, write to standard
+ * (base/work/reader_process.h). It may read standard input and the system's libraries, write to standard
  * output, and use limited processor time and memory. */
 #include "server/base/program.h"
 #include "server/library/work.h"

@@ -29,9 +29,8 @@ static bool is_of_worker(const char *path) {
 static int setting_was_renamed(const char *name, struct error *e) {
     return error_in_field(
         e, ERROR_BAD_FIELD, name,
-        "the file of secrets that sign tokens is named by --secret-file (FACCIA_SECRET_FILE, "
-        "access.secret_file); --token-file is what the programs beside the daemon call a file "
-        "with a token in it");
+        "--secret-file (FACCIA_SECRET_FILE, access.secret_file) names the file of secrets that sign tokens; "
+        "--token-file, an option of the bridges, names a file that contains a token");
 }
 
 /* True when the setting applies to the program. */
@@ -98,8 +97,7 @@ static int set_string(struct settings *s, const struct setting *setting, const c
         if (!lang_read(text, strlen(text), tag, &bad))
             return error_in_field(
                 e, ERROR_BAD_FIELD, name,
-                "'%.100s' is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", text,
-                bad);
+                "'%.100s' is not a language tag (BCP 47, such as pt-BR): byte %zu is invalid", text, bad);
         text = tag;
     }
     set_text(s, setting, mem_strdup(text));
@@ -272,8 +270,7 @@ static int set_member(struct settings *s, enum program program, const char *grou
         suggest_name(&near, settings_table[i].path, settings_table[i].path);
         suggest_name(&near, settings_table[i].option, settings_table[i].path);
     }
-    return error_in_field(e, ERROR_BAD_FIELD, path, "there is no such setting%s",
-                          suggestions_text(&near, text));
+    return error_in_field(e, ERROR_BAD_FIELD, path, "unknown setting%s", suggestions_text(&near, text));
 }
 
 int settings_from_file(struct settings *s, enum program program, const char *file, struct error *e) {
@@ -284,7 +281,8 @@ int settings_from_file(struct settings *s, enum program program, const char *fil
         result = error_in_field(e, ERROR_BAD_FIELD, "--config", "%s: must be an object", file);
     json_object_foreach(root, group, members) {
         if (!result && !json_is_object(members))
-            result = error_in_field(e, ERROR_BAD_FIELD, group, "must be an object, as in --print-config");
+            result =
+                error_in_field(e, ERROR_BAD_FIELD, group, "must be an object, as printed by --print-config");
         json_object_foreach(members, key, value) {
             if (!result)
                 result = set_member(s, program, group, key, value, e);

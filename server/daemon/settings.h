@@ -12,7 +12,7 @@
 #include "server/voice/voice_pool.h"
 #include <stdbool.h>
 
-/* One section per component; members that are no settings are 0. The settings own strings and lists. */
+/* One section per component; members that are not settings are 0. The settings own strings and lists. */
 struct settings {
     struct settings *before; /* replaced by these; NULL: none */
     struct api_options api;
@@ -29,7 +29,7 @@ struct settings {
     unsigned cluster_queue; /* sentences that may wait for remote workers, per voice queue */
     const char *lang;
     char *const *lexicons;          /* files of pronunciations, by precedence; NULL = none */
-    const char *lexicon_folder;     /* of those that texts may name; NULL = none */
+    const char *lexicon_folder;     /* files that texts may refer to; NULL = none */
     enum face_contacts contacts;    /* for requests that say "engine" */
     const char *secret_file;        /* NULL = none */
     const char *revoked_file;       /* NULL = none */
@@ -37,19 +37,19 @@ struct settings {
     const char *tls_self_signed;    /* certificate is created in this folder; NULL = no */
     unsigned log_format;            /* 0 text, 1 JSON */
     unsigned stop_seconds;
-    unsigned heard_most;    /* live voices at a time */
-    unsigned heard_address; /* live voices per address or subject; 0 = unlimited */
-    unsigned heard_seconds; /* buffered sound of each live voice */
+    unsigned live_voices;             /* live voices at a time */
+    unsigned live_voices_per_address; /* live voices per address or subject; 0 = unlimited */
+    unsigned live_voice_seconds;      /* buffered sound of each live voice */
 };
 
 /* Each program has the settings that apply to it. */
 enum program { PROGRAM_DAEMON, PROGRAM_COMMANDS, PROGRAM_WORKER };
 
-/* Options that are no settings. */
+/* Options that are not settings. */
 struct settings_request {
     bool help, version, print, schema;
     const char *file; /* --config; NULL = none */
-    int rest;         /* index of the first argument that is no option */
+    int rest;         /* index of the first argument that is not an option */
 };
 
 /* Reads defaults, the file named by --config or $FACCIA_CONFIG, the environment, and argv (for commands:
@@ -69,7 +69,7 @@ bool settings_need_restart(const struct settings *old, const struct settings *no
 /* Log format; switches to journald's if that reads the log. */
 enum log_format settings_log_format(const struct settings *settings);
 
-/* Cache folder of the service (systemd) or the user. Free it; NULL: there is none. */
+/* Returns the cache folder of the service (systemd) or the user. Free it; NULL if neither is set. */
 char *settings_cache_folder(void);
 
 /* Prints all settings as a configuration file. */

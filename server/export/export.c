@@ -310,18 +310,29 @@ void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t sa
     put32(out + 40, bytes);
 }
 
+void export_samples(const struct export *x, const struct media_segment *segment, uint32_t to,
+                    void (*take)(void *ctx, const int16_t *pcm, size_t count), void *ctx) {
+    static const int16_t silence[4096];
+    const int16_t *pcm = segment->audio->pcm;
+    uint32_t left = to - x->at;
+    if (pcm)
+        take(ctx, pcm + x->at, left);
+    for (uint32_t size; !pcm && left; left -= size) {
+        size = left < 4096 ? left : 4096;
+        take(ctx, silence, size);
+    }
+}
+
+static void put_samples(void *out, const int16_t *pcm, size_t count) {
+    buf_add(out, pcm, 2 * count);
+}
+
 static void wav_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
-    const struct sentence_audio *u = segment->audio;
-    size_t bytes = (size_t)(to - x->at) * 2;
     if (!x->segments && !x->at) {
-        wav_header(buf_reserve(&x->out, WAV_HEADER_BYTES), u->sample_rate, UINT32_MAX);
+        wav_header(buf_reserve(&x->out, WAV_HEADER_BYTES), segment->audio->sample_rate, UINT32_MAX);
         x->out.size += WAV_HEADER_BYTES;
     }
-    if (u->pcm)
-        buf_add(&x->out, u->pcm + x->at, bytes);
-    else
-        memset(buf_reserve(&x->out, bytes), 0, bytes);
-    x->out.size += u->pcm ? 0 : bytes;
+    export_samples(x, segment, to, put_samples, &x->out);
 }
 
 static void wav_end(struct export *x) {
@@ -373,6 +384,12 @@ static void fap_end(struct export *x) {
 const struct export_format export_formats[] = {
     {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL, NULL, false, NULL},
     {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free, NULL, false, NULL},
+    {"mp3", "audio/mpeg", true, export_mp3_piece, export_sound_end, NULL, export_sound_free, NULL, false,
+     NULL},
+    {"flac", "audio/flac", false, export_flac_piece, export_sound_end, NULL, export_sound_free, NULL, false,
+     NULL},
+    {"pcm", "audio/pcm", true, export_pcm_piece, export_sound_end, NULL, export_sound_free, NULL, false,
+     NULL},
     {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL, NULL, false, NULL},
     {"fapc", "application/octet-stream", true, export_fapc_piece, export_fapc_end, NULL, export_fapc_free,
      NULL, false, NULL},

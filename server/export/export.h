@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exports a whole speech or recording: sound (WAV, Opus in Ogg), face animation (.fap, .fapc), curves for
- * other engines (ARKit, visemes), timings (JSON, WebVTT, TextGrid; speech only), or all events (NDJSON).
- * For files and HTTP responses. */
+/* Exports a whole speech or recording: sound (WAV, Opus in Ogg, MP3, FLAC), face animation (.fap, .fapc),
+ * curves for other engines (ARKit, visemes), timings (JSON, WebVTT, TextGrid; speech only), or all events
+ * (NDJSON). For files and HTTP responses. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -75,7 +75,7 @@ void export_json_part(struct buf *out, struct utf16_counter *utf16, const char *
 void export_json_warning(struct export *x, const struct error *e);
 void export_json_sentence(struct export *x, json_t *sentence); /* takes the reference */
 
-/* What is said, word by word, beside the text, as "faccia read" writes it. */
+/* The words that are spoken, beside the text, as printed by "faccia read". */
 void export_words_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_words_end(struct export *x);
 void export_words_part(struct buf *out, struct utf16_counter *utf16, const char *input, const char *words,
@@ -99,6 +99,18 @@ extern const char *const export_viseme_names[];
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ogg_end(struct export *x);
 void export_ogg_free(struct export *x);
+
+/* Passes the segment's samples from x->at up to `to`; its silence in pieces of zeros. */
+void export_samples(const struct export *x, const struct media_segment *segment, uint32_t to,
+                    void (*take)(void *ctx, const int16_t *pcm, size_t count), void *ctx);
+
+/* MP3 and FLAC by libsndfile; bare samples, 16 bit, little-endian, at EXPORT_PCM_RATE. */
+enum { EXPORT_PCM_RATE = 24000 };
+void export_mp3_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_flac_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_pcm_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_sound_end(struct export *x);
+void export_sound_free(struct export *x);
 
 void export_vtt_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_vtt_end(struct export *x);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Binary media. .fapc: coded face packets, each as soon as its frames are complete, without FAP 1 and 2,
  * which repeat the other FAPs for simple decoders. */
-#include "protocol/fapcfile.h"
+#include "protocol/fapc/fapcfile.h"
 #include "server/base/mem.h"
 #include "server/codec/opus_audio.h"
 #include "server/export/export.h"
@@ -104,7 +104,8 @@ static void begin(struct export *x, uint32_t rate) {
     put_pages(x, ogg_stream_flush);
 }
 
-/* Writes all packets but the last, or that too: its granule position marks the end. */
+/* Writes all packets except the last, or including it at the end: its granule position marks the end of the
+ * stream. */
 static void put_packets(struct export *x, bool end) {
     struct ogg_coder *c = x->coder;
     uint8_t *at = c->packets.data, *limit = at + c->packets.size;
@@ -123,12 +124,9 @@ static void put_packets(struct export *x, bool end) {
     buf_consume(&c->packets, (size_t)(at - c->packets.data));
 }
 
-static void add_silence(struct ogg_coder *c, uint32_t samples) {
-    static const int16_t silence[4096];
-    for (uint32_t size; samples; samples -= size) {
-        size = samples < 4096 ? samples : 4096;
-        opus_audio_add(c->audio, silence, size, &c->packets);
-    }
+static void add_samples(void *ctx, const int16_t *pcm, size_t count) {
+    struct ogg_coder *c = ctx;
+    opus_audio_add(c->audio, pcm, count, &c->packets);
 }
 
 /* Flushes at a segment's start and end, otherwise when pages are full. */
@@ -139,10 +137,7 @@ void export_ogg_piece(struct export *x, const struct media_segment *segment, uin
     struct ogg_coder *c = x->coder;
     if (!c->audio)
         return;
-    if (u->pcm)
-        opus_audio_add(c->audio, u->pcm + x->at, to - x->at, &c->packets);
-    else
-        add_silence(c, to - x->at);
+    export_samples(x, segment, to, add_samples, c);
     if (c->packets.size)
         put_packets(x, false);
     put_pages(x, x->at && to < u->samples ? ogg_stream_pageout : ogg_stream_flush);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* NDJSON: writes one line per event and frame, in order of time, as soon as they are known. Events are those
  * of the stream; a frame has its non-zero FAPs, or values of another format. */
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"

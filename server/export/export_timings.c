@@ -3,7 +3,7 @@
  * {"lang","voice","engine","fps","phones","words","normalized","marks","warnings","rate","duration"}, times
  * in seconds.
  * Phones, which are most of it, are written at once; the other lists at the end. */
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/export/export.h"
 #include "server/normalize/said_words.h"

@@ -108,3 +108,19 @@ void svg_line(struct buf *out, const struct svg_axes *a, const double *x, const 
             buf_printf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.4\" fill=\"%s\"/>\n", svg_x(a, x[i]),
                        svg_y(a, y[i]), style.colour);
 }
+
+void svg_area(struct buf *out, const struct svg_axes *a, const double *x, const double *low,
+              const double *high, size_t count, const char *colour) {
+    for (size_t i = 0, end; i < count; i = end + 1) {
+        for (end = i; end < count && !isnan(low[end]) && !isnan(high[end]);)
+            end++;
+        if (end < i + 2)
+            continue;
+        buf_printf(out, "<path d=\"M");
+        for (size_t k = i; k < end; k++)
+            buf_printf(out, "%s%.1f %.1f", k > i ? "L" : "", svg_x(a, x[k]), svg_y(a, high[k]));
+        for (size_t k = end; k-- > i;)
+            buf_printf(out, "L%.1f %.1f", svg_x(a, x[k]), svg_y(a, low[k]));
+        buf_printf(out, "Z\" fill=\"%s\"/>\n", colour);
+    }
+}

@@ -35,6 +35,10 @@ void svg_line(struct buf *out, const struct svg_axes *a, const double *x, const 
 /* Maps an x coordinate of the data to the picture. */
 double svg_x(const struct svg_axes *a, double x);
 
+/* Fills the space between two lines where both are not NAN. */
+void svg_area(struct buf *out, const struct svg_axes *a, const double *x, const double *low,
+              const double *high, size_t count, const char *colour);
+
 /* Shades a range over the full height. */
 void svg_band(struct buf *out, const struct svg_axes *a, double from, double to, const char *colour);
 

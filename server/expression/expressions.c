@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
@@ -51,7 +51,7 @@ static int read_pose(const struct json_place *at, struct pose *out) {
         size_t count = pose_faps_named(name, faps);
         double amount;
         if (!count)
-            return json_place_fail(&number, "there is no such FAP");
+            return json_place_fail(&number, "unknown FAP");
         /* FAPs without negative values may still subtract within a mixture. */
         if (json_place_real(&number, -fap_table[faps[0]].max, fap_table[faps[0]].max, &amount))
             return -1;
@@ -71,7 +71,7 @@ static int read_key(const struct json_place *at, struct expression *x) {
         read_pose(&pose, &key->pose))
         return -1;
     if (x->key_count > 1 && !(key->at >= key[-1].at + SECONDS_MIN - 1e-9))
-        return json_place_fail(&when, "must be at least %g after the one before", SECONDS_MIN);
+        return json_place_fail(&when, "must be at least %g after the previous one", SECONDS_MIN);
     return 0;
 }
 
@@ -87,7 +87,7 @@ static int read_gesture(const struct json_place *at, struct expression *x) {
     x->anchor = (enum gesture_anchor)choice;
     size_t count = json_array_size(keys.json);
     if (count < 3)
-        return json_place_fail(&keys, "must be three keys at least");
+        return json_place_fail(&keys, "must have at least three keys");
     for (size_t i = 0; i < count; i++) {
         struct json_place key = json_place_item(&keys, i);
         if (read_key(&key, x))
@@ -175,9 +175,9 @@ static int read_kind(const struct json_place *at, const char *kind, struct expre
         if (!*name)
             return json_place_fail(at, "an entry has no name");
         if (all->count == EXPRESSIONS_MAX)
-            return json_place_fail(&entry, "is one too many: there may be %d entries", EXPRESSIONS_MAX);
+            return json_place_fail(&entry, "is one too many: the limit is %d entries", EXPRESSIONS_MAX);
         if (!strcmp(kind, "affect") && all->count == AFFECTS_MAX)
-            return json_place_fail(&entry, "is one too many: there may be %d affects", AFFECTS_MAX);
+            return json_place_fail(&entry, "is one too many: the limit is %d affects", AFFECTS_MAX);
         all->items = mem_grow(all->items, &all->cap, all->count + 1, sizeof *all->items);
         struct expression *x = &all->items[all->count++];
         expression_begin(x, kind);

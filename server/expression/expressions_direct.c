@@ -93,7 +93,7 @@ static int find(const struct expressions *expressions, struct score *score, cons
     if (found < 0) {
         struct suggestions near = expressions_near(expressions, cue->kind, cue->name);
         char text[SUGGESTIONS_TEXT];
-        score_warn(score, cue->at, ERROR_UNKNOWN_EXPRESSION, "no %s '%.80s': not shown%s", cue->kind,
+        score_warn(score, cue->at, ERROR_UNKNOWN_EXPRESSION, "unknown %s '%.80s': not shown%s", cue->kind,
                    cue->name, suggestions_text(&near, text));
     }
     return found;

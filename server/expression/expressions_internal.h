@@ -3,7 +3,7 @@
 #ifndef FACCIA_EXPRESSION_EXPRESSIONS_INTERNAL_H
 #define FACCIA_EXPRESSION_EXPRESSIONS_INTERNAL_H
 
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <stdatomic.h>

@@ -2,6 +2,7 @@
 #include "server/expression/gestures.h"
 #include "server/base/files.h"
 #include "server/base/mem.h"
+#include "server/base/smoothstep.h"
 #include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
 #include <dirent.h>
@@ -32,16 +33,12 @@ static int read_name(const struct json_place *at, char **out) {
     return 0;
 }
 
-static double smooth(double x) {
-    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
-}
-
 /* Reads a curve into the keys, which the first curve creates. */
 static int read_curve(const struct json_place *at, struct expression *x) {
     int faps[2];
     size_t count = pose_faps_named(at->key, faps), frames = json_array_size(at->json);
     if (!count)
-        return json_place_fail(at, "there is no such FAP");
+        return json_place_fail(at, "unknown FAP");
     if (json_place_array(at))
         return -1;
     if (frames < GESTURE_FRAMES_MIN || frames > GESTURE_FRAMES_MAX)
@@ -51,7 +48,7 @@ static int read_curve(const struct json_place *at, struct expression *x) {
         x->key_count = frames;
     }
     if (frames != x->key_count)
-        return json_place_fail(at, "must have as many values as the curve before, %zu", x->key_count);
+        return json_place_fail(at, "must have %zu values, like the previous curve", x->key_count);
     for (size_t i = 0; i < frames; i++) {
         struct json_place value = json_place_item(at, i);
         double amount;
@@ -69,7 +66,7 @@ static int read_curves(const struct json_place *at, struct expression *x) {
     if (json_place_object(at))
         return -1;
     if (!json_object_size(at->json))
-        return json_place_fail(at, "must have a curve at least");
+        return json_place_fail(at, "must have at least one curve");
     json_object_foreach(at->json, name, value) {
         struct json_place curve = json_place_key(at, name);
         if (read_curve(&curve, x))
@@ -97,7 +94,7 @@ static int finish(const struct json_place *fps, double rate, double in, double o
     for (size_t i = 0; i < x->key_count; i++) {
         struct gesture_key *key = &x->keys[i];
         key->at = (double)i / rate;
-        double share = smooth(key->at / in) * smooth((end - key->at) / out);
+        double share = smoothstep(key->at / in) * smoothstep((end - key->at) / out);
         for (size_t k = 0; k < key->pose.count; k++)
             key->pose.faps[k].value *= share;
         pose_complete(&key->pose, own_gaze);
@@ -163,7 +160,7 @@ static int add(const struct json_place *root, struct expressions *all, struct ex
         }
     }
     if (gestures == GESTURES_MAX)
-        return json_place_fail(root, "is one too many: there may be %d gestures", GESTURES_MAX);
+        return json_place_fail(root, "is one too many: the limit is %d gestures", GESTURES_MAX);
     all->items = mem_grow(all->items, &all->cap, all->count + 1, sizeof *all->items);
     all->items[all->count++] = *x;
     return expressions_sort_names(all, &taken);
@@ -192,7 +189,8 @@ int gesture_check(const char *name, const void *data, size_t size, struct error 
     x.is_sampled = true;
     int result = read(&root, &x);
     if (!result && strcmp(x.name, name) != 0)
-        result = error_in_field(e, ERROR_BAD_EXPRESSIONS, "name", "is not that of the address, '%s'", name);
+        result = error_in_field(e, ERROR_BAD_EXPRESSIONS, "name",
+                                "differs from the name in the address, '%s'", name);
     expression_free(&x);
     json_decref(root.json);
     return result;
@@ -213,7 +211,8 @@ int gestures_load(struct expressions *all, const char *folder, struct error *e) 
         struct error inner = {0};
         snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
         if (!result && path_leads_outside(folder, entries[i]->d_name))
-            result = error_set(e, ERROR_BAD_EXPRESSIONS, "%.200s: leads out of the folder of gestures", path);
+            result =
+                error_set(e, ERROR_BAD_EXPRESSIONS, "%.200s: leads outside the folder of gestures", path);
         else if (!result && gesture_load(all, path, &inner))
             result = error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
         free(entries[i]);

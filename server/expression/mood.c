@@ -110,7 +110,7 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
             char field[32], text[SUGGESTIONS_TEXT];
             struct suggestions near = expressions_near(mood->expressions, "affect", names[i]);
             snprintf(field, sizeof field, "mix.%zu.name", i);
-            return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, field, "there is no expression '%.80s'%s",
+            return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, field, "unknown expression '%.80s'%s",
                                   names[i], suggestions_text(&near, text));
         }
         to[found] += amount(intensities[i]);

@@ -152,7 +152,7 @@ int mix_read(const struct json_place *entry, const struct expressions *all, stru
         const struct expression *from = affect_named(all, name);
         double weight;
         if (!from)
-            return json_place_fail(&part, "there is no affect '%s'", name);
+            return json_place_fail(&part, "unknown affect '%s'", name);
         /* its "mix" would be reported at the wrong place: ingredients of a mixture must be pure */
         struct json_place affects = json_place_key(entry->up->up, "affect"),
                           other = json_place_key(&affects, name);

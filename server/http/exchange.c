@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One HTTP request: its lifecycle, its body, and the head and body of its response. */
 #include "server/access/headers.h"
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/base/metrics.h"
 #include "server/http/http_internal.h"

@@ -35,6 +35,7 @@ struct http_server {
 int listeners_open(struct http_server *server, struct error *e);
 void listeners_close(struct http_server *server);
 bool listeners_address(const struct http_server *server, size_t number, struct buf *out);
+bool listeners_outside_address(const struct http_server *server, size_t number, struct buf *out);
 
 /* Call when a connection has gone: its descriptor is free and accepting can resume. reserve: it may be one
  * of the reserve. */

@@ -117,6 +117,10 @@ bool http_server_address(const struct http_server *server, size_t number, struct
     return listeners_address(server, number, out);
 }
 
+bool http_server_outside_address(const struct http_server *server, size_t number, struct buf *out) {
+    return listeners_outside_address(server, number, out);
+}
+
 bool http_server_is_local(const struct http_server *server) {
     return server->local;
 }

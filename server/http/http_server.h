@@ -70,9 +70,12 @@ void http_server_drain(struct http_server *server);
 void http_server_close(struct http_server *server);
 void http_server_free(struct http_server *server);
 
-/* Appends the address of listening socket `number`, counted from 0, as in "http://[::1]:8080/". Returns
- * false if there is no such socket. */
+/* Appends the URL of listening socket `number` (from 0), such as "http://[::1]:8080/". False if `number` is
+ * out of range. */
 bool http_server_address(const struct http_server *server, size_t number, struct buf *out);
+
+/* The same of addresses at which other machines may reach the server. */
+bool http_server_outside_address(const struct http_server *server, size_t number, struct buf *out);
 
 bool http_server_is_local(const struct http_server *server);        /* listens on loopback addresses only */
 unsigned http_server_connections(const struct http_server *server); /* open connections */

@@ -24,12 +24,13 @@ static void add(struct listen_addresses *found, const struct sockaddr *address, 
     found->list[found->count++] = a;
 }
 
+/* name NULL: all interfaces that are up. */
 static void of_interface(struct listen_addresses *found, const char *name, int family) {
     struct ifaddrs *all;
     if (getifaddrs(&all))
         return;
     for (const struct ifaddrs *a = all; a; a = a->ifa_next)
-        if (!strcmp(a->ifa_name, name))
+        if (name ? !strcmp(a->ifa_name, name) : a->ifa_flags & IFF_UP)
             add(found, a->ifa_addr, family);
     freeifaddrs(all);
 }
@@ -68,6 +69,35 @@ void listen_addresses_find(struct listen_addresses *found, const char *host) {
         of_family(found, name, AF_INET6);
     }
     free(name);
+}
+
+static bool is_any(const struct sockaddr_storage *address) {
+    if (address->ss_family == AF_INET)
+        return ((const struct sockaddr_in *)address)->sin_addr.s_addr == htonl(INADDR_ANY);
+    return IN6_IS_ADDR_UNSPECIFIED(&((const struct sockaddr_in6 *)address)->sin6_addr);
+}
+
+static bool is_link_local(const struct sockaddr_storage *address) {
+    return address->ss_family == AF_INET6 &&
+           IN6_IS_ADDR_LINKLOCAL(&((const struct sockaddr_in6 *)address)->sin6_addr);
+}
+
+void listen_addresses_outside(struct listen_addresses *found, const struct sockaddr_storage *address) {
+    size_t before = found->count, kept = before;
+    if (address->ss_family == AF_UNIX)
+        return;
+    if (is_any(address))
+        of_interface(found, NULL, address->ss_family);
+    else
+        add(found, (const struct sockaddr *)address, address->ss_family);
+    for (size_t i = before; i < found->count; i++) {
+        struct listen_address a = found->list[i];
+        if (listen_address_is_local(&a.at) || is_link_local(&a.at))
+            continue;
+        listen_address_set_port(&a.at, listen_address_port(address));
+        found->list[kept++] = a;
+    }
+    found->count = kept;
 }
 
 bool listen_address_is_local(const struct sockaddr_storage *address) {

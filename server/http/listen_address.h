@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Resolves a host name or an interface to addresses. */
+/* Resolves a host name or an interface to the addresses to listen on, and lists the addresses at which other
+ * machines reach a socket. */
 #ifndef FACCIA_HTTP_LISTEN_ADDRESS_H
 #define FACCIA_HTTP_LISTEN_ADDRESS_H
 
@@ -8,7 +9,7 @@
 #include <sys/socket.h>
 
 struct listen_address {
-    struct sockaddr_storage at; /* with port 0 */
+    struct sockaddr_storage at; /* with port 0, until listen_address_set_port */
     socklen_t size;
 };
 
@@ -20,6 +21,11 @@ struct listen_addresses {
 /* host: an address, with or without brackets; a name; an interface; "*": all of IPv4 and IPv6. IPv4 comes
  * first. count is 0 if nothing is found. The caller frees the list. */
 void listen_addresses_find(struct listen_addresses *found, const char *host);
+
+/* Appends the addresses at which other machines may reach a socket of this address, with its port: the
+ * address itself, or, if it stands for all, those of the interfaces that are up. Leaves out loopback and
+ * link-local addresses. */
+void listen_addresses_outside(struct listen_addresses *found, const struct sockaddr_storage *address);
 
 /* Returns whether only this machine can reach the address. */
 bool listen_address_is_local(const struct sockaddr_storage *address);

@@ -342,3 +342,14 @@ bool listeners_address(const struct http_server *server, size_t number, struct b
     listen_address_write(&server->listeners->list[number]->at, server->options.tls != NULL, out);
     return true;
 }
+
+bool listeners_outside_address(const struct http_server *server, size_t number, struct buf *out) {
+    struct listen_addresses found = {0};
+    for (size_t i = 0; server->listeners && i < server->listeners->count; i++)
+        listen_addresses_outside(&found, &server->listeners->list[i]->at);
+    bool there = number < found.count;
+    if (there)
+        listen_address_write(&found.list[number].at, server->options.tls != NULL, out);
+    free(found.list);
+    return there;
+}

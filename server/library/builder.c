@@ -91,7 +91,8 @@ static void stop(struct builder *b, const char *format, int most) {
 static bool weigh(struct builder *b, size_t bytes) {
     b->bytes += bytes;
     if (b->bytes > b->bytes_max)
-        stop(b, "a work may take %d MiB of the index: the rest is left out", (int)(b->bytes_max >> 20));
+        stop(b, "the limit for a work is %d MiB of the index: the rest is dropped",
+             (int)(b->bytes_max >> 20));
     return !b->stopped;
 }
 
@@ -99,12 +100,12 @@ static void look_at_clock(struct builder *b) {
     struct timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     if (now.tv_sec - b->begun.tv_sec > WORK_SECONDS_MAX)
-        stop(b, "a work may take %d seconds to read: the rest is left out", WORK_SECONDS_MAX);
+        stop(b, "the limit for reading a work is %d seconds: the rest is dropped", WORK_SECONDS_MAX);
 }
 
 int builder_why(const struct builder *b, struct error *e) {
     if (b->why.code == ERROR_NONE)
-        return error_set(e, ERROR_BAD_WORK, "it was not read to its end");
+        return error_set(e, ERROR_BAD_WORK, "it was read only in part");
     *e = b->why;
     return -1;
 }
@@ -124,7 +125,7 @@ static void flush(struct builder *b, bool last) {
         if (b->sink->section(b->sink->ctx, s))
             b->stopped = true;
         if (b->sections >= SECTIONS_MAX && !last)
-            stop(b, "a work may have %d sections: the rest is left out", SECTIONS_MAX);
+            stop(b, "the limit for a work is %d sections: the rest is dropped", SECTIONS_MAX);
         look_at_clock(b);
     }
     section_free(s);
@@ -202,6 +203,27 @@ static void divide(struct builder *b) {
     b->section.title = title;
 }
 
+/* Gives a verse that is divided between speakers one number: its later lines have the number of the first,
+ * and the lines after it count on from there. */
+static void number_lines(struct section *s, struct block *block, char verse[24]) {
+    for (size_t i = 0; i < block->line_count; i++) {
+        struct block_line *line = &block->lines[i];
+        line->goes_on = line->goes_on && s->lines + i > 0;
+        s->continued += line->goes_on;
+        if (!line->n && line->goes_on && *verse) {
+            line->n = mem_strdup(verse);
+        } else if (!line->n && s->continued) {
+            char number[24];
+            snprintf(number, sizeof number, "%zu", s->lines + i + 1 - s->continued);
+            line->n = mem_strdup(number);
+        }
+        if (line->n)
+            snprintf(verse, 24, "%.23s", line->n);
+        else
+            snprintf(verse, 24, "%zu", s->lines + i + 1);
+    }
+}
+
 static void place(struct builder *b, struct block *block) {
     struct section *s = &b->section;
     if (!block->text.size && block->kind != BLOCK_PAGE) {
@@ -216,6 +238,7 @@ static void place(struct builder *b, struct block *block) {
         utf8_mend(s->title);
     if (block->kind == BLOCK_VERSE) {
         block->first_line = s->lines + 1;
+        number_lines(s, block, b->verse);
         s->lines += (unsigned)block->line_count;
     }
     s->passages += letters[block->kind] != 0;
@@ -274,7 +297,7 @@ static struct block *room_for(struct builder *b, size_t size) {
     if (!b->cut) {
         struct error e;
         error_set(&e, ERROR_BAD_WORK,
-                  "a note, a name or a word may have %d bytes: the rest of it is left out", BLOCK_BYTES_MAX);
+                  "the limit for a note, a name or a word is %d bytes: the rest is dropped", BLOCK_BYTES_MAX);
         place_of(b, &e);
         build_problem(b, &e, true);
     }
@@ -463,8 +486,16 @@ void build_line(struct builder *b, const char *n, bool indent) {
     else if (block->text.size)
         put(b, "\n", 1);
     block->lines = mem_grow(block->lines, &block->line_cap, block->line_count + 1, sizeof *block->lines);
-    block->lines[block->line_count++] =
-        (struct block_line){block->text.size, block->text.size, n ? name_of(n) : NULL, indent};
+    block->lines[block->line_count++] = (struct block_line){
+        .start = block->text.size, .end = block->text.size, .n = n ? name_of(n) : NULL, .indent = indent};
+}
+
+void build_line_goes_on(struct builder *b) {
+    struct block *block = build_top(b);
+    if (!block || !block->line_count)
+        return;
+    block->lines[block->line_count - 1].indent = true;
+    block->lines[block->line_count - 1].goes_on = true;
 }
 
 void build_line_end(struct builder *b) {

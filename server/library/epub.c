@@ -7,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <utf8proc.h>
 #include <zip.h>
 
-enum { ITEMS_MAX = 10000, PATH_BYTES_MAX = 1024 };
+enum { ITEMS_MAX = 10000, PATH_BYTES_MAX = 1024, AUTHOR_BYTES_MAX = 4096 };
 
 struct manifest_item {
     char *id, *href, *type;
@@ -19,6 +20,11 @@ struct manifest_item {
 struct spine_item {
     char *id;
     size_t line, column;
+};
+
+struct creator {
+    char *id, *name;
+    bool other; /* a translator, illustrator or the like */
 };
 
 struct package {
@@ -35,6 +41,11 @@ struct package {
     size_t read_count, read_cap;
     char **wanted; /* metadata field that is being captured */
     struct buf capture;
+    struct creator *creators;
+    size_t creator_count, creator_cap;
+    char *refined;    /* id of the creator whose role is being captured */
+    char **encrypted; /* paths */
+    size_t encrypted_count, encrypted_cap;
     bool too_many,
         told_again; /* too_many: the item limit was reported; told_again: so was a repeated document */
 };
@@ -56,7 +67,7 @@ static int normalise(char *path, struct error *e) {
         at += length + (at[length] == '/');
     }
     if (leaves)
-        error_set(e, ERROR_BAD_WORK, "'%.100s' leads out of the archive", path);
+        error_set(e, ERROR_BAD_WORK, "'%.100s' leads outside the archive", path);
     else if (out.size)
         memcpy(path, out.data, out.size);
     if (!leaves)
@@ -65,15 +76,33 @@ static int normalise(char *path, struct error *e) {
     return leaves ? -1 : 0;
 }
 
+/* Finds a name that is the same but for composed and decomposed letters. NULL: none. */
+static const char *equivalent_name(struct package *p, const char *path) {
+    utf8proc_uint8_t *wanted = utf8proc_NFC((const utf8proc_uint8_t *)path);
+    const char *found = NULL;
+    zip_int64_t count = zip_get_num_entries(p->zip, 0);
+    for (zip_int64_t i = 0; wanted && !found && i < count; i++) {
+        const char *name = zip_get_name(p->zip, (zip_uint64_t)i, 0);
+        utf8proc_uint8_t *composed = name ? utf8proc_NFC((const utf8proc_uint8_t *)name) : NULL;
+        if (composed && !strcmp((char *)composed, (char *)wanted))
+            found = name;
+        free(composed);
+    }
+    free(wanted);
+    return found;
+}
+
 /* Unpacks a whole file. -1 with *e. */
 static int get(struct package *p, const char *path, struct buf *out, struct error *e) {
     struct zip_stat stat;
+    const char *other = zip_name_locate(p->zip, path, 0) < 0 ? equivalent_name(p, path) : NULL;
+    path = other ? other : path;
     if (zip_stat(p->zip, path, 0, &stat) || !(stat.valid & ZIP_STAT_SIZE))
         return error_set(e, ERROR_BAD_WORK, "the archive has no '%.100s'", path);
     uint64_t most = p->left < WORK_FILE_BYTES_MAX ? p->left : WORK_FILE_BYTES_MAX;
     if (stat.size > most)
-        return error_set(e, ERROR_BAD_WORK, "'%.100s' has %llu bytes, more than is read of an archive", path,
-                         (unsigned long long)stat.size);
+        return error_set(e, ERROR_BAD_WORK, "'%.100s' has %llu bytes, more than the limit for an archive",
+                         path, (unsigned long long)stat.size);
     struct zip_file *file = zip_fopen(p->zip, path, 0);
     if (!file)
         return error_set(e, ERROR_BAD_WORK, "'%.100s': %.100s", path, zip_strerror(p->zip));
@@ -98,6 +127,16 @@ static void container_start(struct xml_walk *w, const char *name, const char **a
         p->opf = mem_strdup(path);
 }
 
+/* META-INF/encryption.xml: fonts that are only obfuscated do not matter. */
+static void encryption_start(struct xml_walk *w, const char *name, const char **attributes) {
+    struct package *p = w->ctx;
+    const char *path = strcmp(name, "CipherReference") ? NULL : xml_attribute(attributes, "URI");
+    if (!path || p->encrypted_count == ITEMS_MAX)
+        return;
+    p->encrypted = mem_grow(p->encrypted, &p->encrypted_cap, p->encrypted_count + 1, sizeof *p->encrypted);
+    p->encrypted[p->encrypted_count++] = mem_strdup(path);
+}
+
 static void nothing(struct xml_walk *w, const char *name) {
     (void)w;
     (void)name;
@@ -113,6 +152,44 @@ static char *copy(const char *text) {
     return mem_strdup(text ? text : "");
 }
 
+/* Keeps a creator's id and role. EPUB 3 tells the role in a `meta` that refers to it. */
+static void start_creator(struct package *p, const char *name, const char **attributes) {
+    const char *id = xml_attribute(attributes, "id"), *role = xml_attribute(attributes, "role"),
+               *property = xml_attribute(attributes, "property"),
+               *refines = xml_attribute(attributes, "refines");
+    free(p->refined);
+    p->refined = NULL;
+    if (!strcmp(name, "creator") && p->creator_count < ITEMS_MAX) {
+        p->creators = mem_grow(p->creators, &p->creator_cap, p->creator_count + 1, sizeof *p->creators);
+        p->creators[p->creator_count++] =
+            (struct creator){.id = copy(id), .other = role && *role && strcmp(role, "aut") != 0};
+    } else if (!strcmp(name, "meta") && property && !strcmp(property, "role") && refines && *refines == '#') {
+        p->refined = mem_strdup(refines + 1);
+    }
+}
+
+static void end_creator(struct package *p, const char *text) {
+    for (size_t i = 0; p->refined && i < p->creator_count; i++)
+        if (!strcmp(p->creators[i].id, p->refined))
+            p->creators[i].other = strcmp(text, "aut") != 0;
+    if (p->wanted == &p->meta->author && p->creator_count && !p->creators[p->creator_count - 1].name)
+        p->creators[p->creator_count - 1].name = mem_strdup(text);
+}
+
+/* Joins the authors with semicolons; without an author, all creators. */
+static void set_author(struct package *p) {
+    struct buf names = {0};
+    bool authors = false;
+    for (size_t i = 0; i < p->creator_count; i++)
+        authors = authors || (!p->creators[i].other && p->creators[i].name);
+    for (size_t i = 0; i < p->creator_count; i++)
+        if (p->creators[i].name && (!authors || !p->creators[i].other) && names.size < AUTHOR_BYTES_MAX)
+            buf_printf(&names, "%s%s", names.size ? "; " : "", p->creators[i].name);
+    buf_add(&names, "", 1);
+    work_meta_set(&p->meta->author, (char *)names.data);
+    buf_free(&names);
+}
+
 static void package_start(struct xml_walk *w, const char *name, const char **attributes) {
     struct package *p = w->ctx;
     struct work_meta *m = p->meta;
@@ -125,13 +202,17 @@ static void package_start(struct xml_walk *w, const char *name, const char **att
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
         if (!strcmp(name, wanted[i].name))
             p->wanted = wanted[i].to;
+    const char *event = strcmp(name, "date") ? NULL : xml_attribute(attributes, "event");
+    if (event && !strstr(event, "publication"))
+        p->wanted = NULL; /* when the file was made */
     buf_free(&p->capture);
+    start_creator(p, name, attributes);
     bool item = !strcmp(name, "item"), itemref = !strcmp(name, "itemref");
     if ((item && p->item_count == ITEMS_MAX) || (itemref && p->spine_count == ITEMS_MAX)) {
         if (!p->too_many) {
             struct error e;
             error_at_line(&e, ERROR_BAD_WORK, xml_walk_line(w), xml_walk_column(w),
-                          "%.100s: a book may have %d items: the rest is left out", p->opf, ITEMS_MAX);
+                          "%.100s: the limit for a book is %d items: the rest is dropped", p->opf, ITEMS_MAX);
             build_problem(p->b, &e, true);
         }
         p->too_many = true;
@@ -153,7 +234,11 @@ static void package_start(struct xml_walk *w, const char *name, const char **att
 static void package_end(struct xml_walk *w, const char *name) {
     struct package *p = w->ctx;
     (void)name;
-    if (p->wanted && p->capture.size) {
+    if ((p->refined || p->wanted == &p->meta->author) && p->capture.size) {
+        char *text = mem_strndup((char *)p->capture.data, p->capture.size);
+        end_creator(p, text);
+        free(text);
+    } else if (p->wanted && p->capture.size) {
         char *text = mem_strndup((char *)p->capture.data, p->capture.size);
         static const char white[] = " \t\r\n";
         char tag[LANG_BYTES + 1];
@@ -166,18 +251,20 @@ static void package_end(struct xml_walk *w, const char *name) {
         } else {
             struct error e;
             error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
-                          "%.100s: \"%.40s\" is no language tag (BCP 47, such as pt-BR)", p->opf, text);
+                          "%.100s: \"%.40s\" is not a language tag (BCP 47, such as pt-BR)", p->opf, text);
             build_problem(p->b, &e, false);
         }
         free(text);
     }
     p->wanted = NULL;
+    free(p->refined);
+    p->refined = NULL;
     buf_free(&p->capture);
 }
 
 static void package_text(struct xml_walk *w, const char *text, size_t size) {
     struct package *p = w->ctx;
-    if (p->wanted && p->capture.size + size < 1000)
+    if ((p->wanted || p->refined) && p->capture.size + size < 1000)
         buf_add(&p->capture, text, size);
 }
 
@@ -261,11 +348,11 @@ static void read_document(struct package *p, const struct spine_item *ref) {
     const struct manifest_item *item =
         p->item_count ? bsearch(&key, p->items, p->item_count, sizeof key, compare_items) : NULL;
     if (!item) {
-        tell(p, ref, true, "the spine refers to '%.80s', which is no item", ref->id);
+        tell(p, ref, true, "the spine refers to '%.80s', which is not an item", ref->id);
         return;
     }
     if (!is_text(item->type)) {
-        tell(p, ref, false, "'%.100s' is no text: it is left out", item->href);
+        tell(p, ref, false, "'%.100s' is not a text: it is skipped", item->href);
         return;
     }
     char *path = resolve(p, item->href);
@@ -277,6 +364,11 @@ static void read_document(struct package *p, const struct spine_item *ref) {
     }
     if (!is_new(p, ref, path))
         return;
+    for (size_t i = 0; i < p->encrypted_count; i++)
+        if (!strcmp(p->encrypted[i], path)) {
+            tell(p, ref, true, "'%.100s' is encrypted (DRM): it cannot be read", path);
+            return;
+        }
     if (get(p, path, &data, &e)) {
         build_problem(p->b, &e, true);
     } else if (xhtml_read((char *)data.data, data.size, path, p->b, &e)) {
@@ -288,6 +380,8 @@ static void read_document(struct package *p, const struct spine_item *ref) {
 
 static int read_package(struct package *p, struct error *e) {
     struct buf data = {0};
+    struct error ignored; /* a list of encrypted files that cannot be read: they will tell themselves */
+    struct xml_walk encryption = {.ctx = p, .start = encryption_start, .end = nothing, .text = no_text};
     struct xml_walk container = {.ctx = p, .start = container_start, .end = nothing, .text = no_text};
     struct xml_walk package = {.ctx = p, .start = package_start, .end = package_end, .text = package_text};
     int result = get(p, "META-INF/container.xml", &data, e) ||
@@ -298,6 +392,12 @@ static int read_package(struct package *p, struct error *e) {
     if (!result)
         result = normalise(p->opf, e) || get(p, p->opf, &data, e) ||
                  xml_walk(&package, data.size ? (char *)data.data : "", data.size, e);
+    buf_free(&data);
+    if (!result)
+        set_author(p);
+    if (zip_name_locate(p->zip, "META-INF/encryption.xml", 0) >= 0 &&
+        !get(p, "META-INF/encryption.xml", &data, &ignored))
+        xml_walk(&encryption, data.size ? (char *)data.data : "", data.size, &ignored);
     buf_free(&data);
     if (p->item_count)
         qsort(p->items, p->item_count, sizeof *p->items, compare_items);
@@ -341,6 +441,15 @@ int epub_read(int fd, struct work_meta *meta, struct builder *b, struct error *e
         free(p.spine[i].id);
     for (size_t i = 0; i < p.read_count; i++)
         free(p.read[i]);
+    for (size_t i = 0; i < p.creator_count; i++) {
+        free(p.creators[i].id);
+        free(p.creators[i].name);
+    }
+    for (size_t i = 0; i < p.encrypted_count; i++)
+        free(p.encrypted[i]);
+    free(p.encrypted);
+    free(p.creators);
+    free(p.refined);
     free(p.read);
     free(p.items);
     free(p.spine);

@@ -129,22 +129,21 @@ static int library_export_close(struct library_export_files *files, const struct
 
 static const char usage[] =
     "Usage: faccia library export [OPTION]... DIR WORK\n"
-    "Speaks a work of the folder DIR, and writes it down. WORK is its id, as 'faccia library DIR' tells it, "
-    "or "
-    "its file.\n"
+    "Speaks a work of the folder DIR, and writes the result to files. WORK is its id, as listed by 'faccia "
+    "library DIR', or its file.\n"
     "\n"
-    "      --epub FILE      a book that is heard and marked while it is read (EPUB 3 with media overlays)\n"
-    "      --vtt FILE       captions with the times of their words (WebVTT)\n"
+    "      --epub FILE      a read-aloud book (EPUB 3 with media overlays)\n"
+    "      --vtt FILE       captions with word times (WebVTT)\n"
     "      --textgrid FILE  sentences, words and phones, for Praat\n"
-    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --wav FILE       the sound, mono 16 bit\n"
-    "      --ogg FILE       the sound as Opus in Ogg\n"
-    "  -v, --voice ID       a voice that 'faccia voices' lists, or 'recording': the one beside the work\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
+    "      --wav FILE       the sound, mono, 16 bits\n"
+    "      --ogg FILE       the sound, as Opus in Ogg\n"
+    "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "      --sentences      the book marks sentences and lines, not words\n"
-    "      --silent         the book has no sound\n"
-    "      --progress       tells on standard error how far it is\n"
+    "      --sentences      highlight sentences and lines in the book instead of words\n"
+    "      --silent         make a book without sound\n"
+    "      --progress       report progress on standard error\n"
     "  -h, --help           print this and exit\n"
     "Exit status: 0 done, 1 something could not be spoken or written, 2 wrong usage.\n";
 
@@ -226,7 +225,7 @@ static int look(struct exporting *x, const struct settings *settings) {
     }
     library_files_free(&files);
     if (!x->file) {
-        cli_complain("there is no work '%s' in %s", x->work, x->folder);
+        cli_complain("unknown work '%s' in %s", x->work, x->folder);
         return -1;
     }
     x->meta.lang = mem_strdup(settings->lang);
@@ -259,7 +258,7 @@ static char *with_recording(struct exporting *x, const struct settings *settings
     json_decref(all);
     free(config);
     if (!text)
-        cli_complain("the plugin 'recording' is set up for another folder");
+        cli_complain("the plugin 'recording' is configured for another folder");
     return text;
 }
 
@@ -344,7 +343,7 @@ static int library_export_main(int argc, char **argv, const struct settings *set
         cli_complain("library export: a folder and a work are needed");
         status = EXIT_USAGE;
     } else if (!library_export_wanted(&x.files) || (x.silent && !x.files.epub)) {
-        cli_complain("library export: say what is to be written, for example --epub FILE");
+        cli_complain("library export: name an output, for example --epub FILE");
         status = EXIT_USAGE;
     } else {
         status = look(&x, settings) ? EXIT_FAILED : speak(&x, settings);
@@ -360,6 +359,8 @@ static int library_export_main(int argc, char **argv, const struct settings *set
 struct checking {
     const char *path;
     size_t sections, passages, characters, serious, light;
+    bool words;                  /* compare the words read with those of the source */
+    struct words_report counted; /* sums */
 };
 
 static int add_section(void *ctx, const struct section *section) {
@@ -385,6 +386,44 @@ static void report_problem(void *ctx, const struct error *e, bool serious) {
     print_problem(c->path, e);
 }
 
+static void report_word(void *ctx, const char *what, size_t line, const char *word, const char *next) {
+    const struct checking *c = ctx;
+    if (line)
+        printf("%s:%zu: %s: \"%s\" before \"%s\"\n", c->path, line, what, word, next);
+    else
+        printf("%s: %s: \"%s\" before \"%s\"\n", c->path, what, word, next);
+}
+
+static void print_words(const char *name, const struct words_report *w) {
+    printf(
+        "%s: %zu words in the source, %zu read, %zu left out on purpose: %zu lost, %zu doubled, %zu glued, "
+        "%zu divided\n",
+        name, w->source, w->read, w->left_out, w->lost, w->doubled, w->glued, w->divided);
+}
+
+/* Compares the words of a work with those of its source, except for texts in a markup of speech. */
+static void check_words(struct checking *all, struct checking *c, const char *folder, const char *format) {
+    struct words_report w = {.tell = report_word, .ctx = c}, *sum = &all->counted;
+    struct error e;
+    if (format && strcmp(format, "tei") != 0 && strcmp(format, "epub") != 0 &&
+        strcmp(format, "markdown") != 0 && strcmp(format, "text") != 0)
+        return;
+    if (words_check(folder, c->path, &w, &e)) {
+        c->serious++;
+        print_problem(c->path, &e);
+        return;
+    }
+    print_words(c->path, &w);
+    sum->source += w.source;
+    sum->read += w.read;
+    sum->left_out += w.left_out;
+    sum->lost += w.lost;
+    sum->doubled += w.doubled;
+    sum->glued += w.glued;
+    sum->divided += w.divided;
+    c->serious += w.lost || w.doubled || w.glued || w.divided;
+}
+
 static void check(struct checking *all, const char *folder, const char *path, const char *lang) {
     struct checking c = {.path = path};
     const struct work_sink sink = {&c, add_section, report_problem};
@@ -401,6 +440,8 @@ static void check(struct checking *all, const char *folder, const char *path, co
                meta.format, c.sections, c.passages, c.characters,
                library_file_has_sound(folder, path) ? "  recorded" : "", meta.author ? meta.author : "",
                meta.author ? ": " : "", meta.title ? meta.title : path);
+    if (all->words && c.sections)
+        check_words(all, &c, folder, meta.format);
     all->sections += c.sections > 0;
     all->passages += c.passages;
     all->characters += c.characters;
@@ -411,19 +452,26 @@ static void check(struct checking *all, const char *folder, const char *path, co
 
 int library_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] =
-        "Usage: faccia library DIR\n"
+        "Usage: faccia library [check] [--words] DIR\n"
         "       faccia library export [OPTION]... DIR WORK\n"
-        "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML) and tells what is in them "
-        "and\n"
-        "what is wrong, with file, line and column. Exits with 1 when something could not be read.\n"
-        "export writes a work down as a book that is heard, captions, and more: faccia library export "
-        "--help\n";
-    static const struct cli_option options[] = {{0}};
-    struct library_files files = {0};
+        "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML), and prints their "
+        "contents and\n"
+        "problems, with file, line and column. Exits with 1 if something could not be read.\n"
+        "\n"
+        "      --words  compare the words read with the words of the source, which a second reader counts\n"
+        "               independently; report those that are lost, doubled, glued to the next, or divided\n"
+        "\n"
+        "export writes a work as a read-aloud book, captions, and more: see faccia library export --help\n";
     struct checking all = {0};
+    const struct cli_option options[] = {{.name = "words", .kind = CLI_FLAG, .out = &all.words}, {0}};
+    struct library_files files = {0};
     struct error e;
     if (argc > 1 && !strcmp(argv[1], "export"))
         return library_export_main(argc - 1, argv + 1, settings);
+    if (argc > 1 && !strcmp(argv[1], "check")) {
+        argc--;
+        argv++;
+    }
     int status = cli_options(argc, argv, usage, options, NULL);
     if (status >= 0)
         return status;
@@ -438,6 +486,8 @@ int library_main(int argc, char **argv, const struct settings *settings) {
     }
     for (size_t i = 0; i < files.count; i++)
         check(&all, argv[optind], files.list[i].path, settings->lang);
+    if (all.words)
+        print_words("all", &all.counted);
     printf("%zu works, %zu passages, %zu bytes; %zu problems, %zu hints\n", all.sections, all.passages,
            all.characters, all.serious, all.light);
     library_files_free(&files);

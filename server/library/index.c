@@ -59,7 +59,7 @@ bool index_is_damaged(sqlite3 *sql) {
 void index_discard(const char *file) {
     static const char *const ends[] = {"", "-wal", "-shm"};
     char path[4096];
-    log_warn("the index %s is damaged or of another version; it is begun anew", file);
+    log_warn("the index %s is damaged or of another version; rebuilding it", file);
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         snprintf(path, sizeof path, "%s%s", file, ends[i]);
         unlink(path);
@@ -97,7 +97,7 @@ int index_open(struct index_writer *w, const char *file, struct error *e) {
         result = try_open(w, file);
     }
     if (result > 0)
-        error_set(e, ERROR_BAD_INDEX, "%.200s is another program's", file);
+        error_set(e, ERROR_BAD_INDEX, "%.200s belongs to another program", file);
     else if (result)
         error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", file, sqlite3_errmsg(w->sql));
     if (result) {

@@ -50,7 +50,7 @@ int library_number(const char *field, const char *text, unsigned min, unsigned m
     char *end;
     unsigned long value = text ? strtoul(text, &end, 10) : otherwise;
     if (text && (*text < '0' || *text > '9' || *end || value < min || value > max))
-        return error_in_field(e, ERROR_BAD_FIELD, field, "must be a whole number from %u to %u", min, max);
+        return error_in_field(e, ERROR_BAD_FIELD, field, "must be an integer from %u to %u", min, max);
     *out = (unsigned)value;
     return 0;
 }
@@ -80,7 +80,7 @@ struct library *library_open(const struct library_options *options, struct error
     pthread_cond_init(&l->wake, NULL);
     if (!pthread_create(&l->thread, NULL, library_scan, l))
         return l;
-    error_set(e, ERROR_BAD_INDEX, "no thread can be started");
+    error_set(e, ERROR_BAD_INDEX, "cannot start a thread");
     l->thread = 0;
     library_close(l);
     return NULL;

@@ -5,7 +5,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include "server/library/recordings/alignments.h"
 #include <stdatomic.h>
 #include <stdbool.h>

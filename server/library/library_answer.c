@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
@@ -65,7 +65,7 @@ static sqlite3_stmt *section_row(struct index_reader *r, const char *work, unsig
     if (sqlite3_step(s) == SQLITE_ROW)
         return s;
     sqlite3_finalize(s);
-    error_in_field(e, ERROR_UNKNOWN_SECTION, "section", "there is no section '%.80s:%u'", work, number);
+    error_in_field(e, ERROR_UNKNOWN_SECTION, "section", "unknown section '%.80s:%u'", work, number);
     return NULL;
 }
 
@@ -195,7 +195,7 @@ static int split(const char *id, struct found_passage *p, struct error *e) {
                 (second ? end == second && second[1] && is_name(second + 1) : end && !*end) &&
                 (size_t)(first - id) < sizeof p->work && (!second || strlen(second + 1) < sizeof p->name);
     if (!well)
-        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no passage '%.100s'", id);
+        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "unknown passage '%.100s'", id);
     snprintf(p->work, sizeof p->work, "%.*s", (int)(first - id), id);
     snprintf(p->name, sizeof p->name, "%s", second ? second + 1 : "");
     p->section = (unsigned)number;
@@ -342,7 +342,7 @@ static int find_passage(struct index_reader *r, const char *id, size_t most, str
     if (any)
         return 0;
     found_passage_free(p);
-    return bad ? -1 : error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no passage '%.100s'", id);
+    return bad ? -1 : error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "unknown passage '%.100s'", id);
 }
 
 static json_t *library_passage_json(struct index_reader *r, const char *id, struct error *e) {
@@ -397,7 +397,7 @@ static int blank(struct buf *text, double units, struct error *e) {
     }
     if (done < units || at == text->size) {
         buf_free(&out);
-        return error_in_field(e, ERROR_BAD_FIELD, "from", "must be a place in the passage's text");
+        return error_in_field(e, ERROR_BAD_FIELD, "from", "must be a position in the passage's text");
     }
     buf_add(&out, text->data + at, text->size - at);
     buf_free(text);
@@ -598,7 +598,7 @@ static json_t *describe_work(struct library *l, struct index_reader *r, const ch
     if (s && sqlite3_step(s) == SQLITE_ROW)
         answer = work_of(s, true);
     else if (s)
-        error_in_field(e, ERROR_UNKNOWN_WORK, "work", "there is no work '%.80s'", name);
+        error_in_field(e, ERROR_UNKNOWN_WORK, "work", "unknown work '%.80s'", name);
     sqlite3_finalize(s);
     s = answer ? library_prepare(
                      r,

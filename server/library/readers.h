@@ -17,6 +17,7 @@ struct builder {
     struct block *pending; /* insets that follow the block */
     size_t pending_count, pending_cap;
     char *speaker;
+    char verse[24];            /* number of the last line of verse */
     const char *lang;          /* language of what comes next; owned by the reader */
     unsigned sections, told;   /* counts */
     bool space, stopped, keep; /* space: white space is pending; keep: white space is kept verbatim */
@@ -84,6 +85,10 @@ void build_mark_end(struct builder *b, enum mark_kind kind);
 void build_line(struct builder *b, const char *n, bool indent);
 void build_line_end(struct builder *b);
 
+/* The line just started continues the verse of the line before it, in whatever speech: it is indented and has
+ * that line's number. */
+void build_line_goes_on(struct builder *b);
+
 /* Starts a note or a stage direction, inside a block or on its own. */
 void build_inset(struct builder *b, enum block_kind kind, const char *n);
 void build_inset_end(struct builder *b);
@@ -149,13 +154,18 @@ int epub_read(int fd, struct work_meta *meta, struct builder *builder, struct er
 /* Reads one XHTML document of an EPUB. Its problems name that file. */
 int xhtml_read(const char *data, size_t size, const char *name, struct builder *builder, struct error *e);
 
-/* CommonMark, optionally headed by "key: value" lines between two --- lines: title, author, lang, date,
- * publisher, licence, source. A paragraph with hard line breaks is verse. */
+/* CommonMark with tables, footnotes, strikethrough and task lists (GitHub Flavored Markdown), optionally
+ * headed by "key: value" lines between two --- lines: title, author, lang, date, publisher, licence, source.
+ * A paragraph with hard line breaks is verse. */
 int commonmark_read(const char *data, size_t size, struct work_meta *meta, struct builder *builder,
                     struct error *e);
 
+/* Reads that header. Returns its size in bytes; 0: none. */
+size_t front_matter_read(const char *data, size_t size, struct work_meta *meta, struct builder *b);
+
 /* Plain text: empty lines separate paragraphs. A paragraph of two or more lines, none longer than 60
- * characters, is verse. The header of Markdown files is accepted, too. */
+ * characters, is verse unless its lines are as full as those of wrapped prose. "CHAPTER II" and the like
+ * begin a section. The header of Markdown files is accepted, too. */
 int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *builder,
                     struct error *e);
 
@@ -163,9 +173,34 @@ int plain_work_read(const char *data, size_t size, struct work_meta *meta, struc
 int markup_work_read(const char *data, size_t size, const char *markup, struct work_meta *meta,
                      struct builder *builder, struct error *e);
 
+/* tei_outline.c: collected in a first pass. */
+struct tei_person {
+    char *id, *name;
+};
+
+struct tei_outline {
+    unsigned *choices; /* which child of each CHOICE to read, in document order */
+    size_t count, cap;
+    char **notes; /* ids, sorted */
+    size_t note_count, note_cap;
+    bool *speeches; /* whether each SPEECH has a speaker's name, in document order */
+    size_t speech_count, speech_cap;
+    struct tei_person *persons; /* sorted by id */
+    size_t person_count, person_cap;
+};
+
+/* Fills the outline. Errors in the document are left to the second pass. */
+void tei_outline_read(struct tei_outline *outline, const char *data, size_t size);
+void tei_outline_free(struct tei_outline *outline);
+bool tei_outline_has_note(const struct tei_outline *outline, const char *id);
+
+/* Name of the person with that id, or NULL. */
+const char *tei_outline_person(const struct tei_outline *outline, const char *id);
+
 /* tei_elements.c: what the TEI reader does with an element. */
 enum tei_act {
-    ACT_PASS, /* only its content counts */
+    ACT_PASS,  /* only its content counts */
+    ACT_APART, /* the same, but no word continues across its ends */
     ACT_UNKNOWN,
     ACT_SKIP,
     ACT_ROOT,

@@ -169,9 +169,9 @@ static int read_near(struct reading *r, struct node *out) {
     while (stop && white(*stop))
         stop++;
     if (comma && (stop != end || !distance || distance > 100))
-        return bad(r, to + 1, "behind the comma is a number from 1 to 100");
+        return bad(r, to + 1, "the comma must be followed by a number from 1 to 100");
     if (count < 2)
-        return bad(r, from, "NEAR is of two words or more");
+        return bad(r, from, "NEAR needs at least two words");
     buf_printf(&out->text, "word : NEAR(");
     for (size_t i = 0; i < count; i++) {
         struct query_term *t = new_term(r, &words[i]);
@@ -192,7 +192,7 @@ static int read_word(struct reading *r, struct node *out) {
     size_t count = search_words(r->text, from, r->at, false, words, QUERY_TERMS_MAX);
     bool prefix = r->text[r->at - 1] == '*';
     if (!count && prefix)
-        return bad(r, from, "before the asterisk is the beginning of a word");
+        return bad(r, from, "the asterisk must follow the beginning of a word");
     if (count > 1)
         return add_phrase(r, out, words, count, from);
     if (!count)
@@ -203,7 +203,7 @@ static int read_word(struct reading *r, struct node *out) {
     t->prefix = prefix;
     if (prefix) {
         if (!t->word[1])
-            return bad(r, from, "before an asterisk are two letters or more");
+            return bad(r, from, "an asterisk must follow at least two letters");
         buf_printf(&out->text, "word : \"%s\" *", t->word);
         return 0;
     }
@@ -223,7 +223,7 @@ static int read_one(struct reading *r, struct node *out) {
         return read_word(r, out);
     size_t from = r->at++;
     if (++r->depth > QUERY_DEPTH_MAX)
-        return bad(r, from, "too many parentheses are in each other");
+        return bad(r, from, "parentheses are nested too deeply");
     if (read_any(r, out))
         return -1;
     skip_white(r);
@@ -260,7 +260,8 @@ static int read_all(struct reading *r, struct node *out) {
         if (one.negative) {
             r->at += 3;
             skip_white(r);
-            result = r->at == r->size ? bad(r, from, "behind NOT is what must not occur") : 0;
+            result =
+                r->at == r->size ? bad(r, from, "NOT must be followed by the word that must not occur") : 0;
         }
         bool negative = one.negative;
         result = result ? result : read_one(r, &one);
@@ -276,7 +277,7 @@ static int read_all(struct reading *r, struct node *out) {
         }
     }
     if (!result && any_not && !any)
-        result = bad(r, r->at, "NOT needs something beside it that must occur");
+        result = bad(r, r->at, "NOT needs another word that must occur");
     if (!result && any) {
         buf_printf(&out->text, "(%.*s", (int)wanted.text.size, (char *)wanted.text.data);
         if (any_not)
@@ -298,7 +299,7 @@ static int read_any(struct reading *r, struct node *out) {
             return -1;
         }
         if (!one.text.size && (!first || (r->at < r->size && is_word(r, "OR"))))
-            return bad(r, from, "beside OR there is no word");
+            return bad(r, from, "OR needs a word on each side");
         if (one.text.size)
             buf_printf(&out->text, "%s%.*s", first ? "(" : " OR ", (int)one.text.size, (char *)one.text.data);
         buf_free(&one.text);
@@ -319,9 +320,9 @@ int search_query_read(struct search_query *q, const char *text, const struct que
     int result =
         r.size > QUERY_BYTES_MAX ? bad(&r, QUERY_BYTES_MAX, "more than 1000 bytes") : read_any(&r, &all);
     if (!result && r.at < r.size)
-        result = bad(&r, r.at, "a parenthesis that was not opened");
+        result = bad(&r, r.at, "a closing parenthesis without an opening one");
     if (!result && !all.text.size)
-        result = bad(&r, 0, "there is no word in it");
+        result = bad(&r, 0, "it contains no word");
     buf_add(&all.text, "", 1);
     q->match = all.text;
     return result;

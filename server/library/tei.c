@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include "server/library/readers.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <utf8proc.h>
 
 /* TEI P5 (Guidelines, https://tei-c.org/guidelines/p5): the elements that literature needs. */
 
@@ -21,21 +23,13 @@ struct tei_frame {
 
 enum { UNKNOWN_MAX = 32 };
 
-/* Collected in a first pass: which child of each CHOICE to read, in document order, and the sorted ids of
- * notes. */
-struct tei_outline {
-    unsigned *choices;
-    size_t count, cap;
-    char **notes;
-    size_t note_count, note_cap;
-};
-
 struct tei {
     struct tei_frame frames[WORK_DEPTH_MAX + 1];
     struct builder *b;
     struct work_meta *meta;
     struct tei_outline outline;
     size_t choice;       /* number of CHOICE elements started */
+    size_t speech;       /* number of SPEECH elements started */
     struct buf capture;  /* text of a header field */
     char **wanted;       /* metadata field that is being captured */
     unsigned capture_at; /* depth of the captured element */
@@ -53,106 +47,6 @@ struct tei {
     size_t unknown_count;
     bool is_tei;
 };
-
-/* ---- first pass: the best alternative of choice and app may come last ---- */
-
-struct alternatives {
-    bool is; /* the element has alternatives */
-    size_t number;
-    unsigned children;
-    int best;
-};
-
-struct outline_walk {
-    struct tei_outline *outline;
-    struct alternatives frames[WORK_DEPTH_MAX + 1];
-    uint64_t bytes;
-    bool stop;
-};
-
-/* Ranks an alternative; the first of the best is read. Corrections, regularisations and expansions come
- * before what they replace, certain readings before uncertain ones. Notes rank last. */
-static int rank_of(const char *name, const char **attributes) {
-    static const char *const chosen[] = {"corr", "reg", "expan", "ex", "lem", NULL};
-    static const char *const original[] = {"sic", "orig", "abbr", "am", NULL};
-    static const char *const none[] = {"note", "witDetail", "wit", "del", NULL};
-    const char *cert = xml_attribute(attributes, "cert");
-    int rank = xml_is_one(name, none)       ? 0
-               : xml_is_one(name, chosen)   ? 30
-               : xml_is_one(name, original) ? 10
-                                            : 20;
-    if (rank && cert)
-        rank += !strcmp(cert, "high") ? 1 : !strcmp(cert, "low") ? -1 : 0;
-    return rank;
-}
-
-static void outline_start(struct xml_walk *w, const char *name, const char **attributes) {
-    struct outline_walk *o = w->ctx;
-    struct tei_outline *out = o->outline;
-    struct alternatives *f = &o->frames[w->depth], *up = &o->frames[w->depth - 1];
-    *f = (struct alternatives){.is = tei_act_of(name) == ACT_CHOICE};
-    if (up->is) {
-        int rank = rank_of(name, attributes);
-        if (rank > up->best) {
-            up->best = rank;
-            out->choices[up->number] = up->children;
-        }
-        up->children++;
-    }
-    if (f->is) {
-        f->number = out->count;
-        out->choices = mem_grow(out->choices, &out->cap, out->count + 1, sizeof *out->choices);
-        out->choices[out->count++] = 0;
-    }
-    const char *id = !strcmp(name, "note") ? xml_attribute(attributes, "id") : NULL;
-    if (id) {
-        out->notes = mem_grow(out->notes, &out->note_cap, out->note_count + 1, sizeof *out->notes);
-        out->notes[out->note_count++] = mem_strdup(id);
-    }
-    o->bytes += id ? strlen(id) + sizeof id : sizeof *out->choices;
-    o->stop = o->bytes > WORK_BYTES_MAX;
-}
-
-static void outline_end(struct xml_walk *w, const char *name) {
-    (void)w;
-    (void)name;
-}
-
-static void outline_text(struct xml_walk *w, const char *text, size_t size) {
-    struct outline_walk *o = w->ctx;
-    (void)text;
-    o->bytes += size;
-    o->stop = o->bytes > 2 * (uint64_t)WORK_BYTES_MAX; /* nested entities: the second pass stops earlier */
-}
-
-static int compare_ids(const void *a, const void *b) {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-/* Fills the outline. Errors in the document are left to the second pass. */
-static void tei_outline_read(struct tei_outline *outline, const char *data, size_t size) {
-    struct outline_walk *o = mem_alloc(sizeof *o);
-    struct error ignored;
-    struct xml_walk walk = {
-        .ctx = o, .start = outline_start, .end = outline_end, .text = outline_text, .stop = &o->stop};
-    o->outline = outline;
-    xml_walk(&walk, data, size, &ignored);
-    if (outline->note_count)
-        qsort(outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
-    free(o);
-}
-
-static void tei_outline_free(struct tei_outline *outline) {
-    for (size_t i = 0; i < outline->note_count; i++)
-        free(outline->notes[i]);
-    free(outline->notes);
-    free(outline->choices);
-}
-
-static bool tei_outline_has_note(const struct tei_outline *outline, const char *id) {
-    return outline->note_count &&
-           bsearch(&id, outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
-}
 
 enum { FIELD_BYTES_MAX = 4096 };
 
@@ -280,7 +174,7 @@ static void tell_unknown(struct tei *t, const struct xml_walk *w, const char *na
         return;
     t->unknown[t->unknown_count++] = mem_strdup(name);
     error_at_line(&e, ERROR_UNKNOWN_ELEMENT, xml_walk_line(w), xml_walk_column(w),
-                  "<%.60s> is read as its content", name);
+                  "<%.60s> is unknown: only its content is read", name);
     build_problem(t->b, &e, false);
 }
 
@@ -294,7 +188,7 @@ static const char *tei_lang(struct tei *t, const struct xml_walk *w, const char 
     if (lang_read(lang, strlen(lang), out, &bad))
         return out;
     error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
-                  "\"%.40s\" is no language tag (BCP 47, such as pt-BR)", lang);
+                  "\"%.40s\" is not a language tag (BCP 47, such as pt-BR)", lang);
     build_problem(t->b, &e, false);
     return NULL;
 }
@@ -379,7 +273,8 @@ static bool start_aside(struct tei *t, struct tei_frame *f) {
 
 static void start_block(struct tei *t, struct tei_frame *f, const char **attributes) {
     struct builder *b = t->b;
-    const char *n = xml_attribute(attributes, "n"), *rend = xml_attribute(attributes, "rend");
+    const char *n = xml_attribute(attributes, "n"), *rend = xml_attribute(attributes, "rend"),
+               *part = xml_attribute(attributes, "part");
     if (t->asides && f->act != ACT_NOTE) {
         build_apart(b);
         return;
@@ -408,6 +303,8 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
         break;
     case ACT_LINE:
         build_line(b, n, rend && strstr(rend, "indent"));
+        if (part && (*part == 'M' || *part == 'F') && !part[1])
+            build_line_goes_on(b);
         t->line = true;
         break;
     case ACT_SPEAKER:
@@ -447,14 +344,34 @@ static void choose(struct tei *t, struct tei_frame *f, const struct xml_walk *w,
         struct error e;
         t->told_reading = true;
         error_at_line(&e, ERROR_UNKNOWN_ELEMENT, xml_walk_line(w), xml_walk_column(w),
-                      "<app> without <lem>: its first reading is read, here and elsewhere");
+                      "<app> without <lem>: its first reading is used, here and elsewhere");
         build_problem(t->b, &e, false);
     }
 }
 
+/* Names who speaks where the text does not: by the list of persons, else by the id. */
+static void name_speaker(struct tei *t, const char *who) {
+    struct buf names = {0};
+    const size_t speech = t->speech - 1;
+    if (!who || (speech < t->outline.speech_count && t->outline.speeches[speech]))
+        return;
+    for (; *(who += strspn(who, " \t\r\n")) && names.size < FIELD_BYTES_MAX;) {
+        size_t size = strcspn(who, " \t\r\n");
+        const char *hash = memchr(who, '#', size), *id = hash ? hash + 1 : who;
+        char *key = mem_strndup(id, (size_t)(who + size - id));
+        const char *name = tei_outline_person(&t->outline, key);
+        buf_printf(&names, "%s%s", names.size ? ", " : "", name ? name : key);
+        free(key);
+        who += size;
+    }
+    buf_add(&names, "", 1);
+    build_speaker(t->b, (char *)names.data);
+    buf_free(&names);
+}
+
 static bool is_inline(enum tei_act act) {
-    return act == ACT_PASS || act == ACT_UNKNOWN || (act >= ACT_EMPHASIS && act <= ACT_NAME) ||
-           act >= ACT_CHOICE;
+    return act == ACT_PASS || act == ACT_APART || act == ACT_UNKNOWN ||
+           (act >= ACT_EMPHASIS && act <= ACT_NAME) || act >= ACT_CHOICE;
 }
 
 static void start_other(struct tei *t, struct tei_frame *f, const struct xml_walk *w, const char *name,
@@ -471,6 +388,7 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
         break;
     case ACT_SPEECH:
         build_end(t->b);
+        name_speaker(t, xml_attribute(attributes, "who"));
         break;
     case ACT_PAGE:
         if (is_no(attributes, "break"))
@@ -508,6 +426,9 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
         t->figures++;
         start_aside(t, f);
         break;
+    case ACT_APART:
+        build_apart(t->b);
+        break;
     case ACT_ROOT:
     case ACT_PASS:
     case ACT_CHOICE:
@@ -529,6 +450,7 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     f->restored = !strcmp(name, "restore") || ((f - 1)->restored && strcmp(name, "subst") != 0);
     if (f->restored && !strcmp(name, "del"))
         f->act = ACT_PASS;
+    t->speech += f->act == ACT_SPEECH;
     choose(t, f, w, name);
     if (f->act == ACT_SIGN && t->expansions)
         f->act = ACT_SKIP;
@@ -592,11 +514,15 @@ static void end_block(struct tei *t, const struct tei_frame *f) {
     }
 }
 
-/* True for digits, asterisks and brackets: a note's sign rather than a word. */
+/* True for digits, asterisks and brackets, and at most one letter: a note's sign rather than a word. */
 static bool is_sign(const char *text, size_t size) {
     size_t letters = 0;
-    for (size_t i = 0; i < size; i++)
-        letters += (text[i] | 32) >= 'a' && (text[i] | 32) <= 'z';
+    for (size_t at = 0, length; at < size; at += length ? length : 1) {
+        uint32_t cp = 0;
+        length = utf8_next(text + at, size - at, &cp);
+        int category = utf8proc_category((utf8proc_int32_t)cp);
+        letters += category >= UTF8PROC_CATEGORY_LU && category <= UTF8PROC_CATEGORY_LO;
+    }
     return size <= 12 && letters <= 1;
 }
 
@@ -631,6 +557,9 @@ static void end_other(struct tei *t, const struct tei_frame *f) {
     case ACT_WORD:
     case ACT_POINT:
         end_word(t, f);
+        break;
+    case ACT_APART:
+        build_apart(t->b);
         break;
     case ACT_REFERENCE:
         end_reference(t, f);
@@ -679,6 +608,8 @@ static void on_text(struct xml_walk *w, const char *text, size_t size) {
         tei_header_text(t, text, size);
         return;
     }
+    if (t->frames[w->depth].act == ACT_CHOICE) /* white space between alternatives */
+        return;
     if ((!build_is_open(t->b) || (build_kind(t->b) == BLOCK_VERSE && !t->line)) && t->bodies) {
         size_t i = 0;
         while (i < size && strchr(" \t\r\n", text[i]))
@@ -700,7 +631,7 @@ static void on_entity(struct xml_walk *w, const char *name) {
         return;
     }
     error_at_line(&e, ERROR_ENTITY, xml_walk_line(w), xml_walk_column(w),
-                  "&%.60s; is not declared in the file: it is left out", name);
+                  "&%.60s; is not declared in the file: it is dropped", name);
     build_problem(t->b, &e, false);
 }
 
@@ -720,7 +651,8 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
     meta->format = "tei";
     int result = xml_walk(&walk, data, size, e);
     if (!result && !t->is_tei)
-        result = error_at_line(e, ERROR_BAD_WORK, 1, 1, "the root is neither TEI nor our own markup");
+        result =
+            error_at_line(e, ERROR_BAD_WORK, 1, 1, "the root element is neither TEI nor a supported markup");
     while (build_is_open(b))
         build_end(b);
     b->lang = NULL;

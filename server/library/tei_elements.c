@@ -13,13 +13,13 @@ static const struct {
     {ACT_DIV, "div div0 div1 div2 div3 div4 div5 div6 div7 prologue epilogue performance"},
     {ACT_HEAD, "head titlePart"},
     {ACT_PARAGRAPH, "p ab byline dateline salute signed trailer docAuthor docImprint docDate docEdition "
-                    "imprimatur addrLine"},
+                    "imprimatur addrLine u"},
     {ACT_ITEM, "item cell castItem person personGrp place org"},
     {ACT_GROUP, "lg"},
     {ACT_LINE, "l"},
     {ACT_SPEECH, "sp"},
     {ACT_SPEAKER, "speaker"},
-    {ACT_STAGE, "stage move sound camera tech view caption"},
+    {ACT_STAGE, "stage move sound camera tech view caption vocal kinesic incident"},
     {ACT_NOTE, "note"},
     {ACT_EMPHASIS, "emph hi title"},
     {ACT_FOREIGN, "foreign"},
@@ -36,15 +36,16 @@ static const struct {
     {ACT_POINT, "pc"},
     {ACT_REFERENCE, "ref"},
     {ACT_FIGURE, "figure"},
-    {ACT_PASS, "group q quote said cit seg s phr cl m c list table row reg corr ex add supplied unclear "
-               "lem rdg sic orig abbr date num bibl author mentioned term gloss distinct soCalled opener "
-               "closer epigraph floatingText titlePage docTitle label subst forename surname roleName "
+    {ACT_PASS, "q quote said cit seg s phr cl m c reg corr ex add supplied unclear lem rdg sic orig abbr "
+               "date num author mentioned term gloss distinct soCalled subst forename surname roleName "
                "addName genName nameLink rhyme met ptr damage surplus secl g restore retrace measure "
-               "measureGrp time country settlement region district bloc geogFeat address street postCode "
-               "postscript castList castGroup argument role roleDesc actor listPerson listPlace listOrg "
-               "set desc publisher pubPlace editor biblScope imprint listBibl biblStruct email idno age "
-               "sex birth death occupation formula ident code eg val att tag gi undo mod link linkGrp "
-               "substJoin damageSpan addSpan delSpan alt altGrp join joinGrp"},
+               "measureGrp time country settlement region district bloc geogFeat idno formula ident code "
+               "eg val att tag gi undo mod link linkGrp substJoin damageSpan addSpan delSpan alt altGrp "
+               "join joinGrp pause shift"},
+    {ACT_APART, "group list table row bibl opener closer epigraph floatingText titlePage docTitle label "
+                "address street postCode postscript castList castGroup argument role roleDesc actor "
+                "listPerson listPlace listOrg set desc publisher pubPlace editor biblScope imprint "
+                "listBibl biblStruct email age sex birth death occupation math mi mn mo mtext"},
     {ACT_SKIP, "del fw metamark figDesc graphic media binaryObject standOff facsimile sourceDoc "
                "witDetail wit interp interpGrp span spanGrp index"},
 };

@@ -3,7 +3,9 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
-#include <cmark.h>
+#include <cmark-gfm-core-extensions.h>
+#include <cmark-gfm.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +34,7 @@ static void set(struct work_meta *m, const char *line, size_t size, size_t numbe
         if (fields[i].to == &m->lang) {
             if (!lang_read(value, (size_t)(end - value), tag, &bad)) {
                 error_at_line(&e, ERROR_BAD_VALUE, number, (size_t)(value - line) + bad + 1,
-                              "lang: no language tag (BCP 47, such as pt-BR)");
+                              "lang: not a language tag (BCP 47, such as pt-BR)");
                 build_problem(b, &e, false);
                 return;
             }
@@ -46,14 +48,14 @@ static void set(struct work_meta *m, const char *line, size_t size, size_t numbe
     if (!size || (size == 1 && *line == '\r'))
         return;
     error_at_line(&e, ERROR_UNKNOWN_MEMBER, number, 1,
-                  "'%.*s': wanted is title, author, lang, date, publisher, licence or source, and a colon",
+                  "'%.*s': expected title, author, lang, date, publisher, licence or source, and a colon",
                   (int)(length > 60 ? 60 : length), line);
     build_problem(b, &e, false);
 }
 
 /* ---- header of plain text and Markdown: reads "key: value" lines, returns their size in bytes; 0: none
  * ---- */
-static size_t front_matter_read(const char *data, size_t size, struct work_meta *meta, struct builder *b) {
+size_t front_matter_read(const char *data, size_t size, struct work_meta *meta, struct builder *b) {
     size_t at = 0, number = 0, end = 0;
     for (; at < size && number < LINES_MAX; number++) {
         const char *newline = memchr(data + at, '\n', size - at);
@@ -78,65 +80,24 @@ static size_t front_matter_read(const char *data, size_t size, struct work_meta 
     return end;
 }
 
-enum { VERSE_BYTES = 72 }; /* 60 characters, some of them accented */
+/* ---- Markdown ---- */
 
-static size_t line_end(const char *data, size_t size, size_t at) {
-    const char *newline = memchr(data + at, '\n', size - at);
-    return newline ? (size_t)(newline - data) : size;
-}
+enum { HTML_NESTED_MAX = 16, HTML_NAME_MAX = 16 };
 
-static bool is_blank(const char *line, size_t size) {
-    for (size_t i = 0; i < size; i++)
-        if (!strchr(" \t\r", line[i]))
-            return false;
-    return true;
-}
+struct markdown {
+    struct builder *b;
+    cmark_node **notes; /* definitions of footnotes by number, from 0; NULL: read */
+    size_t note_count, note_cap;
+    unsigned in_note; /* footnotes around */
+    struct {
+        char name[HTML_NAME_MAX];
+        enum mark_kind kind;
+    } tags[HTML_NESTED_MAX]; /* open inline HTML that became a mark */
+    size_t tag_count;
+};
 
-static bool is_verse(const char *data, size_t from, size_t to) {
-    size_t lines = 0;
-    for (size_t at = from; at < to; lines++) {
-        size_t end = line_end(data, to, at);
-        if (end - at > VERSE_BYTES)
-            return false;
-        at = end + 1;
-    }
-    return lines > 1;
-}
-
-static void paragraph(struct builder *b, const char *data, size_t from, size_t to) {
-    bool verse = is_verse(data, from, to);
-    if (!verse)
-        build_block(b, BLOCK_PARAGRAPH);
-    for (size_t at = from; at < to;) {
-        size_t end = line_end(data, to, at);
-        if (verse)
-            build_line(b, NULL, data[at] == ' ' || data[at] == '\t');
-        build_text(b, data + at, end - at);
-        build_text(b, " ", 1);
-        at = end + 1;
-    }
-    build_end(b);
-}
-
-int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *b,
-                    struct error *e) {
-    size_t at = front_matter_read(data, size, meta, b), from = size;
-    (void)e;
-    meta->format = "text";
-    for (; at < size && !b->stopped;) {
-        size_t end = line_end(data, size, at);
-        bool blank = is_blank(data + at, end - at);
-        if (!blank && from == size)
-            from = at;
-        if (blank && from < at) {
-            paragraph(b, data, from, at);
-            from = size;
-        }
-        at = end + 1;
-    }
-    if (from < size)
-        paragraph(b, data, from, size);
-    return 0;
+static bool is_type(cmark_node *node, const char *type) {
+    return node && !strcmp(cmark_node_get_type_string(node), type);
 }
 
 static bool has_break(cmark_node *paragraph) {
@@ -146,75 +107,186 @@ static bool has_break(cmark_node *paragraph) {
     return false;
 }
 
-static void tell(struct builder *b, cmark_node *node, size_t lines, const char *what) {
-    struct error e;
-    error_at_line(&e, ERROR_UNKNOWN_ELEMENT, lines + (size_t)cmark_node_get_start_line(node),
-                  (size_t)cmark_node_get_start_column(node), "%s is left out", what);
-    build_problem(b, &e, false);
+/* Copies the value of `lang` or `xml:lang` from a tag. False: it has none that is valid. */
+static bool lang_of_tag(const char *tag, size_t size, char out[LANG_BYTES + 1]) {
+    const char *at = memmem(tag, size, "lang=", 5), *value = at ? at + 6 : NULL;
+    const char *end =
+        value && strchr("\"'", value[-1]) ? memchr(value, value[-1], (size_t)(tag + size - value)) : NULL;
+    size_t bad;
+    return end && lang_read(value, (size_t)(end - value), out, &bad);
 }
 
-static void begin(struct builder *b, cmark_node *node, size_t lines) {
-    const char *text = cmark_node_get_literal(node);
-    switch (cmark_node_get_type(node)) {
-    case CMARK_NODE_HEADING:
-        if (cmark_node_get_heading_level(node) <= 3 && b->section.count)
-            build_section(b, (unsigned)cmark_node_get_heading_level(node));
-        build_block(b, BLOCK_HEAD);
-        build_top(b)->level = (unsigned)cmark_node_get_heading_level(node);
-        break;
-    case CMARK_NODE_PARAGRAPH:
-        if (has_break(node)) {
-            build_line(b, NULL, false);
-        } else {
-            cmark_node *up = cmark_node_parent(node);
-            build_block(b, BLOCK_PARAGRAPH);
-            build_top(b)->item = up && cmark_node_get_type(up) == CMARK_NODE_ITEM;
+/* Inline HTML: emphasis and languages become marks; the rest only separates nothing. */
+static void inline_tag(struct markdown *m, const char *tag, size_t size) {
+    static const char *const emphasis[] = {"em", "i", "b", "strong", "cite", NULL};
+    bool close = size > 1 && tag[1] == '/';
+    const char *from = tag + 1 + close;
+    size_t length = strcspn(from, " \t\r\n/>");
+    char name[HTML_NAME_MAX] = "", lang[LANG_BYTES + 1];
+    if (length && length < sizeof name)
+        memcpy(name, from, length);
+    if (!strcmp(name, "br"))
+        build_break(m->b, false);
+    if (close && m->tag_count && !strcmp(m->tags[m->tag_count - 1].name, name)) {
+        build_mark_end(m->b, m->tags[--m->tag_count].kind);
+        return;
+    }
+    bool foreign = lang_of_tag(tag, size, lang);
+    if (close || !*name || m->tag_count == HTML_NESTED_MAX || (!foreign && !xml_is_one(name, emphasis)))
+        return;
+    m->tags[m->tag_count].kind = foreign ? MARK_FOREIGN : MARK_EMPHASIS;
+    memcpy(m->tags[m->tag_count].name, name, sizeof name);
+    build_mark(m->b, m->tags[m->tag_count++].kind, foreign ? lang : NULL);
+}
+
+/* Adds the text of a block of HTML; its tags separate words, its comments, scripts and styles are left out.
+ */
+static void add_html(struct markdown *m, const char *text, size_t size) {
+    static const char *const skipped[][2] = {
+        {"<!--", "-->"}, {"<script", "</script>"}, {"<style", "</style>"}, {"<?", "?>"}, {"<!", ">"},
+        {"<", ">"}};
+    char found[ENTITY_BYTES_MAX], name[40];
+    for (size_t at = 0; at < size;) {
+        const char *end = NULL;
+        for (size_t i = 0; i < sizeof skipped / sizeof *skipped && !end; i++) {
+            size_t length = strlen(skipped[i][0]);
+            if (size - at >= length && !memcmp(text + at, skipped[i][0], length) &&
+                (end = memmem(text + at, size - at, skipped[i][1], strlen(skipped[i][1]))))
+                end += strlen(skipped[i][1]);
         }
-        break;
-    case CMARK_NODE_CODE_BLOCK:
-        build_block(b, BLOCK_PARAGRAPH);
-        build_text(b, text, strlen(text));
-        build_end(b);
-        break;
-    case CMARK_NODE_TEXT:
-    case CMARK_NODE_CODE:
-        build_text(b, text, strlen(text));
-        break;
-    case CMARK_NODE_SOFTBREAK:
-        build_text(b, " ", 1);
-        break;
-    case CMARK_NODE_LINEBREAK:
-        if (build_is_open(b) && build_kind(b) == BLOCK_VERSE)
-            build_line(b, NULL, false);
-        else
-            build_text(b, " ", 1);
-        break;
-    case CMARK_NODE_EMPH:
-    case CMARK_NODE_STRONG:
-        build_mark(b, MARK_EMPHASIS, NULL);
-        break;
-    case CMARK_NODE_HTML_BLOCK:
-    case CMARK_NODE_HTML_INLINE:
-        tell(b, node, lines, "HTML");
-        break;
-    default:
-        break;
+        const char *semicolon = text[at] == '&' ? memchr(text + at, ';', size - at) : NULL;
+        size_t length = semicolon && (size_t)(semicolon - text) - at - 1 < sizeof name
+                            ? (size_t)(semicolon - text) - at - 1
+                            : 0;
+        snprintf(name, sizeof name, "%.*s", (int)length, text + at + 1);
+        size_t entity = length ? xml_entity(name, found) : 0;
+        if (end) {
+            build_apart(m->b);
+            at = (size_t)(end - text);
+        } else if (entity) {
+            build_text(m->b, found, entity);
+            at += length + 2;
+        } else {
+            size_t to = at + 1;
+            while (to < size && !strchr("<&", text[to]))
+                to++;
+            build_text(m->b, text + at, to - at);
+            at = to;
+        }
     }
 }
 
-static void end(struct builder *b, cmark_node *node) {
-    switch (cmark_node_get_type(node)) {
-    case CMARK_NODE_HEADING:
-    case CMARK_NODE_PARAGRAPH:
-        build_end(b);
-        break;
-    case CMARK_NODE_EMPH:
-    case CMARK_NODE_STRONG:
-        build_mark_end(b, MARK_EMPHASIS);
-        break;
-    default:
-        break;
+static void walk(struct markdown *m, cmark_node *root);
+
+/* Reads the footnote at its first reference. */
+static void footnote(struct markdown *m, cmark_node *reference) {
+    const char *sign = cmark_node_get_literal(reference);
+    size_t number = strtoul(sign ? sign : "", NULL, 10);
+    cmark_node *definition = number && number <= m->note_count ? m->notes[number - 1] : NULL;
+    if (!definition || m->in_note == NOTE_DEPTH_MAX - 1 || !build_is_open(m->b))
+        return;
+    m->notes[number - 1] = NULL;
+    m->in_note++;
+    build_inset(m->b, BLOCK_NOTE, sign);
+    for (cmark_node *n = cmark_node_first_child(definition); n; n = cmark_node_next(n))
+        walk(m, n);
+    build_inset_end(m->b);
+    m->in_note--;
+}
+
+static void begin_paragraph(struct markdown *m, cmark_node *node) {
+    cmark_node *up = cmark_node_parent(node);
+    if (has_break(node)) {
+        build_end(m->b);
+        build_line(m->b, NULL, false);
+        return;
     }
+    build_block(m->b, BLOCK_PARAGRAPH);
+    build_top(m->b)->item = up && cmark_node_get_type(up) == CMARK_NODE_ITEM;
+}
+
+static void begin_heading(struct markdown *m, cmark_node *node) {
+    unsigned level = (unsigned)cmark_node_get_heading_level(node);
+    if (level <= 3 && m->b->section.count)
+        build_section(m->b, level);
+    build_block(m->b, BLOCK_HEAD);
+    build_top(m->b)->level = level;
+}
+
+/* A cell of a table: cells of a row are one paragraph. */
+static void begin_cell(struct markdown *m) {
+    const struct block *row = build_top(m->b);
+    if (row && row->text.size && row->text.data[row->text.size - 1] != '\n') {
+        if (!strchr(".,;:!?", row->text.data[row->text.size - 1]))
+            build_text(m->b, ";", 1);
+        build_text(m->b, " ", 1);
+    }
+}
+
+static void begin(struct markdown *m, cmark_node *node) {
+    struct builder *b = m->b;
+    const char *text = cmark_node_get_literal(node);
+    cmark_node_type type = cmark_node_get_type(node);
+    bool block = type == CMARK_NODE_HEADING || type == CMARK_NODE_PARAGRAPH ||
+                 type == CMARK_NODE_CODE_BLOCK || type == CMARK_NODE_HTML_BLOCK;
+    if (block)
+        m->tag_count = 0;
+    bool row = is_type(node, "table_row") || is_type(node, "table_header");
+    if (m->in_note && (row || block))
+        build_newline(b);
+    else if (row)
+        build_block(b, BLOCK_PARAGRAPH);
+    else if (is_type(node, "table_cell"))
+        begin_cell(m);
+    else if (type == CMARK_NODE_HEADING)
+        begin_heading(m, node);
+    else if (type == CMARK_NODE_PARAGRAPH)
+        begin_paragraph(m, node);
+    else if (type == CMARK_NODE_CODE_BLOCK)
+        build_block(b, BLOCK_PARAGRAPH);
+    else if (type == CMARK_NODE_HTML_BLOCK)
+        build_block(b, BLOCK_PARAGRAPH);
+    else if (type == CMARK_NODE_SOFTBREAK)
+        build_text(b, " ", 1);
+    else if (type == CMARK_NODE_LINEBREAK && build_is_open(b) && build_kind(b) == BLOCK_VERSE)
+        build_line(b, NULL, false);
+    else if (type == CMARK_NODE_LINEBREAK)
+        build_text(b, " ", 1);
+    else if (type == CMARK_NODE_EMPH || type == CMARK_NODE_STRONG)
+        build_mark(b, MARK_EMPHASIS, NULL);
+    else if (type == CMARK_NODE_FOOTNOTE_REFERENCE)
+        footnote(m, node);
+    else if (type == CMARK_NODE_HTML_INLINE)
+        inline_tag(m, text, strlen(text));
+    if (type == CMARK_NODE_TEXT || type == CMARK_NODE_CODE || type == CMARK_NODE_CODE_BLOCK)
+        build_text(b, text, strlen(text));
+    if (type == CMARK_NODE_HTML_BLOCK)
+        add_html(m, text, strlen(text));
+    if ((type == CMARK_NODE_CODE_BLOCK || type == CMARK_NODE_HTML_BLOCK) && !m->in_note)
+        build_end(b);
+}
+
+static void end(struct markdown *m, cmark_node *node) {
+    cmark_node_type type = cmark_node_get_type(node);
+    if (type == CMARK_NODE_EMPH || type == CMARK_NODE_STRONG)
+        build_mark_end(m->b, MARK_EMPHASIS);
+    else if (!m->in_note && (type == CMARK_NODE_HEADING || type == CMARK_NODE_PARAGRAPH ||
+                             is_type(node, "table_row") || is_type(node, "table_header")))
+        build_end(m->b);
+}
+
+static void walk(struct markdown *m, cmark_node *root) {
+    cmark_iter *at = cmark_iter_new(root);
+    for (cmark_event_type event; (event = cmark_iter_next(at)) != CMARK_EVENT_DONE && !m->b->stopped;) {
+        cmark_node *node = cmark_iter_get_node(at);
+        if (event == CMARK_EVENT_EXIT)
+            end(m, node);
+        else if (cmark_node_get_type(node) == CMARK_NODE_FOOTNOTE_DEFINITION)
+            cmark_iter_reset(at, node, CMARK_EVENT_EXIT); /* read at its reference */
+        else
+            begin(m, node);
+    }
+    cmark_iter_free(at);
 }
 
 /* Uses the first heading if nothing else gives a title. */
@@ -223,9 +295,15 @@ static void find_title(struct work_meta *meta, cmark_node *root) {
     cmark_node *n = cmark_node_first_child(root);
     if (meta->title || !n || cmark_node_get_type(n) != CMARK_NODE_HEADING)
         return;
-    for (n = cmark_node_first_child(n); n; n = cmark_node_next(n))
-        if (cmark_node_get_literal(n))
-            buf_printf(&text, "%s", cmark_node_get_literal(n));
+    cmark_iter *at = cmark_iter_new(n);
+    for (cmark_event_type event; (event = cmark_iter_next(at)) != CMARK_EVENT_DONE;) {
+        cmark_node *part = cmark_iter_get_node(at);
+        bool shown =
+            cmark_node_get_type(part) == CMARK_NODE_TEXT || cmark_node_get_type(part) == CMARK_NODE_CODE;
+        if (event == CMARK_EVENT_ENTER && shown)
+            buf_printf(&text, "%s", cmark_node_get_literal(part));
+    }
+    cmark_iter_free(at);
     buf_add(&text, "", 1);
     work_meta_set(&meta->title, (char *)text.data);
     buf_free(&text);
@@ -233,22 +311,27 @@ static void find_title(struct work_meta *meta, cmark_node *root) {
 
 int commonmark_read(const char *data, size_t size, struct work_meta *meta, struct builder *b,
                     struct error *e) {
-    size_t skip = front_matter_read(data, size, meta, b), lines = 0;
+    static const char *const extensions[] = {"table", "strikethrough", "tasklist"};
+    size_t skip = front_matter_read(data, size, meta, b);
     (void)e;
     meta->format = "markdown";
-    for (size_t i = 0; i < skip; i++)
-        lines += data[i] == '\n';
-    cmark_node *root = cmark_parse_document(data + skip, size - skip, CMARK_OPT_DEFAULT);
-    cmark_iter *at = cmark_iter_new(root);
+    cmark_gfm_core_extensions_ensure_registered();
+    cmark_parser *parser = cmark_parser_new(CMARK_OPT_FOOTNOTES | CMARK_OPT_STRIKETHROUGH_DOUBLE_TILDE);
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+        cmark_parser_attach_syntax_extension(parser, cmark_find_syntax_extension(extensions[i]));
+    cmark_parser_feed(parser, data + skip, size - skip);
+    cmark_node *root = cmark_parser_finish(parser);
+    struct markdown m = {.b = b};
+    for (cmark_node *n = cmark_node_first_child(root); n; n = cmark_node_next(n))
+        if (cmark_node_get_type(n) == CMARK_NODE_FOOTNOTE_DEFINITION) { /* in the order of their numbers */
+            m.notes = mem_grow(m.notes, &m.note_cap, m.note_count + 1, sizeof *m.notes);
+            m.notes[m.note_count++] = n;
+        }
     find_title(meta, root);
-    for (cmark_event_type event; (event = cmark_iter_next(at)) != CMARK_EVENT_DONE && !b->stopped;) {
-        if (event == CMARK_EVENT_ENTER)
-            begin(b, cmark_iter_get_node(at), lines);
-        else
-            end(b, cmark_iter_get_node(at));
-    }
-    cmark_iter_free(at);
+    walk(&m, root);
+    free(m.notes);
     cmark_node_free(root);
+    cmark_parser_free(parser);
     return 0;
 }
 
@@ -311,7 +394,8 @@ int markup_work_read(const char *data, size_t size, const char *markup, struct w
     struct xml_walk walk = {.ctx = &m, .start = on_start, .end = on_end, .text = on_text};
     meta->format = markup;
     if (size > BLOCK_BYTES_MAX)
-        return error_set(e, ERROR_BAD_WORK, "a text in %s may have %d bytes", markup, BLOCK_BYTES_MAX);
+        return error_set(e, ERROR_BAD_WORK, "the limit for a text in %s is %d bytes", markup,
+                         BLOCK_BYTES_MAX);
     int result = xml_walk(&walk, data, size, e);
     blank(&m, size);
     if (!result && m.out.size) {

@@ -6,7 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -33,6 +33,7 @@ struct block_line {
     size_t start, end;
     char *n; /* the edition's number; NULL: count lines */
     bool indent;
+    bool goes_on; /* it continues the verse of the line before it */
 };
 
 struct block {
@@ -58,6 +59,7 @@ struct section {
     size_t count, cap;
     size_t characters; /* characters of readable text */
     unsigned passages, lines, counts[BLOCK_PAGE + 1];
+    unsigned continued; /* lines that continue another one's verse */
 };
 
 struct work_meta {
@@ -109,14 +111,25 @@ void section_free(struct section *section);
 int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
               struct error *e);
 
+/* words_check.c: words of a work as counted by a scanner that shares nothing with the readers. */
+struct words_report {
+    size_t source, read, left_out; /* left_out: in elements that are not read, such as deletions */
+    size_t lost, doubled, glued, divided;
+    void (*tell)(void *ctx, const char *what, size_t line, const char *word, const char *next);
+    void *ctx; /* tell: called for the first occurrences of each kind; line 0: unknown */
+};
+
+/* Compares what work_read delivers with the file. The caller sets tell and ctx. -1 with *e. */
+int words_check(const char *folder, const char *path, struct words_report *report, struct error *e);
+
 /* Opens the file for work_read, or NULL with *e. */
 FILE *work_file_open(const char *folder, const char *path, struct error *e);
 
 /* True when the ending is that of a work. */
 bool work_is(const char *path);
 
-/* Reading in another process (base/reader_process.h): the result arrives as frames, which are validated as
- * strictly as the file itself. */
+/* Reading in another process (base/work/reader_process.h): the result arrives as frames, which are validated
+ * as strictly as the file itself. */
 
 /* Like work_read and work_check, but in a separate process, or in this one without a reader program. Setting
  * *given_up (may be NULL) ends it with "bad-work". A work that exceeds the limits fails; the sections before

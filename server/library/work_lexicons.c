@@ -71,7 +71,7 @@ static struct lexicon *read_below(const char *folder, const char *path, struct e
     return NULL;
 }
 
-/* Tells the log of faults: whoever saves a lexicon over HTTP has been told already. */
+/* Logs the faults of a lexicon; a client that saves one over HTTP gets them in the answer. */
 static struct lexicon *read_anew(const char *folder, const char *path) {
     struct error e;
     char text[400];
@@ -141,7 +141,7 @@ void work_lexicons_scan(struct library *library, struct index_writer *writer,
     struct work_lexicons *l = mem_alloc(sizeof *l), *before = library->lexicons;
     size_t count = files->lexicon_count < LIBRARY_LEXICONS_MAX ? files->lexicon_count : LIBRARY_LEXICONS_MAX;
     if (count < files->lexicon_count)
-        log_warn("library: only the first %d lexicons are read", LIBRARY_LEXICONS_MAX);
+        log_warn("library: reading only the first %d lexicons", LIBRARY_LEXICONS_MAX);
     l->files = mem_alloc((count + 1) * sizeof *l->files);
     for (size_t i = 0; i < count && !atomic_load(&library->stop); i++)
         add_file(l, before, library->folder, &files->lexicons[i]);

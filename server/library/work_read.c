@@ -130,7 +130,7 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
         result = builder_why(&b, e);
     buf_free(&loaded);
     if (nothing && !result)
-        result = error_set(e, ERROR_BAD_WORK, "there is no text in it");
+        result = error_set(e, ERROR_BAD_WORK, "it contains no text");
     return result;
 }
 
@@ -531,13 +531,15 @@ static int hear(struct hearing *h) {
     buf_free(&payload);
     bool ended = !reader_process_end(&h->process, how, sizeof how);
     if (h->stopped)
-        return error_set(h->error, ERROR_BAD_WORK, "it was not read to its end");
+        return error_set(h->error, ERROR_BAD_WORK, "it was read only in part");
     if (!more)
         return result;
     if (more < 0 || ended || !*how)
-        snprintf(how, sizeof how, "%s", "made its process say what cannot be understood");
-    return h->last ? error_set(h->error, ERROR_BAD_WORK, "its reading %s, after section %u", how, h->last)
-                   : error_set(h->error, ERROR_BAD_WORK, "its reading %s, in its first section", how);
+        snprintf(how, sizeof how, "%s", "made the process that reads it send invalid data");
+    return h->last ? error_set(h->error, ERROR_BAD_WORK, "the process that reads it %s, after section %u",
+                               how, h->last)
+                   : error_set(h->error, ERROR_BAD_WORK, "the process that reads it %s, in its first section",
+                               how);
 }
 
 static struct reader_limits limits_of(uint64_t bytes, unsigned most) {

@@ -19,8 +19,11 @@ enum html_act {
     HTML_ITEM,
     HTML_NOTE,
     HTML_NOTES, /* a list of notes */
+    HTML_LINE,  /* a line of verse */
+    HTML_SPEAKER,
     HTML_MARK,
     HTML_PAGE,
+    HTML_STAGE, /* a stage direction within a block */
     HTML_BREAK,
     HTML_LINK,
     HTML_ALTERNATIVE, /* a picture or a formula, replaced by its author's text */
@@ -95,6 +98,7 @@ static enum html_act act_of(const struct html *h, const char *name, const char *
         "div", "section", "article", "main", "header",  "footer", "aside",      "figure", "ul",       "ol",
         "dl",  "table",   "tr",      "hr",   "details", "center", "blockquote", "form",   "fieldset", NULL};
     static const char *const marks[] = {"em", "i", "b", "strong", "cite", "dfn", "u", NULL};
+    static const char *const holders[] = {"td", "th", "dt", "p", "div", "li", "span", NULL};
     static const char *const notes[] = {"footnote", "endnote", "rearnote", NULL};
     static const char *const lists[] = {"footnotes", "endnotes", "rearnotes", NULL};
     if (xml_is_one(name, skipped) || is_hidden(attributes))
@@ -112,6 +116,13 @@ static enum html_act act_of(const struct html *h, const char *name, const char *
         if (has_type(attributes, lists[i]))
             return HTML_NOTES;
     }
+    if (xml_is_one(name, holders) && xml_has_token(attributes, "type", "persona"))
+        return HTML_SPEAKER;
+    if (xml_is_one(name, holders) && xml_has_token(attributes, "class", "line"))
+        return HTML_LINE;
+    if (xml_has_token(attributes, "type", "stage-direction") &&
+        (xml_is_one(name, marks) || !strcmp(name, "span")))
+        return HTML_STAGE;
     if (name[0] == 'h' && name[1] >= '1' && name[1] <= '6' && !name[2])
         return HTML_HEAD;
     if (h->notes && (!strcmp(name, "li") || !strcmp(name, "p") || !strcmp(name, "dd")))
@@ -190,6 +201,11 @@ static void start_inline(struct html *h, struct html_frame *f, const char *name,
         if (f->opened)
             build_mark(h->b, MARK_EMPHASIS, NULL);
         break;
+    case HTML_STAGE:
+        f->opened = build_is_open(h->b) && build_kind(h->b) != BLOCK_STAGE;
+        if (f->opened)
+            build_mark(h->b, MARK_STAGE, NULL);
+        break;
     case HTML_BREAK:
         break_line(h);
         break;
@@ -241,6 +257,16 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
         build_block(b, BLOCK_HEAD);
         build_top(b)->level = level;
         f->opened = true;
+    } else if (f->act == HTML_SPEAKER) {
+        build_block(b, BLOCK_SPEAKER);
+        f->opened = true;
+    } else if (f->act == HTML_LINE) {
+        build_line(b, NULL, false);
+        f->opened = true;
+        if (*f->lang && strcmp(f->lang, build_top(b)->lang ? build_top(b)->lang : "") != 0) {
+            build_mark(b, MARK_FOREIGN, f->lang);
+            f->foreign = true;
+        }
     } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
         f->opened = true; /* the item has no text before it */
     } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
@@ -259,7 +285,7 @@ static bool is_block(enum html_act act) {
 static void tell_lang(struct html *h, const struct xml_walk *w, const char *lang) {
     struct error e;
     error_at_line(&e, ERROR_BAD_VALUE, xml_walk_line(w), xml_walk_column(w),
-                  "\"%.40s\" is no language tag (BCP 47, such as pt-BR)", lang);
+                  "\"%.40s\" is not a language tag (BCP 47, such as pt-BR)", lang);
     build_problem(h->b, &e, false);
 }
 
@@ -324,6 +350,16 @@ static void end_link(struct html *h, const struct html_frame *f) {
         build_cut(h->b, f->from);
 }
 
+static void end_speaker(struct html *h) {
+    const struct block *block = build_top(h->b);
+    char *who = block && block->kind == BLOCK_SPEAKER
+                    ? mem_strndup(block->text.size ? (char *)block->text.data : "", block->text.size)
+                    : NULL;
+    build_end(h->b);
+    build_speaker(h->b, who);
+    free(who);
+}
+
 static void on_end(struct xml_walk *w, const char *name) {
     struct html *h = w->ctx;
     struct html_frame *f = &h->frames[w->depth];
@@ -340,10 +376,18 @@ static void on_end(struct xml_walk *w, const char *name) {
         h->notes--;
     else if (f->opened && f->act == HTML_MARK)
         build_mark_end(h->b, MARK_EMPHASIS);
+    else if (f->opened && f->act == HTML_STAGE)
+        build_mark_end(h->b, MARK_STAGE);
+    else if (f->opened && f->act == HTML_LINE)
+        build_line_end(h->b);
+    else if (f->opened && f->act == HTML_SPEAKER)
+        end_speaker(h);
     else if (f->opened && f->act == HTML_NOTE)
         build_inset_end(h->b);
     else if (f->opened || !strcmp(name, "body"))
         build_end(h->b);
+    if (!strcmp(name, "tr") || !strcmp(name, "body"))
+        build_speaker(h->b, NULL); /* a row of a play is one speech */
     if (!strcmp(name, "body") || (svg && w->depth == 1))
         h->body--;
     h->svg -= svg;
@@ -364,7 +408,7 @@ static void on_entity(struct xml_walk *w, const char *name) {
     if (size)
         on_text(w, text, size);
     else
-        tell(h, w, ERROR_ENTITY, "it is left out, as nobody declares it:", name);
+        tell(h, w, ERROR_ENTITY, "it is dropped because it is not declared:", name);
 }
 
 int xhtml_read(const char *data, size_t size, const char *name, struct builder *b, struct error *e) {

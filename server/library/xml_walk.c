@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/readers.h"
 #include "server/library/work.h"
-#include <cmark.h>
+#include <cmark-gfm.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -33,7 +33,7 @@ static void on_start(void *ctx, const char *name, const char **attributes) {
         return;
     if (++w->depth > WORK_DEPTH_MAX) {
         w->result = error_at_line(w->e, ERROR_BAD_WORK, xml_walk_line(w), xml_walk_column(w),
-                                  "more than %d elements are in each other", WORK_DEPTH_MAX);
+                                  "elements are nested more than %d deep", WORK_DEPTH_MAX);
         XML_StopParser(w->parser, XML_FALSE);
         return;
     }

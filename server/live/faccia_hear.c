@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/fapfile.h"
 #include "server/base/mem.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound/wav_file.h"
 #include "server/cli/cli.h"
 #include "server/live/lip_features.h"
 #include "server/live/lip_recogniser.h"
@@ -154,24 +154,23 @@ static int hear_write_close(struct hear_write *w, bool well) {
 
 static const char usage[] =
     "Usage: faccia hear [OPTION]... (SOUND | --raw RATE -)\n"
-    "Moves the lips to a voice whose words nobody knows, as it goes on: SOUND is a recording (WAV, FLAC, "
-    "Ogg, "
+    "Moves the lips to speech without a transcript, as it arrives: SOUND is a recording (WAV, FLAC, Ogg, "
     "MP3); with\n"
-    "--raw it is standard input, 16 bit samples as a microphone gives them:\n"
+    "--raw, 16-bit samples from standard input, for example from a microphone:\n"
     "arecord -f S16_LE -r 16000 -t raw | faccia hear --raw 16000 -\n"
-    "Where the text is known 'faccia align' is the better way. Without a file to write, lines of JSON go to "
-    "standard output. In a room of a daemon: faccia-live.\n"
+    "With a transcript, 'faccia align' is more accurate. Without an output file, lines of JSON go to "
+    "standard output. For a room of a daemon see faccia-live.\n"
     "\n"
-    "  -l, --lang TAG       whose lips: it, pt-BR, tr, en or any other (it)\n"
-    "      --lookahead MS   what is heard after a moment before it is shown: 0, 40, 80 or 120 (80)\n"
-    "      --raw RATE       of standard input, 8000 to 96000 samples a second\n"
-    "      --channels N     of standard input, 1 to 8 (1)\n"
+    "  -l, --lang TAG       language of the lip movements: it, pt-BR, tr, en or any other (it)\n"
+    "      --lookahead MS   sound heard beyond a moment before its lips are shown: 0, 40, 80 or 120 (80)\n"
+    "      --raw RATE       sample rate of standard input, 8000 to 96000 Hz\n"
+    "      --channels N     channels of standard input, 1 to 8 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    what moves the mouth: network, or the engine dominance, cohen-massaro or table "
     "(network)\n"
-    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --json FILE      the sounds by what is seen of them, with their times and how likely each was\n"
-    "      --ndjson FILE    a line for each of them and each frame, as they come\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
+    "      --json FILE      the recognised visible sounds, with their times and probabilities\n"
+    "      --ndjson FILE    a line for each sound and each frame, as they arrive\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
@@ -208,7 +207,7 @@ static int hear_all(struct hear *h, struct lip_recogniser *recogniser) {
     }
     free(samples);
     if (!heard) {
-        cli_complain("%s: there is no sound in it", h->sound);
+        cli_complain("%s: contains no sound", h->sound);
         return -1;
     }
     lip_recogniser_end(recogniser);
@@ -234,7 +233,8 @@ static int run(struct hear *h, const struct components *components, const struct
     char path[4096], text[400];
     const struct speech_pack *pack = speech_packs_find(&components->packs, h->lang);
     if (!pack || !lip_face_speaks(h->engine, pack)) {
-        cli_complain(pack ? "engine: no engine '%s'" : "lang: no language '%s'", pack ? h->engine : h->lang);
+        cli_complain(pack ? "engine: unknown engine '%s'" : "lang: unknown language '%s'",
+                     pack ? h->engine : h->lang);
         return EXIT_USAGE;
     }
     snprintf(path, sizeof path, "%s/hear/network.bin", settings->models);
@@ -275,9 +275,9 @@ static int run(struct hear *h, const struct components *components, const struct
 
 static int on_text(void *ctx, const char *name, const char *text) {
     (void)ctx;
-    cli_complain("--%s: the text '%s' is not used here: with a text 'faccia align SOUND --text FILE' is the "
-                 "better way",
-                 name, text);
+    cli_complain(
+        "--%s: the text '%s' is not used here: with a transcript, use 'faccia align SOUND --text FILE'", name,
+        text);
     return EXIT_USAGE;
 }
 
@@ -303,7 +303,7 @@ int hear_main(int argc, char **argv, const struct settings *settings) {
     if (!h.sound && optind + 1 == argc)
         h.sound = argv[optind];
     if (!h.sound || (!strcmp(h.sound, "-") != !!h.raw)) {
-        cli_complain(h.sound ? "--raw and - belong together" : "one sound is needed");
+        cli_complain(h.sound ? "--raw and - belong together" : "exactly one sound file is needed");
         return EXIT_USAGE;
     }
     struct components components;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/live/lip_features.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
+#include "server/base/sound/mixdown.h"
 #include <gsl/gsl_fft_real.h>
 #include <math.h>
 #include <soxr.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Features of sound every 10 ms: energy in 32 mel bands relative to the loudness and spectrum so far.
- * Causal: nothing later is used. */
+/* Features of sound every 10 ms: energy in 32 mel bands relative to the loudness and spectrum so far. Causal:
+ * uses no later sound. */
 #ifndef FACCIA_LIVE_LIP_FEATURES_H
 #define FACCIA_LIVE_LIP_FEATURES_H
 

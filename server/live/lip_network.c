@@ -271,7 +271,7 @@ static int read_all(struct lip_network *n, const uint8_t *data, size_t size, str
     size_t head = MAGIC_BYTES + (FIXED + n->head_count) * NUMBER_BYTES;
     walk_all(n, &all);
     if (size - head != all.bytes)
-        return error_set(e, ERROR_BAD_NETWORK, "its weights should be %zu bytes, and are %zu", all.bytes,
+        return error_set(e, ERROR_BAD_NETWORK, "its weights must have %zu bytes, not %zu", all.bytes,
                          size - head);
     n->values = mem_alloc(all.values * sizeof *n->values);
     struct walk reading = {.at = data + head, .to = n->values};

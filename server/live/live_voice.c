@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/live/live_voice.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
+#include "server/base/sound/mixdown.h"
 #include "server/live/jitter_buffer.h"
 #include "server/live/lip_recogniser.h"
 #include "server/live/opus_process.h"
@@ -129,7 +129,7 @@ static void end(struct live_voice *h) {
     struct error e;
     h->finished = true;
     if (!h->handed) {
-        error_set(&e, ERROR_BAD_SOUND, "no sound has come");
+        error_set(&e, ERROR_BAD_SOUND, "no sound has arrived");
         h->callbacks.problem(h->ctx, &e, false);
     }
     h->callbacks.finished(h->ctx, h->handed);
@@ -169,8 +169,8 @@ int live_codec_find(const char *name, enum live_codec *codec, struct error *e) {
     for (int i = 0; live_codecs[i]; i++)
         if (!strcmp(name, live_codecs[i]))
             return *codec = (enum live_codec)i, 0;
-    return error_in_field(e, ERROR_UNKNOWN_CODEC, "codec", "no codec '%.32s'; there are pcm_s16le and opus",
-                          name);
+    return error_in_field(e, ERROR_UNKNOWN_CODEC, "codec",
+                          "unknown codec '%.32s'; the codecs are pcm_s16le and opus", name);
 }
 
 static bool opus_rate(unsigned rate) {
@@ -179,7 +179,7 @@ static bool opus_rate(unsigned rate) {
 
 int live_request_check(const struct live_request *r, struct error *e) {
     if (r->rate < LIVE_RATE_MIN || r->rate > LIVE_RATE_MAX)
-        return error_in_field(e, ERROR_BAD_FIELD, "rate", "must be a number of samples a second, %d to %d",
+        return error_in_field(e, ERROR_BAD_FIELD, "rate", "must be a number of samples per second, %d to %d",
                               LIVE_RATE_MIN, LIVE_RATE_MAX);
     if (r->channels < 1 || r->channels > LIVE_CHANNELS_MAX)
         return error_in_field(e, ERROR_BAD_FIELD, "channels", "must be 1 to %d", LIVE_CHANNELS_MAX);
@@ -286,7 +286,7 @@ int live_audio_read(struct live_audio *s, const uint8_t *bytes, size_t size,
 }
 
 int live_audio_end(const struct live_audio *s, struct error *e) {
-    return s->part_size ? error_at_byte(e, ERROR_BAD_SOUND, s->bytes, "the last sample is not whole") : 0;
+    return s->part_size ? error_at_byte(e, ERROR_BAD_SOUND, s->bytes, "the last sample is incomplete") : 0;
 }
 
 static void problem(struct live_voice *h, const struct error *e, bool warning) {
@@ -298,10 +298,10 @@ static int choose(struct live_voice *h, struct error *e) {
     const char *lang = h->request.lang ? h->request.lang : pipeline->default_lang;
     h->pack = speech_packs_find(pipeline->packs, lang);
     if (!h->pack)
-        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'", lang);
+        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "unknown language '%s'", lang);
     if (!lip_face_speaks(h->request.engine, h->pack))
-        return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s' for '%s'", h->request.engine,
-                              lang);
+        return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "unknown engine '%s' for '%s'",
+                              h->request.engine, lang);
     return 0;
 }
 
@@ -344,7 +344,7 @@ static void on_packet(void *ctx, const int16_t *samples, size_t frames, int stat
 static void on_decoder_failed(void *ctx, const char *why) {
     struct live_voice *h = ctx;
     struct error e;
-    error_set(&e, ERROR_BAD_SOUND, "its Opus decoder %s", why);
+    error_set(&e, ERROR_BAD_SOUND, "the Opus decoder %s", why);
     problem(h, &e, true);
     if (h->closed)
         go_on(h);

@@ -149,7 +149,7 @@ static bool take_answer(struct opus_process *p, size_t *at) {
     size_t bytes = (size_t)a.frames * p->channels * sizeof(int16_t);
     size_t asked = a.size + sizeof(struct question);
     if (a.frames > most || a.status > 0 || asked > p->waiting) {
-        fail(p, "made its process say what cannot be understood");
+        fail(p, "made the process that reads it send invalid data");
         return false;
     }
     if (left < sizeof a + bytes)

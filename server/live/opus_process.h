@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Decodes the Opus packets of one client in a process of its own: faccia-reader, sandboxed and limited like
- * the process of reader_process.h. The event loop does not wait for it. Whatever a packet does to the decoder
+/* Decodes the Opus packets of one client in a separate process: faccia-reader, sandboxed and limited like the
+ * process of reader_process.h. The event loop does not wait for it. Whatever a packet does to the decoder
  * only ends this client's sound. */
 #ifndef FACCIA_LIVE_OPUS_PROCESS_H
 #define FACCIA_LIVE_OPUS_PROCESS_H
 
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include <stddef.h>
 #include <uv.h>
 
@@ -31,8 +31,8 @@ struct opus_process *opus_process_new(uv_loop_t *loop, const struct reader *read
                                       unsigned channels, const struct opus_process_calls *calls, void *ctx,
                                       struct error *e);
 
-/* Sends a packet; its answer comes later. An empty packet, or one that is too long, is concealed. False:
- * the packet is dropped since too much is waiting. After a failure packets are dropped without a word. */
+/* Sends a packet; its answer comes later. An empty packet, or one that is too long, is concealed. False: the
+ * packet is dropped since too much is waiting. After a failure packets are dropped silently. */
 bool opus_process_write(struct opus_process *p, const uint8_t *bytes, size_t size);
 bool opus_process_waits(const struct opus_process *p); /* answers are still to come */
 void opus_process_free(struct opus_process *p);        /* NULL is ignored; no call follows */

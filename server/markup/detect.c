@@ -87,7 +87,8 @@ int text_check(const char *text, size_t size, const char *what, struct error *e)
     if (bad < size)
         return error_at_byte(e, ERROR_BAD_UTF8, bad, "the %s is not UTF-8", what);
     const char *nul = memchr(text, '\0', size);
-    return nul ? error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the %s holds a NUL character", what) : 0;
+    return nul ? error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the %s contains a NUL character", what)
+               : 0;
 }
 
 int prolog_read(const char *text, size_t size, struct prolog *prolog, struct error *e) {
@@ -122,7 +123,7 @@ int prolog_read(const char *text, size_t size, struct prolog *prolog, struct err
             size_t line, column;
             lines_place(&lines, text, item, &line, &column);
             return error_at_line(e, ERROR_BAD_XML, line, column,
-                                 "this is no XML: what begins here does not end");
+                                 "this is not XML: what begins here does not end");
         }
     }
     prolog->end = s.at;
@@ -197,16 +198,15 @@ int markup_decode(const char *text, size_t size, char **out, size_t *out_size, s
     while (known < count && strcmp(encodings[known].name, prolog.encoding) != 0)
         known++;
     if (known == count)
-        return at_byte(
-            e, ERROR_UNKNOWN_ENCODING, text, prolog.encoding_at,
-            "this encoding is not read here; UTF-8, ISO-8859-1, ISO-8859-9 and windows-1252, -1254 are");
+        return at_byte(e, ERROR_UNKNOWN_ENCODING, text, prolog.encoding_at,
+                       "unsupported encoding; UTF-8, ISO-8859-1, ISO-8859-9, windows-1252 and windows-1254 "
+                       "are supported");
     struct buf buf = {0};
     for (size_t i = 0; i < size; i++) {
         uint32_t c = decode((uint8_t)text[i], encodings[known].turkish, encodings[known].windows);
         if (!c && text[i]) {
             buf_free(&buf);
-            return at_byte(e, ERROR_BAD_ENCODING, text, i,
-                           "the encoding that is stated has no such character");
+            return at_byte(e, ERROR_BAD_ENCODING, text, i, "the stated encoding has no such character");
         }
         buf.size += utf8_put(c, buf_reserve(&buf, 4));
     }

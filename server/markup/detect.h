@@ -6,7 +6,7 @@
 #include "server/markup/markup_reader.h"
 
 struct prolog {
-    size_t end;       /* byte of the root element, or of whatever is there instead */
+    size_t end;       /* byte of the root element, or of the first byte that is not one */
     const char *root; /* name of the root element, not NUL-terminated; NULL: none */
     size_t root_bytes;
     bool declared;      /* has an XML declaration or a DOCTYPE, complete or not */

@@ -11,7 +11,7 @@
 
 static int fail(struct error *e) {
     return error_in_field(e, ERROR_BAD_FIELD, "languages",
-                          "must be stretches \"START-END:LANG\" of the text, parted by spaces");
+                          "must be ranges \"START-END:LANG\" of the text, separated by spaces");
 }
 
 static bool is_lang(const char *lang, size_t size) {

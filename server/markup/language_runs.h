@@ -20,9 +20,9 @@ struct language_runs {
     size_t count, cap;
 };
 
-/* Parses `written` for text[0..size), which is well-formed UTF-8. Where stretches overlap, the one that
- * begins later wins; anything beyond the end of the text is ignored. Returns -1 with *e: "bad-field" in
- * "languages". */
+/* Parses `written` for text[0..size), which is well-formed UTF-8. Where ranges overlap, the one that begins
+ * later wins; bytes beyond the end of the text are ignored. Returns -1 with *e: "bad-field" in "languages".
+ */
 int language_runs_read(struct language_runs *runs, const char *written, const char *text, size_t size,
                        struct error *e);
 void language_runs_free(struct language_runs *runs);

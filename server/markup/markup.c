@@ -164,8 +164,7 @@ static int read_words(struct score *score, const char *text, size_t size, const 
         warn(score, broken);
     if (tags.count)
         score_warn(score, tags.first, ERROR_IGNORED,
-                   "this is no document: its words are spoken, and %zu tags, of which this is the first, are "
-                   "left out",
+                   "this is not a document: its words are spoken; %zu tags are ignored, this is the first",
                    tags.count);
     words.markdown = words.markdown || memchr(copy, MARKDOWN_LEFT_OUT, size);
     int failed = plain_read(score, copy, size, &words, e);
@@ -192,8 +191,9 @@ static int read_leniently(const struct markup_kind *kind, struct score **score, 
     return read_words(*score, text, size, rules, &broken, e);
 }
 
-/* Copies a text that has the sign for what Markdown leaves out, with another control character in its place:
- * that is told and not lost. NULL: it has none, or nothing is left out here. */
+/* Returns a copy of a text that contains MARKDOWN_LEFT_OUT, which marks what Markdown removes, with another
+ * control character in its place, so that it is reported like any other control character. NULL if the text
+ * does not contain it, or nothing is removed from this text. */
 static char *without_left_out(const char *text, size_t size, const struct markup_rules *rules) {
     if (!rules || !rules->markdown_out || rules->markdown || !memchr(text, MARKDOWN_LEFT_OUT, size))
         return NULL;

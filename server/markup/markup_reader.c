@@ -23,7 +23,7 @@ void reader_language(struct tag *tag, const char *attribute) {
         return;
     size_t bad;
     if (*lang && !lang_is_tag(lang, strlen(lang), &bad)) {
-        tag_bad(tag, attribute, "is no language tag");
+        tag_bad(tag, attribute, "is not a language tag");
         return;
     }
     bool usual = !*lang || (r->rules && r->rules->lang && same_language(lang, r->rules->lang));
@@ -50,7 +50,7 @@ struct score_cue *reader_cue(struct markup_reader *r, struct frame *frame, size_
     struct score_cue *cue = add_cue(r, at, kind, name);
     size_t depth = (size_t)(frame - r->frames);
     if (!passage_open(&r->passage, r->score->cue_count - 1, at, depth))
-        score_warn(r->score, at, ERROR_IGNORED, "too many things at once: this is not acted on");
+        score_warn(r->score, at, ERROR_IGNORED, "too many behaviours at once: this one is ignored");
     return cue;
 }
 
@@ -88,11 +88,11 @@ static struct piece piece_here(const struct markup_reader *r, enum score_kind ki
 void reader_pause(struct tag *tag, const char *attribute, double seconds) {
     struct markup_reader *r = tag->r;
     if (seconds < 0) {
-        tag_bad(tag, attribute, "is less than nothing: no pause");
+        tag_bad(tag, attribute, "is negative: no pause");
         return;
     }
     if (seconds > READER_SECONDS) {
-        tag_bad(tag, attribute, "is longer than a pause may be: 60 s");
+        tag_bad(tag, attribute, "is longer than the limit of 60 s");
         seconds = READER_SECONDS;
     }
     struct piece piece = piece_here(r, SCORE_BREAK, tag->at, tag->at + tag->bytes);
@@ -215,8 +215,7 @@ void tag_check_attributes(struct tag *tag) {
             continue;
         bool known = listed(element->ignored, name);
         tag_warn(tag, name, known ? ERROR_IGNORED : ERROR_UNKNOWN_ATTRIBUTE,
-                 known ? "the attribute '%.40s' is not acted on" : "no attribute '%.40s' is known here",
-                 name);
+                 known ? "the attribute '%.40s' is ignored" : "unknown attribute '%.40s'", name);
     }
 }
 
@@ -230,7 +229,7 @@ void tag_check_references(struct tag *tag) {
             found = !strncmp(s, known[i], strlen(known[i]));
         if (!found)
             score_warn(tag->r->score, (size_t)(s - text), ERROR_ENTITY,
-                       "entities are not expanded: nothing is read here");
+                       "entities are not expanded: nothing is read in its place");
         s++;
     }
 }

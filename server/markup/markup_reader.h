@@ -118,7 +118,7 @@ bool tag_has(const struct tag *tag, const char *name);
 
 /* Returns an attribute's value and marks it as used; NULL if it is absent. */
 const char *tag_take(struct tag *tag, const char *name);
-/* Warns that the value of an attribute is invalid. why: a predicate such as "is no number". */
+/* Warns that the value of an attribute is invalid. why: a predicate such as "is not a number". */
 void tag_bad(struct tag *tag, const char *name, const char *why);
 void tag_warn(struct tag *tag, const char *name, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

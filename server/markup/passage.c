@@ -115,7 +115,7 @@ static void passage_make_runs(struct flush *f) {
         if (piece->kind == SCORE_TEXT) {
             cut_text(f, i);
         } else if (piece->kind == SCORE_MARK && passage_word(p, 0, piece->flat, &word)) {
-            passage_warn_word(p, piece->start, "the mark lies inside a word: it is reported after the word");
+            passage_warn_word(p, piece->start, "the mark is inside a word: it is reported after the word");
             f->marks = mem_grow(f->marks, &f->mark_cap, f->mark_count + 1, sizeof *f->marks);
             f->marks[f->mark_count++] = i;
             f->marks_until = word.to;
@@ -267,7 +267,7 @@ static void place_span(struct flush *f, struct span *span) {
         }
     }
     if (inside)
-        passage_warn_word(p, span->at, "this begins or ends inside a word: it holds for the whole word");
+        passage_warn_word(p, span->at, "this begins or ends inside a word: it applies to the whole word");
     if (span->cue != SPAN_STYLE) {
         struct score_cue *cue = &p->score->cues[span->cue];
         if (!span->begun)

@@ -4,6 +4,7 @@
 #include "server/base/utf8.h"
 #include "server/markup/language_runs.h"
 #include "server/markup/markdown.h"
+#include "server/markup/verse.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -73,17 +74,18 @@ static bool is_lower(uint32_t c) {
     return c <= 0x177 && c % 2 == 1;
 }
 
-static bool listed(const struct markup_rules *rules, const char *word, size_t length) {
+/* True if the word is one of the abbreviations with one of these signs before them (markup_rules). */
+static bool listed_with(const struct markup_rules *rules, const char *signs, const char *word,
+                        size_t length) {
     for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
-        if (strlen(*a) == length && !strncasecmp(*a, word, length))
+        if (**a && strchr(signs, **a) && strlen(*a + 1) == length && !strncasecmp(*a + 1, word, length))
             return true;
     return false;
 }
 
-/* True if it is one of the abbreviations that may end a sentence. */
-static bool listed_open(const struct markup_rules *rules, const char *word, size_t length) {
+static bool listed(const struct markup_rules *rules, const char *word, size_t length) {
     for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
-        if (**a == '?' && strlen(*a + 1) == length && !strncasecmp(*a + 1, word, length))
+        if (strlen(*a) == length && !strncasecmp(*a, word, length))
             return true;
     return false;
 }
@@ -109,10 +111,15 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
     size_t from = end;
     while (from > 0 && !strchr(before, text[from - 1]))
         from--;
-    size_t length = end - from, letter;
+    size_t length = end - from, letter, amount = strspn(text + from, "0123456789");
     uint32_t cp;
     if (!length)
         return false;
+    amount += amount && text[from + amount] == '-';
+    if (amount && amount + 1 < length) { /* a unit: "12-oz. can" */
+        from += amount;
+        length -= amount;
+    }
     letter = utf8_next(text + from, length, &cp);
     if (letter == length)
         return !(cp >= '0' && cp <= '9') || lower || listed(rules, "#", 1);
@@ -120,19 +127,36 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
         return true;
     if (listed(rules, text + from, length))
         return true;
-    return lower && (memchr(text + from, '.', length) || has_no_vowel(text + from, length) ||
-                     strspn(text + from, "0123456789") == length || listed_open(rules, text + from, length));
+    return lower &&
+           (memchr(text + from, '.', length) || has_no_vowel(text + from, length) ||
+            strspn(text + from, "0123456789") == length || listed_with(rules, "?^", text + from, length));
 }
 
 /* True if the word that ends before `end` is an abbreviation before a number ("no. 5"). */
 static bool stands_for_number(const char *text, size_t end, const struct markup_rules *rules) {
     size_t from = end;
-    while (from > 0 && !strchr(" \t\r\n(", text[from - 1]))
+    while (from > 0 && !strchr(" \t\r\n(-", text[from - 1]))
         from--;
-    for (const char *const *a = rules ? rules->abbreviations : NULL; a && *a; a++)
-        if (**a == '+' && strlen(*a + 1) == end - from && !strncasecmp(*a + 1, text + from, end - from))
-            return true;
-    return false;
+    return listed_with(rules, "+", text + from, end - from);
+}
+
+/* True if the sentence goes on behind the word that ends before `end` where an initial or two capitals follow
+ * ("ed. J. Smith", "Ave. NW"). */
+static bool stands_before_initial(const char *text, size_t end, const struct markup_rules *rules) {
+    size_t from = end;
+    while (from > 0 && !strchr(" \t\r\n([", text[from - 1]))
+        from--;
+    return listed_with(rules, "^", text + from, end - from);
+}
+
+/* True if the mark at `at` is an exclamation mark behind a digit: a sign of arithmetic makes it a factorial.
+ */
+static bool may_be_factorial(const char *text, size_t at) {
+    return text[at] == '!' && at && text[at - 1] >= '0' && text[at - 1] <= '9';
+}
+
+static bool is_arithmetic(uint32_t c) {
+    return c == '=' || c == '+' || c == '/' || c == '<' || c == '>' || c == 0xD7 || c == 0xF7;
 }
 
 /* True if only a number precedes `end` in its line, as in a numbered list. */
@@ -168,8 +192,19 @@ static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
         return 0;
     while (is_space(next = look(&c, &length)))
         c.at += length;
-    if (only_dots && more && c.at == c.size)
+    bool factorial = marks == 1 && may_be_factorial(c.text, start);
+    if ((only_dots || factorial) && more && c.at == c.size)
         return PLAIN_UNKNOWN;
+    if (factorial && is_arithmetic(next))
+        return 0;
+    if (only_dots && marks == 1 && next >= 'A' && next <= 'Z' &&
+        stands_before_initial(c.text, start, rules)) {
+        if (c.at + 1 == c.size && more)
+            return PLAIN_UNKNOWN;
+        if (c.at + 1 < c.size &&
+            (c.text[c.at + 1] == '.' || (c.text[c.at + 1] >= 'A' && c.text[c.at + 1] <= 'Z')))
+            return 0;
+    }
     if (only_dots && marks == 1 && next >= '0' && next <= '9' && stands_for_number(c.text, start, rules))
         return 0;
     bool lower = only_dots && is_lower(next);
@@ -333,9 +368,14 @@ static void add_text(struct score *score, const char *text, size_t at, size_t to
     }
 }
 
-/* Where the first line of text[at..to) ends that has no punctuation at its end and is not the last; `to` if
- * there is none. */
-static size_t verse_end(const char *text, size_t at, size_t to) {
+static size_t line_size(const char *text, size_t at, size_t to) {
+    const char *end = memchr(text + at, '\n', to - at);
+    return (end ? (size_t)(end - text) : to) - at;
+}
+
+/* Returns the end of the first line of text[at..to) that asks for a pause, lacks punctuation at its end and
+ * is not the last; `to` if there is none. */
+static size_t verse_end(const char *text, size_t at, size_t to, const struct markup_rules *rules) {
     for (const char *end; (end = memchr(text + at, '\n', to - at)); at = (size_t)(end - text) + 1) {
         size_t last = (size_t)(end - text), next = last;
         while (last > at && strchr(" \t\r", text[last - 1]))
@@ -344,7 +384,9 @@ static size_t verse_end(const char *text, size_t at, size_t to) {
             next++;
         bool dash = last >= 3 && !memcmp(text + last - 3, "\xE2\x80", 2) &&
                     ((uint8_t)text[last - 1] == 0x93 || (uint8_t)text[last - 1] == 0x94);
-        if (last > at && next < to && !dash && !strchr(",;:.!?-", text[last - 1]))
+        if (last > at && next < to && !dash && !strchr(",;:.!?-", text[last - 1]) &&
+            verse_asks_for_pause(text + at, last - at, text + next, line_size(text, next, to),
+                                 rules->line_words))
             return next;
     }
     return to;
@@ -356,7 +398,8 @@ static const double comma_seconds = 0.15;
 /* Adds text, with a pause at the end of each line if the rules ask for it. */
 static void add_lines(struct score *score, const char *text, size_t at, size_t to, size_t end,
                       const struct markup_rules *rules, const struct score_style *style) {
-    for (size_t next; rules && rules->verse_pauses && (next = verse_end(text, at, to)) < to; at = next) {
+    for (size_t next; rules && rules->verse_pauses && (next = verse_end(text, at, to, rules)) < to;
+         at = next) {
         add_text(score, text, at, next, next, style);
         score_add(score, SCORE_BREAK, next, next)->seconds = comma_seconds;
     }

@@ -143,7 +143,7 @@ void score_warn(struct score *score, size_t at, enum error_code code, const char
     utf8_mend(message);
     if (score->warning_count == SCORE_WARNINGS) {
         code = ERROR_MORE_WARNINGS;
-        strcpy(message, "there is more that is not acted on");
+        strcpy(message, "more is ignored");
     }
     if (!score->input) {
         error_at_byte(warning, code, at, "%s", message);
@@ -175,7 +175,7 @@ void score_bound_pauses(struct score *score, double paused) {
             if (item->seconds > left && !told) {
                 bool all = SCORE_PAUSE_TEXT - paused < SCORE_PAUSE_SENTENCE - own;
                 score_warn(score, item->start, ERROR_BAD_VALUE,
-                           "the pauses of %s may last %d s together: the rest is left out",
+                           "the pauses of %s may last %d s in total: the rest is dropped",
                            all ? "a text" : "a sentence", all ? SCORE_PAUSE_TEXT : SCORE_PAUSE_SENTENCE);
                 told = true;
             }
@@ -383,7 +383,7 @@ static void limit_cues(struct score *score) {
         while (is_in_or_behind(score, sentence + 1, cue->first))
             active -= ended[sentence++];
         if (active == SCORE_CUES) {
-            score_warn(score, cue->at, ERROR_IGNORED, "more than %d things at once: this is left out",
+            score_warn(score, cue->at, ERROR_IGNORED, "more than %d behaviours at once: this one is dropped",
                        SCORE_CUES);
             continue;
         }

@@ -6,6 +6,7 @@
 #ifndef FACCIA_MARKUP_SCORE_H
 #define FACCIA_MARKUP_SCORE_H
 
+#include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/utf8.h"
 #include <stdbool.h>
@@ -60,7 +61,7 @@ struct score_cue {
     const char *name;   /* "joy", "warn", "lplushstar"...: as the author wrote it, in lower case */
     size_t first, last; /* items [first, last); first == last: the point before item first */
     size_t around;      /* 1 + index of the nearest earlier cue that ends later; 0 = none */
-    size_t at;          /* byte of the input that asks for it */
+    size_t at;          /* position of its markup in the input, in bytes */
     double intensity;   /* 0..1 */
     double weight;      /* share of the expression in the mouth, 0..1; negative: unset (omega of the Turkish
                            thesis) */
@@ -175,7 +176,7 @@ double score_pauses(const struct score *score); /* total length, s */
 void score_append(struct score *to, const struct score *from, size_t (*place)(const void *ctx, size_t byte),
                   const void *ctx);
 
-/* Where an item's text is cut, in bytes of it. */
+/* Offsets at which an item's text is split. */
 struct score_cut {
     size_t item, at;
 };
@@ -187,5 +188,9 @@ size_t *score_cut(struct score *script, const struct score_cut *cuts, size_t cou
 
 /* Ends the sentence that began after the previous one. Does nothing if it has no items. */
 void score_end_sentence(struct score *score);
+
+/* Prints a score for people, to show what a reader understood: a line for each sentence, its items indented
+ * below it, then the cues. Positions are bytes of the input. Default values are omitted. score_dump.c */
+void score_dump(const struct score *score, struct buf *out);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/markup/score_dump.h"
+#include "server/markup/score.h"
 
 static void add_style(const struct score_style *s, struct buf *out) {
     static const char *const levels[] = {"none", "reduced", "weak", "medium", "strong"};

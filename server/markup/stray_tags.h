@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What was removed from a text. */
+/* A tag or reference removed from a text. */
 struct stray_tags {
     size_t first; /* byte of the first tag; a comment, script or style with its content counts as a tag */
     size_t count; /* 0: nothing was removed */

@@ -20,12 +20,12 @@ void style_say_as(struct tag *tag, const char *attribute, const char *class_name
     char form[SAYAS_BYTES];
     bool fits;
     if (!sayas_form(class_name, format, form, &fits)) {
-        tag_bad(tag, attribute, "is no way of reading: the text is read as usual");
+        tag_bad(tag, attribute, "is not a known way of reading: the text is read as usual");
         return;
     }
     tag->frame->style.say_as = reader_keep(tag->r, form);
     if (!fits)
-        tag_bad(tag, format ? "format" : attribute, "has a format that is not known");
+        tag_bad(tag, format ? "format" : attribute, "has an unknown format");
 }
 
 bool style_is_ipa(const char *ipa) {
@@ -71,7 +71,7 @@ void style_gesture(struct markup_reader *r, struct tag *tag) {
     if (name && *name)
         reader_cue(r, tag->frame, tag->at, "gesture", name)->intensity = intensity;
     else
-        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a gesture has a name");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a gesture needs a name");
 }
 
 bool style_take_pause(struct tag *tag, const char *attribute, double unit) {
@@ -92,7 +92,7 @@ void style_take_pause_word(struct tag *tag, const char *attribute, const struct 
     const char *value = tag_take(tag, attribute);
     const struct choice *known = value ? choice_find(words, count, value) : usual;
     if (!known)
-        tag_bad(tag, attribute, "is no length of a pause");
+        tag_bad(tag, attribute, "is not the length of a pause");
     reader_pause(tag, attribute, known ? known->value : usual->value);
 }
 
@@ -277,12 +277,12 @@ void prosody_take(struct tag *tag, const char *attribute, enum prosody_kind kind
     if (!value)
         return;
     if (!apply(kind, dialect, value, &changed)) {
-        tag_bad(tag, attribute, "is no value of this");
+        tag_bad(tag, attribute, "is not a valid value");
         return;
     }
     *factor = fmin(fmax(changed, kinds[kind].min), kinds[kind].max);
     if (*factor != changed)
-        tag_bad(tag, attribute, "goes too far: the nearest possible value is taken");
+        tag_bad(tag, attribute, "is out of range: the nearest possible value is used");
 }
 
 void prosody_take_contour(struct tag *tag, const char *attribute, double *factor) {
@@ -298,7 +298,7 @@ void prosody_take_contour(struct tag *tag, const char *attribute, double *factor
         if (length && length < sizeof pitch)
             memcpy(pitch, comma + 1, length);
         if (!apply(PROSODY_PITCH, &dialect, pitch, &one)) {
-            tag_bad(tag, attribute, "is no pitch contour");
+            tag_bad(tag, attribute, "is not a pitch contour");
             return;
         }
         sum += one;
@@ -308,5 +308,5 @@ void prosody_take_contour(struct tag *tag, const char *attribute, double *factor
         *factor = fmin(fmax(sum / (double)count, kinds[PROSODY_PITCH].min), kinds[PROSODY_PITCH].max);
     if (value)
         tag_warn(tag, attribute, count ? ERROR_IGNORED : ERROR_BAD_VALUE,
-                 count ? "of a pitch contour only its mean is acted on" : "this is no pitch contour");
+                 count ? "only the mean of a pitch contour is used" : "this is not a pitch contour");
 }

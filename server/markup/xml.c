@@ -106,7 +106,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (give_up(w))
         return;
     if (r->depth == READER_DEPTH) {
-        fail(w, ERROR_TOO_DEEP, "elements lie too deep inside each other");
+        fail(w, ERROR_TOO_DEEP, "elements are nested too deeply");
         return;
     }
     struct tag tag = {.r = r, .at = here(w), .bytes = length_here(w), .attributes = attributes};
@@ -134,8 +134,8 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (!frame->element) {
         if (!outer->vocabulary->quiet)
             score_warn(r->score, tag.at, ERROR_UNKNOWN_ELEMENT,
-                       frame->mute ? "no element '%.40s' is known: it is not acted on"
-                                   : "no element '%.40s' is known: its text is read as it is",
+                       frame->mute ? "unknown element '%.40s': it is ignored"
+                                   : "unknown element '%.40s': its text is read",
                        name);
         part_words(w, name, tag.at, tag.at + tag.bytes);
         return;
@@ -193,15 +193,14 @@ static void on_entity(void *ctx, const XML_Char *name, int is_parameter) {
     (void)is_parameter;
     if (!w->failed && !w->reader.frames[w->reader.depth].silent)
         score_warn(w->reader.score, here(w), ERROR_ENTITY,
-                   "the entity '%.40s' is not expanded: nothing is read here", name);
+                   "the entity '%.40s' is not expanded: nothing is read in its place", name);
 }
 
 static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *data) {
     struct walk *w = ctx;
     (void)data;
     if (!w->failed)
-        score_warn(w->reader.score, here(w), ERROR_IGNORED, "the instruction '%.40s' is not acted on",
-                   target);
+        score_warn(w->reader.score, here(w), ERROR_IGNORED, "the instruction '%.40s' is ignored", target);
 }
 
 /* Reports the parser's error with its position. */
@@ -209,7 +208,7 @@ static void explain(struct walk *w) {
     struct markup_reader *r = &w->reader;
     char message[200];
     enum XML_Error code = XML_GetErrorCode(w->parser);
-    snprintf(message, sizeof message, "this is no XML: %s", XML_ErrorString(code));
+    snprintf(message, sizeof message, "this is not XML: %s", XML_ErrorString(code));
     if (r->depth && (code == XML_ERROR_TAG_MISMATCH || code == XML_ERROR_NO_ELEMENTS)) {
         size_t open = r->frames[r->depth].at, line, column, length = strcspn(r->text + open + 1, " \t\r\n/>");
         lines_place(&r->score->lines, r->text, open, &line, &column);
@@ -287,9 +286,9 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
     if (prolog_read(text, size, &prolog, e))
         return -1;
     if (prolog.entities)
-        score_warn(score, prolog.entities, ERROR_ENTITY, "declarations of entities are not read");
+        score_warn(score, prolog.entities, ERROR_ENTITY, "entity declarations are ignored");
     if (prolog.instruction)
-        score_warn(score, prolog.instruction, ERROR_IGNORED, "processing instructions are not acted on");
+        score_warn(score, prolog.instruction, ERROR_IGNORED, "processing instructions are ignored");
     struct walk *w = mem_alloc(sizeof *w);
     struct markup_reader *r = &w->reader;
     *r = (struct markup_reader){

@@ -3,7 +3,7 @@
  * the cost of a match depends neither on the number of entries nor on how many of them begin alike. */
 #include "server/normalize/lexicon.h"
 #include "server/base/mem.h"
-#include "server/markup/pls.h"
+#include "server/markup/languages/pls.h"
 #include "server/normalize/lexicon_internal.h"
 #include <dirent.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
 #define FACCIA_NORMALIZE_LEXICON_H
 
 #include "server/base/error.h"
-#include "server/base/work_limit.h"
+#include "server/base/work/work_limit.h"
 #include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@
 
 enum {
     LEXICON_BYTES = 16 << 20, /* of a file */
-    LEXICON_SENT = 64 << 10,  /* of one that a client sends, bytes */
+    LEXICON_SENT = 64 << 10,  /* maximum size of a client's lexicon, bytes */
     LEXICON_ENTRIES = 500000, /* spellings in a lexicon */
     LEXICON_TOKENS = 32,      /* words, spaces and signs in a spelling */
     LEXICON_SENTENCE = 4096,  /* bytes that aliases may put into a sentence */

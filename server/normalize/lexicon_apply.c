@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the words of a script that lexicons have, and rewrites the script's items. */
 #include "server/base/mem.h"
-#include "server/markup/pls.h"
+#include "server/markup/languages/pls.h"
 #include "server/normalize/lexicon_internal.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a language file: models/normalization/README.md, models/normalization.schema.json. */
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/normalize/normalizers_internal.h"
 #include <string.h>
 

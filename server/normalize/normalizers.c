@@ -78,6 +78,11 @@ const char *const *normalizers_abbreviations(const struct normalizers *normalize
     return rules ? text_rules_abbreviations(rules) : NULL;
 }
 
+const char *const *normalizers_line_words(const struct normalizers *normalizers, const char *lang) {
+    const struct text_rules *rules = normalizers_rules(normalizers, lang);
+    return rules ? text_rules_line_words(rules) : NULL;
+}
+
 static int load_folder(struct normalizers *normalizers, const char *folder,
                        int (*one)(struct normalizers *normalizers, const char *path, struct error *e),
                        struct error *e) {

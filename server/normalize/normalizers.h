@@ -51,6 +51,9 @@ struct text_rules *normalizers_rules(const struct normalizers *normalizers, cons
  * (markup_rules.abbreviations). NULL: no file. */
 const char *const *normalizers_abbreviations(const struct normalizers *normalizers, const char *lang);
 
+/* Returns the words that tell where lines of verse run on (markup_rules.line_words). NULL: none. */
+const char *const *normalizers_line_words(const struct normalizers *normalizers, const char *lang);
+
 /* Puts a sentence's numbers, signs and abbreviations into words, in any markup. A second call does nothing.
  * Each item records which bytes of the input its words stand for (score_item.parts). langs: language of each
  * item of the sentence, from its first. voices: voice of each, because texts of different voices are

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Loads a language's rules and prepares them for matching. */
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/normalize/text_rules_internal.h"
 #include <stdio.h>
@@ -237,8 +237,9 @@ static int read_rules(struct text_rules *rules, const struct json_place *root) {
 }
 
 static int read_file(struct text_rules *rules, const char *path, const char *region, struct error *e) {
-    static const char *const keys[] = {"$comment", "tag",    "spellout", "decimal", "number", "abbreviations",
-                                       "tables",   "macros", "rules",    "regions", NULL};
+    static const char *const keys[] = {"$comment", "tag",           "spellout",   "decimal",
+                                       "number",   "abbreviations", "line_words", "tables",
+                                       "macros",   "rules",         "regions",    NULL};
     struct json_place root;
     char message[160] = "";
     if (json_place_load(path, ERROR_BAD_NORMALIZATION, &root, e))
@@ -266,6 +267,9 @@ static int read_file(struct text_rules *rules, const char *path, const char *reg
         return -1;
     struct json_place abbreviations = json_place_key(&root, "abbreviations");
     if (json_place_texts(&abbreviations, &rules->abbreviations))
+        return -1;
+    struct json_place line_words = json_place_key(&root, "line_words");
+    if (line_words.json && json_place_texts(&line_words, &rules->line_words))
         return -1;
     rules->spellout = spellout_new(spellout.json, message, sizeof message);
     if (!rules->spellout)
@@ -299,6 +303,7 @@ void text_rules_free(struct text_rules *rules) {
     free(rules->others);
     free(rules->rules);
     json_texts_free(rules->abbreviations);
+    json_texts_free(rules->line_words);
     spellout_free(rules->spellout);
     json_decref(rules->root);
     uv_mutex_destroy(&rules->lock);
@@ -315,6 +320,10 @@ json_t *text_rules_regions(const struct text_rules *rules) {
 
 const char *const *text_rules_abbreviations(const struct text_rules *rules) {
     return (const char *const *)rules->abbreviations;
+}
+
+const char *const *text_rules_line_words(const struct text_rules *rules) {
+    return (const char *const *)rules->line_words;
 }
 
 char *rules_lower(const struct text_rules *rules, const char *text) {

@@ -39,6 +39,8 @@ json_t *text_rules_regions(const struct text_rules *rules);
 
 /* Format: see markup_rules.abbreviations. */
 const char *const *text_rules_abbreviations(const struct text_rules *rules);
+/* Format: see markup_rules.line_words. NULL: none. */
+const char *const *text_rules_line_words(const struct text_rules *rules);
 
 /* Puts well-formed text into words. rules NULL: a language without a file; letters are only composed.
  * Thread-safe. Returns false if the words equal the text; *said is empty then. */

@@ -39,7 +39,7 @@ struct text_rules {
     json_t *root;
     const char *locale;
     const json_t *tables;
-    char **abbreviations; /* NULL-terminated */
+    char **abbreviations, **line_words; /* NULL-terminated; the latter may be NULL */
     struct spellout *spellout;
     struct text_rule *rules;
     size_t rule_count;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bill of materials of the container: node sbom-container.mjs ROOT PACKAGES
-// ROOT is the image's file system (`buildah mount`), PACKAGES the folder with the .deb files and their bill, which gets
+// ROOT is the image's file system (`buildah mount`), PACKAGES the folder of the .deb files and their bill of materials, which receives
 // faccia-container_VERSION.cdx.json: every package of Debian that is in the image, with its version, its licences as its copyright file
 // names them (the image's, or this machine's where the image has none), and what it depends on; faccia's with all that their own bill says.
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
@@ -24,11 +24,11 @@ const refs = new Map(installed.map((one) => [one.name, ownOf(one)?.['bom-ref'] ?
 const providers = new Map();
 for (const { name, provides } of installed)
   for (const word of provides.split(',').map((part) => part.trim().split(/[\s(]/)[0]).filter(Boolean)) providers.set(word, name);
-/** Those of the alternatives that are there. */
+/** The alternatives that are installed. */
 const found = (needs) => needs.split(/[,|]/).map((part) => part.trim().split(/[\s(:]/)[0]).map((name) => refs.get(name) ?? refs.get(providers.get(name))).filter(Boolean);
 
 const components = new Map(), dependencies = [];
-/** What of the packages' own bill is below that, but for Debian's: those are here in the versions of the image. */
+/** Includes other packages of the container's bill, except Debian's, which are listed here with the image's versions. */
 function take(ref) {
   const one = own.components.find((component) => component['bom-ref'] === ref);
   if (!one || components.has(ref)) return;

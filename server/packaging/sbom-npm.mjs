@@ -14,7 +14,7 @@ if (!folder || !out) {
 }
 const { name, version, license } = JSON.parse(readFileSync(path.join(folder, 'package.json'), 'utf8'));
 const purl = `pkg:npm/${name.replace('@', '%40')}@${version}`;
-/** The files that are in its scripts: of the element's as build.mjs tells; the client's comments name them. */
+/** Files bundled into the scripts: for the element as build.mjs reports them, for the client as named in its comments. */
 function read() {
   if (name !== '@faccia/talking-head') return readFileSync(path.join(folder, 'client.js'), 'utf8');
   const made = mkdtempSync(path.join(os.tmpdir(), 'faccia-sbom-'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What bills of materials are made of: packages of npm that are in scripts, packages of Debian, and the bill around them (CycloneDX 1.5).
+// Parts of a bill of materials (CycloneDX 1.5): npm packages bundled into scripts, Debian packages, and the bill around them.
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { existsSync, readFileSync } from 'node:fs';
@@ -10,7 +10,7 @@ const web = path.join(root, 'web');
 export const run = (program, args, options) => execFileSync(program, args, { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'inherit'], ...options });
 export const sha256 = (file) => [{ alg: 'SHA-256', content: createHash('sha256').update(readFileSync(file)).digest('hex') }];
 
-/** What some of them bring of others, as their own licences say (web/package/pack.mjs names them, too). */
+/** Third-party code that these packages contain, according to their licences (also named by web/package/pack.mjs). */
 const INSIDE = {
   three: [['draco', 'Apache-2.0'], ['basis_universal', 'Apache-2.0'], ['meshoptimizer', 'MIT']],
   'opus-decoder': [['libopus', 'BSD-3-Clause']],
@@ -42,7 +42,7 @@ export function debianLicences(name, roots) {
   return [...new Set(fields.length ? fields : common)].sort().map((licence) => ({ license: { name: licence } }));
 }
 
-/** A bill. components and dependencies are those of what it is about, which comes first in metadata. */
+/** A bill of materials for the subject in metadata; components and dependencies are the subject's. */
 export const bill = (component, components, dependencies) => ({
   bomFormat: 'CycloneDX',
   specVersion: '1.5',

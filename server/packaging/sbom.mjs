@@ -30,7 +30,7 @@ function scripts() {
 }
 
 const installed = new Map();
-/** A package of Debian as it is on this machine, on which the others are built. */
+/** Returns the Debian package installed on this machine, the base of the others. */
 function debian(name) {
   if (!installed.has(name)) {
     let version = '';

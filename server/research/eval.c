@@ -27,7 +27,7 @@ void lip_reader_add(struct lip_reader *r, int half, const struct lip_reader_samp
     r->samples[half][r->count[half]++] = *sample;
 }
 
-/* Scales features to unit variance; one that never varied in the training half becomes 0. */
+/* Scales features to unit variance; a feature that is constant in the training half becomes 0. */
 static void scale(struct lip_reader *r) {
     const struct lip_reader_sample *learnt = r->samples[READER_LEARN];
     double n = (double)r->count[READER_LEARN];
@@ -181,7 +181,7 @@ static void eval_motion(struct eval *e, const struct eval_input *in, const struc
         struct fap_frame frame;
         in->face.sample(in->face.self, t, &frame);
         for (int i = 0; i < 3; i++) {
-            /* both values are rounded: one unit is no overlap */
+            /* both values are rounded: one unit is not an overlap */
             double overlap =
                 (frame.value[pairs[i][0]] + frame.value[pairs[i][1]] - 1) * unit - FAPMAP_MAX_PRESS;
             e->overlap = fmax(e->overlap, overlap);
@@ -275,7 +275,7 @@ const struct eval_measure eval_measures[EVAL_MEASURES] = {
     {"jerk", "jerk", "Largest jerk of the gap", EVAL_JERK},
     {"overlap", "overlap", "Lips passing through each other", EVAL_MM},
     {"reader", "reader", "Shapes told apart (self-trained reader)", EVAL_SHARE},
-    {"reader_usual", "usual", "The same, always saying the commonest", EVAL_SHARE},
+    {"reader_usual", "usual", "The same, always answering the commonest", EVAL_SHARE},
 };
 
 static double share(size_t part, size_t count) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A nearest-neighbour lip reader: what of the viseme classes can be told from the lips alone. It learns from
- * half of the words and reads the other half. A sample is a phone: the lip FAPs at its middle and at the
- * middles of both neighbours; its class is its viseme group. All features are scaled to unit variance over
- * what was learnt. */
+/* A nearest-neighbour lip reader: measures how well viseme classes can be told apart by the lips alone. It
+ * learns from half of the words and reads the other half. A sample is a phone: the lip FAPs at its middle and
+ * at the middles of both neighbours; its class is its viseme group. Features are scaled to unit variance over
+ * the training half. */
 #ifndef FACCIA_RESEARCH_EVAL_H
 #define FACCIA_RESEARCH_EVAL_H
 
@@ -33,7 +33,7 @@ struct lip_reader {
     size_t count[READER_HALVES], cap[READER_HALVES];
 };
 
-/* The half to which a word belongs, ignoring ASCII case: equal words are in the same half. */
+/* Returns the half of a word, ignoring ASCII case: equal words are in the same half. */
 int lip_reader_half(const char *word, size_t size);
 
 void lip_reader_add(struct lip_reader *r, int half, const struct lip_reader_sample *sample);
@@ -54,7 +54,7 @@ void lip_reader_free(struct lip_reader *r);
 
 /* A vowel counts as rounded when the target of its corners before a pause is narrower than rest by this,
  * mm. */
-#define EVAL_ROUNDED_MM 2.0
+#define EVAL_ROUNDED_MM 0.7
 
 /* A face over time; t = s from the sentence's first sample. */
 struct eval_face {

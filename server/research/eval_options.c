@@ -15,19 +15,18 @@ static const char usage[] =
     "Usage: faccia eval [OPTION]... (TEXT | --file FILE | -)\n"
     "       faccia eval [OPTION]... --recording CURVES --phones TIMES [--other CURVES --other-phones "
     "TIMES]...\n"
-    "Measures lips: how well they can be read that speak TEXT, a file, or standard input (-), for each "
-    "engine and "
-    "speech\n"
-    "rate; or how near each engine comes to people who were recorded. A table goes to standard output unless "
+    "       faccia eval --film FILM --text WORDS [OPTION]... (see 'faccia speaker --help')\n"
+    "Measures the lips: how well lips that speak TEXT, a file, or standard input (-) can be read, for each "
+    "engine and speech\n"
+    "rate; or how close each engine comes to recorded speakers. A table goes to standard output unless "
     "--json or --svg\n"
-    "say otherwise.\n"
+    "is given.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
-    "  -v, --voice ID       a voice that 'faccia voices' lists\n"
+    "  -v, --voice ID       a voice listed by 'faccia voices'\n"
     "  -e, --engine NAME    visible-speech engine; may be given several times (all that the language has)\n"
     "      --contacts HOW   the layer of contacts over them: on, off, engine (as each has it) or both (both, "
-    "or "
-    "engine where\n"
+    "or engine where\n"
     "                       engines are named)\n"
     "      --ablation       the default engine without its shape, and without its resistance, too\n"
     "  -r, --rates LIST     words per minute, 40 to 500, with commas (80,120,160,200,240,280,320)\n"
@@ -37,35 +36,33 @@ static const char usage[] =
     "by\n"
     "      --phones FILE    the times of its phones: CSV, TextGrid, .lab, HTK or JSON; IPA, X-SAMPA or "
     "ARPAbet\n"
-    "      --other FILE     another person who says the same, brought to the same times: how like people "
+    "      --other FILE     another speaker of the same text, aligned to the same times: how alike people "
     "are\n"
     "      --other-phones FILE\n"
-    "      --shift MS       all predictions are taken so much later, -60 to 60 (0)\n"
+    "      --shift MS       delay of all predictions, -60 to 60 (0)\n"
     "      --json FILE      all figures\n"
     "      --svg FILE       a picture: the lips' gap over some words, and the measures over the rates\n"
+    "      --curve-table FILE\n"
+    "                       of recordings: each frame as measured and as each engine has it (CSV, mm; empty\n"
+    "                       where it was not recorded)\n"
     "  -h, --help           print this and exit\n"
     "\n"
     "lips, held: bilabials closed in a frame that is shown while they sound, throughout their middle third; "
-    "teeth, "
-    "held: the\n"
+    "teeth, held: the\n"
     "same for labiodentals. Both in the phones' own times, as the voice gave them.\n"
     "open, err: opening of vowels against their targets; round, protr: rounding of /o u/ against its "
     "targets; antic: how\n"
     "much of it is there in the consonant before; speed, jerk: the largest of the lips' gap; overlap: lips "
     "passing through\n"
     "each other; reader: visemes told by a nearest neighbour that learnt from half of the words of the same "
-    "engine: "
-    "it\n"
+    "engine: it\n"
     "measures how well an engine keeps its shapes apart, not whether a person could read them (a plain table "
-    "does "
-    "best);\n"
+    "does best);\n"
     "usual: the same by always saying the commonest one. How they are taken: server/research/eval.h.\n"
     "Of recordings, for each parameter: r, the correlation; rms, the error in mm when the prediction may be "
-    "moved by "
-    "a\n"
+    "moved by a\n"
     "constant; affine, when it may be scaled, too; shift, in ms within 60, the one with the highest r, and "
-    "that r. "
-    "reader:\n"
+    "that r. reader:\n"
     "visemes told by a nearest neighbour that learnt from the people and reads the engine.\n"
     "FILE - is standard input or output. Exit status: 0 measured, 1 failed, 2 wrong usage.\n";
 
@@ -87,7 +84,7 @@ static int read_rates(void *ctx, const char *name, const char *list) {
         double rate = strtod(list, &end);
         if (end == list || (*end && *end != ',') || !(rate >= 40 && rate <= 500) ||
             o->rate_count == EVAL_RATES) {
-            cli_complain("--%s: must be up to %d numbers from 40 to 500 with commas between them", name,
+            cli_complain("--%s: must be up to %d numbers from 40 to 500, separated by commas", name,
                          EVAL_RATES);
             return EXIT_USAGE;
         }
@@ -113,14 +110,14 @@ static int add_engine(void *ctx, const char *option, const char *name) {
             if (!strcmp(*engine, name))
                 found = *engine;
     if (!found) {
-        cli_complain("%s: no engine '%s'", option, name);
+        cli_complain("%s: unknown engine '%s'", option, name);
         return EXIT_USAGE;
     }
     for (size_t i = 0; i < o->engine_count; i++)
         if (o->engines[i] == found)
             return -1;
     if (o->engine_count == STRETCH_ENGINES / 2) {
-        cli_complain("--%s: at most %d", option, STRETCH_ENGINES / 2);
+        cli_complain("--%s: the limit is %d", option, STRETCH_ENGINES / 2);
         return EXIT_USAGE;
     }
     o->engines[o->engine_count++] = found;
@@ -148,7 +145,7 @@ static int read_contacts(void *ctx, const char *option, const char *word) {
 static int add_recording(void *ctx, const char *name, const char *path) {
     struct eval_options *o = ((struct parse *)ctx)->o;
     if (o->people == EVAL_PEOPLE) {
-        cli_complain("--%s: at most %d", name, EVAL_PEOPLE);
+        cli_complain("--%s: the limit is %d", name, EVAL_PEOPLE);
         return EXIT_USAGE;
     }
     o->curves[o->people++] = path;
@@ -180,7 +177,15 @@ static int check(const struct eval_options *o) {
             return EXIT_USAGE;
         }
     if (o->people && o->svg_path) {
-        cli_complain("--svg: there is no picture of recordings");
+        cli_complain("--svg: recordings have no chart");
+        return EXIT_USAGE;
+    }
+    if (!o->people && o->curves_path) {
+        cli_complain("--curve-table: needs --recording");
+        return EXIT_USAGE;
+    }
+    if (o->json_path && o->curves_path && !strcmp(o->json_path, "-") && !strcmp(o->curves_path, "-")) {
+        cli_complain("only one of --json and --curve-table can go to standard output");
         return EXIT_USAGE;
     }
     if (o->json_path && o->svg_path && !strcmp(o->json_path, "-") && !strcmp(o->svg_path, "-")) {
@@ -236,6 +241,7 @@ int eval_options_parse(int argc, char **argv, struct eval_options *o, struct buf
         {"shift", 0, CLI_NUMBER, &shift, -60, 60, NULL},
         {"json", 0, CLI_TEXT, &o->json_path, 0, 0, NULL},
         {"svg", 0, CLI_TEXT, &o->svg_path, 0, 0, NULL},
+        {"curve-table", 0, CLI_TEXT, &o->curves_path, 0, 0, NULL},
         {0},
     };
     int status = read_rates(&parse, "rates", "80,120,160,200,240,280,320");

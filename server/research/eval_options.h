@@ -36,7 +36,7 @@ enum { EVAL_RATES = 32, EVAL_PEOPLE = 64 };
 
 struct eval_options {
     struct speech_request request;
-    const char *json_path, *svg_path;
+    const char *json_path, *svg_path, *curves_path;
     double rates[EVAL_RATES]; /* ascending */
     size_t rate_count;
     const char *engines[STRETCH_ENGINES];

@@ -6,14 +6,14 @@
 #include <string.h>
 
 static const char usage[] = "Usage: faccia anova (--csv FILE... | --means FILE)\n"
-                            "One-way analysis of variance of a listening test: at each signal-to-noise "
+                            "Analyses the variance of a listening test (one-way): at each signal-to-noise "
                             "ratio, do the modes of presentation differ,\n"
-                            "all together and each from each? Prints F, its degrees of freedom, and p, the "
-                            "chance of such an F if they did not.\n"
+                            "all together and in pairs? Prints F, its degrees of freedom, and p, the "
+                            "probability of such an F if they did not.\n"
                             "\n"
-                            "  -c, --csv FILE     answers as the page of 'faccia stimuli' writes them "
-                            "(columns listener, mode, snr, correct);\n"
-                            "                     may be given several times, one file for each listener\n"
+                            "  -c, --csv FILE     answers as saved by the page of 'faccia stimuli' (columns "
+                            "listener, mode, snr, correct);\n"
+                            "                     may be repeated, one file for each listener\n"
                             "  -m, --means FILE   instead: CSV with the columns snr, mode, mean, variance, n "
                             "of the listeners' proportions correct\n"
                             "  -h, --help         print this and exit\n"
@@ -103,7 +103,7 @@ int anova_main(int argc, char **argv, const struct settings *settings) {
         if (c == '?')
             status = wrong(NULL);
         else if (means > 1 || (means && csv))
-            status = wrong("either --csv, or one --means");
+            status = wrong("give either --csv or one --means");
         else
             status = read_file(optarg, c == 'm', &votes, &results);
     }
@@ -119,7 +119,7 @@ int anova_main(int argc, char **argv, const struct settings *settings) {
         if (results.count) {
             print_results(&results);
         } else {
-            cli_complain("there are no results in it");
+            cli_complain("it contains no results");
             status = EXIT_FAILED;
         }
     }

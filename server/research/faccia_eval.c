@@ -34,6 +34,7 @@ struct recordings {
     size_t variant_count;
     bool use[PERSON_MEASURES]; /* measures that all recordings have; input of the lip reader */
     struct line lines[LINES];
+    struct cli_file table; /* of frames; its file is NULL when none is wanted */
 };
 
 /* Words per minute actually spoken, including pauses. */
@@ -138,7 +139,7 @@ static const char *label(const struct recordings *r, size_t line) {
 static void print(const struct recordings *r, FILE *out) {
     static const int order[] = {PERSON_APERTURE, PARAM_LI, PARAM_LS, PARAM_AR, PARAM_PI,
                                 PARAM_PS,        PARAM_EM, PARAM_TH, PARAM_TA, PARAM_TB};
-    fprintf(out, "%zu recordings, %s, predictions %g ms later\n", r->options->people,
+    fprintf(out, "%zu recordings, %s, predictions delayed by %g ms\n", r->options->people,
             speech_pack_lang(r->pack), r->options->shift * 1000);
     for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
         int m = order[k];
@@ -157,7 +158,7 @@ static void print(const struct recordings *r, FILE *out) {
                     s[2] / n, s[3] / n, s[4] / n, s[5] / n);
         }
     }
-    fprintf(out, "\n%-33s %6s %7s %7s\n", "reader, taught by people", "right", "of", "usual");
+    fprintf(out, "\n%-33s %6s %7s %7s\n", "reader, trained on people", "right", "of", "usual");
     for (size_t i = 0; i < LINES; i++)
         if (label(r, i))
             fprintf(out, "%-33s %6zu %7zu %7zu\n", label(r, i), r->lines[i].read.right, r->lines[i].read.read,
@@ -189,6 +190,8 @@ static int recordings_write(const struct recordings *r) {
     struct cli_file file;
     int status = EXIT_DONE;
     if (!r->options->json_path) {
+        if (r->options->curves_path && !strcmp(r->options->curves_path, "-"))
+            return EXIT_DONE;
         print(r, stdout);
         return fflush(stdout) ? EXIT_FAILED : EXIT_DONE;
     }
@@ -226,8 +229,8 @@ static int read_person(const char *curves, const char *phones, struct measured_s
     double start, end;
     person_speech(out, &start, &end);
     if (!result && (out->times[0] > end || out->times[out->frame_count - 1] < start || end <= start))
-        result = error_set(&e, ERROR_BAD_CURVES,
-                           "the curves are not those of the phones' time, %.3f to %.3f s", start, end);
+        result = error_set(&e, ERROR_BAD_CURVES, "the curves do not cover the phones' time, %.3f to %.3f s",
+                           start, end);
     if (result)
         cli_complain("%s: %s", path, error_text(&e, text, sizeof text));
     return result;
@@ -280,7 +283,28 @@ static void add_person(const struct recordings *r, struct lip_reader *reader, in
     phone_segments_free(&g);
 }
 
-static void measure_engine(struct recordings *r, size_t variant, const struct measured_speech *person) {
+/* Adds a measure's frames to the table, without a measured value if the person's was not recorded. */
+static void write_frames(const struct recordings *r, size_t recording, size_t line, int measure,
+                         double (*predict)(void *ctx, double t), void *ctx, double always) {
+    const struct measured_speech *person = &r->people[recording];
+    double start, end;
+    char measured[32] = "";
+    person_speech(person, &start, &end);
+    for (size_t i = 0; r->table.file && i < person->frame_count; i++) {
+        double t = person->times[i];
+        if (t < start || t > end)
+            continue;
+        const char *contacts = line == OTHER ? "" : r->variants[line].contacts == CONTACTS_ON ? "on" : "off";
+        if (person_has(person, measure))
+            snprintf(measured, sizeof measured, "%.4f", person_at(person, measure, t));
+        fprintf(r->table.file, "%zu,%s,%s,%s,%.4f,%s,%.4f\n", recording + 1,
+                line == OTHER ? "another person" : r->variants[line].engine, contacts,
+                person_measures[measure], t, measured, predict(ctx, t - always));
+    }
+}
+
+static void measure_engine(struct recordings *r, size_t variant, size_t recording) {
+    const struct measured_speech *person = &r->people[recording];
     struct line *line = &r->lines[variant];
     struct sentence_audio *u = person_audio(person);
     struct face_options options = {
@@ -288,6 +312,7 @@ static void measure_engine(struct recordings *r, size_t variant, const struct me
     struct face_track *track = face_track_new(r->pack, u, &options, NULL, NULL);
     struct person_face face = {r->pack, {sample, track}, 0};
     for (face.measure = 0; face.measure < PERSON_MEASURES; face.measure++) {
+        write_frames(r, recording, variant, face.measure, person_face_at, &face, r->options->shift);
         if (!person_has(person, face.measure))
             continue;
         struct curve_match_shifted m =
@@ -312,12 +337,14 @@ static int measure_other(struct recordings *r, size_t i) {
         phones += r->people[i].phones[k].ipa[0] != '\0';
     bool same = 2 * warp.matched >= phones;
     if (!same)
-        cli_complain("%s: does not say the same as %s", r->options->other_phones[i], r->options->phones[i]);
+        cli_complain("%s: the text differs from that of %s", r->options->other_phones[i],
+                     r->options->phones[i]);
     for (warp.measure = 0; same && warp.measure < PERSON_MEASURES; warp.measure++) {
         if (!person_has(&r->people[i], warp.measure) || !person_has(&r->others[i], warp.measure))
             continue;
         struct curve_match_shifted m = person_match(&r->people[i], warp.measure, person_warp_at, &warp, 0);
         note(line, warp.measure, &m);
+        write_frames(r, i, OTHER, warp.measure, person_warp_at, &warp, 0);
     }
     /* The lip reader learns from this speaker only, as the other may be among the recordings. */
     struct lip_reader reader = {0};
@@ -355,15 +382,19 @@ static int compare_engines(struct recordings *r, const struct speech_packs *pack
     const char *lang = o->request.lang ? o->request.lang : "it";
     r->pack = speech_packs_find(packs, lang);
     if (!r->pack) {
-        cli_complain("lang: no language '%s'", lang);
+        cli_complain("lang: unknown language '%s'", lang);
         return EXIT_USAGE;
     }
     int status = choose(r);
     if (status || read_people(r))
         return status ? status : EXIT_FAILED;
+    if (o->curves_path && cli_create(&r->table, o->curves_path))
+        return EXIT_FAILED;
+    if (r->table.file)
+        fputs("recording,engine,contacts,parameter,time,measured,predicted\n", r->table.file);
     for (size_t i = 0; i < o->people; i++) {
         for (size_t v = 0; v < r->variant_count; v++)
-            measure_engine(r, v, &r->people[i]);
+            measure_engine(r, v, i);
         if (o->other_curves[i] && measure_other(r, i))
             return EXIT_FAILED;
     }
@@ -389,6 +420,8 @@ static int eval_recordings(const struct eval_options *o, const struct settings *
         cli_complain("%s", error_text(&e, text, sizeof text));
     else
         status = compare_engines(r, &components.packs);
+    if (cli_finish(&r->table, status == EXIT_DONE) && status == EXIT_DONE)
+        status = EXIT_FAILED;
     measured_speech_free_all(r->people, o->people);
     measured_speech_free_all(r->others, o->people);
     for (size_t i = 0; i < LINES; i++)
@@ -554,7 +587,17 @@ static int evaluate(struct run *run) {
     return status;
 }
 
+/* Tells whether films are to be compared, which a Node.js program does with eval --recording. */
+static bool has_film(int argc, char **argv) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
+        if (!strcmp(argv[i], "--film") || !strncmp(argv[i], "--film=", strlen("--film=")))
+            return true;
+    return false;
+}
+
 int eval_main(int argc, char **argv, const struct settings *settings) {
+    if (has_film(argc, argv))
+        return speaker_main(argc, argv, settings);
     struct run *run = mem_alloc(sizeof *run);
     struct buf text = {0};
     request_init(&run->options.request);

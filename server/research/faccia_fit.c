@@ -3,6 +3,8 @@
 #include "server/cli/cli.h"
 #include "server/research/fit.h"
 #include "server/research/fit_read.h"
+#include "server/research/plot.h"
+#include <errno.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdbool.h>
@@ -10,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- options ---- */
@@ -17,7 +20,7 @@
 enum { FIT_TESTS = 64 };
 
 struct fit_choices {
-    const char *base, *tag, *name, *output; /* NULL = not given */
+    const char *base, *tag, *name, *output, *plot; /* NULL = not given */
     int first, then;
     double strength; /* 0 = search for it */
     bool compare, rest, own;
@@ -66,6 +69,11 @@ static const char usage[] =
     "      --first N        iterations of each trial of the choice (3)\n"
     "      --then N         iterations of the fit itself (10)\n"
     "      --compare        fit the function of Cohen and Massaro to the same, to see its error\n"
+    "      --plot FOLDER    draw LI.svg... there: the recorded curve (of repetitions mean and standard "
+    "deviation), the pack's\n"
+    "                       before and after the fit at the scale and level that suit each recording best, "
+    "and each phone's\n"
+    "                       dominance; the errors of what is drawn are printed\n"
     "  -o, --output FILE    the pack; standard output when left out. It is found in models/speech, beside "
     "its base\n"
     "  -h, --help           print this and exit\n"
@@ -81,7 +89,7 @@ enum { MAX_ITERATIONS = 1000 };
 static int add_test(void *ctx, const char *name, const char *path) {
     struct fit_choices *f = ctx;
     if (f->test_count == FIT_TESTS) {
-        cli_complain("--%s: at most %d", name, FIT_TESTS);
+        cli_complain("--%s: the limit is %d", name, FIT_TESTS);
         return EXIT_USAGE;
     }
     f->tests[f->test_count++] = path;
@@ -95,6 +103,7 @@ static int fit_options_parse(int argc, char **argv, struct fit_choices *f) {
         {"tag", 't', CLI_TEXT, &f->tag, 0, 0, NULL},
         {"name", 'n', CLI_TEXT, &f->name, 0, 0, NULL},
         {"output", 'o', CLI_TEXT, &f->output, 0, 0, NULL},
+        {"plot", 0, CLI_TEXT, &f->plot, 0, 0, NULL},
         {"test", 0, CLI_CALL, NULL, 0, 0, add_test},
         {"rest", 0, CLI_FLAG, &f->rest, 0, 0, NULL},
         {"own", 0, CLI_FLAG, &f->own, 0, 0, NULL},
@@ -236,10 +245,10 @@ static void print_errors(const struct fit *fit, const char *function) {
                 speech_params[p], function, fit->unfitted[p], fit->error[p], fit->held_out_unfitted[p],
                 fit->held_out[p]);
         if (fit->level[p] == FIT_SCALE)
-            fputs("kept as it was: held-out gain below one standard error", stderr);
+            fputs("kept unchanged: the held-out gain is below one standard error", stderr);
         else
             fprintf(stderr, "strength %g mm, %s", fit->strength[p], fit_level_names[fit->level[p]]);
-        fprintf(stderr, "; the speaker's scale %.2f\n", fit->scale[p]);
+        fprintf(stderr, "; speaker scale %.2f\n", fit->scale[p]);
     }
 }
 
@@ -294,22 +303,89 @@ static void fit_pack_of(struct fitting *f, struct speech_pack *pack, enum target
     print_tests(&before, &after);
 }
 
+/* Leone, "LUCIA-WebGL", chapter 3.4.3: error of fits to one sequence of sounds at a time, over all
+ * parameters. */
+#define THESIS_ERROR 0.3
+
+/* Compares a fit to this speaker alone with the thesis. */
+static void print_beside_thesis(const struct fit *fit) {
+    double sum = 0;
+    int count = 0;
+    for (int p = PARAM_LI; p <= PARAM_EM; p++)
+        if (fit->fitted[p]) {
+            sum += fit->error[p];
+            count++;
+        }
+    if (count)
+        fprintf(stderr,
+                "lips and jaw: fitted %.3f mm, the mean of %d parameters; below %g mm in Leone's fits to one "
+                "sequence at a time\n",
+                sum / count, count, THESIS_ERROR);
+}
+
+static int draw_fit(const struct fitting *f, const struct fit_plot *plot) {
+    char *path = mem_alloc(strlen(f->choices.plot) + 16);
+    struct buf svg = {0};
+    struct cli_file out;
+    sprintf(path, "%s/%s.svg", f->choices.plot, speech_params[plot->param]);
+    fit_plot_draw(plot, &svg);
+    int failed = cli_create(&out, path);
+    if (!failed) {
+        fwrite(svg.data, 1, svg.size, out.file);
+        failed = cli_finish(&out, true);
+    }
+    if (!failed)
+        fprintf(stderr, "%s, drawn: unfitted %.3f mm, fitted %.3f mm: %s\n", speech_params[plot->param],
+                plot->unfitted, plot->fitted, path);
+    buf_free(&svg);
+    free(path);
+    return failed;
+}
+
+/* Draws each fitted parameter. */
+static int draw_fits(const struct fitting *f, const struct speech_pack *before,
+                     const struct speech_pack *after, const struct fit *fit) {
+    struct fit_options options = {.function = TARGETS_LOOK_AHEAD, .rest_known = f->choices.rest};
+    double error[PARAM_COUNT], unfitted[PARAM_COUNT], fitted[PARAM_COUNT];
+    struct stat info;
+    int failed = 0;
+    if (mkdir(f->choices.plot, 0777) &&
+        (errno != EEXIST || stat(f->choices.plot, &info) || !S_ISDIR(info.st_mode))) {
+        cli_complain("--plot: cannot make the folder %s", f->choices.plot);
+        return -1;
+    }
+    fit_errors(before, f->recordings, f->count, &options, error, unfitted);
+    fit_errors(after, f->recordings, f->count, &options, error, fitted);
+    for (int p = 0; p < PARAM_COUNT && !failed; p++) {
+        struct fit_plot plot = {p, f->recordings, f->count, before, after, &options, unfitted[p], fitted[p]};
+        if (fit->fitted[p])
+            failed = draw_fit(f, &plot);
+    }
+    return failed;
+}
+
 static int fit_all(struct fitting *f, const char *models, char **paths, int count) {
     struct speech_pack *pack = load_base(f, models);
     int status = !pack || read_recordings(f, paths, count, f->choices.rest ? &pack->rest : NULL) ? EXIT_FAILED
                                                                                                  : EXIT_DONE;
     if (!status) {
         struct fit fit, original;
-        struct speech_pack *other = f->choices.compare ? load_base(f, models) : NULL;
+        struct speech_pack *other = f->choices.compare ? load_base(f, models) : NULL,
+                           *before = f->choices.plot ? load_base(f, models) : NULL;
         f->show_progress = isatty(STDERR_FILENO);
         fit_pack_of(f, pack, TARGETS_LOOK_AHEAD, &fit);
+        if (f->choices.own)
+            print_beside_thesis(&fit);
         if (other) {
             fit_pack_of(f, other, TARGETS_ORIGINAL, &original);
             fit_free(&original);
         }
         status = write_pack(f, pack, &fit);
+        if (before && draw_fits(f, before, pack, &fit))
+            status = EXIT_FAILED;
         fit_free(&fit);
         speech_pack_free(other);
+        speech_pack_free(before);
     }
     speech_pack_free(pack);
     if (f->recordings)
@@ -326,5 +402,22 @@ int fit_main(int argc, char **argv, const struct settings *settings) {
     if (status < 0)
         status = fit_all(f, settings->models, argv + optind, argc - optind);
     free(f);
+    return status;
+}
+
+/* faccia speaker: aligns, measures and fits films. The Node.js tool starts this program with its models. */
+int speaker_main(int argc, char **argv, const struct settings *settings) {
+    enum { ADDED = 4 };
+    char self[4096] = {0}, faccia[] = "--faccia", models[] = "--models",
+         *folder = mem_strdup(settings->models);
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    char **words = mem_alloc(((size_t)argc + ADDED) * sizeof *words);
+    if (length <= 0)
+        snprintf(self, sizeof self, "%s", "faccia");
+    memcpy(words, (char *[ADDED]){faccia, self, models, folder}, ADDED * sizeof *words);
+    memcpy(words + ADDED, argv + 1, (size_t)(argc - 1) * sizeof *words);
+    int status = cli_run_tool(settings, "lips/faccia-speaker", argv[0], argc - 1 + ADDED, words);
+    free(words);
+    free(folder);
     return status;
 }

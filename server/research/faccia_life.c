@@ -11,17 +11,17 @@
 
 static const char usage[] =
     "Usage: faccia life [OPTION]... [TEXT | --file FILE | -]\n"
-    "Lets the face live, for some time without speech or while it speaks TEXT, and prints in figures what "
-    "it\n"
-    "did: blinks, saccades, where it looked, how the head moved. Only the life of the face is counted.\n"
+    "Runs the face's idle motion, for some time without speech or while it speaks TEXT, and prints "
+    "statistics of it:\n"
+    "blinks, saccades, gaze and head movement. Only idle motion is counted.\n"
     "\n"
-    "      --seconds N      without a text: how long, 1 to 86400 (600)\n"
-    "      --seed N         another life; the same number gives the same life (0)\n"
-    "      --strength X     0 to 2; 1 is as people are (1)\n"
-    "  -l, --lang TAG       language of the text, any that a voice speaks (it)\n"
+    "      --seconds N      duration without a text, 1 to 86400 (600)\n"
+    "      --seed N         random seed: the same number gives the same motion (0)\n"
+    "      --strength X     strength of the motion, 0 to 2; 1 is natural (1)\n"
+    "  -l, --lang TAG       language of the text, any with a voice (it)\n"
     "  -f, --file FILE      the text\n"
     "      --fps N          frames per second, 25 to 1000 (100)\n"
-    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 

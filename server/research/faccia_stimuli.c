@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/fapfile.h"
 #include "server/base/buf.h"
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/research/noise.h"
@@ -241,7 +241,7 @@ static int add_film(struct kit *kit, size_t number) {
         snprintf(wav, sizeof wav, "wav/%s_video_%gdB.wav", item, snr);
         failed = !noise_mix(film.pcm, film.samples, film.from, film.to, snr, seed_of(kit, number, i), mixed);
         if (failed)
-            cli_complain("%s/%s.wav: nothing is heard where the word should be", kit->shown.films, item);
+            cli_complain("%s/%s.wav: silent where the word should be", kit->shown.films, item);
         failed = failed || write_wav(kit, wav, mixed, film.samples, film.sample_rate);
         add_trial(kit, item, "video", snr, wav, "video", name);
     }
@@ -273,7 +273,7 @@ static int kit_item(struct kit *kit, size_t number) {
         double snr = kit->set.snrs[i];
         snprintf(wav, sizeof wav, "wav/%s_%gdB.wav", item->name, snr);
         if (!noise_mix(u->pcm, u->samples, from, to, snr, seed_of(kit, number, i), mixed)) {
-            cli_complain("%s: the voice said nothing", item->name);
+            cli_complain("%s: the voice produced no sound", item->name);
             failed = -1;
             break;
         }
@@ -366,15 +366,14 @@ static const char usage[] =
     "Each word comes in three modes: sound alone, and with the face of two engines (or a still face) at the "
     "same sound.\n"
     "\n"
-    "  -o, --out DIR        where to; made if it is not there\n"
-    "  -v, --voice ID       a voice that 'faccia voices' lists (the language's first)\n"
+    "  -o, --out DIR        output folder, created if missing\n"
+    "  -v, --voice ID       a voice listed by 'faccia voices' (the language's first)\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "  -e, --engine NAME    of the second and, given again, of the third mode; 'still' is a face at rest "
     "(the first two\n"
     "                       engines there are)\n"
     "      --faces LIST     who is seen, with commas between: 'head'; 'pictures' or 'pictures:FILE', a set "
-    "of "
-    "pictures (the\n"
+    "of pictures (the\n"
     "                       daemon's, or a file) moved by the first engine; 'video:DIR', films of a real "
     "speaker with their\n"
     "                       own sound: DIR/WORD.mp4 or .webm, WORD.wav, and words.json, {\"WORD\": "
@@ -492,11 +491,11 @@ static int add_face(struct kit *kit, const char *name) {
         engine++;
     const char *face = *engine ? *engine : !strcmp(name, kit_still) ? kit_still : NULL;
     if (!face) {
-        cli_complain("engine: no engine '%s'", name);
+        cli_complain("engine: unknown engine '%s'", name);
         return EXIT_USAGE;
     }
     if (kit->face_count == KIT_FACES || (kit->face_count && kit->faces[0] == face)) {
-        cli_complain("--engine: at most %d, and different ones", KIT_FACES);
+        cli_complain("--engine: at most %d, all different", KIT_FACES);
         return EXIT_USAGE;
     }
     kit->faces[kit->face_count++] = face;
@@ -561,7 +560,7 @@ static int parse(int argc, char **argv, struct kit *kit) {
     if (status < 0 && stimuli_faces_parse(&kit->shown, faces))
         status = EXIT_USAGE;
     if (status < 0 && (optind < argc || !kit->out)) {
-        cli_complain(kit->out ? "unexpected '%s'" : "no folder: give --out", argv[optind]);
+        cli_complain(kit->out ? "unexpected '%s'" : "no output folder: give --out", argv[optind]);
         status = EXIT_USAGE;
     }
     return status;

@@ -9,7 +9,12 @@
 /* ---- cross-validation: how much of a pack may change, and how strongly the fit is held to it, by the
  * rule of one standard error (Breiman, Friedman, Olshen and Stone, "Classification and regression trees",
  * 1984, 3.4.3): from the unchanged pack over few, firmly held changes to many, loosely held ones, the
- * first whose error exceeds the least by at most one standard error ---- */
+ * first whose error exceeds the least by at most one standard error, or by so little that no recording
+ * shows it ---- */
+
+/* Difference of held-out errors that no recording resolves, mm: a hundredth of an articulograph's accuracy.
+ * The rounding of FAPs alone makes differences of 0.001 mm. */
+#define LEAST_GAIN 0.005
 
 /* mm of error that a change by one spread is weighed against, from firm to loose. */
 static const double strengths[] = {12, 6, 3, 1.2, 0.4, 0.12};
@@ -100,6 +105,8 @@ static void task_choose(struct task *task) {
     task->level = FIT_SCALE;
     moves_choose(task, FIT_SCALE);
     run_trial(task, x, task->options->then, &trials[0], frames);
+    for (int i = 0; i < TASK_FOLDS; i++) /* the same for all trials */
+        all += frames[i];
     if (task->options->strength > 0) {
         task->strength = task->options->strength;
         task->level = FIT_PHONES;
@@ -112,12 +119,12 @@ static void task_choose(struct task *task) {
         for (size_t i = 1; i < count; i++)
             if (trials[i].sum < trials[best].sum)
                 best = i;
-        double most = trials[best].sum + standard_error(&trials[0], &trials[best], frames);
+        double unresolved = sqrt(trials[best].sum / (double)(all ? all : 1)) + LEAST_GAIN;
+        double most = fmax(trials[best].sum + standard_error(&trials[0], &trials[best], frames),
+                           (double)all * unresolved * unresolved);
         while (trials[chosen].sum > most)
             chosen++;
     }
-    for (int i = 0; i < TASK_FOLDS; i++)
-        all += frames[i];
     task->level = trials[chosen].level;
     task->strength = trials[chosen].strength;
     task->fit->held_out[task->param] = sqrt(trials[chosen].sum / (double)(all ? all : 1));
@@ -302,6 +309,24 @@ void fit_errors(const struct speech_pack *pack, const struct measured_speech *re
         shape_errors[task.param] = frames ? sqrt(sum / (double)frames) : NAN;
     }
     close_tracks(tracks, count);
+    fit_free(&fit);
+}
+
+void fit_shape(const struct speech_pack *pack, const struct measured_speech *recording,
+               const struct fit_options *options, int param, double *out) {
+    struct fit_options quiet = *options;
+    struct fit fit = {0};
+    quiet.warn = NULL;
+    struct fit_track *tracks = open_tracks(pack, recording, 1, &quiet, &fit);
+    struct task task = {.pack = pack,
+                        .options = &quiet,
+                        .param = param,
+                        .fit = &fit,
+                        .tracks = tracks,
+                        .track_count = 1,
+                        .held = -1};
+    task_shape(&task, tracks, out);
+    close_tracks(tracks, 1);
     fit_free(&fit);
 }
 

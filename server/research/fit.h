@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fitting a speaker (Leone, "LUCIA-WebGL", chapter 3.4.3): the coefficients with which the engine's own
- * curves F come nearest to recorded ones Y, by minimising Z(x) = sum over n of (Y(n) - F(n, x))^2 (3.20). */
+/* Fits a speaker (Leone, "LUCIA-WebGL", chapter 3.4.3): finds the coefficients with which the engine's curves
+ * F come nearest to recorded curves Y, by minimising Z(x) = sum over n of (Y(n) - F(n, x))^2 (3.20). */
 #ifndef FACCIA_RESEARCH_FIT_H
 #define FACCIA_RESEARCH_FIT_H
 
@@ -14,7 +14,7 @@ struct fit_entry {
     size_t context;
 };
 
-/* What is let move, each with what comes before it. */
+/* Parameters that the fit may change; each level includes the previous ones. */
 enum fit_level {
     FIT_SCALE,  /* nothing but the scale of all movements, which is the speaker's: the pack as it was */
     FIT_KINDS,  /* all vowels alike, and all consonants alike */
@@ -24,10 +24,10 @@ enum fit_level {
 };
 extern const char *const fit_level_names[FIT_LEVELS];
 
-/* How much of what one speaker does differently from a pack is taken over for all. Nobody can tell from one
- * speaker how much others share of it. Half of the way gains on others when they share a quarter of it (in
- * mean squares; the whole way only when they share half), and three quarters of what can be gained on the
- * speaker. */
+/* Share of a speaker's deviation from the pack that is adopted for all speakers. One speaker does not reveal
+ * how much others share of it. Half of the way improves other speakers when they share a quarter of it (in
+ * mean squares; the whole way only when they share half), and three quarters of the gain for the speaker
+ * remain. */
 #define FIT_SHARED 0.5
 
 struct fit_step {
@@ -43,10 +43,10 @@ struct fit_options {
     enum targets_function function;
     int first, then; /* iterations of each trial while the strength is chosen, of the fit itself */
     double strength; /* 0 = chosen by cross-validation, as is the level; otherwise all may move */
-    /* The pack is to be of this speaker alone. Otherwise it is to serve other people and other days, too: it
-     * goes FIT_SHARED of the way from the pack to the speaker, and its curves go on to move as far as they
-     * did. How far somebody moves is a matter of the face and of where the markers sat as much as of the
-     * language, and the heads that will move have faces of their own. */
+    /* Fits the pack to this speaker alone. Otherwise it serves other speakers and days, too: it goes
+     * FIT_SHARED of the way from the pack to the speaker, and keeps the range of its curves. A speaker's
+     * range depends on the face and the position of the sensors as much as on the language, and the heads
+     * have faces of their own. */
     bool own;
     /* The curves are relative to the mouth at rest, lips closed, which it is in pauses. Otherwise their level
      * is free, and pauses do not count: people wait and breathe with open mouths. */
@@ -74,22 +74,24 @@ struct fit {
     double strength[PARAM_COUNT]; /* infinite at FIT_SCALE */
 };
 
-/* Replaces the coefficients of what the recordings contain, and of what is in the same groups, in the pack's
- * own tables: load a pack for this alone. Parameters that no recording has are left as they are. The
- * recordings begin at 0 s.
- *
- * The fit is held to the pack that it starts from: Z has a further sum, of the squares of all moves in units
- * of what may be expected of them, times a strength. Strength and level are chosen by cross-validation
- * (fit_task.c, fit.c). */
+/* Replaces the coefficients of the recorded phones and of their groups in the pack's tables: load a separate
+ * pack for it. Parameters without a recording are unchanged. The recordings begin at 0 s.  The fit is
+ * regularised towards the initial pack: Z has another sum, of the squares of all changes in units of their
+ * expected size, times a strength. Strength and level are chosen by cross-validation (fit_task.c, fit.c). */
 void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out);
 void fit_free(struct fit *fit);
 
-/* Root of the mean square of Y - F for each parameter, as the pack is; and where each recording has a scale
- * of its own, too. NAN where there is no curve. */
+/* Returns for each parameter the root mean square of Y - F with the current pack, and with a separate scale
+ * for each recording. NAN without a curve. */
 void fit_errors(const struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
                 const struct fit_options *options, double errors[PARAM_COUNT],
                 double shape_errors[PARAM_COUNT]);
+
+/* Gets the curve of one recording that fit_errors compares in shape_errors: a value for each frame, NAN where
+ * the frame does not count. The recording has a curve of the parameter. */
+void fit_shape(const struct speech_pack *pack, const struct measured_speech *recording,
+               const struct fit_options *options, int param, double *out);
 
 struct fit_names {
     const char *tag, *name, *inherits, *source;

@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Coefficients as unknowns without limits: x, from which the solver may step anywhere, is how far a value
- * lies from the one that the pack has, and stands for a value inside the limits of anatomy and of a speech
- * pack. */
+/* Coefficients as unconstrained unknowns: x is the distance of a value from the pack's, mapped into the
+ * limits of anatomy and of a speech pack, so that the solver may step anywhere. */
 #ifndef FACCIA_RESEARCH_FIT_INTERNAL_H
 #define FACCIA_RESEARCH_FIT_INTERNAL_H
 
 #include "server/face/engines/targets.h"
 #include "server/research/fit.h"
 
-/* Of one segment: all but k, which the curve shows only by passing DOMINANCE_RESISTANT, so that it has no
- * slope. The original function has no shape and one c. */
+/* Fitted coefficients of a segment: all but k, which affects the curve only when it crosses
+ * DOMINANCE_RESISTANT and thus has no gradient. The original function has no shape and only one c. */
 enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS_LOOK_AHEAD };
 
-/* The first ones, t and T, which a phone has of its own in each context; the rest it shares with its group.
- */
+/* The first ones, t and T, are specific to a phone and context; the others are shared by its group. */
 enum { UNKNOWNS_TARGET = 2, UNKNOWNS_T = 1 };
 
 /* One articulatory parameter, fitted to all recordings together. */
@@ -74,20 +72,23 @@ double task_error(const struct task *task, int fold, size_t *frames);
 /* The same over all frames with a free scale for each recording: error of the shape alone. */
 double task_shape_error(const struct task *task, size_t *frames);
 
-/* Which part of the data each frame belongs to, while parts are held out: whole recordings where there are
- * TASK_FOLDS of them or more. Otherwise sounds: all that a phone lasts, wherever it comes, so that what
- * foretells it was learnt from other sounds. Stretches of time would be foretold by the same words' other
- * phones, and by a fit that knows no more than this sentence. */
+/* Gets the curve F that task_shape_error compares with a recording, NAN at frames that do not count. */
+void task_shape(const struct task *task, const struct fit_track *t, double *out);
+
+/* The fold of each frame in cross-validation: whole recordings if there are at least TASK_FOLDS. Otherwise
+ * phones: all occurrences of a phone are in one fold, so that its prediction is learnt from other phones.
+ * Folds of contiguous time would be predicted by other phones of the same words, and by a fit that knows only
+ * this sentence. */
 
 /* Makes the folds of all tracks, which own them. Pauses count only if rest_known. */
 void folds_make(struct fit_track *tracks, size_t count, bool rest_known);
 
-/* What may move in a fit, from what all sounds share down to each of them, and what the moves make of a pack.
- * All unknowns together: the logarithm of the scale of all movements; a block for the consonants and one for
- * the vowels, which move as wholes; one for each viseme group; and for each entry its target. A phone's
- * coefficients are moved by the sum of its blocks, and its target is multiplied by the scale. */
+/* The parameters of a fit, from those shared by all phones down to those of one phone, and their effect on a
+ * pack. All unknowns: the logarithm of the scale of all movements; a block for the consonants and one for the
+ * vowels; one block per viseme group; and for each entry its target. A phone's coefficients are changed by
+ * the sum of its blocks, and its target is multiplied by the scale. */
 
-/* Number of unknowns, and selection of those that may change at a level (into task->moving). */
+/* Returns the number of unknowns, and selects those that may change at a level (into task->moving). */
 size_t moves_count(const struct task *task);
 void moves_choose(struct task *task, enum fit_level level);
 

@@ -64,7 +64,7 @@ enum {
 /* Values with less confidence count as missing. */
 #define LEAST_CONFIDENCE 0.25
 _Static_assert(sizeof curve_columns / sizeof *curve_columns == CONFIDENCE + 1 + PARAM_COUNT + 1,
-               "the columns are the time, the parameters, the markers and what is to be believed of them");
+               "the columns are the time, the parameters, the markers and their confidence");
 _Static_assert(CONFIDENCE + 1 + PARAM_COUNT < MAX_WANTED, "a line has room for all columns");
 
 /* A CSV table, read line by line. */
@@ -161,7 +161,7 @@ static int table_real(struct table *t, size_t wanted, double *out) {
 
 static int needs(struct table *t, size_t wanted) {
     return t->column[wanted] == NO_COLUMN ? error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1,
-                                                          "no column is named '%s'", t->wanted[wanted])
+                                                          "there is no column '%s'", t->wanted[wanted])
                                           : 0;
 }
 
@@ -229,7 +229,7 @@ static int read_frames(struct table *t, struct measured_speech *r) {
         if (table_real(t, time, &r->times[n]))
             return -1;
         if (n && !(r->times[n] > r->times[n - 1]))
-            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "time: does not rise");
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "time: must increase");
         for (int p = 0; p < PARAM_COUNT; p++) {
             if (!r->curves[p])
                 continue;

@@ -480,7 +480,7 @@ static void compare_counted(const struct task *task, const struct fit_track *t, 
             out[i] = 0;
 }
 
-/* Copies the solver's unknowns, which are those that may change. */
+/* Copies the solver's unknowns: those that may change. */
 static void spread_out(const struct task *task, const double *x) {
     for (size_t i = 0; i < task->moving_count; i++)
         task->all[task->moving[i]] = x[i];
@@ -584,34 +584,52 @@ double task_error(const struct task *task, int fold, size_t *frames) {
     return sum;
 }
 
+/* Scale and level with which F comes nearest to a recording. */
+struct nearest {
+    double frames, scale, level, sum; /* number, -, mm, sum of the squares that are left */
+};
+
+static struct nearest find_nearest(const struct task *task, const struct fit_track *t, const double *curve) {
+    double n = 0, f = 0, y = 0, ff = 0, fy = 0, yy = 0;
+    for (size_t i = 0; i < t->recording->frame_count; i++) {
+        double own = t->recording->curves[task->param][i];
+        if (!folds_tell(task, t, i))
+            continue;
+        n++;
+        f += curve[i];
+        y += own;
+        ff += curve[i] * curve[i];
+        fy += curve[i] * own;
+        yy += own * own;
+    }
+    if (n < 1)
+        return (struct nearest){0};
+    double vary = ff - f * f / n, both = fmax(0, fy - f * y / n), all = yy - y * y / n;
+    double scale = vary > 0 ? both / vary : 0;
+    return (struct nearest){n, scale, (y - scale * f) / n, fmax(0, all - scale * both)};
+}
+
 double task_shape_error(const struct task *task, size_t *frames) {
     double sum = 0;
     *frames = 0;
     for (const struct fit_track *t = task->tracks; t < task->tracks + task->track_count; t++) {
-        double n = 0, f = 0, y = 0, ff = 0, fy = 0, yy = 0;
         if (!takes_part(task, t))
             continue;
         double *curve = mem_alloc((t->recording->frame_count + 1) * sizeof *curve);
         predict(task, t, curve);
-        for (size_t i = 0; i < t->recording->frame_count; i++) {
-            double own = t->recording->curves[task->param][i];
-            if (!folds_tell(task, t, i))
-                continue;
-            n++;
-            f += curve[i];
-            y += own;
-            ff += curve[i] * curve[i];
-            fy += curve[i] * own;
-            yy += own * own;
-        }
+        struct nearest nearest = find_nearest(task, t, curve);
         free(curve);
-        if (n < 1)
-            continue;
-        double vary = ff - f * f / n, both = fmax(0, fy - f * y / n), all = yy - y * y / n;
-        sum += fmax(0, all - (vary > 0 ? both * both / vary : 0));
-        *frames += (size_t)n;
+        sum += nearest.sum;
+        *frames += (size_t)nearest.frames;
     }
     return sum;
+}
+
+void task_shape(const struct task *task, const struct fit_track *t, double *out) {
+    predict(task, t, out);
+    struct nearest nearest = find_nearest(task, t, out);
+    for (size_t i = 0; i < t->recording->frame_count; i++)
+        out[i] = folds_tell(task, t, i) ? nearest.scale * out[i] + nearest.level : NAN;
 }
 
 static size_t find_group(struct task *task, const struct speech_group *group) {

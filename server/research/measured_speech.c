@@ -120,6 +120,7 @@ void measured_speech_free(struct measured_speech *r) {
     free(r->times);
     for (int p = 0; p < PARAM_COUNT; p++) {
         free(r->curves[p]);
+        free(r->spread[p]);
         free(r->unseen[p]);
     }
     *r = (struct measured_speech){0};
@@ -178,7 +179,7 @@ int measured_speech_check(const struct measured_speech *r, struct error *e) {
     for (size_t i = 0; i < r->phone_count; i++)
         spoken += r->phones[i].ipa[0] != '\0';
     if (!spoken)
-        return error_set(e, ERROR_BAD_CURVES, "there are no phones but pauses");
+        return error_set(e, ERROR_BAD_CURVES, "there are no phones except pauses");
     if (r->frame_count < LEAST_FRAMES)
         return error_set(e, ERROR_BAD_CURVES, "there are fewer than %d frames", LEAST_FRAMES);
     /* surrounding pauses may be longer than the curves */
@@ -260,15 +261,37 @@ static double warp(const struct measured_speech *mean, const struct measured_spe
     return fmin(fmax(own_time, r->times[0]), r->times[r->frame_count - 1]);
 }
 
-static void add_curve(struct measured_speech *mean, const struct measured_speech *r, int p, double weight) {
+/* Samples a recording's curve at the frames of the mean. */
+static void resample(const struct measured_speech *mean, const struct measured_speech *r, int p,
+                     double *out) {
     gsl_interp *spline = gsl_interp_alloc(gsl_interp_cspline, r->frame_count);
     gsl_interp_accel *place = gsl_interp_accel_alloc();
     gsl_interp_init(spline, r->times, r->curves[p], r->frame_count);
     for (size_t i = 0; i < mean->frame_count; i++)
-        mean->curves[p][i] +=
-            weight * gsl_interp_eval(spline, r->times, r->curves[p], warp(mean, r, mean->times[i]), place);
+        out[i] = gsl_interp_eval(spline, r->times, r->curves[p], warp(mean, r, mean->times[i]), place);
     gsl_interp_accel_free(place);
     gsl_interp_free(spline);
+}
+
+/* Mean and standard deviation of the repetitions. */
+static void add_curves(struct measured_speech *mean, const struct measured_speech *const *same, size_t count,
+                       int p) {
+    size_t frames = mean->frame_count;
+    double *curves = mem_alloc(count * frames * sizeof *curves);
+    mean->curves[p] = mem_alloc(frames * sizeof(double));
+    mean->spread[p] = count > 1 ? mem_alloc(frames * sizeof(double)) : NULL;
+    for (size_t k = 0; k < count; k++)
+        resample(mean, same[k], p, curves + k * frames);
+    for (size_t i = 0; i < frames; i++) {
+        double squares = 0;
+        for (size_t k = 0; k < count; k++)
+            mean->curves[p][i] += curves[k * frames + i] / (double)count;
+        for (size_t k = 0; k < count; k++)
+            squares += pow(curves[k * frames + i] - mean->curves[p][i], 2);
+        if (count > 1)
+            mean->spread[p][i] = sqrt(squares / (double)(count - 1));
+    }
+    free(curves);
 }
 
 /* Marks the frames of the mean that are missing in r, by r's nearest frame. */
@@ -299,9 +322,7 @@ static void average(const struct measured_speech *const *same, size_t count, str
             have += same[k]->curves[p] != NULL;
         if (have < count)
             continue;
-        out->curves[p] = mem_alloc(out->frame_count * sizeof(double));
-        for (size_t k = 0; k < count; k++)
-            add_curve(out, same[k], p, 1.0 / (double)count);
+        add_curves(out, same, count, p);
         for (size_t k = 0; k < count; k++)
             add_unseen(out, same[k], p);
     }

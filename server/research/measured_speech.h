@@ -38,7 +38,8 @@ struct measured_speech {
     double *times; /* s, strictly ascending */
     size_t frame_count;
     double *curves[PARAM_COUNT]; /* mm at times; NULL = not recorded */
-    bool *unseen[PARAM_COUNT];   /* frames that do not count, as they are estimated; NULL = all count */
+    double *spread[PARAM_COUNT]; /* mm: standard deviation of averaged recordings; NULL = a single one */
+    bool *unseen[PARAM_COUNT];   /* frames to ignore because they are estimated; NULL = none */
     size_t repetitions;          /* number of averaged recordings; 1 = as recorded */
 };
 

@@ -220,7 +220,7 @@ struct curve_match_shifted person_match(const struct measured_speech *person, in
 
 /* Lips and jaw only: the tongue is invisible, and the aperture is a sum of two others. */
 enum { SEEN = PARAM_EM + 1, PLACES = 3 };
-_Static_assert(PLACES *SEEN <= READER_FEATURES, "the features have room");
+_Static_assert(PLACES *SEEN <= READER_FEATURES, "there are too many features");
 #define STEP 0.01 /* s, sampling interval for mean and deviation */
 
 struct norm {

@@ -36,7 +36,7 @@ static int read_field(struct csv *csv, struct error *e) {
     for (;; csv->at++) {
         if (csv->at == csv->end) {
             if (quoted)
-                return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "a quoted field does not end");
+                return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "a quoted field is not closed");
             break;
         }
         if (quoted && *csv->at == '"') {
@@ -49,7 +49,7 @@ static int read_field(struct csv *csv, struct error *e) {
             break;
         }
         if (!*csv->at)
-            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "it holds a NUL byte");
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "it contains a NUL byte");
         csv->lines += *csv->at == '\n';
         buf_add(&csv->text, csv->at, 1);
     }
@@ -98,13 +98,13 @@ static int csv_next(struct csv *csv, struct error *e) {
 static int csv_header(struct csv *csv, const char *const *names, size_t *columns, struct error *e) {
     int got = csv_next(csv, e);
     if (got <= 0)
-        return got ? -1 : error_at_line(e, ERROR_BAD_RESULTS, 1, 1, "there is nothing in it");
+        return got ? -1 : error_at_line(e, ERROR_BAD_RESULTS, 1, 1, "it is empty");
     for (size_t i = 0; names[i]; i++) {
         for (columns[i] = 0; columns[i] < csv->count && strcmp(csv->fields[columns[i]], names[i]) != 0;
              columns[i]++)
             ;
         if (columns[i] == csv->count)
-            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "no column '%s'", names[i]);
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "missing column '%s'", names[i]);
     }
     return 0;
 }
@@ -280,8 +280,7 @@ int results_read_means(const char *text, size_t size, struct results *out, struc
                   ? -1
                   : 0;
         if (!got && find_cell(out, snr, mode))
-            got =
-                error_at_line(e, ERROR_BAD_RESULTS, csv.line, 1, "'%s' at %g dB was there before", mode, snr);
+            got = error_at_line(e, ERROR_BAD_RESULTS, csv.line, 1, "'%s' at %g dB occurs twice", mode, snr);
         if (got)
             break;
         add_cell(out, snr, mode)->group = g;

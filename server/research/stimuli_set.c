@@ -2,8 +2,8 @@
 #include "server/research/stimuli_set.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound/mixdown.h"
+#include "server/base/sound/wav_file.h"
 #include "server/cli/cli.h"
 #include <math.h>
 #include <sndfile.h>
@@ -34,8 +34,7 @@ static int read_items(struct stimuli_set *set, struct error *e) {
                                   "needs a text, and a name of up to 32 letters, digits, - and _");
         for (size_t k = 0; k < i; k++)
             if (!strcmp(set->items[k].name, item.name))
-                return error_in_field(e, ERROR_BAD_STIMULI, field, "the name '%s' was there before",
-                                      item.name);
+                return error_in_field(e, ERROR_BAD_STIMULI, field, "the name '%s' occurs twice", item.name);
         set->items[set->item_count++] = item;
     }
     json_array_foreach(snrs, i, value) {
@@ -61,7 +60,7 @@ int stimuli_set_load(struct stimuli_set *set, const char *path, struct error *e)
     if (!set->lang)
         return error_in_field(e, ERROR_BAD_STIMULI, "lang", "must be a language tag");
     if (!set->carrier || !strstr(set->carrier, place))
-        return error_in_field(e, ERROR_BAD_STIMULI, "carrier", "must be a sentence with %s in it", place);
+        return error_in_field(e, ERROR_BAD_STIMULI, "carrier", "must be a sentence that contains %s", place);
     if (!json_is_object(json_object_get(set->json, "page")))
         return error_in_field(e, ERROR_BAD_STIMULI, "page", "must be the texts of the page");
     return read_items(set, e);
@@ -98,8 +97,8 @@ int stimuli_faces_parse(struct stimuli_faces *faces, char *list) {
         } else if (!strcmp(word, "video") && of && *of && !faces->films)
             faces->films = of;
         else {
-            cli_complain("--faces: '%s%s%s': 'head', 'pictures', 'pictures:FILE' and 'video:DIR' are known, "
-                         "each once",
+            cli_complain("--faces: '%s%s%s': must be 'head', 'pictures', 'pictures:FILE' or 'video:DIR', "
+                         "each at most once",
                          word, of ? ":" : "", of ? of : "");
             return -1;
         }
@@ -126,7 +125,7 @@ static int load_set(struct stimuli_faces *faces) {
         return -1;
     if (format && !strcmp(format, "faccia-pictures"))
         return 0;
-    cli_complain("%s: format: this is no set of pictures", faces->set_path);
+    cli_complain("%s: format: this is not a set of pictures", faces->set_path);
     return -1;
 }
 
@@ -147,7 +146,7 @@ static int check_film(const struct stimuli_faces *faces, const char *words, cons
     json_t *word = json_object_get(faces->words, item);
     json_t *start = json_object_get(word, "start"), *end = json_object_get(word, "end");
     if (!find_film(faces, item, file)) {
-        cli_complain("%s: no film of '%s': %s.mp4 or %s.webm", faces->films, item, item, item);
+        cli_complain("%s: no film of '%s' (%s.mp4 or %s.webm)", faces->films, item, item, item);
         return -1;
     }
     if (json_is_number(start) && json_is_number(end) && json_number_value(start) >= 0 &&
@@ -225,7 +224,7 @@ int stimuli_film_load(const struct stimuli_faces *faces, const char *item, struc
         return -1;
     if (film->from < film->to)
         return 0;
-    cli_complain("%s: the word of words.json lies behind its end", path);
+    cli_complain("%s: the word's time in words.json is after its end", path);
     free(film->pcm);
     film->pcm = NULL;
     return -1;

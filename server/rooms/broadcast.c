@@ -3,8 +3,8 @@
  * Events that begin in a chunk leave together with the chunk, and everything ready for a room within one
  * turn of the loop leaves together at the end of the turn. A daemon that keeps up has one item per turn,
  * so this adds no latency; a daemon that falls behind writes several items to each follower at once. */
-#include "server/base/loop_idle.h"
 #include "server/base/mem.h"
+#include "server/base/work/loop_idle.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>
 #include <string.h>

@@ -52,9 +52,8 @@ static int take_points(const json_t *message, json_t *into, struct error *e) {
     json_object_foreach(points, name, value) {
         snprintf(field, sizeof field, "%s.%.32s", member, name);
         if (!is_feature_point(name))
-            return error_in_field(
-                e, ERROR_BAD_FIELD, field,
-                "there is no such feature point: 2.1 to 11.6, as ISO/IEC 14496-2 numbers them");
+            return error_in_field(e, ERROR_BAD_FIELD, field,
+                                  "unknown feature point: 2.1 to 11.6, as numbered by ISO/IEC 14496-2");
         if (!is_place(value, 3, -CALIBRATION_FARTHEST, CALIBRATION_FARTHEST))
             return error_in_field(e, ERROR_BAD_FIELD, field, "must be three numbers of at most %d mm",
                                   CALIBRATION_FARTHEST);
@@ -71,16 +70,17 @@ static int take_places(const json_t *message, json_t *into, struct error *e) {
     if (!places)
         return 0;
     if (!json_is_object(places))
-        return error_in_field(e, ERROR_BAD_FIELD, member, "must be an object of places on the texture");
+        return error_in_field(e, ERROR_BAD_FIELD, member, "must be an object of positions on the texture");
     json_object_foreach(places, name, value) {
         snprintf(field, sizeof field, "%s.%.32s", member, name);
         if (!is_feature_point(name))
-            return error_in_field(e, ERROR_BAD_FIELD, field, "there is no such feature point");
+            return error_in_field(e, ERROR_BAD_FIELD, field, "unknown feature point");
         if (!is_place(value, 2, 0, 1))
             return error_in_field(e, ERROR_BAD_FIELD, field, "must be two numbers from 0 to 1");
     }
     if (!json_object_get(message, "texture"))
-        return error_in_field(e, ERROR_MISSING_FIELD, "texture", "is missing: textureCoord are places on it");
+        return error_in_field(e, ERROR_MISSING_FIELD, "texture",
+                              "is missing: textureCoord gives positions on it");
     json_object_set_new(into, member, json_deep_copy(places));
     return 0;
 }
@@ -119,12 +119,12 @@ static int check_picture(const char *data, size_t length, const char *type, stru
     bool known = picture_size_read(bytes, size, &is);
     free(bytes);
     if (!known || strcmp(is.type, type) != 0)
-        return error_in_field(e, ERROR_BAD_FIELD, "texture.data", "is no picture of the type %s", type);
+        return error_in_field(e, ERROR_BAD_FIELD, "texture.data", "is not a picture of the type %s", type);
     if (!is.width || !is.height || is.width > CALIBRATION_TEXTURE_SIDE ||
         is.height > CALIBRATION_TEXTURE_SIDE || is.width * is.height > CALIBRATION_TEXTURE_POINTS)
         return error_in_field(e, ERROR_BAD_FIELD, "texture.data",
-                              "has %u x %u points: it may have %d in all, and %d each way", is.width,
-                              is.height, CALIBRATION_TEXTURE_POINTS, CALIBRATION_TEXTURE_SIDE);
+                              "has %u x %u pixels: the limit is %d in total, and %d in each direction",
+                              is.width, is.height, CALIBRATION_TEXTURE_POINTS, CALIBRATION_TEXTURE_SIDE);
     return 0;
 }
 

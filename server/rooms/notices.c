@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/rooms/notices.h"
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/rooms/events.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
@@ -187,8 +187,9 @@ static int count_large(struct channel *c, const char *what, struct error *e) {
     uint64_t now = uv_now(c->rooms->pipeline->loop);
     uint64_t from = c->calibrated > now ? c->calibrated : now;
     if (from + CALIBRATION_MS - now > CALIBRATION_MS * CALIBRATION_BURST)
-        return error_set(e, ERROR_TOO_MANY_REQUESTS, "a face takes %d %s a second, and %d at once",
-                         1000 / CALIBRATION_MS, what, CALIBRATION_BURST);
+        return error_set(e, ERROR_TOO_MANY_REQUESTS,
+                         "the limit for a face is %d %s per second, and %d at once", 1000 / CALIBRATION_MS,
+                         what, CALIBRATION_BURST);
     c->calibrated = from + CALIBRATION_MS;
     return 0;
 }
@@ -268,26 +269,26 @@ int notice_consent(struct channel *c, const json_t *message, const char *by, str
 enum { OBSERVERS_TOLD = 32 }; /* most observers listed, the earliest first */
 
 static json_t *list(const struct channel *c, size_t *count) {
-    json_t *desks = json_array();
+    json_t *observers = json_array();
     *count = 0;
     for (const struct follower *f = c->followers; f; f = f->next) {
         if (!f->watches || !f->observer)
             continue;
-        json_array_insert_new(desks, 0, json_pack("{ss sb}", "name", f->observer, "speaks", f->directs));
+        json_array_insert_new(observers, 0, json_pack("{ss sb}", "name", f->observer, "speaks", f->directs));
         if (++*count > OBSERVERS_TOLD)
-            json_array_remove(desks, OBSERVERS_TOLD);
+            json_array_remove(observers, OBSERVERS_TOLD);
     }
-    return desks;
+    return observers;
 }
 
 void observers_tell(struct channel *c) {
     size_t count;
     if (!c->room)
         return;
-    json_t *told = notice_begin(c, "desks");
-    json_object_set_new(told, "desks", list(c, &count));
+    json_t *told = notice_begin(c, "observers");
+    json_object_set_new(told, "observers", list(c, &count));
     json_object_set_new(told, "count", json_integer((json_int_t)count));
-    struct queued_message *message = notice_message(told, "desks");
+    struct queued_message *message = notice_message(told, "observers");
     for (struct follower *f = c->followers; f; f = f->next)
         if (f->watches)
             f->deliver(f, &message, 1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/access/token.h"
-#include "server/base/error_json.h"
+#include "server/base/json/error_json.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/rooms/rooms_internal.h"
@@ -56,12 +56,12 @@ struct channel *channel_room(struct rooms *rooms, const char *name, uint32_t quo
     if (channel_check_name(name, e))
         return NULL;
     if (rooms->count >= rooms->limits.rooms) {
-        error_set(e, ERROR_TOO_MANY_ROOMS, "there are %u rooms already", rooms->count);
+        error_set(e, ERROR_TOO_MANY_ROOMS, "the limit of %u rooms is reached", rooms->count);
         return NULL;
     }
     if (quota_key && rooms->limits.address_rooms &&
         rooms_of(rooms, quota_key) >= rooms->limits.address_rooms) {
-        error_set(e, ERROR_TOO_MANY_ROOMS, "%u rooms of one address or subject are the limit",
+        error_set(e, ERROR_TOO_MANY_ROOMS, "the limit is %u rooms per address or subject",
                   rooms->limits.address_rooms);
         return NULL;
     }
@@ -115,7 +115,7 @@ static void give_up(struct rooms *rooms, struct pending **at, const struct error
 /* Drops held speech that has timed out, with an error "unheard" to observers. */
 static void pending_expire(struct rooms *rooms) {
     struct error e;
-    error_set(&e, ERROR_UNHEARD, "nobody came to hear it within %u s", rooms->limits.hold_seconds);
+    error_set(&e, ERROR_UNHEARD, "no listener joined within %u s", rooms->limits.hold_seconds);
     for (struct pending **at = &rooms->pending.first; *at;) {
         if ((*at)->until <= uv_now(rooms->pipeline->loop))
             give_up(rooms, at, &e);
@@ -130,7 +130,7 @@ static bool is_same_topic(const struct pending *held, const char *room, const ch
 
 static void give_up_topic(struct rooms *rooms, const char *room, const char *topic) {
     struct error e;
-    error_set(&e, ERROR_UNHEARD, "something later about the same takes its place");
+    error_set(&e, ERROR_UNHEARD, "a later utterance on the same topic replaced it");
     for (struct pending **at = &rooms->pending.first; *at;) {
         if (is_same_topic(*at, room, topic))
             give_up(rooms, at, &e);
@@ -150,7 +150,7 @@ static int pending_keep(struct rooms *rooms, const char *room, const struct spee
     for (; *at; at = &(*at)->next)
         of_room += !strcmp((*at)->room, room);
     if (rooms->pending.count >= PENDING_MOST || of_room >= rooms->limits.queue)
-        return error_set(e, ERROR_QUEUE_FULL, "%zu utterances wait for listeners already",
+        return error_set(e, ERROR_QUEUE_FULL, "%zu utterances already wait for listeners",
                          rooms->pending.count >= PENDING_MOST ? rooms->pending.count : of_room);
     struct pending *held = *at = mem_alloc(sizeof *held);
     snprintf(held->room, sizeof held->room, "%s", room);

@@ -85,7 +85,7 @@ void mood_mix_close(struct mood_mix *mix) {
 
 int mood_mix_set(struct mood_mix *mix, const struct mood_request *asked, double at, struct error *e) {
     if (!mix->mood && asked->count)
-        return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "mix.0.name", "there are no expressions");
+        return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "mix.0.name", "the models have no expressions");
     /* after a stop the clock may be slightly before media already sent */
     at = fmax(at, mix->last);
     if (mix->mood && mood_set(mix->mood, asked->names, asked->intensities, asked->count, at, asked->ease, e))

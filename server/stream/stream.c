@@ -176,7 +176,7 @@ static int may_come(struct stream *s, const struct turn *turn, struct error *e) 
     if (!s->queue || cuts(s, turn) || s->waiting - count_replaced(s, turn) < s->queue_limit ||
         last_below(s, turn->priority))
         return 0;
-    return error_set(e, ERROR_QUEUE_FULL, "%u utterances wait already", s->waiting);
+    return error_set(e, ERROR_QUEUE_FULL, "%u utterances are already queued", s->waiting);
 }
 
 static void cut(struct stream *s) {
@@ -332,7 +332,7 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     struct utterance *t = s->queue;
     size_t sentence;
     if (!t)
-        return error_set(e, ERROR_NOT_SPEAKING, "nothing is spoken");
+        return error_set(e, ERROR_NOT_SPEAKING, "nothing is being spoken");
     if (!t->source->text || !synthesis_find_mark(t->source->text, mark, &sentence)) {
         struct suggestions near = suggestions_for(mark);
         char text[SUGGESTIONS_TEXT];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Components shared by all syntheses. In a header of its own, so that code can pass the pipeline on without
- * including theirs. */
+/* Components shared by all syntheses. A separate header, so that code can pass the pipeline on without
+ * including the components' headers. */
 #ifndef FACCIA_SYNTHESIS_PIPELINE_H
 #define FACCIA_SYNTHESIS_PIPELINE_H
 

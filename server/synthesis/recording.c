@@ -4,7 +4,7 @@
 #include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/base/work_gate.h"
+#include "server/base/work/work_gate.h"
 #include "server/face/high_level.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sound_reader.h"

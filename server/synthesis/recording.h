@@ -6,7 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include "server/base/work_limit.h"
+#include "server/base/work/work_limit.h"
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <uv.h>

@@ -393,6 +393,10 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
     return (struct markup_rules){
         .sign_said = all && all->count ? lexicons_sign : NULL,
         .sign_lexicons = all,
+        .line_words =
+            s->pipeline->normalizers && s->request.verse == VERSE_PAUSE
+                ? normalizers_line_words(s->pipeline->normalizers, reading_lang(s, NULL, synthesis_lang(s)))
+                : NULL,
         .abbreviations = abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
@@ -471,11 +475,37 @@ static bool is_uncommon(const struct score *script) {
     return false;
 }
 
+/* Puts a cue for the request's affect around all others. */
+static void add_affect(struct score *script, const char *name) {
+    struct score_cue *cue = score_add_cue(script, "affect", name, 0);
+    cue->first = 0;
+    cue->last = script->item_count;
+    score_order_cues(script);
+}
+
+static void set_speed(struct score *script, double speed) {
+    const struct score_style *last = NULL, *kept = NULL;
+    for (size_t i = 0; i < script->item_count; i++) {
+        const struct score_style *style = script->items[i].style;
+        if (style != last) {
+            struct score_style faster = *style;
+            faster.rate *= speed;
+            kept = score_keep_style(script, &faster);
+            last = style;
+        }
+        script->items[i].style = kept;
+    }
+}
+
 void synthesis_direct(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
     const struct pipeline *pipeline = s->pipeline;
     r->score = score_script(r->document);
     for (size_t i = 0; i < r->score->item_count; i++)
         r->marks |= r->score->items[i].kind == SCORE_MARK;
+    if (s->request.affect)
+        add_affect(r->score, s->request.affect);
+    if (s->request.speed > 0)
+        set_speed(r->score, s->request.speed);
     r->blend = blend_of(s->request.blend, r->score);
     if (s->expressions)
         expressions_direct(s->expressions, r->score);

@@ -5,7 +5,7 @@
 #ifndef FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 #define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 
-#include "server/base/field.h"
+#include "server/base/json/field.h"
 #include "server/expression/expressions.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,6 +56,7 @@ struct speech_request {
     double fps;                  /* 1..120 */
     double seed;                 /* integer, 0..2^53; negative = not given */
     double life;                 /* strength of idle motion, 0..2; negative = not given */
+    char *affect;                /* emotion of the whole text; NULL = none */
     enum speech_blend blend;
     enum face_contacts contacts; /* whether to close lips that must touch, whatever the engine produces */
     enum speech_normalize normalize;
@@ -74,6 +75,7 @@ struct speech_request {
     /* Lexicons of the room, which go before the daemon's; NULL = none. Borrowed until the synthesis is open.
      */
     const struct lexicons *around;
+    double speed;        /* factor of the rate, for interfaces that know no words per minute; 0 = none */
     uint64_t origin;     /* not 0: forwarded by another daemon, which reports the end itself if it loses this
                             one. Its name as a number, and its session with this daemon, 32 bits each */
     uint64_t command;    /* cluster-wide number of the command that caused it, repeated in events; 0 = none */

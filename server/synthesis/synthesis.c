@@ -64,6 +64,18 @@ static int no_markup(const char *name, struct error *e) {
                           suggestions_text(&near, text));
 }
 
+static int check_affect(const struct synthesis *s, struct error *e) {
+    const char *name = s->request.affect;
+    if (!name || (s->expressions && expressions_find(s->expressions, "affect", name) >= 0))
+        return 0;
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
+    if (s->expressions)
+        near = expressions_near(s->expressions, "affect", name);
+    return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "affect", "unknown affect '%.80s'%s", name,
+                          suggestions_text(&near, text));
+}
+
 static void writing_open(struct synthesis *s);
 
 /* Converts the text to UTF-8. From here on, places in errors refer to the converted text. */
@@ -229,7 +241,7 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
     request_copy(&s->request, request);
     if (s->request.contacts == CONTACTS_ENGINE)
         s->request.contacts = pipeline->default_contacts;
-    int result = gather_lexicons(s, request->around, e) || decode_text(s, e) ? -1 : 0;
+    int result = check_affect(s, e) || gather_lexicons(s, request->around, e) || decode_text(s, e) ? -1 : 0;
     if (!result && !is_settled(s))
         s->wait = voice_pool_wait(pipeline->voices, on_voices, s);
     else if (!result)

@@ -77,7 +77,7 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
         return error_set(e, ERROR_VOICE_FAILED, "changed its sample rate from %u to %u Hz", u->sample_rate,
                          rate);
     if (u->samples + count > a->seconds_max * rate)
-        return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence with more than %u s of sound",
+        return error_set(e, ERROR_TEXT_TOO_LONG, "sent more than %u s of sound for one sentence",
                          (unsigned)a->seconds_max);
     u->sample_rate = rate;
     if (!a->pcm_cap) /* avoid copying while it grows: enough for most voices */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/boundary_table.h"
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include <math.h>
@@ -36,7 +36,7 @@ static int read_sound(const struct json_place *at, const struct json_place *soun
         return -1;
     struct json_place sound = json_place_key(sounds, name);
     *out = json_string_value(sound.json);
-    return sound.json ? 0 : json_place_fail(at, "there is no sound '%.80s'", name);
+    return sound.json ? 0 : json_place_fail(at, "unknown phone '%.80s'", name);
 }
 
 static int read_rule(const struct json_place *at, const struct json_place *sounds,

@@ -43,7 +43,7 @@ extern "C" {
 #define FACCIA_VOICE_ABI 4
 #define FACCIA_VOICE_ABI_OLDEST 1 /* the oldest version that still loads */
 
-/* What a plugin can do (faccia_voice.capabilities). */
+/* Capabilities of a plugin (faccia_voice.capabilities). */
 enum {
     FACCIA_VOICE_STREAMS = 1u << 0, /* delivers audio while it still synthesises */
     FACCIA_VOICE_MARKS =
@@ -61,8 +61,8 @@ enum {
         1u << 9, /* the same sentence may sound different each time, so it must not be cached */
     FACCIA_VOICE_SLOW = 1u << 12, /* synthesises in about real time: long sentences are cut at commas, so that
                                      the first part is heard early */
-    /* What a plugin needs. Anything it does not declare is refused (EPERM, EACCES) from before it is
-     * loaded. The bits are read from the file, so the table must be a constant that needs no initialiser. */
+    /* Resources that a plugin needs. Everything undeclared is refused (EPERM, EACCES) from before it is
+       loaded. The bits are read from the file, so the table must be a constant without an initialiser. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
     FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads are always allowed */
     FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders named in its configuration */

@@ -235,7 +235,7 @@ static int fail(char *message, size_t cap, const char *path, const char *why) {
 static const char *complaint(const struct faccia_voice *api, char *out, size_t cap) {
     if (api->abi < FACCIA_VOICE_ABI_OLDEST || api->abi > FACCIA_VOICE_ABI) {
         snprintf(out, cap,
-                 "the plugin is built for version %u of the voice interface, this program has version %u",
+                 "the plugin was built for version %u of the voice interface; this program has version %u",
                  api->abi, FACCIA_VOICE_ABI);
         return out;
     }

@@ -3,7 +3,7 @@
 #include "server/voice/sentence.h"
 #include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/work_gate.h"
+#include "server/base/work/work_gate.h"
 #include "server/voice/assembly.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/sound_reader.h"

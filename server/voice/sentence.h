@@ -5,7 +5,7 @@
 #define FACCIA_VOICE_SENTENCE_H
 
 #include "server/base/error.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/voice_pool.h"
 
@@ -38,7 +38,7 @@ struct voice_selection *voice_selection_new(size_t count);
 void voice_selection_append(struct voice_selection *selection, struct voice_selection *more);
 void voice_selection_free(struct voice_selection *selection);
 
-/* A part of a sentence that one voice speaks, a sound, or silence. */
+/* A part of a sentence: text spoken by one voice, a sound, or silence. */
 struct voice_part {
     enum { PART_TEXT, PART_SOUND, PART_SILENCE } kind;
     size_t first, count; /* items; a sound or silence includes the marks around it */

@@ -2,8 +2,8 @@
 #include "server/voice/sound_reader.h"
 #include "server/base/files.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound/mixdown.h"
+#include "server/base/sound/wav_file.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -126,8 +126,8 @@ static void end_process(struct sound_reader *s, enum outcome outcome) {
     bool ended = !reader_process_end(&s->process, why, sizeof why);
     s->ended = true;
     if (outcome != WELL)
-        snprintf(s->wrong, sizeof s->wrong, "its reading %s",
-                 outcome == GARBAGE || ended || !*why ? "made its process say what cannot be understood"
+        snprintf(s->wrong, sizeof s->wrong, "the process that reads it %s",
+                 outcome == GARBAGE || ended || !*why ? "made the process that reads it send invalid data"
                                                       : why);
 }
 

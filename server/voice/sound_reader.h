@@ -5,7 +5,7 @@
 #ifndef FACCIA_VOICE_SOUND_READER_H
 #define FACCIA_VOICE_SOUND_READER_H
 
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include <stddef.h>
 
 enum { SOUND_RATE_MIN = 8000, SOUND_RATE_MAX = 192000, SOUND_MESSAGE_BYTES = 200 };

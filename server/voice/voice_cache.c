@@ -143,7 +143,7 @@ static void remove_file(const char *file) {
     }
 }
 
-/* Tells whether the file is still the one that was opened, or another cache. */
+/* Returns whether the path still refers to the open file, rather than to another cache. */
 static bool is_same(const struct cache_database *db) {
     struct stat info;
     struct error e;
@@ -359,7 +359,7 @@ static const struct write *find_unwritten(const struct cache_disk *disk, const s
     return found;
 }
 
-/* Appends the value. Returns false if there is none. */
+/* Appends the value. Returns false if the key has none. */
 static bool cache_disk_get(struct cache_disk *disk, const struct buf *key, struct buf *value) {
     const struct write *unwritten = find_unwritten(disk, key);
     if (unwritten) {

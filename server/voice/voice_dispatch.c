@@ -237,7 +237,7 @@ void job_replay(struct voice_job *job) {
     job_begin(job);
 }
 
-/* Makes the cache key from everything the worker is told plus its edition. Returns true on a hit. */
+/* Makes the cache key from the worker's complete request and its edition. Returns true on a hit. */
 bool job_find_cached(struct voice_job *job) {
     struct voice_pool *pool = job->plugin->pool;
     const struct faccia_sentence sentence = voice_request_sentence(&job->request, job->voice->id);

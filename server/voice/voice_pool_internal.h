@@ -95,7 +95,7 @@ struct voice_job {
     uint64_t arrived; /* the queue's `now` on arrival */
     uint64_t finish;  /* virtual finish between the quota key's connections */
     bool preempted;   /* a background job that made way for another */
-    bool cancelled;   /* the caller no longer wants it */
+    bool cancelled;   /* the caller has cancelled it */
     bool too_long;    /* the worker is stopping because the sentence exceeds its limit */
     bool requeued;    /* to another worker, because the first is stuck */
     const struct voice *voice;

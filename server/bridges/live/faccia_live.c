@@ -2,7 +2,7 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound/wav_file.h"
 #include "server/bridges/bridge.h"
 #include "server/bridges/remote_internal.h"
 #include "server/http/websocket_client.h"
@@ -70,7 +70,7 @@ static int open_file(struct live_sound *s, const char *name) {
     if (!s->file)
         return fail(name, sf_strerror(NULL));
     if (info.channels > CHANNELS_MOST || info.samplerate < RATE_LEAST || info.samplerate > RATE_MOST)
-        return fail(name, "1 to 8 channels of 8000 to 96000 samples a second can be sent");
+        return fail(name, "the sound must have 1 to 8 channels of 8000 to 96000 samples per second");
     s->rate = (unsigned)info.samplerate;
     s->channels = (unsigned)info.channels;
     s->frames = mem_alloc(sizeof *s->frames * (s->rate / AT_ONCE) * s->channels);
@@ -86,7 +86,7 @@ static int open_sound(struct live_sound *s, const char *name) {
     bool file = s->fd < 0 || (!fstat(s->fd, &stat) && S_ISREG(stat.st_mode));
     s->flows = !file;
     if (!s->rate && in && !file)
-        return fail("-", "how many samples a second are they? Tell it: --raw 16000");
+        return fail("-", "the sample rate is missing, for example --raw 16000");
     return s->rate ? 0 : open_file(s, name);
 }
 
@@ -208,14 +208,14 @@ static void on_lost(void *ctx, const char *why) {
     l->lost = true;
     snprintf(l->why, sizeof l->why, "%s", why);
     if (was_open)
-        l->calls.lost(l->ctx, "the daemon is gone");
+        l->calls.lost(l->ctx, "the daemon closed the connection");
 }
 
 static void on_refused(void *ctx, const struct remote_answer *answer) {
     struct live_line *l = ctx;
     bool own = answer->status && answer->status != 426 && json_object_get(answer->body, "message");
     l->asked = true;
-    snprintf(l->why, sizeof l->why, "%s", own ? answer->why : "there is no stream of a daemon");
+    snprintf(l->why, sizeof l->why, "%s", own ? answer->why : "this is not a faccia daemon's stream");
 }
 
 /* libwebsockets discards the response of a failed handshake, so asks the daemon again by HTTP for the
@@ -224,7 +224,7 @@ static void ask_why(struct live_line *l, uv_loop_t *loop, const struct daemon_ad
                     const struct remote_member *members) {
     struct remote *remote = remote_new(loop, place->url, place->token);
     uint64_t until = uv_now(loop) + ASK_MS;
-    snprintf(l->why, sizeof l->why, "there is no stream of a daemon");
+    snprintf(l->why, sizeof l->why, "this is not a faccia daemon's stream");
     remote_fetch(remote, stream_path, members, NULL, NULL, NULL, on_refused, l);
     while (!l->asked && uv_now(loop) < until)
         uv_run(loop, UV_RUN_ONCE);
@@ -243,7 +243,7 @@ static struct live_line *live_line_open(uv_loop_t *loop, const struct daemon_add
     struct live_line *l = mem_alloc(sizeof *l);
     struct buf url = {0};
     *l = (struct live_line){.calls = *calls, .ctx = ctx};
-    snprintf(l->why, sizeof l->why, "it is no address of a daemon, such as http://127.0.0.1:8080");
+    snprintf(l->why, sizeof l->why, "not a daemon's address such as http://127.0.0.1:8080");
     remote_address(&url, place->url, stream_path, members);
     buf_add(&url, "", 1);
     if (!strncmp(place->url, "http://", 7) || !strncmp(place->url, "https://", 8))
@@ -293,26 +293,27 @@ static bool live_line_is_free(const struct live_line *l) {
 
 static const char usage[] =
     "Usage: faccia-live [OPTION]... (SOUND | --raw RATE -)\n"
-    "Has a face say in a room of a running facciad what somebody says himself, as it is spoken: SOUND is a "
-    "recording (WAV, FLAC,\n"
-    "Ogg, MP3); with --raw it is 16 bit samples, of standard input as a microphone gives them:\n"
+    "Makes the face in a room of a running facciad speak with a live voice: SOUND is a recording (WAV, "
+    "FLAC,\n"
+    "Ogg, MP3); with --raw, 16-bit samples from standard input, for example from a microphone:\n"
     "arecord -f S16_LE -r 16000 -t raw | faccia-live --room kitchen --raw 16000 -\n"
     "\n"
     "  -r, --room NAME       the room (FACCIA_ROOM, else home)\n"
-    "      --raw RATE[,CHANNELS]  samples a second, 8000 to 96000, of 1 to 8 channels (1)\n"
-    "      --lookahead MS    what is heard after a moment before it is shown: 0, 40, 80 (default) or 120\n"
-    "  -i, --interrupt       at once: what is being said is cut, and what waits comes afterwards\n"
-    "  -q, --if-quiet        only when nothing is said there\n"
+    "      --raw RATE[,CHANNELS]  samples per second, 8000 to 96000, and 1 to 8 channels (1)\n"
+    "      --lookahead MS    sound heard beyond a moment before its lips are shown: 0, 40, 80 (default) or "
+    "120\n"
+    "  -i, --interrupt       speak at once: interrupt current speech, before queued speech\n"
+    "  -q, --if-quiet        only if nothing is being said there\n"
     "  -p, --priority WORD   background, chat (default) or alarm\n"
-    "  -t, --topic NAME      what it is about: takes the place of those that wait with the same\n"
-    "  -l, --lang TAG        whose lips\n"
-    "  -e, --engine NAME     as of faccia hear\n"
+    "  -t, --topic NAME      topic: replaces queued texts of the same topic\n"
+    "  -l, --lang TAG        language of the lip movements\n"
+    "  -e, --engine NAME     as in faccia hear\n"
     "  -u, --url URL         the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE its token (else FACCIA_TOKEN)\n"
     "  -h, --help            print this and exit\n"
     "      --version         print the version and exit\n"
-    "What comes through a pipe before its turn, or in a pause, is not heard; a recording waits.\n"
-    "Ctrl-C, or the end of the sound, ends it. Exit status: 0 it was said; 1 failed; 2 wrong usage;\n"
+    "Sound from a pipe is dropped before its turn and during a pause; a recording waits.\n"
+    "Ctrl-C, or the end of the sound, ends it. Exit status: 0 spoken; 1 failed; 2 wrong usage;\n"
     "4 something is being said (--if-quiet); 5 it was cut short.\n";
 
 enum { EXIT_SAID = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_BUSY = 4, EXIT_CUT = 5 };
@@ -341,7 +342,7 @@ static void leave(struct live *l, int status) {
 
 static void on_patience(uv_timer_t *timer) {
     struct live *l = timer->data;
-    fprintf(stderr, "faccia-live: the daemon does not tell that it has ended\n");
+    fprintf(stderr, "faccia-live: the daemon did not confirm the end\n");
     leave(l, EXIT_FAILED);
 }
 
@@ -382,7 +383,7 @@ static void on_tick(uv_timer_t *timer) {
 static void on_problem(struct live *l, const json_t *message, bool own) {
     const char *why = json_string_value(json_object_get(message, "message"));
     const char *code = json_string_value(json_object_get(message, "code"));
-    fprintf(stderr, "faccia-live: %s\n", why ? why : "something is wrong");
+    fprintf(stderr, "faccia-live: %s\n", why ? why : "an unknown error");
     l->status = code && !strcmp(code, "busy") ? EXIT_BUSY : EXIT_FAILED;
     if (!own)
         leave(l, EXIT_FAILED); /* refused before speaking: no such room, or no permission */
@@ -488,7 +489,8 @@ static int read_raw(struct live *l, const char *text) {
         well = read_number(rest + 1, 1, 8, '\0', &rest, &l->channels);
     if (!well)
         fprintf(stderr,
-                "faccia-live: '%s' is no rate from 8000 to 96000, with or without ,CHANNELS from 1 to 8\n",
+                "faccia-live: '%s' is not a rate from 8000 to 96000, optionally followed by ,CHANNELS from 1 "
+                "to 8\n",
                 text);
     return well ? -1 : EXIT_USAGE;
 }
@@ -497,7 +499,7 @@ static int read_lookahead(struct live *l, const char *text) {
     const char *rest;
     if (read_number(text, 0, 120, '\0', &rest, &l->lookahead) && l->lookahead % 40 == 0)
         return -1;
-    fprintf(stderr, "faccia-live: '%s' is no lookahead: 0, 40, 80 or 120\n", text);
+    fprintf(stderr, "faccia-live: '%s' is not a lookahead: 0, 40, 80 or 120\n", text);
     return EXIT_USAGE;
 }
 

@@ -13,15 +13,15 @@
 
 static const char usage[] = "Usage: faccia-lva [OPTION]...\n"
                             "Shows in a room of a running facciad what a Linux Voice Assistant does "
-                            "(listening, thinking, muted, timers), and says\n"
-                            "its answers with the face where the assistant is silent itself.\n"
+                            "(listening, thinking, muted, timers), and speaks\n"
+                            "its answers with the face when the assistant itself is silent.\n"
                             "\n"
                             "  -a, --assistant URL     its peripheral API (ws://127.0.0.1:6055)\n"
                             "  -r, --room NAME         the room (FACCIA_ROOM, else home)\n"
-                            "  -s, --speak WHEN        the face says the answers: silent (default: when the "
-                            "assistant's volume is 0 or muted), always,\n"
+                            "  -s, --speak WHEN        when the face speaks the answers: silent (default: "
+                            "when the assistant's volume is 0 or muted), always,\n"
                             "                          never\n"
-                            "  -l, --lang TAG, -v, --voice ID  of what the face says\n"
+                            "  -l, --lang TAG, -v, --voice ID  of the face's speech\n"
                             "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
                             "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
                             "  -h, --help              print this and exit\n"
@@ -47,7 +47,7 @@ static void on_told(void *ctx, const struct remote_answer *answer) {
     struct assistant *a = ctx;
     a->asking--;
     if (answer->status != 202 && answer->status != 404) /* 404: the room is empty */
-        log_warn("the room does not take it: %s", answer->why);
+        log_warn("the room refused it: %s", answer->why);
     show_next(a);
 }
 
@@ -77,7 +77,7 @@ static void say(struct assistant *a, const char *text, const char *priority) {
                                      .other = a->lang,
                                      .text = text};
     if (a->asking >= ASKING_MOST) {
-        log_warn("an answer is not said: too many wait for the daemon");
+        log_warn("an answer is not spoken: too many are queued for the daemon");
         return;
     }
     a->asking++;
@@ -140,13 +140,13 @@ static void on_text(void *ctx, const char *text, size_t size) {
     if (event)
         act(ctx, event, json_object_get(message, "data"));
     else
-        log_warn("the assistant says what is no event");
+        log_warn("the assistant sent an invalid event");
     json_decref(message);
 }
 
 static void on_open(void *ctx) {
     struct assistant *a = ctx;
-    log_info("the assistant is there");
+    log_info("connected to the assistant");
     a->there = true;
     *a->why = '\0';
 }
@@ -155,7 +155,7 @@ static void on_open(void *ctx) {
 static void on_lost(void *ctx, const char *why) {
     struct assistant *a = ctx;
     if (strcmp(a->why, why))
-        log_warn("the assistant is not there: %s", why);
+        log_warn("the assistant is unreachable: %s", why);
     snprintf(a->why, sizeof a->why, "%s", why);
     if (a->there)
         show(a, "idle", NULL);
@@ -179,7 +179,7 @@ static int run(struct assistant *a, const struct daemon_address *place, const ch
     if (a->remote && is_address(url))
         client = websocket_client_new(&loop, url, NULL, true, &calls, a);
     if (a->remote && !client)
-        log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
+        log_error("'%s' is not an assistant's address such as ws://127.0.0.1:6055", url);
     if (client)
         a->client = speech_client_new(a->remote, a->room);
     if (client)
@@ -237,7 +237,7 @@ int main(int argc, char **argv) {
     }
     if (status < 0 && (optind < argc || (strcmp(a.speak, "silent") && strcmp(a.speak, "always") &&
                                          strcmp(a.speak, "never")))) {
-        fprintf(stderr, "faccia-lva: no option: '%s'\n", optind < argc ? argv[optind] : a.speak);
+        fprintf(stderr, "faccia-lva: unknown option '%s'\n", optind < argc ? argv[optind] : a.speak);
         status = 2;
     }
     if (status < 0)

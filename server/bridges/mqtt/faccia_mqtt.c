@@ -13,17 +13,17 @@
 
 static const char usage[] =
     "Usage: faccia-mqtt [OPTION]...\n"
-    "Brings rooms of a running facciad to an MQTT broker: topics of their own, Home Assistant's discovery, "
+    "Connects rooms of a running facciad to an MQTT broker: their own topics, Home Assistant's discovery, "
     "and\n"
-    "Rhasspy's hermes/tts/say. protocol/mqtt.md says which.\n"
+    "Rhasspy's hermes/tts/say. See protocol/mqtt.md.\n"
     "\n"
-    "  -r, --room NAME         a room; as often as there are rooms (home)\n"
+    "  -r, --room NAME         a room; may be repeated (home)\n"
     "  -b, --broker HOST[:PORT] the broker (127.0.0.1:1883; with --ca-file port 8883)\n"
-    "      --user NAME         and its password from FACCIA_MQTT_PASSWORD\n"
-    "      --ca-file FILE      speak TLS, and trust these certificates\n"
-    "      --client NAME       the session's name; each of several bridges has its own (faccia-mqtt)\n"
-    "      --base TOPIC        of the topics (faccia)\n"
-    "      --discovery TOPIC   of Home Assistant (homeassistant); none: no discovery\n"
+    "      --user NAME         user at the broker; FACCIA_MQTT_PASSWORD holds the password\n"
+    "      --ca-file FILE      use TLS, and trust these certificates\n"
+    "      --client NAME       client id; different for each bridge of a broker (faccia-mqtt)\n"
+    "      --base TOPIC        prefix of the topics (faccia)\n"
+    "      --discovery TOPIC   prefix of Home Assistant's discovery (homeassistant); none = off\n"
     "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
     "  -h, --help              print this and exit\n"
@@ -65,7 +65,7 @@ static int take_broker(struct bridge_options *o, const char *value) {
 
 static int take_room(struct bridge_options *o, const char *name) {
     if (!is_room(name) || o->bridge.room_count == BRIDGE_ROOMS)
-        return usage_error("no name of a room, or one too many", name);
+        return usage_error("not a room name, or too many rooms", name);
     bridge_add_room(&o->bridge, name);
     return -1;
 }

@@ -139,7 +139,7 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
     }
 }
 
-/* When the daemon is gone, its accepted requests are lost. */
+/* Accepted requests are lost when the daemon disconnects. */
 static void on_following(void *ctx, const char *why) {
     struct bridge_room *r = ctx;
     r->available = !why;
@@ -186,7 +186,7 @@ static const struct component components[] = {
     {"voice", "select", "Voice", "mdi:microphone-message", "voice", "now/voice", chosen},
     {"mood", "select", "Mood", "mdi:emoticon-outline", "express", "now/mood", first_word},
     {"mute", "switch", "Mute", "mdi:volume-off", "mute", "now/mute", NULL},
-    {"presence", "switch", "Somebody is there", "mdi:motion-sensor", "presence", "now/presence", NULL},
+    {"presence", "switch", "Occupied", "mdi:motion-sensor", "presence", "now/presence", NULL},
     {"stop", "button", "Stop", "mdi:stop", "stop", NULL, NULL},
     {"state", "sensor", "State", "mdi:face-woman-shimmer", NULL, "now/state", NULL},
     {"words", "sensor", "Last words", "mdi:comment-text-outline", NULL, "now/words", cut},
@@ -300,7 +300,7 @@ static void room_refuse(struct bridge_room *r, const char *command, const char *
 /* The daemon no longer has the voice: return to its default. */
 static void room_drop_voice(struct bridge_room *r) {
     char why[256];
-    snprintf(why, sizeof why, "there is no voice \"%.80s\" any more: the daemon's own speaks", r->voice);
+    snprintf(why, sizeof why, "the voice \"%.80s\" no longer exists: using the daemon's default", r->voice);
     utf8_mend(why);
     free(r->voice);
     r->voice = NULL;
@@ -345,7 +345,7 @@ static void on_answer(void *ctx, const struct remote_answer *answer) {
         room_tell(a->room, a->id, answer->status == 409 ? "busy" : "failed", answer->why);
     } else if (*a->id && !json_integer_value(json_object_get(answer->body, "listeners")) &&
                !json_object_get(answer->body, "held")) {
-        room_tell(a->room, a->id, "unheard", "nobody is in the room");
+        room_tell(a->room, a->id, "unheard", "there is nobody in the room");
     }
     finish(a);
 }
@@ -357,7 +357,7 @@ static void ask(struct asking *a) {
 /* NULL: too many requests are waiting, which is reported. Releases body. */
 static struct asking *ask_for(struct bridge_room *r, const char *command, const char *type, json_t *body,
                               const char *id) {
-    static const char full[] = "too many wait for the daemon";
+    static const char full[] = "too many are queued for the daemon";
     if (r->bridge->asking >= ASKING_MOST) {
         if (*id)
             room_tell(r, id, "failed", full);
@@ -394,7 +394,7 @@ static json_t *object_of(struct bridge_room *r, const char *command, const char 
     json_t *object = json_loadb(payload, size, 0, &e);
     if (object)
         return object;
-    snprintf(why, sizeof why, "what begins with { must be JSON: byte %d: %s", e.position, e.text);
+    snprintf(why, sizeof why, "a text that begins with { must be JSON: byte %d: %s", e.position, e.text);
     utf8_mend(why); /* it may be cut within a character */
     room_refuse(r, command, why);
     return NULL;
@@ -448,7 +448,7 @@ static void hermes_say(struct bridge *b, const char *payload, size_t size) {
                       json_object_get(message, "id")),
             site ? site : "default", session ? session : "");
     else if (room || !message)
-        log_warn("hermes/tts/say: it is no JSON object with a string 'text'");
+        log_warn("hermes/tts/say: not a JSON object with a string 'text'");
     json_decref(message);
 }
 
@@ -464,7 +464,7 @@ static void mute(struct bridge_room *r, const char *payload) {
 static void presence(struct bridge_room *r, const char *payload) {
     bool on = !strcasecmp(payload, "ON") || !strcasecmp(payload, "home");
     if (!on && strcasecmp(payload, "OFF") && strcasecmp(payload, "not_home"))
-        room_refuse(r, "presence", "it is neither ON nor OFF");
+        room_refuse(r, "presence", "neither ON nor OFF");
     else if (on == r->absent)
         ask_for(r, "presence", "state",
                 json_pack("{ss}", "state",
@@ -501,7 +501,7 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
         if (a)
             a->mix = json_incref(mix);
     } else {
-        room_refuse(r, "express", "it is neither names nor a list");
+        room_refuse(r, "express", "neither names nor a list");
     }
     json_decref(mix);
     free(text);
@@ -510,7 +510,7 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
 static void choose_voice(struct bridge_room *r, const char *voice) {
     char why[256];
     if (*voice && !bridge_has_voice(r->bridge, voice)) {
-        snprintf(why, sizeof why, "there is no voice \"%.80s\"", voice);
+        snprintf(why, sizeof why, "unknown voice \"%.80s\"", voice);
         utf8_mend(why);
         room_refuse(r, "voice", why);
     } else {
@@ -562,7 +562,7 @@ static void on_connected(void *ctx) {
     static const char *const commands[] = {"say",   "stop",    "pause", "resume", "express",
                                            "state", "choices", "mute",  "voice",  "presence"};
     char topic[BRIDGE_TOPIC];
-    log_info("the broker is there");
+    log_info("connected to the broker");
     for (unsigned i = 0; i < b->room_count; i++)
         for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
             snprintf(topic, sizeof topic, "%s/%s/%s", b->base, b->rooms[i].name, commands[k]);
@@ -580,9 +580,9 @@ static void on_connected(void *ctx) {
 
 static void on_message(void *ctx, const char *topic, const char *payload, size_t size, bool retained) {
     struct bridge *b = ctx;
-    const char *wrong = !payload                           ? "it is longer than 1 MiB"
-                        : memchr(payload, 0, size)         ? "it holds a NUL character"
-                        : utf8_check(payload, size) < size ? "it is not UTF-8"
+    const char *wrong = !payload                           ? "longer than 1 MiB"
+                        : memchr(payload, 0, size)         ? "contains a NUL character"
+                        : utf8_check(payload, size) < size ? "not UTF-8"
                                                            : NULL;
     size_t base = strlen(b->base), discovery = b->discovery ? strlen(b->discovery) : 0;
     if (discovery && !strncmp(topic, b->discovery, discovery) && !strcmp(topic + discovery, "/status")) {

@@ -33,7 +33,7 @@ struct bridge_room {
     struct said_ids said;
     char state[16], speaking_id[SAID_ID];  /* state of the assistant, and the utterance being spoken */
     char *words, *voice, *mood;            /* NULL: none */
-    bool speaks, muted, absent, available; /* absent: nobody is watching */
+    bool speaks, muted, absent, available; /* absent: nobody is watching the room */
 };
 
 struct bridge {

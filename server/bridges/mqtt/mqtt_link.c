@@ -53,7 +53,7 @@ static void push(struct mqtt_link *l, struct arrived *one) {
 static void on_connect(struct mosquitto *m, void *ctx, int code) {
     struct mqtt_link *l = ctx;
     if (code) {
-        log_error("the broker refuses: %s", mosquitto_connack_string(code));
+        log_error("the broker refused it: %s", mosquitto_connack_string(code));
         return;
     }
     mosquitto_publish(m, NULL, l->will, 6, "online", QOS, true);
@@ -73,7 +73,7 @@ static void on_disconnect(struct mosquitto *m, void *ctx, int code) {
     l->told = true;
     uv_mutex_unlock(&l->lock);
     if (code && tell)
-        log_warn("the broker %s: %s", was ? "has gone" : "does not let us in", mosquitto_strerror(code));
+        log_warn("the broker %s: %s", was ? "has gone" : "refused the connection", mosquitto_strerror(code));
 }
 
 /* The library reports TLS failures only here, at every attempt. */
@@ -91,7 +91,7 @@ static void on_message(struct mosquitto *m, void *ctx, const struct mosquitto_me
     bool full = l->count >= ARRIVED_MOST;
     uv_mutex_unlock(&l->lock);
     if (full) {
-        log_warn("%s: too much comes at once: left out", message->topic);
+        log_warn("%s: dropped: too many messages at once", message->topic);
         return;
     }
     struct arrived *one = mem_alloc(sizeof *one);
@@ -189,7 +189,7 @@ struct mqtt_link *mqtt_link_new(uv_loop_t *loop, const struct mqtt_options *opti
     int code = l->mosquitto ? set_up(l, options) : MOSQ_ERR_INVAL;
     if (!code)
         return l;
-    log_error("no broker can be asked: %s", mosquitto_strerror(code));
+    log_error("the broker is unreachable: %s", mosquitto_strerror(code));
     mqtt_link_free(l);
     return NULL;
 }

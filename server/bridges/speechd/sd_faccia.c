@@ -51,7 +51,7 @@ static void on_sound_end(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
     m->fetch = NULL;
     if (answer->status != 200) {
-        log_warn("it is not spoken: %s", answer->why);
+        log_warn("not spoken: %s", answer->why);
         module_finish(m, "703 STOP");
         return;
     }
@@ -87,8 +87,8 @@ static void on_marks(void *ctx, const struct remote_answer *answer) {
     module_ask(m, "/v1/speech", members, on_sound, on_sound_end);
 }
 
-/* ---- nobody is watching: fetches the times of the marks, then the sound, which the cache has by then,
- * and passes both to speech-dispatcher ---- */
+/* ---- no viewer in the room: fetches the times of the marks, then the cached sound, and passes both to
+ * speech-dispatcher ---- */
 static void module_speak_alone(struct reader_module *m) {
     struct remote_member members[READER_MEMBERS + 1] = {{0}};
     manner_members(&m->manner, members);
@@ -125,7 +125,7 @@ static void on_said(void *ctx, const struct remote_answer *answer) {
     }
     if (answer->status == 202)
         return; /* the room's events tell the rest */
-    log_warn("it is not spoken: %s", answer->why);
+    log_warn("not spoken: %s", answer->why);
     module_finish(m, "703 STOP");
 }
 
@@ -233,7 +233,7 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
     else if (!strcmp(type, "mark") && name)
         reader_mark(name);
     else if (!strcmp(type, "error") && !m->begun) {
-        log_warn("the face does not speak it: %s", code ? code : type);
+        log_warn("the face did not speak it: %s", code ? code : type);
         if (m->fetch) /* the room's event came before the answer */
             remote_give_up(m->fetch);
         *m->id = '\0'; /* the room's end is not the message's */
@@ -296,7 +296,7 @@ int main(int argc, char **argv) {
     static struct reader_module m;
     program_begin();
     if (is_started_by_hand()) {
-        fputs("sd_faccia is started by speech-dispatcher: protocol/speech-dispatcher.md says how\n", stderr);
+        fputs("sd_faccia is started by speech-dispatcher: see protocol/speech-dispatcher.md\n", stderr);
         return 2;
     }
     m.protocol = (struct reader_protocol){.calls = {speak, stop, halt, list_voices, set, quit}, .ctx = &m};

@@ -341,7 +341,7 @@ void module_ask(struct reader_module *m, const char *path, const struct remote_m
 bool module_give_up_markup(struct reader_module *m, const struct remote_answer *answer) {
     if (answer->status != 400 || m->plain)
         return false;
-    log_warn("its markup is left out: %s", answer->why);
+    log_warn("its markup is removed: %s", answer->why);
     char *words = manner_words(m->text);
     free(m->text);
     m->text = words;

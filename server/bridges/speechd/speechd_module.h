@@ -64,8 +64,8 @@ struct reader_manner {
 
 enum { READER_MEMBERS = 8 };
 
-/* Applies a setting of speech-dispatcher (SSIP). False: invalid value. Accepts any language and voice:
- * those that the daemon does not know are left out. */
+/* Applies a setting of speech-dispatcher (SSIP). False: invalid value. Accepts any language and voice: the
+ * daemon ignores unknown ones. */
 bool manner_set(struct reader_manner *manner, const char *name, const char *value);
 
 /* Lists the members, up to one with name NULL; they point into the settings. */
@@ -108,7 +108,7 @@ void module_begin(struct reader_module *module);
 /* Ends the message with an event for the server. */
 void module_finish(struct reader_module *module, const char *event);
 
-/* What is asked to be spoken, with what the daemon does not know left out. */
+/* Returns the request to speak, without what the daemon does not support. */
 void module_ask(struct reader_module *module, const char *path, const struct remote_member *members,
                 remote_bytes *bytes, remote_answered *answered);
 

@@ -30,7 +30,7 @@ struct frame {
 struct wyoming {
     uv_loop_t *loop;
     struct remote *remote;
-    struct speech_client *client; /* in the room; NULL: there is none */
+    struct speech_client *client; /* utterance in the room; NULL: none */
     const char *room;             /* whose face says it, too; NULL: none */
     bool silent;                  /* silence goes back, as long as the speech */
     struct wyoming_client *clients;
@@ -39,7 +39,7 @@ struct wyoming {
 
 enum { WYOMING_CLIENTS = 50 };
 
-/* What the door can do, as `info` tells it. voices: those of /v1/voices, or NULL. */
+/* Returns the bridge's abilities for `info`. voices: the answer of /v1/voices, or NULL. */
 static json_t *wyoming_info(const json_t *known) {
     json_t *voices = json_array(), *one;
     size_t i;
@@ -56,7 +56,7 @@ static json_t *wyoming_info(const json_t *known) {
                      "faccia", "url", "", "voices", voices, "supports_synthesize_streaming", 1);
 }
 
-/* A length of the line; absent or null: 0. -1 when it is none. */
+/* Returns a length stated in the line; absent or null: 0; -1 if it is invalid. */
 static long long length_of(const json_t *head, const char *name, long long most) {
     const json_t *value = json_object_get(head, name);
     long long length = json_integer_value(value);
@@ -72,8 +72,8 @@ static int frame_fail(struct frame *f, const char **why, const char *text) {
     return -1;
 }
 
-/* The next whole event of what has come, which is taken from it; its payload is passed over. 1; 0: it has not
- * come whole; -1: these are no events, *why says so. */
+/* Takes the next complete event from the received bytes and skips its payload. Returns 1; 0 if it is
+ * incomplete; -1 with *why if the bytes are invalid. */
 static int frame_next(struct buf *come, struct frame *f, const char **why) {
     *f = (struct frame){0};
     const char *bytes = (const char *)come->data, *end = come->size ? memchr(bytes, '\n', come->size) : NULL;
@@ -83,11 +83,11 @@ static int frame_next(struct buf *come, struct frame *f, const char **why) {
     f->head = json_loadb(bytes, line, 0, NULL);
     f->type = json_string_value(json_object_get(f->head, "type"));
     if (!f->type)
-        return frame_fail(f, why, "a line is no JSON object with a type");
+        return frame_fail(f, why, "a line is not a JSON object with a type");
     long long data = length_of(f->head, "data_length", FRAME_DATA_MOST);
     long long payload = length_of(f->head, "payload_length", FRAME_PAYLOAD_MOST);
     if (data < 0 || payload < 0)
-        return frame_fail(f, why, "a length is no number, or too large");
+        return frame_fail(f, why, "a length is not a number, or too large");
     if (come->size - line < (size_t)(data + payload)) {
         frame_free(f);
         return 0;
@@ -95,7 +95,7 @@ static int frame_next(struct buf *come, struct frame *f, const char **why) {
     json_t *more = data ? json_loadb(bytes + line, (size_t)data, 0, NULL) : NULL;
     if (data && !json_is_object(more)) {
         json_decref(more);
-        return frame_fail(f, why, "the data are no JSON object");
+        return frame_fail(f, why, "the data is not a JSON object");
     }
     const json_t *of_line = json_object_get(f->head, "data");
     f->data = json_is_object(of_line) ? json_deep_copy(of_line) : json_object();
@@ -143,7 +143,7 @@ enum {
     UNSENT_MUCH = 1 << 20, /* then no more sound is taken from the daemon */
     TAKE_MS = 60000,       /* for a client to take some of it */
     COME_MOST = 8 << 20,
-    USUAL_RATE = 22050, /* of a sound in which there is nothing */
+    USUAL_RATE = 22050, /* of an empty sound */
     FAREWELL_MS = 2000  /* for the client to read why, and to hang up */
 };
 
@@ -158,10 +158,10 @@ struct wyoming_client {
     struct fetch *fetch; /* its sound; NULL: none is spoken */
     struct fetch *said;  /* what the room says of a text that is being written; NULL: nothing */
     struct fetch *asked; /* the voices, for a description; NULL: nobody asks */
-    size_t text_size;    /* so much has been written */
+    size_t text_size;    /* bytes of text received */
     json_t *voice;       /* asked for; or NULL */
     bool ssml, streams, closed_text, started;
-    bool failed;  /* told why, or not to be told; the connection ends */
+    bool failed;  /* an error was sent, or none is wanted; the connection ends */
     bool holds;   /* the daemon's sound waits until the client has taken what it was given */
     bool closing; /* its handles are being closed */
     unsigned handles;
@@ -188,7 +188,7 @@ static void let_go(struct wyoming_client *c) {
     if (c->fetch)
         remote_give_up(c->fetch);
     if (c->said)
-        remote_give_up(c->said); /* what came is said all the same */
+        remote_give_up(c->said); /* speak the text received up to then */
     if (c->asked)
         remote_give_up(c->asked);
     c->fetch = c->said = c->asked = NULL;
@@ -235,7 +235,7 @@ static void on_patience(uv_timer_t *timer) {
 
 static void tell(struct wyoming_client *c, const char *type, json_t *data, const void *payload, size_t size) {
     if (!c->closing && !c->failed && c->tcp.write_queue_size > UNSENT_MOST) {
-        log_warn("a client is let go: it does not take its sound");
+        log_warn("disconnecting a client: it does not read its sound");
         c->failed = true;
         uv_timer_start(&c->farewell, on_patience, 0, 0); /* a callback of a request may not end others */
     }
@@ -298,7 +298,7 @@ static void on_shut(uv_shutdown_t *shutdown, int status) {
 static void fail(struct wyoming_client *c, const char *why, const char *code) {
     if (c->failed || c->closing)
         return;
-    log_warn("a text is not spoken: %s", why);
+    log_warn("not spoken: %s", why);
     tell(c, "error", json_pack("{ss ss}", "text", why, "code", code), NULL, 0);
     c->failed = true;
     if (c->fetch)
@@ -309,7 +309,7 @@ static void fail(struct wyoming_client *c, const char *why, const char *code) {
     uv_timer_start(&c->farewell, on_patience, FAREWELL_MS, 0);
 }
 
-/* A whole text in which there is nothing to speak is a sound without samples. */
+/* A complete text without words becomes a sound without samples. */
 static void finish(struct wyoming_client *c) {
     if (!c->streams && !c->started) {
         c->rate = USUAL_RATE;
@@ -329,7 +329,7 @@ static void on_fetched(void *ctx, const struct remote_answer *answer) {
     const char *code = json_string_value(json_object_get(answer->body, "code"));
     if (answer->status == 200)
         give_back(c, 1);
-    else if (!code || strcmp(code, "empty-text") != 0) /* what has no word in it is no error */
+    else if (!code || strcmp(code, "empty-text") != 0) /* a text without words is not an error */
         fail(c, answer->why, "synthesis");
     c->sound.size = 0;
     if (!c->failed && (!c->streams || c->closed_text))
@@ -341,15 +341,15 @@ static void on_fetched(void *ctx, const struct remote_answer *answer) {
 static void on_said(void *ctx, const struct remote_answer *answer) {
     struct wyoming_client *c = ctx;
     if (answer->status != 202)
-        log_warn("the room does not say it: %s", answer->why);
+        log_warn("the room did not speak it: %s", answer->why);
     if (!c)
         return;
     c->said = NULL;
     take_events(c);
 }
 
-/* Has a text spoken, here and by the room's face; NULL: one that is still to be written, whose sentences the
- * daemon finds. */
+/* Speaks a text, to the client and with the room's face. text NULL: an open text, which the daemon cuts into
+ * sentences. */
 static void speak(struct wyoming_client *c, const char *text) {
     const struct wyoming *w = c->wyoming;
     const char *markup = c->ssml ? "ssml" : "plain", *type = "text/plain",
@@ -381,7 +381,8 @@ static void begin(struct wyoming_client *c, const json_t *data) {
     c->closed_text = false;
 }
 
-/* The text of an event, if it fits behind what has been written; or NULL, which was told. */
+/* Returns the text of an event if it fits after the text received earlier; otherwise NULL, after reporting an
+ * error. */
 static const char *take_text(struct wyoming_client *c, const json_t *data) {
     const char *text = json_string_value(json_object_get(data, "text"));
     size_t size = text ? strlen(text) : 0;
@@ -470,7 +471,7 @@ static void take_events(struct wyoming_client *c) {
         frame_free(&f);
     }
     if (whole < 0) {
-        log_warn("a client is let go: %s", why);
+        log_warn("disconnecting a client: %s", why);
         let_go(c);
     }
 }
@@ -489,7 +490,7 @@ static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
         take_events(c);
 }
 
-/* Takes one that waits. */
+/* Accepts a waiting connection. */
 static void wyoming_accept(struct wyoming *w, uv_stream_t *listener) {
     struct wyoming_client *c = mem_alloc(sizeof *c);
     c->wyoming = w;
@@ -520,18 +521,18 @@ static void wyoming_end(struct wyoming *w) {
 
 static const char usage[] =
     "Usage: faccia-wyoming [OPTION]...\n"
-    "Speaks for assistants over the Wyoming protocol (Home Assistant, Rhasspy), with the voices of a running "
-    "facciad.\n"
+    "Speaks for voice assistants over the Wyoming protocol (Home Assistant, Rhasspy), with the voices of a "
+    "running facciad.\n"
     "\n"
-    "  -l, --listen [ADDRESS:]PORT  where (127.0.0.1:10200; 0 is any free port)\n"
-    "  -r, --room NAME         what is spoken is said by the face of that room, too\n"
-    "      --silent            silence goes back, as long as the speech: the room's face alone is heard\n"
+    "  -l, --listen [ADDRESS:]PORT  where to listen (127.0.0.1:10200; 0 = any free port)\n"
+    "  -r, --room NAME         the face of that room also speaks it\n"
+    "      --silent            return silence as long as the speech: only the room's face is heard\n"
     "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
     "  -h, --help              print this and exit\n"
     "      --version           print the version and exit\n"
-    "The protocol has no passwords: listen where you trust everybody. Exit status: 0 ended by a signal, 1 "
-    "failed,\n"
+    "The protocol has no passwords: listen only where you trust everyone. Exit status: 0 ended by a signal, "
+    "1 failed,\n"
     "2 wrong usage.\n";
 
 static void on_connection(uv_stream_t *listener, int status) {
@@ -557,7 +558,7 @@ static int listen_on(uv_tcp_t *tcp, const char *where) {
     if (end == port || *end || number < 0 || number > 65535 ||
         (uv_ip4_addr(host, (int)number, (struct sockaddr_in *)&address) &&
          uv_ip6_addr(host, (int)number, (struct sockaddr_in6 *)&address)))
-        return usage_error("no address to listen on", where);
+        return usage_error("the address to listen on is invalid", where);
     int failed = uv_tcp_bind(tcp, (struct sockaddr *)&address, 0);
     if (!failed)
         failed = uv_listen((uv_stream_t *)tcp, 16, on_connection);
@@ -632,7 +633,7 @@ int main(int argc, char **argv) {
     if (status < 0 && optind < argc)
         status = usage_error("no option", argv[optind]);
     if (status < 0 && w.silent && !w.room)
-        status = usage_error("without --room nobody would be heard", "--silent");
+        status = usage_error("--silent needs a --room", "--silent");
     if (status < 0)
         status = run(&w, &place, where);
     daemon_address_close(&place);

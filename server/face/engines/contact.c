@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Share of a stretched contact's extra time that comes before the sound: viewers tolerate early lips
- * better than late ones, but the release must not cover the next vowel. */
-#define STRETCH_BEFORE 0.6
+/* Share of the way out of a contact that only takes off its press: lips that open by up to 16 mm still touch
+ * then. It lies before the contact's end, so that they part at the burst and not after it. */
+#define UNPRESSING 0.07
 /* Share of a vowel that a stretched contact may take, as long as there is time on its other side. */
 #define VOWEL_GIVES 0.25
 #define MAX_RAMP 0.07
@@ -81,9 +81,11 @@ static double end_of(const struct draft *d) {
     return d->end + d->extra - d->before;
 }
 
-/* Stretches a contact that is too short into its neighbours. If they are too short to give half each, it
- * still takes half of CONTACT_MIN_SECONDS from them. It ends with its sound, so that the frame that shows
- * it is displayed while it is heard, and stays within the audio. */
+/* Stretches a contact that is too short into its neighbours: into the one before it, because viewers tolerate
+ * early lips better than lips that are still closed after the burst, and only where that has no room also
+ * into the one behind it. If they are too short to give half each, it still takes half of
+ * CONTACT_MIN_SECONDS from them. It ends with its sound, so that the frame that shows it is displayed while
+ * it is heard, and stays within the audio. */
 static void stretch(const struct phone_segments *g, struct draft *d) {
     d->extra = fmax(0, CONTACT_MIN_SECONDS - (d->end - d->begin));
     double half = CONTACT_MIN_SECONDS / 2, left = fmax(half, d->begin - gives(g, d->first, true)),
@@ -93,8 +95,7 @@ static void stretch(const struct phone_segments *g, struct draft *d) {
     d->least = fmax(0, d->extra - (next && kind_of(next) ? right : g->end - d->end));
     d->least = fmax(d->least, fmin(d->most, d->extra - (g->items[d->last].end - d->end)));
     d->most = fmax(d->least, d->most);
-    double before = fmin(left, fmax(STRETCH_BEFORE * d->extra, d->extra - right));
-    d->before = clamp(before, d->least, d->most);
+    d->before = clamp(fmin(left, d->extra), d->least, d->most);
 }
 
 /* Returns the nearest vowel on one side of contact k, or NULL if another contact lies between. */
@@ -185,12 +186,16 @@ void contacts_from(const struct phone_segments *g, struct contacts *out) {
         for (size_t k = 0; k < all.count; k++)
             give_way(&all, k);
     *out = (struct contacts){.items = mem_alloc((all.count + 1) * sizeof *out->items), .count = all.count};
-    for (size_t k = 0; k < all.count; k++)
-        out->items[k] = (struct contact){.rule = all.items[k].rule,
-                                         .begin = begin_of(&all.items[k]),
-                                         .end = end_of(&all.items[k]),
+    for (size_t k = 0; k < all.count; k++) {
+        const struct contact_rule *rule = all.items[k].rule;
+        double out_of = ramp(&all, k, false), begin = begin_of(&all.items[k]);
+        double earlier = rule->kind == CONTACT_LIPS ? UNPRESSING * out_of : 0;
+        out->items[k] = (struct contact){.rule = rule,
+                                         .begin = begin,
+                                         .end = fmax(begin, end_of(&all.items[k]) - earlier),
                                          .ramp_in = ramp(&all, k, true),
-                                         .ramp_out = ramp(&all, k, false)};
+                                         .ramp_out = out_of};
+    }
     free(all.items);
 }
 
@@ -307,7 +312,7 @@ void openings_show(const struct openings *openings, double t, size_t *cursor, co
 
 /* Thresholds of rounded lips: protrusion, or narrowing, in mm. */
 #define ROUNDED_PUSH 1.0
-#define ROUNDED_WIDTH (-2.0)
+#define ROUNDED_WIDTH (-0.7)
 /* Dominance from which a sound rounds the lips itself, and below which it is neutral. */
 #define ROUNDED_ALPHA 0.5
 #define CARELESS 0.3

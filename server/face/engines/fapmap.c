@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/fapmap.h"
 #include "server/base/mem.h"
+#include "server/base/smoothstep.h"
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include "server/face/packs/shape_table.h"
@@ -10,10 +11,26 @@
 #include <string.h>
 
 /* Opening half-way to the corner relative to the middle: a parabola gives 3/4, but the lower lip is a
- * little fuller; a narrow mouth is round, so its sides close earlier. */
+ * little fuller. */
 #define SIDE_OPENING 0.8
-#define SIDE_PER_MM 0.03
-#define SIDE_MIN 0.55
+
+/* Rounded lips protrude and touch each other from the corners inwards, leaving a hole of about a quarter of
+ * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion. With
+ * a raised upper lip or closed teeth (/S s/) the lips form a funnel instead, which shows the teeth. */
+#define ROUND_NARROW 2.0     /* mm of AR, and */
+#define ROUND_PUSH 1.2       /* mm of protrusion at which lips are fully rounded */
+#define FLARE_FROM 2.0       /* mm of LS at which rounding starts to decrease */
+#define FLARE_FULL 2.8       /* and no longer rounded */
+#define TEETH_MET 1.0        /* mm of EM at which rounding starts, because it needs parted teeth, */
+#define TEETH_APART 2.5      /* and at which it is complete */
+#define ROUND_SHARE 0.4      /* the sides open less by this share of the opening */
+#define ROUND_SIDE 2.5       /* and these mm */
+#define ROUND_INNER_CORNER 3 /* mm that each inner corner goes in beyond the outer one */
+/* mm that the middle of the lower lip gives way: pushed lips roll into the opening */
+#define ROUND_DROP 1.5
+#define ROUND_LOW 0.9      /* mm that both lips hang lower before the teeth, */
+#define ROUND_LOW_SIDE 2.0 /* and half-way to the corners, under which the hole is arched */
+#define ROUND_BULGE 0.7    /* mm that the red of each lip becomes wider */
 
 /* Secondary motion, mm per mm. */
 #define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */
@@ -24,7 +41,10 @@
 #define CHEEK_PER_PUSH (-0.15) /* and as the lips protrude */
 #define CHEEK_PER_PRESS 0.2    /* air is held behind closed lips */
 #define LIFT_PER_SPREAD 0.12   /* spreading lifts the cheeks */
-#define OUTER_PER_INNER 0.85   /* the outer contour moves less than the inner one */
+#define OUTER_PER_INNER 0.75   /* an opening lip becomes thinner: its outer contour moves less */
+#define THIN_PER_SPREAD 0.12   /* and so does a lip that is drawn wide, mm per mm of width */
+#define LOW_PER_SPREAD 0.25    /* a slit between spread lips lies lower, so that the lower teeth show, too, */
+#define LOW_FROM 3.0           /* from an opening of these mm on wholly */
 
 /* Share of the jaw's movement that carries the tongue's tip and body, and how far they can sink into the
  * floor of the mouth, mm. */
@@ -39,6 +59,12 @@
 /* The lower lip's share in closing the lips. */
 #define LOWER_SHARE 0.7
 
+/* A lower lip at the upper teeth is rolled in: mm that its outer contour rises, per mm that the lip lies
+ * back. The upper lip uncovers the teeth by this, mm. */
+#define ROLL_PER_RETRACT 1.2
+#define UPPER_AT_TEETH 1.2
+#define CHIN_PER_RETRACT 0.3
+
 enum { MIDDLE, LEFT, RIGHT, PAIRS };
 
 /* Opposite FAPs of the lips. Upper ones are positive downwards, lower ones upwards: they touch where the
@@ -51,25 +77,52 @@ static double positive(double x) {
     return x > 0 ? x : 0;
 }
 
+/* Tells how rounded the lips are, 0 to 1. */
+static double roundness(const double mm[PARAM_COUNT]) {
+    double push = (mm[PARAM_PI] + mm[PARAM_PS]) / 2;
+    return smoothstep(-mm[PARAM_AR] / ROUND_NARROW) * smoothstep(push / ROUND_PUSH) *
+           smoothstep((FLARE_FULL - mm[PARAM_LS]) / (FLARE_FULL - FLARE_FROM)) *
+           smoothstep((mm[PARAM_EM] - TEETH_MET) / (TEETH_APART - TEETH_MET));
+}
+
+/* The same of a face: how much farther in its inner corners are than the outer ones. */
+static double roundness_of(const struct speech_fapu *fapu, double inner, double outer) {
+    return fmin(fmax((outer - inner) * fapu->mw / 1024 / (2 * ROUND_INNER_CORNER), 0), 1);
+}
+
+/* Returns how far both lips are lowered beyond their parameters, mm. */
+static double lowered(int pair, double width, double open, double round) {
+    return (pair == MIDDLE ? ROUND_LOW : ROUND_LOW_SIDE) * round +
+           LOW_PER_SPREAD * positive(width) * smoothstep(open / LOW_FROM);
+}
+
+/* Opening half-way to the corner for one in the middle, mm. */
+static double side_opening(double middle, double round) {
+    double side = SIDE_OPENING * middle;
+    return side > 0 ? positive((1 - ROUND_SHARE * round) * side - ROUND_SIDE * round) : side;
+}
+
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
     double mns = 1024 / fapu->mns, mw = 1024 / fapu->mw, es = 1024 / fapu->es, ens = 1024 / fapu->ens;
     double spread = mm[PARAM_AR] / 2; /* per corner */
     double press = positive(-mm[PARAM_LI]), push = positive((mm[PARAM_PI] + mm[PARAM_PS]) / 2),
-           jaw = positive(mm[PARAM_EM]);
+           jaw = positive(mm[PARAM_EM]), round = roundness(mm), open = mm[PARAM_LI] + mm[PARAM_LS];
     double corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
-    double side = fmax(SIDE_MIN, SIDE_OPENING + SIDE_PER_MM * fmin(0, mm[PARAM_AR]));
+    double side = open > 0 ? side_opening(open, round) / open : SIDE_OPENING;
+    double wider = ROUND_BULGE * round - THIN_PER_SPREAD * positive(mm[PARAM_AR]);
     for (int i = 0; i < PAIRS; i++) {
         double part = i == MIDDLE ? 1 : side, at_corner = i == MIDDLE ? 0 : (1 - side) * corner;
-        double up = (part * mm[PARAM_LS] + at_corner) * mns, down = (part * mm[PARAM_LI] - at_corner) * mns;
-        faps[pairs[i].upper] -= up;
-        faps[pairs[i].lower] -= down;
+        double up = part * mm[PARAM_LS] + at_corner, down = part * mm[PARAM_LI] - at_corner;
+        double low = lowered(i, mm[PARAM_AR], open, round), drop = i == MIDDLE ? ROUND_DROP * round : 0;
+        faps[pairs[i].upper] -= (up - low) * mns;
+        faps[pairs[i].lower] -= (down + low + drop) * mns;
         /* Opening thins the lips; closing is handled by fapmap_part_lips. */
-        faps[pairs[i].upper_outer] -= up > 0 ? OUTER_PER_INNER * up : up;
-        faps[pairs[i].lower_outer] -= down > 0 ? OUTER_PER_INNER * down : down;
+        faps[pairs[i].upper_outer] -= ((up > 0 ? OUTER_PER_INNER * up : up) + wider) * mns;
+        faps[pairs[i].lower_outer] -= ((down > 0 ? OUTER_PER_INNER * down : down) + wider) * mns;
     }
     faps[3] += jaw * mns;
-    faps[6] += spread * mw;
-    faps[7] += spread * mw;
+    faps[6] += (spread - ROUND_INNER_CORNER * round) * mw;
+    faps[7] += (spread - ROUND_INNER_CORNER * round) * mw;
     faps[53] += spread * mw;
     faps[54] += spread * mw;
     faps[12] += corner * mns;
@@ -90,9 +143,11 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
 }
 
 void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]) {
-    double mns = 1024 / fapu->mns;
+    double mns = 1024 / fapu->mns, round = roundness_of(fapu, faps[6] + faps[7], faps[53] + faps[54]);
     for (int i = 0; i < PAIRS; i++) {
-        double wanted = gap * mns * (i == MIDDLE ? 1 : SIDE_OPENING);
+        double wanted = (i == MIDDLE ? gap : side_opening(gap, round)) * mns;
+        if (wanted <= 0) /* rounded lips meet here */
+            continue;
         double move = weight * positive(wanted + faps[pairs[i].upper] + faps[pairs[i].lower]);
         faps[pairs[i].lower] -= LOWER_SHARE * move;
         faps[pairs[i].lower_outer] -= LOWER_SHARE * move;
@@ -114,14 +169,18 @@ static void close_lips(const struct contact_demand *d, double mns, double faps[F
 }
 
 static void meet_teeth(const struct contact_demand *d, double mns, double faps[FAP_COUNT + 1]) {
-    double side = SIDE_OPENING;
+    double retract = d->rule->retract * mns;
     for (int i = 0; i < PAIRS; i++) {
-        double lowest = -d->rule->reach * mns * (i == MIDDLE ? 1 : side);
-        double move = d->weight * positive(lowest - faps[pairs[i].lower]);
-        faps[pairs[i].lower] += move;
-        faps[pairs[i].lower_outer] += move;
+        double part = d->weight * (i == MIDDLE ? 1 : SIDE_OPENING) * mns;
+        double lift = -d->rule->reach * part - d->weight * faps[pairs[i].lower];
+        double drop = -UPPER_AT_TEETH * part - d->weight * faps[pairs[i].upper];
+        faps[pairs[i].lower] += lift;
+        faps[pairs[i].lower_outer] += lift + d->weight * ROLL_PER_RETRACT * retract;
+        faps[pairs[i].upper] += drop;
+        faps[pairs[i].upper_outer] += drop;
     }
-    faps[16] -= d->weight * positive(faps[16] + d->rule->retract * mns);
+    faps[16] -= d->weight * positive(faps[16] + retract);
+    faps[18] += d->weight * CHIN_PER_RETRACT * retract;
 }
 
 void fapmap_touch(const struct speech_fapu *fapu, const struct contact_demand demand[CONTACT_TEETH + 1],
@@ -145,10 +204,12 @@ void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]
 void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
     double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
     const int32_t *v = frame->value;
-    double jaw = v[3] * mns;
-    mm[PARAM_LS] = -v[4] * mns;
-    mm[PARAM_LI] = -v[5] * mns;
-    mm[PARAM_AR] = (v[6] + v[7]) * mw;
+    double jaw = v[3] * mns, round = roundness_of(fapu, v[6] + v[7], v[53] + v[54]);
+    mm[PARAM_AR] = (v[53] + v[54]) * mw;
+    double open = -(v[4] + v[5]) * mns - ROUND_DROP * round;
+    double low = lowered(MIDDLE, mm[PARAM_AR], open, round);
+    mm[PARAM_LS] = low - v[4] * mns;
+    mm[PARAM_LI] = -v[5] * mns - low - ROUND_DROP * round;
     mm[PARAM_PI] = v[16] * mns;
     mm[PARAM_PS] = v[17] * mns;
     mm[PARAM_EM] = jaw;

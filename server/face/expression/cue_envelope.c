@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/expression/cue_envelope.h"
 #include "server/base/mem.h"
+#include "server/base/smoothstep.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,10 +165,6 @@ void cue_envelopes_free(struct cue_envelopes *shows) {
     *shows = (struct cue_envelopes){0};
 }
 
-static double smooth(double x) {
-    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
-}
-
 double cue_envelope_level(const struct cue_envelope *s, double t) {
     if (t <= s->begin || t >= s->end)
         return 0;
@@ -179,8 +176,8 @@ double cue_envelope_level(const struct cue_envelope *s, double t) {
         return rise * fall;
     double settled = t <= s->settle_from ? 0
                      : t >= s->settle_to ? 1
-                                         : smooth((t - s->settle_from) / (s->settle_to - s->settle_from));
-    return smooth(rise) * smooth(fall) * (1 - (1 - s->expression->curve.sustain) * settled);
+                                         : smoothstep((t - s->settle_from) / (s->settle_to - s->settle_from));
+    return smoothstep(rise) * smoothstep(fall) * (1 - (1 - s->expression->curve.sustain) * settled);
 }
 
 bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, double *on) {
@@ -196,7 +193,7 @@ bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, d
     *key = k;
     *on = (at - x->keys[k].at) / (x->keys[k + 1].at - x->keys[k].at);
     if (!x->is_sampled)
-        *on = smooth(*on);
+        *on = smoothstep(*on);
     return true;
 }
 
@@ -297,7 +294,7 @@ void blend_join(const struct blend *b) {
     double free = 1 - b->contact, width = 1;
     bool bounded = b->rule == BLEND_REGIONS;
     if (bounded && b->mouth[6] + b->mouth[7] > 0)
-        width = 1 - ROUND_SHARE * smooth(-(b->face[6] + b->face[7]) / (2 * ROUND));
+        width = 1 - ROUND_SHARE * smoothstep(-(b->face[6] + b->face[7]) / (2 * ROUND));
     join(b, lips, sizeof lips, bounded ? LIPS_MAX : INFINITY, free);
     join(b, heights, sizeof heights, bounded ? CORNER_HEIGHT_MAX : INFINITY, 1);
     join(b, widths, sizeof widths, bounded ? CORNER_WIDTH_MAX : INFINITY, width);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/expression/expression_layer.h"
 #include "server/base/mem.h"
+#include "server/base/smoothstep.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/expression/cue_envelope.h"
 #include "server/face/track.h"
@@ -37,10 +38,6 @@ static void activity_free(struct activity *activity) {
     *activity = (struct activity){0};
 }
 
-static double smooth(double x) {
-    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
-}
-
 /* Returns 0..1, continuous in value and slope. *cursor is zero-initialised and kept between calls. */
 static double activity_at(const struct activity *activity, double t, size_t *cursor) {
     size_t i = *cursor;
@@ -55,8 +52,8 @@ static double activity_at(const struct activity *activity, double t, size_t *cur
     if (t <= run->rise)
         return 0;
     /* a product, so that runs shorter than two edges do not jump */
-    return smooth((t - run->rise) / (run->begin - run->rise)) *
-           smooth((run->fall - t) / (run->fall - run->end));
+    return smoothstep((t - run->rise) / (run->begin - run->rise)) *
+           smoothstep((run->fall - t) / (run->fall - run->end));
 }
 
 void sentence_expression_from(const struct sentence_audio *u, const struct phone_segments *g,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs/phone_match.h"
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/face/packs/speech_pack_internal.h"

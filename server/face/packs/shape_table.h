@@ -4,7 +4,7 @@
 #define FACCIA_FACE_SHAPE_TABLE_H
 
 #include "protocol/fap.h"
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/face/packs/speech_pack_content.h"
 
 /* The 22 viseme ids of speech services, generated from models/shapes/viseme-ids.json at build time. */

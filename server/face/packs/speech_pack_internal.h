@@ -4,7 +4,7 @@
 #define FACCIA_FACE_SPEECH_PACK_INTERNAL_H
 
 #include "server/base/error.h"
-#include "server/base/json_place.h"
+#include "server/base/json/json_place.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_pack_content.h"
 #include <stdbool.h>

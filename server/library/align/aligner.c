@@ -4,6 +4,7 @@
 #include "server/base/program.h"
 #include "server/base/utf8.h"
 #include "server/library/align/aligned_recording.h"
+#include "server/library/align/text_reading.h"
 #include "server/library/library_files.h"
 #include "server/library/recordings/alignments.h"
 #include "server/library/recordings/library_voices.h"
@@ -237,12 +238,25 @@ static struct aligned_recording_sentence *aligner_sentences_kept(const json_t *t
 
 #define TIMES_ENDING ".timing.json"
 
-enum { FOLDER = 1, WORK, SOUND, PERCENT, MEGABYTES, WORKER, PLUGIN, SANDBOX, ARGUMENTS };
+enum {
+    FOLDER = 1,
+    WORK,
+    SOUND,
+    PERCENT,
+    MEGABYTES,
+    WORKER,
+    PLUGIN,
+    SANDBOX,
+    NORMALIZATION,
+    LIBRARY,
+    ARGUMENTS
+};
 enum { TEXT_BYTES_MAX = 256 << 20 };
 
 struct aligner_run {
     const char *folder, *work, *sound;
     struct reference_slot reference;
+    struct text_reading *reading; /* NULL: the text is spoken as it is written */
     struct pace pace;
     struct buf text; /* including its NUL */
     json_t *places, *report;
@@ -365,6 +379,8 @@ static int align(struct aligner_run *a, struct aligned_recording *r) {
 static int open_and_align(struct aligner_run *a, const char *lang) {
     struct error e;
     char why[400];
+    if (a->reading)
+        a->reading->lang = lang;
     const struct aligned_recording_options options = {.sound = a->sound,
                                                       .text = (char *)a->text.data,
                                                       .text_size = a->text.size - 1,
@@ -420,7 +436,8 @@ int main(int argc, char **argv) {
     struct error e;
     program_begin();
     if (argc != ARGUMENTS) {
-        fputs("usage: faccia-align FOLDER WORK SOUND PERCENT MEGABYTES WORKER PLUGIN on|off\nAligns a "
+        fputs("usage: faccia-align FOLDER WORK SOUND PERCENT MEGABYTES WORKER PLUGIN on|off NORMALIZATION "
+              "LIBRARY\nAligns a "
               "recording "
               "of the library for facciad, which starts this program by itself.\n",
               stderr);
@@ -435,6 +452,9 @@ int main(int argc, char **argv) {
     a.reference.unconfined = !strcmp(argv[SANDBOX], "off");
     snprintf(a.reference.worker, sizeof a.reference.worker, "%s", argv[WORKER]);
     snprintf(a.reference.path, sizeof a.reference.path, "%s", argv[PLUGIN]);
+    a.reading = text_reading_open(argv[NORMALIZATION], argv[LIBRARY], a.sound);
+    a.reference.read = a.reading ? text_reading_read : NULL;
+    a.reference.read_ctx = a.reading;
     int status;
     if (!reference_get(&a.reference, &e)) {
         status = later_as(&e);
@@ -444,6 +464,7 @@ int main(int argc, char **argv) {
         status = run(&a);
     }
     reference_close(a.reference.reference);
+    text_reading_free(a.reading);
     json_decref(a.report);
     buf_free(&a.text);
     return status;

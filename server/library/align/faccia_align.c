@@ -6,6 +6,7 @@
 #include "server/cli/cli.h"
 #include "server/export/export.h"
 #include "server/library/align/aligned_recording.h"
+#include "server/library/align/text_reading.h"
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
@@ -31,6 +32,8 @@ struct align {
     struct speech_request request; /* lang, engine, fps, still, seed */
     struct output outputs[OUTPUTS];
     bool progress;
+    struct cli_lexicons lexicons;
+    const struct components *components;
     const struct speech_packs *packs;
     const struct speech_pack *pack;
     struct aligned_recording *reading;
@@ -76,14 +79,14 @@ static void tell(struct align *a, const struct aligned_recording_sentence *s) {
         from++;
     go_to(a, from);
     if (s->passed >= PASSED_LEAST)
-        cli_complain("warning: before %d:%04.1f %.1f s are heard that are not in the text", minutes,
+        cli_complain("warning: before %d:%04.1f, %.1f s of speech are not in the text", minutes,
                      s->start - 60 * minutes, s->passed);
     if (!s->found)
-        cli_complain("warning: %s:%zu:%zu: is not read: \"%.*s\"", a->text, a->line + 1, a->column + 1,
-                     shown(text + from, s->to - from), text + from);
+        cli_complain("warning: %s:%zu:%zu: not in the recording: \"%.*s\"", a->text, a->line + 1,
+                     a->column + 1, shown(text + from, s->to - from), text + from);
     else if (s->confidence < ALIGN_UNSURE)
         cli_complain(
-            "warning: %s:%zu:%zu: is perhaps not what is read at %d:%04.1f (confidence %.2f): \"%.*s\"",
+            "warning: %s:%zu:%zu: may differ from the speech at %d:%04.1f (confidence %.2f): \"%.*s\"",
             a->text, a->line + 1, a->column + 1, minutes, s->start - 60 * minutes, s->confidence,
             shown(text + from, s->to - from), text + from);
 }
@@ -225,26 +228,26 @@ static int align_end_outputs(struct align *a) {
 
 static const char usage[] =
     "Usage: faccia align [OPTION]... SOUND [--text FILE] [--timing FILE]\n"
-    "Finds when the recording SOUND (WAV, FLAC, Ogg, MP3) says each word and phone of its transcript, by "
-    "itself or\n"
+    "Finds when each word and phone of its transcript is spoken in the recording SOUND (WAV, FLAC, Ogg, "
+    "MP3), itself or\n"
     "from a file of times, and writes timing, face and sound. Without --json, --fap or --wav the timing goes "
     "to\n"
     "standard output.\n"
     "\n"
-    "  -t, --text FILE      what is said, plain text, UTF-8\n"
+    "  -t, --text FILE      the transcript, plain text, UTF-8\n"
     "      --timing FILE    times of the phones: Festival or HTK .lab, .mlf, Praat TextGrid, faccia's JSON, "
-    "byte "
-    "offsets\n"
-    "      --names FILE     JSON object: the timing's names of phones in IPA\n"
-    "      --tier NAME      of a TextGrid: has the phones; found by its name when it is not told\n"
-    "      --word-tier NAME has the words\n"
+    "byte offsets\n"
+    "      --names FILE     JSON object: the IPA of each phone name in the timing\n"
+    "      --tier NAME      tier of a TextGrid with the phones (default: found by its name)\n"
+    "      --word-tier NAME tier with the words\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
-    "      --gender WORD    of the speaker: female or male; found out when it is not told\n" SPEAK_HELP_FPS
+    "      --gender WORD    of the speaker: female or male (default: detected)\n"
+    "      --lexicon FILE   pronunciations used in the recording (W3C PLS); may be repeated\n" SPEAK_HELP_FPS
         SPEAK_HELP_ENGINE SPEAK_HELP_CONTACTS SPEAK_HELP_STILL /* made of protocol/messages.json */
-    "      --seed N         another life of the face (0)\n"
+    "      --seed N         random seed of the face's idle motion (0)\n"
     "      --json FILE      phones and words with their times\n"
-    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --wav FILE       the sound, mono 16 bit\n"
+    "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
+    "      --wav FILE       the sound, mono, 16 bits\n"
     "  -q, --quiet          no progress\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
@@ -263,7 +266,7 @@ static int work(struct align *a) {
         return -1;
     }
     if (a->reading->rest > 3)
-        cli_complain("warning: the recording goes on for %.0f s after its text", a->reading->rest);
+        cli_complain("warning: the recording continues for %.0f s after its text", a->reading->rest);
     return align_write(a, INFINITY) ? -1 : align_end_outputs(a);
 }
 
@@ -279,7 +282,7 @@ static int read_timing(struct align *a, struct times *times) {
     int result = -1;
     if (a->names && !json_is_object(names))
         cli_complain("%s:%d:%d: %s", a->names, names ? 1 : why.line, names ? 1 : why.column,
-                     names ? "wanted is an object" : why.text);
+                     names ? "must be an object" : why.text);
     else if (!cli_read(a->timing, &data)) {
         result = times_read(times, &options, data.data ? (char *)data.data : "", data.size, &e);
         if (result)
@@ -293,7 +296,9 @@ static int read_timing(struct align *a, struct times *times) {
 }
 
 static int run(struct align *a, const struct settings *settings) {
-    struct reference_slot reference = {.reference = NULL};
+    const struct text_reading reading = {&a->components->normalizers, a->components->pipeline.lexicons,
+                                         a->request.lang};
+    struct reference_slot reference = {.read = text_reading_read, .read_ctx = &reading};
     struct buf script = {0};
     struct times times = {0};
     struct error e;
@@ -316,7 +321,7 @@ static int run(struct align *a, const struct settings *settings) {
         if (!a->reading)
             cli_complain("%s", error_text(&e, text, sizeof text));
         else if (!a->reading->tokens.count && !a->timing)
-            cli_complain("%s: there are no words in it", a->text);
+            cli_complain("%s: contains no words", a->text);
         else
             result = align_open_outputs(a) ? -1 : work(a);
     }
@@ -337,12 +342,25 @@ static int run(struct align *a, const struct settings *settings) {
 /* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, struct align *a) {
     static const struct option options[] = {
-        {"text", 1, NULL, 't'},      {"timing", 1, NULL, 'T'}, {"names", 1, NULL, 'N'},
-        {"lang", 1, NULL, 'l'},      {"gender", 1, NULL, 'g'}, {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'},    {"contacts", 1, NULL, 1}, {"still", 0, NULL, 1},
-        {"seed", 1, NULL, 1},        {"json", 1, NULL, 'J'},   {"fap", 1, NULL, 'F'},
-        {"wav", 1, NULL, 'W'},       {"quiet", 0, NULL, 'q'},  {"tier", 1, NULL, 'P'},
-        {"word-tier", 1, NULL, 'O'}, {"help", 0, NULL, 'h'},   {0},
+        {"text", 1, NULL, 't'},
+        {"timing", 1, NULL, 'T'},
+        {"names", 1, NULL, 'N'},
+        {"lang", 1, NULL, 'l'},
+        {"gender", 1, NULL, 'g'},
+        {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'},
+        {"contacts", 1, NULL, 1},
+        {"still", 0, NULL, 1},
+        {"seed", 1, NULL, 1},
+        {"json", 1, NULL, 'J'},
+        {"fap", 1, NULL, 'F'},
+        {"wav", 1, NULL, 'W'},
+        {"quiet", 0, NULL, 'q'},
+        {"tier", 1, NULL, 'P'},
+        {"word-tier", 1, NULL, 'O'},
+        {"help", 0, NULL, 'h'},
+        {"lexicon", 1, NULL, 'X'},
+        {0},
     };
     struct error e;
     char message[400];
@@ -367,7 +385,9 @@ static int parse(int argc, char **argv, struct align *a) {
             fputs("Try 'faccia align --help'.\n", stderr);
             return EXIT_USAGE;
         }
-        if (c == 'q') {
+        if (c == 'X') {
+            cli_lexicons_add(&a->lexicons, optarg);
+        } else if (c == 'q') {
             a->progress = false;
         } else if ((size_t)c < sizeof texts / sizeof *texts && texts[c]) {
             *texts[c] = optarg;
@@ -377,11 +397,12 @@ static int parse(int argc, char **argv, struct align *a) {
         }
     }
     if (a->gender && strcmp(a->gender, "female") != 0 && strcmp(a->gender, "male") != 0) {
-        cli_complain("--gender: wanted is female or male");
+        cli_complain("--gender: must be female or male");
         return EXIT_USAGE;
     }
     if (optind + 1 != argc || (!a->text && !a->timing)) {
-        cli_complain(optind + 1 != argc ? "one sound is needed" : "a --text or a --timing is needed");
+        cli_complain(optind + 1 != argc ? "exactly one sound file is needed"
+                                        : "a --text or a --timing is needed");
         return EXIT_USAGE;
     }
     a->sound = argv[optind];
@@ -398,13 +419,13 @@ static int choose(struct align *a) {
         struct suggestions near = suggestions_for(a->request.lang);
         for (size_t i = 0; i < a->packs->count; i++)
             suggest_name(&near, speech_pack_lang(a->packs->packs[i]), speech_pack_lang(a->packs->packs[i]));
-        cli_complain("lang: no language '%s'%s", a->request.lang, suggestions_text(&near, text));
+        cli_complain("lang: unknown language '%s'%s", a->request.lang, suggestions_text(&near, text));
         return EXIT_USAGE;
     }
     if (!face_engine_speaks(a->request.engine, a->pack)) {
         struct suggestions near = suggestions_for(a->request.engine);
         suggest_names(&near, face_engines());
-        cli_complain("engine: no engine '%s' for '%s'%s", a->request.engine, a->request.lang,
+        cli_complain("engine: unknown engine '%s' for '%s'%s", a->request.engine, a->request.lang,
                      suggestions_text(&near, text));
         return EXIT_USAGE;
     }
@@ -419,15 +440,18 @@ int align_main(int argc, char **argv, const struct settings *settings) {
     if (status < 0) {
         if (!a.outputs[WAV].path && !a.outputs[FAP].path && !a.outputs[JSON].path)
             a.outputs[JSON].path = "-";
-        if (cli_load(&components, settings, COMPONENTS_SPEECH, NULL)) {
+        if (cli_load(&components, cli_lexicons_with(&a.lexicons, settings),
+                     COMPONENTS_SPEECH | COMPONENTS_NORMALIZATION, NULL)) {
             status = EXIT_FAILED;
         } else {
             a.packs = &components.packs;
+            a.components = &components;
             status = choose(&a);
             status = status < 0 ? run(&a, settings) : status;
         }
         components_free(&components);
     }
     request_free(&a.request);
+    cli_lexicons_free(&a.lexicons);
     return status;
 }

@@ -592,7 +592,7 @@ struct long_alignment *long_alignment_open(const struct sound_source *source, st
     window_open(&c->window, source);
     if (c->voice_count)
         return c;
-    error_set(e, ERROR_NO_REFERENCE, "no voice to align to speaks '%.40s'", options->lang);
+    error_set(e, ERROR_NO_REFERENCE, "no voice to align with speaks '%.40s'", options->lang);
     long_alignment_free(c);
     return NULL;
 }
@@ -667,7 +667,7 @@ static int follow(struct long_alignment *c, struct error *e) {
     if (result && !c->made && !fits(c, &map, count)) {
         result = long_alignment_stopped(c) ? 0 : long_alignment_recover(c, c->said.spans[count].from, e);
         if ((c->failed || (c->lost && result > 0)) && c->likely) {
-            /* as a whole they are the words: too few to be told apart, or read too slowly */
+            /* the whole is too short or too slowly spoken to be distinguished */
             c->failed = c->lost = false;
             c->at = c->said.spans[0].from;
             c->ready_count = 0;

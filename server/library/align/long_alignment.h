@@ -13,12 +13,12 @@
 
 struct long_alignment_options {
     const char *lang;        /* BCP 47 of the speech */
-    const char *gender;      /* "female", "male"; NULL = whichever voice is closer */
+    const char *gender;      /* "female", "male"; NULL = the closer voice */
     const atomic_bool *stop; /* becomes true to cancel; may be NULL */
     bool made;               /* a program made the recording from this text: do not check its words */
 };
 
-/* Times in seconds of the recording. What no phone covers is a pause. */
+/* Times in seconds of the recording. Time not covered by a phone is a pause. */
 struct long_alignment_phone {
     char ipa[PHONE_NAME_BYTES]; /* never "" */
     uint8_t stress;

@@ -77,7 +77,7 @@ struct fit {
     size_t base;   /* window offset */
 };
 
-/* Queue a piece that was found, with its distance relative to other words, or one that was not found. */
+/* Queue a located piece, with its distance relative to other words, or a piece that was not located. */
 void long_alignment_take(struct long_alignment *c, const struct fit *fit, const struct reference_span *span,
                          double apart);
 void long_alignment_miss(struct long_alignment *c, const struct reference_span *span);

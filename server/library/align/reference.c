@@ -78,7 +78,7 @@ static int reference_worker_start(struct reference_worker *w, const char *progra
     int ends[2];
     *w = (struct reference_worker){.fd = -1};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
-        return error_set(e, CODE, "no voice to align to: no socket (%s)", strerror(errno));
+        return error_set(e, CODE, "no voice to align with: no socket (%s)", strerror(errno));
     int result = *program ? spawn(&w->pid, ends[1], program, plugin) : ask_keeper(ends[1]);
     close(ends[1]);
     if (!result) {
@@ -87,7 +87,7 @@ static int reference_worker_start(struct reference_worker *w, const char *progra
     }
     close(ends[0]);
     w->pid = 0;
-    return error_set(e, CODE, "no voice to align to: %.180s cannot be started (%s)",
+    return error_set(e, CODE, "no voice to align with: %.180s cannot be started (%s)",
                      *program ? program : "a worker", strerror(result));
 }
 
@@ -103,7 +103,7 @@ static void reference_worker_stop(struct reference_worker *w) {
 
 static int lost(struct reference_worker *w, const char *why, struct error *e) {
     reference_worker_stop(w);
-    return error_set(e, CODE, "the voice to align to %s", why);
+    return error_set(e, CODE, "the voice to align with %s", why);
 }
 
 /* Sends a frame made by wire_begin and wire_end, and empties b. -1 with *e. */
@@ -209,7 +209,7 @@ static int start(struct reference *r, struct error *e) {
             keep_voices(r, text);
         return 0;
     }
-    error_set(e, CODE, "no voice to align to: %s", text ? text : "its worker sent garbage");
+    error_set(e, CODE, "no voice to align with: %s", text ? text : "its worker sent invalid data");
     reference_worker_stop(&r->worker);
     return -1;
 }
@@ -277,12 +277,46 @@ static bool take_audio(struct reference_speech *s, const struct wire_frame *fram
     return !r.bad && s->rate;
 }
 
-/* before: samples spoken earlier; from: byte where its text begins. */
-static bool take_events(struct reference_speech *s, const struct wire_frame *frame, uint64_t before,
-                        size_t from) {
+/* The stretch that is being spoken. */
+struct spoken_stretch {
+    uint64_t before; /* samples spoken earlier */
+    size_t from;     /* byte where its text begins */
+    const struct reference_reading *reading;
+    const struct reference_part *last; /* part of the last word */
+};
+
+static const struct reference_part *part_of(const struct reference_piece *piece, size_t byte) {
+    size_t i = 0;
+    while (i + 1 < piece->part_count && piece->parts[i + 1].offset <= byte)
+        i++;
+    return piece->part_count ? &piece->parts[i] : NULL;
+}
+
+/* Finds the bytes of the stretch that a word stands for. False: none, or the word before stands for them. */
+static bool place_word(struct spoken_stretch *s, const struct faccia_word *word, size_t *from, size_t *to) {
+    *from = word->offset;
+    *to = word->offset + word->bytes;
+    if (!s->reading->count)
+        return true;
+    if (word->span >= s->reading->count || !word->bytes)
+        return false;
+    const struct reference_piece *piece = &s->reading->pieces[word->span];
+    const struct reference_part *first = part_of(piece, *from), *last = part_of(piece, *to - 1);
+    if (!first || (first == s->last && !first->verbatim))
+        return false;
+    *from = first->verbatim ? first->from + (*from - first->offset) : first->from;
+    *to = last->verbatim ? last->from + (*to - last->offset) : last->to;
+    s->last = last;
+    return *to > *from;
+}
+
+static bool take_events(struct reference_speech *s, const struct wire_frame *frame,
+                        struct spoken_stretch *stretch) {
     struct wire_reader r = wire_read(frame);
     struct wire_event event;
+    const uint64_t before = stretch->before;
     while (wire_get_event(&r, &event)) {
+        size_t from, to;
         if (event.kind == WIRE_PHONE) {
             const struct faccia_phone *phone = &event.phone;
             s->phones = mem_grow(s->phones, &s->phone_cap, s->phone_count + 1, sizeof *s->phones);
@@ -290,11 +324,10 @@ static bool take_events(struct reference_speech *s, const struct wire_frame *fra
             *p = (struct reference_phone){
                 .stress = (uint8_t)phone->stress, .start = before + phone->start, .end = before + phone->end};
             snprintf(p->ipa, sizeof p->ipa, "%s", phone->ipa);
-        } else if (event.kind == WIRE_WORD) {
-            const struct faccia_word *word = &event.word;
+        } else if (event.kind == WIRE_WORD && place_word(stretch, &event.word, &from, &to)) {
             s->words = mem_grow(s->words, &s->word_cap, s->word_count + 1, sizeof *s->words);
-            s->words[s->word_count++] = (struct reference_word){
-                from + word->offset, from + word->offset + word->bytes, before + word->start};
+            s->words[s->word_count++] =
+                (struct reference_word){stretch->from + from, stretch->from + to, before + event.word.start};
         }
     }
     return !r.bad;
@@ -302,31 +335,38 @@ static bool take_events(struct reference_speech *s, const struct wire_frame *fra
 
 /* 1 = more will come, 0 = finished. */
 static int take(struct reference *r, const struct wire_frame *frame, struct reference_speech *out,
-                uint64_t before, size_t from, struct error *e) {
+                struct spoken_stretch *stretch, struct error *e) {
     struct wire_reader reader = wire_read(frame);
     bool good = frame->job == r->job;
     if (good && frame->type == WIRE_DONE) {
         uint32_t failed = wire_get_u32(&reader);
         const char *message = wire_get_string(&reader);
-        return failed ? error_set(e, CODE, "the voice to align to failed: %s", message ? message : "") : 0;
+        return failed ? error_set(e, CODE, "the voice to align with failed: %s", message ? message : "") : 0;
     }
     if (good && frame->type == WIRE_AUDIO)
         good = take_audio(out, frame);
     else if (good && frame->type == WIRE_EVENTS)
-        good = take_events(out, frame, before, from);
+        good = take_events(out, frame, stretch);
     else
         good = false;
     if (good)
         return 1;
     reference_worker_stop(&r->worker);
-    return error_set(e, CODE, "the voice to align to sent garbage");
+    return error_set(e, CODE, "the voice to align with sent invalid data");
 }
 
-static int ask(struct reference *r, const char *voice, const char *text, size_t size, struct error *e) {
-    char *copy = mem_strndup(text, size);
-    const struct faccia_span span = {
-        .kind = FACCIA_SPAN_TEXT, .text = copy, .pitch = 1, .range = 1, .volume = 1};
-    const struct faccia_sentence sentence = {.voice = voice, .spans = &span, .span_count = 1};
+static int ask(struct reference *r, const char *voice, const char *text,
+               const struct reference_reading *reading, struct error *e) {
+    size_t count = reading->count ? reading->count : 1;
+    struct faccia_span *spans = mem_alloc(count * sizeof *spans);
+    for (size_t i = 0; i < count; i++)
+        spans[i] = (struct faccia_span){.kind = FACCIA_SPAN_TEXT,
+                                        .text = reading->count ? reading->pieces[i].words : text,
+                                        .phones = reading->count ? reading->pieces[i].phones : NULL,
+                                        .pitch = 1,
+                                        .range = 1,
+                                        .volume = 1};
+    const struct faccia_sentence sentence = {.voice = voice, .spans = spans, .span_count = count};
     struct buf b = {0};
     size_t place = wire_begin(&b, WIRE_SPEAK, ++r->job);
     wire_put_u32(&b, PROCESSOR_SECONDS);
@@ -334,20 +374,36 @@ static int ask(struct reference *r, const char *voice, const char *text, size_t 
     wire_end(&b, place);
     int result = reference_worker_send(&r->worker, &b, e);
     buf_free(&b);
-    free(copy);
+    free(spans);
     return result;
+}
+
+void reference_reading_free(struct reference_reading *reading) {
+    for (size_t i = 0; i < reading->count; i++) {
+        free(reading->pieces[i].words);
+        free(reading->pieces[i].phones);
+        free(reading->pieces[i].parts);
+    }
+    free(reading->pieces);
+    *reading = (struct reference_reading){0};
 }
 
 int reference_speak(struct reference *r, const char *voice, const char *text, size_t from, size_t to,
                     struct reference_speech *out, struct error *e) {
-    const uint64_t before = out->samples;
     const double silence = SILENCE_SECONDS + SILENCE_PER_BYTE * (double)(to - from);
+    char *own = mem_strndup(text + from, to - from);
+    struct reference_reading reading = {0};
     struct wire_frame frame;
     int more = 1;
-    if ((r->worker.fd < 0 && start(r, e)) || ask(r, voice, text + from, to - from, e))
-        return -1;
+    if (r->from.read)
+        r->from.read(r->from.read_ctx, own, strlen(own), &reading);
+    struct spoken_stretch stretch = {out->samples, from, &reading, NULL};
+    if ((r->worker.fd < 0 && start(r, e)) || ask(r, voice, own, &reading, e))
+        more = -1;
     while (more > 0 && !(more = reference_worker_hear(&r->worker, &frame, silence, e)))
-        more = take(r, &frame, out, before, from, e);
+        more = take(r, &frame, out, &stretch, e);
+    reference_reading_free(&reading);
+    free(own);
     return more;
 }
 

@@ -31,6 +31,27 @@ struct reference_speech {
     size_t word_count, word_cap;
 };
 
+/* How a stretch of text is read: pieces with the words of each, or its phones, and the bytes of the stretch
+ * that they stand for. */
+struct reference_part {
+    size_t offset, bytes; /* of the words */
+    size_t from, to;      /* of the stretch */
+    bool verbatim;        /* both are the same */
+};
+
+struct reference_piece {
+    char *words, *phones; /* phones: IPA in place of the words; NULL: none */
+    struct reference_part *parts;
+    size_t part_count;
+};
+
+struct reference_reading {
+    struct reference_piece *pieces;
+    size_t count, cap;
+};
+
+void reference_reading_free(struct reference_reading *reading);
+
 struct reference;
 
 /* Where a reference comes from. All zero is right within a plugin: its worker can start others
@@ -38,6 +59,10 @@ struct reference;
 struct reference_slot {
     char worker[4096], path[4096]; /* the program faccia-voice; the plugin */
     bool unconfined;               /* do not restrict the plugin's system calls */
+    /* Converts a stretch to spoken words; an empty result means as written. NULL: all text is spoken as
+     * written. Must outlive the reference. */
+    void (*read)(const void *ctx, const char *text, size_t size, struct reference_reading *out);
+    const void *read_ctx;
     struct reference *reference;
 };
 struct reference *reference_get(struct reference_slot *slot, struct error *e); /* opens it on first use */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/align/sound_file.h"
 #include "server/base/mem.h"
-#include "server/base/mixdown.h"
-#include "server/base/wav_file.h"
+#include "server/base/sound/mixdown.h"
+#include "server/base/sound/wav_file.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdlib.h>
@@ -50,12 +50,12 @@ struct sound_file *sound_open(const char *path, struct error *e) {
     if (!s->file)
         error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
     else if (info.channels < 1 || info.channels > CHANNELS_MAX)
-        error_set(e, CODE, "%.160s: %d channels, at most %d can be read", path, info.channels, CHANNELS_MAX);
+        error_set(e, CODE, "%.160s: %d channels; the limit is %d", path, info.channels, CHANNELS_MAX);
     else if (info.samplerate < RATE_MIN || info.samplerate > RATE_MAX)
-        error_set(e, CODE, "%.160s: %d samples a second, from %d to %d can be read", path, info.samplerate,
-                  RATE_MIN, RATE_MAX);
+        error_set(e, CODE, "%.160s: %d samples per second; must be %d to %d", path, info.samplerate, RATE_MIN,
+                  RATE_MAX);
     else if (info.frames < 1 || !info.seekable)
-        error_set(e, CODE, "%.160s: there is no sound in it", path);
+        error_set(e, CODE, "%.160s: contains no sound", path);
     else {
         s->channels = (unsigned)info.channels;
         s->source = (struct sound_source){read_frames, s, (uint32_t)info.samplerate, (uint64_t)info.frames};

@@ -126,7 +126,7 @@ static int times_read_lab(struct times_reader *r) {
             continue;
         *name = '\0';
         if (sscanf(line, "%lf %*s %31s", &end, name) < 1)
-            return times_fail(r, "wanted is END COLOUR NAME", "");
+            return times_fail(r, "expected END COLOUR NAME", "");
         if (!times_add_phone(r, name, before, end, 0))
             return times_fail(r, "the phone ends before it begins", "");
         before = end;
@@ -175,7 +175,7 @@ static int times_read_htk(struct times_reader *r) {
             continue;
         *fourth = *fifth = '\0';
         if (sscanf(line, "%lf %lf %31s %127s %127s", &start, &end, name, fourth, fifth) < 3)
-            return times_fail(r, "wanted is START END NAME", "");
+            return times_fail(r, "expected START END NAME", "");
         const char *next = word_of(fourth, fifth);
         bool pause = times_is_pause(name);
         if (*word && (*next || pause)) {
@@ -346,14 +346,14 @@ static int read_tiers(struct times_reader *r, struct tier *tiers, size_t *count)
     if (!next_text(r, value) || strcmp(value, "ooTextFile") != 0 || !next_text(r, value) ||
         strcmp(value, "TextGrid") != 0 || !next_number(r, &a) || !next_number(r, &b) ||
         !next_number(r, &size))
-        return times_fail(r, "wanted is a TextGrid: its kind, its two times and the number of its tiers", "");
+        return times_fail(r, "expected a TextGrid: its kind, its two times and the number of its tiers", "");
     for (; size >= 1; size--) {
         struct tier t = {.count = 0};
         if (!next_text(r, value))
-            return times_fail(r, "wanted is a tier's kind", "");
+            return times_fail(r, "expected a tier's kind", "");
         bool intervals = !strcmp(value, "IntervalTier");
         if (!next_text(r, value) || !next_number(r, &a) || !next_number(r, &b) || !next_number(r, &t.count))
-            return times_fail(r, "wanted is a tier's name, its two times and its size", "");
+            return times_fail(r, "expected a tier's name, its two times and its size", "");
         snprintf(t.name, sizeof t.name, "%s", value);
         t.at = r->at;
         t.line = r->line;
@@ -361,7 +361,7 @@ static int read_tiers(struct times_reader *r, struct tier *tiers, size_t *count)
             tiers[(*count)++] = t;
         for (double i = 0; i < t.count; i++)
             if (!next_number(r, &a) || (intervals && !next_number(r, &b)) || !next_text(r, value))
-                return times_fail(r, "wanted is the next interval or point of the tier ", t.name);
+                return times_fail(r, "expected the next interval or point of the tier ", t.name);
     }
     return 0;
 }
@@ -424,7 +424,7 @@ static int find_tier(const struct times_reader *r, const struct tiers *tiers, co
     }
     if (second)
         return error_set(r->e, TIMES_CODE,
-                         "\"%.60s\" and \"%.60s\" may both be the tier of %s: tell which (%s)",
+                         "\"%.60s\" and \"%.60s\" may both be the tier of %s: choose one (%s)",
                          (*found)->name, second->name, usual->what, usual->option);
     return 0;
 }
@@ -452,8 +452,7 @@ static int only_tier(const struct times_reader *r, const struct tiers *tiers, co
     if (count < 2)
         return 0;
     names[utf8_check(names, strlen(names))] = '\0';
-    return error_set(r->e, TIMES_CODE,
-                     "none of the tiers is named \"phones\": tell which of %s has them (%s)", names,
+    return error_set(r->e, TIMES_CODE, "no tier is named \"phones\": choose one of %s (%s)", names,
                      phone_tiers.option);
 }
 
@@ -467,7 +466,7 @@ static int read_intervals(struct times_reader *r, const struct tier *tier, bool 
         bool read = next_number(r, &start) && next_number(r, &end) && next_text(r, value);
         bool skip = words && times_is_pause(value);
         if (read && guessed && strchr(value, ' '))
-            return times_fail(r, "this is no phone, and no tier is named \"phones\": ", value);
+            return times_fail(r, "this is not a phone, and no tier is named \"phones\": ", value);
         if (!read || !(skip || (words ? times_add_word(r, value, start, end)
                                       : times_add_phone(r, value, start, end, 0))))
             return times_fail(r, "the interval is not in order, in the tier ", tier->name);

@@ -29,8 +29,8 @@ static void on_time(uv_timer_t *timer);
 
 static void go_on(struct prerender *a, enum library_prerender_state state, uint64_t ms) {
     if (state != a->told.state && (state == PRERENDER_DONE || state == PRERENDER_FULL))
-        log_info("library: %u sections are prerendered by %s, %.1f MB%s", a->told.done, a->told.voice,
-                 (double)a->told.bytes / 1e6, state == PRERENDER_FULL ? ": as much as may be" : "");
+        log_info("library: %u sections prerendered with %s, %.1f MB%s", a->told.done, a->told.voice,
+                 (double)a->told.bytes / 1e6, state == PRERENDER_FULL ? ": the limit is reached" : "");
     a->told.state = state;
     library_set_prerender(a->library, &a->told);
     uv_timer_start(a->timer, on_time, ms, 0);

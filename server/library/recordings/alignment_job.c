@@ -126,7 +126,7 @@ static int spawn(pid_t *pid, int out, char *const args[]) {
 }
 
 bool alignment_job_start(struct alignment_job *job, const struct aligner *a, const char *folder,
-                         const char *work, const char *sound) {
+                         const char *work, const char *sound, const char *library) {
     char percent[16], megabytes[16];
     int ends[2];
     *job = (struct alignment_job){.fd = -1};
@@ -141,6 +141,8 @@ bool alignment_job_start(struct alignment_job *job, const struct aligner *a, con
                     (char *)a->worker,
                     (char *)a->plugin,
                     a->unconfined ? "off" : "on",
+                    (char *)a->normalization,
+                    (char *)library,
                     NULL};
     int result = pipe2(ends, O_CLOEXEC) ? errno : 0;
     if (!result) {

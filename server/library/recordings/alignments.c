@@ -151,7 +151,7 @@ static void look_at(struct alignments *a, struct alignment *one) {
     if (ready < 0)
         alignments_set(a, one, ALIGNMENT_FAILED, error_text(&e, text, sizeof text));
     else if (!ready)
-        alignments_set(a, one, ALIGNMENT_FAILED, "the work cannot be read to its end");
+        alignments_set(a, one, ALIGNMENT_FAILED, "the work can be read only in part");
     else if (one->given)
         alignments_set(a, one, ALIGNMENT_ALIGNED, NULL);
     else {
@@ -275,7 +275,7 @@ struct worker {
 static void tell_done(struct alignments *a, const struct alignment *one) {
     json_t *figures = json_object();
     alignment_tell(a->voices, one->of.work, 0, figures);
-    log_info("library: %s is aligned: %lld sentences, %lld not heard, %lld doubtful", one->of.sound,
+    log_info("library: aligned %s: %lld sentences, %lld not heard, %lld doubtful", one->of.sound,
              (long long)json_integer_value(json_object_get(figures, "sentences")),
              (long long)json_integer_value(json_object_get(figures, "missing")),
              (long long)json_integer_value(json_object_get(figures, "doubtful")));
@@ -283,7 +283,7 @@ static void tell_done(struct alignments *a, const struct alignment *one) {
 }
 
 static void fail(struct alignments *a, struct alignment *one, const char *why) {
-    log_warn("library: %s cannot be aligned: %s", one->of.sound, why);
+    log_warn("library: cannot align %s: %s", one->of.sound, why);
     alignments_set(a, one, ALIGNMENT_FAILED, why);
 }
 
@@ -293,7 +293,7 @@ static void put_off(struct alignments *a, struct alignment *one, const char *why
         fail(a, one, why);
         return;
     }
-    log_info("library: %s is to be aligned later: %s", one->of.sound, why);
+    log_info("library: will align %s later: %s", one->of.sound, why);
     one->not_before = now() + AGAIN_SECONDS;
     alignments_set(a, one, ALIGNMENT_WAITING, NULL);
 }
@@ -346,13 +346,13 @@ static bool begin(struct worker *w) {
     if (!one)
         return some_wait;
     char *sound = library_file_path(a->folder, one->of.sound);
-    bool started = alignment_job_start(&w->job, &a->aligner, a->voices, one->of.work, sound);
+    bool started = alignment_job_start(&w->job, &a->aligner, a->voices, one->of.work, sound, a->folder);
     free(sound);
     if (!started) {
         put_off(a, one, w->job.result);
         return true;
     }
-    log_info("library: %s is being aligned", one->of.sound);
+    log_info("library: aligning %s", one->of.sound);
     snprintf(w->work, sizeof w->work, "%s", one->of.work);
     alignments_set(a, one, ALIGNMENT_ALIGNING, NULL);
     return false;
@@ -419,11 +419,12 @@ struct alignments *alignments_open(const char *folder, const char *voices, const
     a->aligner.program = mem_strdup(aligner->program);
     a->aligner.worker = mem_strdup(aligner->worker);
     a->aligner.plugin = mem_strdup(aligner->plugin);
+    a->aligner.normalization = mem_strdup(aligner->normalization);
     a->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     pthread_mutex_init(&a->mutex, NULL);
     if (a->wake >= 0 && !pthread_create(&a->thread, NULL, run, a))
         return a;
-    log_warn("library: recordings cannot be aligned in the background: %s", strerror(errno));
+    log_warn("library: cannot align recordings in the background: %s", strerror(errno));
     a->thread = 0;
     alignments_close(a);
     return NULL;
@@ -446,6 +447,7 @@ void alignments_close(struct alignments *a) {
     free((char *)a->aligner.program);
     free((char *)a->aligner.worker);
     free((char *)a->aligner.plugin);
+    free((char *)a->aligner.normalization);
     free(a);
 }
 

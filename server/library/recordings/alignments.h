@@ -6,7 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,12 +15,13 @@
 
 /* The alignment program and its limits. */
 struct aligner {
-    const char *program; /* path of faccia-align */
-    const char *worker;  /* path of faccia-voice */
-    const char *plugin;  /* plugin of the reference voice */
-    unsigned percent;    /* share of one processor, 1 to 100; 0 = alignment is off */
-    unsigned megabytes;  /* limit of its address space */
-    bool unconfined;     /* run without the sandbox */
+    const char *program;       /* path of faccia-align */
+    const char *worker;        /* path of faccia-voice */
+    const char *plugin;        /* plugin of the reference voice */
+    const char *normalization; /* folder with the rules for reading texts */
+    unsigned percent;          /* share of one processor, 1 to 100; 0 = alignment is off */
+    unsigned megabytes;        /* limit of its address space */
+    bool unconfined;           /* run without the sandbox */
 };
 
 struct alignment_job {
@@ -43,7 +44,7 @@ enum alignment_end {
 
 /* False: it cannot be started; result is the reason. */
 bool alignment_job_start(struct alignment_job *job, const struct aligner *aligner, const char *folder,
-                         const char *work, const char *sound);
+                         const char *work, const char *sound, const char *library);
 
 /* Call when fd is readable. */
 enum alignment_end alignment_job_read(struct alignment_job *job);

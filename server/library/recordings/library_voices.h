@@ -4,7 +4,7 @@
 #define FACCIA_LIBRARY_RECORDINGS_LIBRARY_VOICES_H
 
 #include "server/base/error.h"
-#include "server/base/reader_process.h"
+#include "server/base/work/reader_process.h"
 #include <jansson.h>
 #include <stdatomic.h>
 #include <stdbool.h>

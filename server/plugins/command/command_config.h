@@ -7,7 +7,7 @@
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 
-/* Where a program's times come from. */
+/* Source of the phone times of a program. */
 struct cm_timing {
     bool given;
     struct times_options options;

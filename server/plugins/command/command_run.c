@@ -426,7 +426,7 @@ static const char *converse(struct child *child, const struct cm_run *run, struc
         if (left <= 0)
             return "took too long";
         if (poll(polled, 4, (int)(left * 1000) + 1) < 0 && errno != EINTR)
-            return "cannot be heard";
+            return "contains no speech";
         if (polled[1].revents)
             hear_complaint(child);
         if (polled[2].revents)

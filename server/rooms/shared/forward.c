@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forwarded commands: for a room that another daemon leads, or may lead. A command is kept until it is
- * answered, and then until the speech that it requested has ended. If the leader is lost, so is the speech:
- * the daemon that forwarded the command sends its end, or repeats the command to the next leader if the
- * client asked for that (`again`). Commands keep the order in which clients sent them to this daemon. */
-#include "server/base/error_json.h"
+/* Forwards commands for rooms that another daemon leads, or may lead. Keeps each command until it is answered
+ * and the speech that it requested has ended. If the leader is lost, its speech is lost too: this daemon then
+ * sends the end event, or repeats the command to the next leader if the client asked for that (`again`).
+ * Commands stay in the order in which clients sent them to this daemon. */
+#include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/rooms/shared/shared_internal.h"
 #include <stdlib.h>
@@ -112,12 +112,12 @@ static uint64_t before(const struct forward *o) {
 /* Sends the command to the leader, which does not run it before the command that it comes after. */
 static void send_command(struct forward *o) {
     const struct shared_room *h = o->channel->shared;
-    json_t *head = packet_begin("order", o->channel->name);
+    json_t *head = packet_begin("command", o->channel->name);
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
     json_object_set_new(head, "after", json_integer((json_int_t)before(o)));
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "visit", json_integer(h->visit));
-    json_object_set(head, "order", o->asked);
+    json_object_set(head, "command", o->asked);
     shared_tell(o->all, h->holder, head);
     o->sent = true;
 }
@@ -211,7 +211,7 @@ void forwards_close(struct shared_rooms *all) {
 
 void forwards_heard(struct shared_rooms *all, const struct packet *p) {
     struct shared_room *h = shared_find(all, p->room);
-    json_t *asked = json_object_get(p->head, "order"), *head = packet_begin("answer", p->room);
+    json_t *asked = json_object_get(p->head, "command"), *head = packet_begin("answer", p->room);
     unsigned status = 0;
     json_object_set(head, "number", json_object_get(p->head, "number"));
     json_object_set(head, "token", json_object_get(p->head, "token"));

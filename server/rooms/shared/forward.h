@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forwarded commands: commands for a room that another daemon leads, or may lead. */
+/* Forwards commands for rooms that another daemon leads, or may lead. */
 #ifndef FACCIA_ROOMS_SHARED_FORWARD_H
 #define FACCIA_ROOMS_SHARED_FORWARD_H
 

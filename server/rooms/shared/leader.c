@@ -93,9 +93,9 @@ enum { APART_DIGITS = 5 };
 
 static void count(const struct shared_room *h, int by) {
     static const int metrics[ROLES] = {[ROLE_SEEKING] = -1,
-                                       [ROLE_LEADER] = METRIC_ROOMS_HERE,
-                                       [ROLE_REPLICA] = METRIC_ROOMS_ELSEWHERE,
-                                       [ROLE_ALONE] = METRIC_ROOMS_ALONE};
+                                       [ROLE_LEADER] = METRIC_ROOMS_LED,
+                                       [ROLE_REPLICA] = METRIC_ROOMS_REPLICATED,
+                                       [ROLE_ALONE] = METRIC_ROOMS_UNSHARED};
     if (metrics[h->role] >= 0)
         metrics_add(h->all->rooms->pipeline->metrics, (enum metric)metrics[h->role], by);
 }

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 /* Packets of another version are ignored. */
-enum { PACKET_VERSION = 4 };
+enum { PACKET_VERSION = 5 };
 
 struct packet {
     json_t *head;

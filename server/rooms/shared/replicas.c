@@ -27,7 +27,7 @@ static void drop(struct shared_room *h, struct replica **at) {
     for (size_t i = 0; i < REPLICA_ENCODINGS; i++)
         channel_leave(&b->media[i]);
     channel_leave(&b->all);
-    log_info("room %s: the daemon %.8s follows no more", h->channel->name, b->name);
+    log_info("room %s: the daemon %.8s no longer follows", h->channel->name, b->name);
     free(b);
 }
 
@@ -48,7 +48,7 @@ static struct replica *replica_new(struct shared_room *h, const char *name) {
     channel_join(h->channel, &b->all);
     log_info("room %s: the daemon %.8s follows", h->channel->name, b->name);
     if (is_full(h))
-        log_warn("room %s: %d daemons follow; further ones are left out", h->channel->name, REPLICAS_MOST);
+        log_warn("room %s: %d daemons follow; ignoring the rest", h->channel->name, REPLICAS_MOST);
     return b;
 }
 
@@ -129,11 +129,11 @@ static json_t *part_of_media(const struct channel_item *item, struct buf *body) 
                      item->begin, "idle", item->idle, "size", (json_int_t)item->message->size);
 }
 
-/* Adds the command's number, by which a replica recognises its utterance. Events between begin and end carry
- * none. */
+/* Adds the command's number, which tells a replica whose utterance the event belongs to. Only begin and
+ * the kinds from STREAM_WARNING on carry it. */
 static json_t *part_with_command(json_t *part, uint64_t command) {
     if (command)
-        json_object_set_new(part, "order", json_integer((json_int_t)command));
+        json_object_set_new(part, "command", json_integer((json_int_t)command));
     return part;
 }
 

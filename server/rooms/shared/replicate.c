@@ -164,7 +164,7 @@ static void replicate_text(struct shared_room *h, const struct part *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
-    uint64_t command = (uint64_t)json_integer_value(json_object_get(p->head, "order"));
+    uint64_t command = (uint64_t)json_integer_value(json_object_get(p->head, "command"));
     bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && (command || h->past.count));
     uint32_t utterance = asks ? utterance_of(message) : 0;
     if (kind < 0) {

@@ -1,24 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rooms shared by several daemons. One daemon speaks in a room: it is the leader, and holds a lease on the
- * room (cluster/cluster.h). Every other daemon with followers of the room is a replica.
- *
- * Every daemon that has the room claims its lease repeatedly: the leader to keep it, replicas to take it
- * over. A replica reports to its leader that it is there, and which media encodings it wants (`here`). The
- * leader first sends it the current state (`recap`), then each message once, with the bytes that the leader's
- * own followers get (`said`). The replica passes on together what left the leader together, and keeps what
- * late joiners must be told, as the leader does. A client's command in a replica is forwarded to the leader
- * (`order`), which answers (`answer`). A daemon that was taken for the leader but does not lead the room
- * replies `gone`.
- *
- * A message of the leader carries the token of the lease. It leaves only while the lease is held, which the
- * bus checks, and a replica accepts only the latest token that it knows. A leader whose lease has expired,
- * for example because it was suspended, also stops serving its own followers until it has claimed the lease
- * again.
- *
- * When the leader is lost, its utterances end as failed, and the first daemon to claim the lease becomes the
- * next leader. Without the bus each daemon speaks for its own followers, and a leader's utterances continue.
- * When the bus is back, the first to claim the lease leads; any other daemon that is speaking may finish its
- * utterance within SPLIT_MS, and then follows. */
+/* most encodings requested by one replica */
 #ifndef FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 #define FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 

@@ -102,7 +102,7 @@ static void on_heard(void *ctx, const void *data, size_t size) {
     struct channel *c = h ? h->channel : NULL;
     if (c)
         channel_keep(c);
-    if (!strcmp(p.kind, "order"))
+    if (!strcmp(p.kind, "command"))
         forwards_heard(all, &p);
     else if (!strcmp(p.kind, "answer"))
         forwards_answered(all, &p);
