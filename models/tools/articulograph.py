@@ -25,7 +25,7 @@ import sys
 import zlib
 
 MARKERS = {"ul", "ll", "jaw", "tt", "tb", "tr"}
-NUMBERS = {1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 9: "d", 12: "q", 13: "Q"}
+NUMBERS = {1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 9: "d", 12: "q", 13: "Q", 16: "B", 17: "H"}
 COMPRESSED, MATRIX, CELL, STRUCT, CHAR = 15, 14, 1, 2, 4
 
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * Builds a head: build-head.mjs RECIPE.json OUTPUT.json [--modules DIR] [--draft]. Writes OUTPUT.json, OUTPUT.json.gz and the
- * poster, OUTPUT.webp. A draft has textures of a quarter of the size, for trying things out.
+ * poster, OUTPUT.webp. --draft makes textures a quarter of the size, for experiments.
  */
 import fs from 'node:fs';
 import path from 'node:path';

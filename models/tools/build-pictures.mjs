@@ -7,7 +7,7 @@ import zlib from 'node:zlib';
 import { unpack } from './lib/deform.mjs';
 import { makePictures } from './lib/pictures.mjs';
 
-const MOST_BYTES = 765000; // as it is sent
+const MOST_BYTES = 765000; // in the transmitted size
 const [headFile, posesFile, outFile, ...rest] = process.argv.slice(2);
 if (!outFile || rest.length) {
   console.error('usage: build-pictures.mjs HEAD.json POSES.json OUTPUT.json');

@@ -1,8 +1,7 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Checks a built head: check-head.mjs HEAD.json. Prints what is wrong; exit code 1 when anything is. First the client's own reader sees it,
- * then it is checked as a face.
+ * Checks a built head: check-head.mjs HEAD.json. Prints errors, and exits with 1 if there are any. First reads the head with the client's reader, then checks it as a face.
  */
 import fs from 'node:fs';
 import { readModel } from '../../web/element/head/model/model.mjs';

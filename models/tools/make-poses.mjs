@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * Writes the poses of a set of pictures: make-poses.mjs FACCIA [OUTPUT.json]. The 34 context visemes as the engine `context` shows them, one
- * context of each, and a few poses beside them for what other languages and moods need. FACCIA is the built program.
+ * context of each, and additional poses for other languages and moods. FACCIA is the built program.
  */
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -69,7 +69,7 @@ function visemes() {
   return Object.keys(table.visemes).map((name) => ({ name, ...found.get(name) }));
 }
 
-/** What Portuguese lips do not do: a tongue between the teeth, smiles, a jaw that falls. */
+/** Poses that Portuguese lacks: a tongue between the teeth, smiles, a dropped jaw. */
 function others() {
   const mood = (what) => mouth(readFapFrames(run('expressions', '--fap', what))[0]);
   return [
@@ -83,7 +83,7 @@ function others() {
   ];
 }
 
-/** The longest of a sound in a text that a voice speaks. */
+/** Returns the longest instance of a sound in a spoken text. */
 function spoken(lang, sound, text) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'poses-'));
   const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));

@@ -28,9 +28,10 @@ SOURCE = {"LI": "LLO", "LS": "ULO", "AR": "LW", "PI": "LLP", "PS": "ULP", "EM": 
 # From the markers' mm to the face's. The speakers over-articulate isolated VCV words, and the markers sit on the outer border of the
 # lips: taken as they are, a stressed /a/ would open 25 mm. The upper lip's share is reduced more, as a measured opening was split
 # 9:16 between the lips, where a relaxed upper lip rises by a fifth of the whole. JAW is the chin's path, twice the lower lip's; with
-# 0.43 chin and lower lip go together, as they do in a face. LW is one corner's path: AR counts both. Width and protrusion are
-# enlarged a little because they are what sets /i e/ apart from /o u/ for a lip reader.
-SCALE = {"LI": 0.70, "LS": 0.40, "AR": 2 * 1.3, "PI": 1.3, "PS": 1.3, "EM": 0.43}
+# 0.43 chin and lower lip go together, as they do in a face. Protrusion is enlarged a little because it is what sets /i e/ apart from
+# /o u/ for a lip reader. Width is not: on film the mouths of English and German speakers vary by 5 to 14 mm in a sentence and are
+# 3 mm narrower in /w/, 1.8 in a long /u/. Taken once for spread lips LW would leave them less, so those count it twice.
+SCALE = {"LI": 0.70, "LS": 0.40, "AR": 2.0, "PI": 1.3, "PS": 1.3, "EM": 0.43}
 # The 9:16 says nothing of how people share an opening. In articulograph recordings of English speakers the upper lip rises early and
 # then stays: about 2.6 mm in everything that is not closed, whether /s/ or /a/, 1 mm more in the flared /tS S/, half of it in lips
 # that are pushed forward, and only bilabials bring it down. LS therefore follows the whole opening so: RAISED (1 - exp(-opening / 2.5)).
@@ -45,19 +46,23 @@ UPPER_CLOSED = {"p": -0.8, "b": -0.6, "m": -0.5}
 # JASA 95, 1994; Mooshammer, Hoole and Geumann, Language and Speech 50, 2007); mm of the lower incisors by articulograph of English
 # speakers, rounded. Sibilants hold the jaw against any neighbour, labials hardly. Close vowels are closer than the chin says.
 JAW = {"p": 3.5, "b": 3.5, "m": 3.5, "t": 2.4, "d": 2.4, "s": 1.3, "z": 1.3, "ts": 1.3, "dz": 1.3, "tʃ": 1.3, "dʒ": 1.3, "ʃ": 1.3,
-       "f": 2.5, "v": 2.5, "ɡ": 4.0, "k": 4.0}
-JAW_OF_CLOSE = {"i": 0.65, "u": 0.8, "y": 0.8}
+       "f": 2.5, "v": 2.5, "ɡ": 4.0, "k": 4.0, "w": 4.0}
+# So are /e/ and /ɛ/: people's lower teeth show above the lower lip.
+JAW_OF_CLOSE = {"i": 0.5, "e": 0.7, "E": 0.78, "u": 0.9, "y": 0.9}
 
-# Rounding even more: a clearly said /u/ takes a quarter of the width (here 13 mm of 50) and comes 3 mm forward.
-ROUNDING = {"AR": 1.35, "PI": 1.3, "PS": 1.3}
+# Rounded lips come 3 mm forward in a clearly said /u/. Rounding is seen by the shape of the opening (server/face/engines/fapmap.c); the
+# corners go in by LW as it is.
+ROUNDING = {"AR": 0.5, "PI": 1.3, "PS": 1.3}
 
 # Protruded lips roll outwards: their inner border, which is what is seen, opens less than the markers do. At 1.5 mm of upper
 # protrusion a quarter less.
 ROLL = 0.25 / 1.5
 
-# Close vowels are closed a little further than the over-articulating speakers have them: a lip reader tells /i/ from /e/ and /u/ from
-# /o/ by the opening first.
+# Rounded close vowels are closed a little further than the over-articulating speakers have them: a lip reader tells /u/ from /o/ by the
+# opening first. The lower lip of /i/ is drawn down nearly as far as was measured, so that teeth show, which a speaker by articulograph
+# does, too; halfway, so that /i/ stays apart from /e/.
 CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
+LOWER_CLOSE = {**CLOSE, "i": 0.91}
 
 # The markers sit on the skin and hardly tell /o/ from /a/: a factor makes its rounding seen.
 ROUNDED = {"o": {"AR": 1.7, "PI": 1.5, "PS": 1.5}}
@@ -69,12 +74,13 @@ CONSONANT_CONTEXTS = ["a", "e", "i", "o", "u", "y"]
 
 # The tongue in mm of the skull from rest, where it lies flat with its tip a little behind the teeth: TH height of the tip, TA its
 # advance, TB height of the body. The ridge behind the upper teeth is 5.5 mm above the tip's rest place and 2 mm before it, the palate
-# 8 mm above the body's; between the teeth the tip stands 8 mm before its rest. Where a consonant needs only a part of the tongue the
-# others are given, but hardly bind (see GROUPS).
+# 8 mm above the body's; between the teeth the tip stands 8 mm before its rest. The tip of /l/ is at
+# the edge of the upper incisors, where it is seen. Where a consonant needs only a part of the tongue the others are given, but hardly
+# bind (see GROUPS).
 ALPHABET = json.loads((pathlib.Path(__file__).parent / "../speech/alphabets/ipa.json").read_text())
 PLACES = {
-    "dental": {"plosive": (4.5, 1.5, 0), "fricative": (0.8, 8, 0)},
-    "alveolar": {"fricative": (3.2, 1, 0.5), "lateral": (5.5, 3, -1), "trill": (5, 0, 0), "any": (5.5, 2, 0)},
+    "dental": {"plosive": (4.5, 1.5, 0), "fricative": (0.8, 8.5, 0)},
+    "alveolar": {"fricative": (3.2, 1, 0.5), "lateral": (-0.3, 4.8, 0), "trill": (5, 0, 0), "any": (5.5, 2, 0)},
     "postalveolar": {"any": (3.5, -2.5, 3)},
     "palatal": {"approximant": (-1, 0, 5.5), "any": (-1, -0.5, 7.5)},
     "velar": {"any": (-1.5, -4, 7.5)},
@@ -151,7 +157,7 @@ def vowel_table(rows, ipa, row, factor=1.0):
                 push = min(1.5, max(0, sum(rows[row, b, "ULP"][0] for b in beside) / len(beside)))
                 close = factor * CLOSE.get(row[0], 1)
                 if p == "LI":
-                    T *= close * (1 - ROLL * push)
+                    T *= factor * LOWER_CLOSE.get(row[0], 1) * (1 - ROLL * push)
                 else:
                     T = raised(rows, row, beside, close) * (1 - UPPER_ROLL * push)
             elif p == "EM":
@@ -222,9 +228,21 @@ def shape(alpha, k, theta, c, p=(1, 1), beta=(0.025, 0.025)):
 GLIDE = shape(0, 0, 6, 1)
 
 
-def shapes(opening, width, lower_push=None, upper_push=None, upper=None, jaw=None, tongue=(None, None, None)):
-    lower_push = lower_push or width
-    return {"LI": opening, "LS": upper or opening, "AR": width, "PI": lower_push, "PS": upper_push or lower_push,
+def wider(coefficients, factor):
+    """The same with smaller thetas: slower before and after the target."""
+    return {k: num(v * factor, 3) if k.startswith("theta") and v < 100 else v for k, v in coefficients.items()}
+
+
+# Of consonants: the upper lip is slower than the lower lip. Chosen on five speakers, see PEOPLE.
+UPPER_SLOWER = 0.6
+
+
+def shapes(opening, width, lower_push=None, upper_push=None, upper=None, jaw=None, tongue=(None, None, None), slower=True):
+    upper, lower_push = upper or opening, lower_push or width
+    upper_push = upper_push or lower_push
+    if slower:
+        upper = wider(upper, UPPER_SLOWER)
+    return {"LI": opening, "LS": upper, "AR": width, "PI": lower_push, "PS": upper_push,
             "EM": jaw or opening, **{p: c or GLIDE for p, c in zip(TONGUE, tongue)}}
 
 
@@ -232,47 +250,59 @@ def group(kind, viseme, context, coefficients):
     return {"kind": kind, "viseme": viseme, "context": context, "coefficients": coefficients}
 
 
-# Vowels resist: they end what comes from beyond them. Lips and jaw begin to open early and close late and fast: of the openings of
-# articulograph speakers the lower lip's peak lies before the vowel's middle. A rounded vowel reaches far back (small theta_bw), so that rounding is seen
-# before the vowel begins.
-OPEN_VOWEL = shape(1, 1, (4, 14), 1)
+# PEOPLE. Dominance of lips and jaw was chosen on five English speakers by articulograph and X-ray microbeam (six recordings that
+# tests/bench/people-fetch.py gets; tests/bench/people.mjs measures), by leaving each out in turn: a value was taken when most of those left out
+# gained by it. Before, it was chosen on two of them, whose labels end late, so that openings seemed to begin early: the lower lip of the
+# others did not.
+#
+# Vowels resist: they end what comes from beyond them.
+JAW_OF_VOWELS = shape(1, 1, (4, 14), 1)
+UPPER_OF_VOWELS = shape(1, 1, (8, 8), 1)
 # The lower lip looks ahead: on its way to a vowel it aims lower than the vowel's own target, by up to this part of it at the sound that holds
-# before. Without it people's lower lips are ahead of the curve (correlation .77 with two articulograph speakers, .79 with it).
-LOOKING_AHEAD = shape(1, 1, (4, 14), 1, beta=(0.4, 0.025))
+# before.
+LOWER_OF_VOWELS = shape(1, 1, (12, 20), 1, beta=(0.2, 0.025))
 SPREAD = shape(1, 1, 12, 1)
+LOWER_SPREAD = shape(1, 1, 18, 1)
+# A rounded vowel reaches far back (small theta_bw), so that rounding is seen before the vowel begins.
 ROUND = shape(1, 1, (4, 9), 1)
 WEAK = shape(0.1, 0.1, 8, 1)
 SIBILANT_JAW = shape(1, 1, 12, 1)
+CORONAL_JAW = shape(1, 1, 15, 1)
 # The tongue of vowels; the tip of consonants that need it is faster than anything else in the mouth.
 TONGUE_OF_VOWELS = (shape(1, 1, 8, 1), SPREAD, shape(1, 1, 10, 1))
 TIP = (shape(1, 1, 18, 1), shape(1, 1, 15, 1), WEAK)
 BLADE = (shape(1, 1, 16, 1), shape(0.9, 0.9, 14, 1), shape(0.8, 0.8, 12, 1))
 BODY = (shape(0.3, 0.3, 10, 1), shape(0.5, 0.5, 10, 1), shape(1, 1, 14, 1))
 
+
+def vowel_shapes(width, lower_push):
+    return shapes(LOWER_OF_VOWELS, width, lower_push, upper_push=width, upper=UPPER_OF_VOWELS, jaw=JAW_OF_VOWELS, tongue=TONGUE_OF_VOWELS, slower=False)
+
+
 GROUPS = {
-    "a": group("vowel", 10, "a", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
-    "e": group("vowel", 11, "e", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
-    "i": group("vowel", 12, "i", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
-    "o": group("vowel", 13, "o", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
-    "u": group("vowel", 14, "u", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
-    "y": group("vowel", 14, "y", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "a": group("vowel", 10, "a", vowel_shapes(SPREAD, LOWER_SPREAD)),
+    "e": group("vowel", 11, "e", vowel_shapes(SPREAD, LOWER_SPREAD)),
+    "i": group("vowel", 12, "i", vowel_shapes(SPREAD, LOWER_SPREAD)),
+    "o": group("vowel", 13, "o", vowel_shapes(ROUND, ROUND)),
+    "u": group("vowel", 14, "u", vowel_shapes(ROUND, ROUND)),
+    "y": group("vowel", 14, "y", vowel_shapes(ROUND, ROUND)),
     # theta as printed in table 3.2; c comes with the targets.
-    "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.5, 0.5, 10, 1))),
+    "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.5, 0.5, 10, 1), slower=False)),
     # Dominance just under 1; the lower lip draws back whatever the vowels do.
     "fv": group("consonant", 2, "fv", shapes(shape(0.97, 1, 12, 1), shape(0.3, 0.3, 9, 1), shape(0.97, 1, 12, 1), WEAK,
                                              jaw=shape(0.9, 0.9, 12, 1))),
-    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK, jaw=SIBILANT_JAW, tongue=TIP)),
+    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK, upper=shape(1, 1, 15, 1), jaw=SIBILANT_JAW, tongue=TIP)),
     # Close, hold, open: a flat top and steep flanks; dominance below 1.
     "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK, jaw=SIBILANT_JAW, tongue=TIP)),
     # /t/ moves like /ts dz/, /d/ like /tS dZ/: see the phones.
-    "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK, tongue=TIP)),
+    "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK, jaw=CORONAL_JAW, tongue=TIP)),
     "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
     "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1), tongue=BODY)),
     "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
     "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1), tongue=BODY)),
     "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE, tongue=TIP)),
-    "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK, tongue=TIP)),
-    "w": group("consonant", 14, "w", shapes(shape(0.9, 0.9, 12, 1), shape(1, 1, (5, 9), 1), tongue=BODY)),
+    "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK, jaw=CORONAL_JAW, tongue=TIP)),
+    "w": group("consonant", 14, "w", shapes(shape(0.9, 0.9, 12, 1), shape(1, 1, (5, 9), 1), upper=shape(1, 1, 12, 1), tongue=BODY)),
     "j": group("consonant", 12, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.5, 0.4, 10, 1), tongue=BODY)),
     "h": group("consonant", 0, "pause", shapes(GLIDE, GLIDE)),
 }
@@ -300,11 +330,11 @@ def lips(press, release):
 
 
 def phones(rows):
-    # The lower lip rests against the edge of the upper incisors, which is some 2 mm below the line of closed lips (Vig and Brundo 1978);
-    # the upper lip is raised off it so that they show: 3 mm and less are what tells /f v/ from /p b m/. The markers' 0.5 mm would
-    # look closed.
+    # The lower lip is rolled in under the edge of the upper incisors, which is some 2 mm below the line of closed lips (Vig and Brundo
+    # 1978), and covers its end; the upper lip is raised off it a little. On film people's lips are 1.5 to 2.3 mm apart, 0.9 less than
+    # their inner contours, which are hidden by the lips' round borders. The markers' 0.5 mm would look closed.
     def fv(v):
-        return {"LI": (1.3, 0.5), "LS": (1.2 if v in "ouy" else 1.6, 0.5)}
+        return {"LI": (1.5, 0.5), "LS": (0.9 if v in "ouy" else 1.2, 0.5)}
     # No figures for /L N/: their opening is like that of /tS/ (chapter 3.4.3.2), their width like that of /n/.
     def palatal(p):
         return lambda v: (raised(rows, "tS", [v]), 0.43) if p == "LS" else target(rows, p, "tS", [v])
@@ -317,10 +347,11 @@ def phones(rows):
             return (T * 0.8 if p in ("LI", "EM") else T), 0.5
         return get
 
-    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 1.7, "retract": 1.6}
+    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 1.5, "retract": 1.6}
     plateau = {p: {k: v for k, v in GROUPS["tsdz"]["coefficients"][p].items() if k[:5] == "theta" or k[0] == "c"}
                for p in ("LI", "LS", "EM")}
     fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],
+                   AR=lambda v: (0.3 * target(rows, "AR", "f", [v])[0], 0.5),
                    PI=lambda v: (min(-1.8, target(rows, "PI", "f", [v])[0]), 0.4))
     i_over = {p: like_i(p) for p in LIPS}
     palatal_over = {p: palatal(p) for p in ("LI", "LS", "EM")}
@@ -359,7 +390,8 @@ def phones(rows):
         "w": consonant(rows, "w", "w", "w", "w"),
         # What loan words and the voices bring in.
         "y": {"sampa": "y", "group": "y", "targets": vowel_table(rows, "y", "y"), "gain": {"LI": 1.1, "LS": 1.1, "EM": 1.1}},
-        "θ": consonant(rows, "θ", "T", "θð", "th"),
+        # The lower lip makes room for the tip of the tongue between the teeth.
+        "θ": consonant(rows, "θ", "T", "θð", "th", LI=lambda v: (4.2, target(rows, "LI", "th", [v])[1])),
         "ð": {"sampa": "D", "like": "θ"},
         "ʒ": {"sampa": "Z", "like": "ʃ"},
         "ŋ": {"sampa": "N", "like": "k"},
@@ -370,7 +402,8 @@ def phones(rows):
         "ɒ": {"sampa": "Q", "like": {"ɔ": 0.7, "a": 0.3}},
         "ə": {"sampa": "@", "like": {"e": 0.6, "o": 0.4}, "gain": {"LI": 0.75, "LS": 0.9, "EM": 0.75},
               # Its lips are those of its neighbours: rounding reaches through it.
-              "coefficients": {p: {"alpha": 0.1, "k": 0.1} for p in ("AR", "PI", "PS")}},
+              # Its jaw, half of it.
+              "coefficients": {**{p: {"alpha": 0.1, "k": 0.1} for p in ("AR", "PI", "PS")}, "EM": {"alpha": 0.5, "k": 0.5}}},
         "h": {"sampa": "h", "group": "h", "targets": {p: {"any": {"t": 0.5, "T": 0}} for p in PARAMS}},
         "ʔ": {"sampa": "?", "like": "h"},
         "x": {"sampa": "x", "like": "k"},
@@ -415,8 +448,8 @@ def pack(rows):
         "sources": [
             "Targets and their places: ELITE motion capture of Italian speakers, figures as kept in the open Greta agent, scaled "
             "as models/tools/make-speech-it.py tells. Each phone's source says what of it was measured.",
-            "How the lips share an opening, jaw heights of consonants and how early openings begin: rounded figures after "
-            "articulograph recordings of English speakers, not of Italian ones.",
+            "How the lips share an opening and jaw heights of consonants: rounded figures after articulograph recordings of English "
+            "speakers, not of Italian ones; so is the dominance of lips and jaw, after five of them.",
             "The tongue: from the phones' articulatory features.",
             "Bilabials beside /a/, viseme groups, findings: E. Leone, LUCIA-WebGL, chapter 3.4 and table 3.2.",
         ],
@@ -427,7 +460,7 @@ def pack(rows):
         "fapu": {"IRISD": 11.7, "ES": 62, "ENS": 42, "MNS": 21, "MW": 50},
         "rest": {"reach": 0.16, "leave": 0.14, "partial": 0.15,
                  "coefficients": {p: shape(1, 1, 7, 1, beta=(0, 0)) for p in PARAMS}},
-        "undershoot": {"LI": 0.055, "LS": 0.055, "AR": 0.035, "PI": 0.035, "PS": 0.035, "EM": 0.06,
+        "undershoot": {"LI": 0.055, "LS": 0.1, "AR": 0.035, "PI": 0.035, "PS": 0.035, "EM": 0.1,
                        "TH": 0.06, "TA": 0.035, "TB": 0.05},
         "contexts": {"vowels": list(VOWEL_CONTEXTS), "consonants": CONSONANT_CONTEXTS},
         "groups": GROUPS,

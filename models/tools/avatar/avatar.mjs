@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A head as an avatar for others: a GLB with ARKit's 52 shapes and the 15 visemes as morph targets, bones, and the expressions of
- * VRM 1.0. A target is the head at the FAPs of its definition, less the head at rest.
+ * Exports a head as an avatar for other programs: a GLB with ARKit's 52 shapes and the 15 visemes as morph targets, bones, and the expressions of
+ * VRM 1.0. A target is the difference between the head at the FAPs of its definition and the head at rest.
  */
 import { pose } from '../lib/deform.mjs';
 import { openTexture } from '../lib/image.mjs';
@@ -10,7 +10,7 @@ import { ARKIT, VISEMES } from './shapes.mjs';
 import { EYE_HEIGHT, JOINTS, bonesOf, skinOf } from './skeleton.mjs';
 import { vrm } from './vrm.mjs';
 
-/** Shorter shifts are none: m, and parts of a normal. */
+/** Ignores shorter displacements: m, and components of a normal. */
 const LEAST_SHIFT = 2e-6,
   LEAST_TURN = 4e-3;
 
@@ -43,7 +43,7 @@ function addBones({ json }, head) {
     const children = list.flatMap((bone, i) => (bone.parent === name ? [i] : []));
     return { name, translation: at.map((x, k) => Math.round((x - from[k]) * 1e6) / 1e6, from), ...(children.length ? { children } : {}) };
   });
-  // where rounding has left them
+  // merged after rounding
   for (const bone of list) bone.at = json.nodes[nodes[bone.name]].translation.map((x, k) => x + (bone.parent ? list[nodes[bone.parent]].at[k] : 0));
   return { list, nodes };
 }
@@ -72,7 +72,7 @@ async function addMaterials(glb, head) {
   }
 }
 
-/** As every reader of glTF can show it: JPEG, or PNG where it is seen through. */
+/** Converts to formats that every glTF reader supports: JPEG, or PNG with transparency. */
 async function addTexture(glb, { data }, { texture: name, alpha }) {
   const { json } = glb;
   const known = json.images.findIndex((image) => image.name === name);
@@ -94,7 +94,7 @@ function addPart(glb, head, part) {
   const { joints, weights } = skinOf(head, part);
   const uv = Float32Array.from(part.uv, (x, i) => (i % 2 ? 1 - x : x));
   const moved = movedBy(head, part);
-  // the skin has them all, so that nobody looks for one in vain; the others what moves them
+  // the skin has all targets, so that programs find them; other parts have only targets that move them
   const targets = Object.keys(TARGETS).filter((name) => part.name === 'skin' || moved(TARGETS[name]));
   const primitive = {
     attributes: {
@@ -117,7 +117,7 @@ function addPart(glb, head, part) {
   return { node: json.nodes.length - 1, targets, moving: new Set(targets.filter((name) => moved(TARGETS[name]))) };
 }
 
-/** Whether some FAPs move the part. */
+/** Returns whether any of the FAPs moves the part. */
 function movedBy(head, part) {
   const faps = new Set([...part.moves.map(({ fap }) => fap), ...part.turns.map(({ turn }) => head.turns.find(({ name }) => name === turn).fap)]);
   return (target) => Object.keys(target).some((fap) => faps.has(Number(fap)));
@@ -132,7 +132,7 @@ function addTarget(glb, head, part, faps, rest, normals) {
   };
 }
 
-/** By area, over seams. @returns {Float64Array} */
+/** Computes normals weighted by area, shared across seams. @returns {Float64Array} */
 export function normalsOf({ index, smooth }, position) {
   const sums = new Float64Array(position.length);
   const place = (v) => (smooth ? smooth[v] : v);

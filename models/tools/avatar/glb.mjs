@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Writing a GLB (glTF 2.0, Khronos 2021): numbers and pictures go into one binary chunk, the rest is JSON. */
+/** Writes a GLB (glTF 2.0, Khronos 2021): numbers and pictures in one binary chunk, the rest as JSON. */
 
 const FLOAT = 5126,
   USHORT = 5123,
@@ -15,7 +15,7 @@ export class Glb {
     this.empty = new Map(); // accessors of zeros by their count
   }
 
-  /** @param {ArrayBufferView} data @returns {number} a view of its own */
+  /** @param {ArrayBufferView} data @returns {number} its buffer view */
   view(data, target) {
     const bytes = Buffer.from(data.buffer, data.byteOffset, data.byteLength);
     this.json.bufferViews.push({ buffer: 0, byteOffset: this.size, byteLength: bytes.length, ...(target ? { target } : {}) });
@@ -49,7 +49,7 @@ export class Glb {
     });
   }
 
-  /** Four small numbers for each vertex; shares: 255 is 1. */
+  /** Four bytes per vertex; shares: 255 means 1. */
   bytes4(numbers, shares) {
     return this.accessor({
       bufferView: this.view(Uint8Array.from(numbers), VERTICES),
@@ -61,7 +61,7 @@ export class Glb {
   }
 
   /**
-   * Vectors of which many are 0: those that are longer than `least` are written down, with their places.
+   * Stores mostly zero vectors sparsely: only those longer than `least`, with their indices.
    * @param {Float64Array} numbers three for each vertex
    */
   sparse(numbers, least, bounds) {
@@ -85,7 +85,7 @@ export class Glb {
     });
   }
 
-  /** What has no view is 0. */
+  /** Data without a buffer view is 0. */
   zeros(count, bounds) {
     const key = `${count} ${bounds}`;
     if (!this.empty.has(key))

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * Writes shapes/visemes.json and shapes/moods.json: make-shapes.mjs FACCIA, where FACCIA is the program. The fifteen visemes that
- * avatars have are silence and the fourteen of FAP 1, and VRM's moods are expressions of FAP 2. What they look like is what
- * `faccia play` shows of a recording that says no more than that: the visemes in FAPs, the moods in ARKit's shapes.
+ * avatars have are silence and the fourteen of FAP 1, and VRM's moods are expressions of FAP 2. Their looks come from `faccia play` on a
+ * recording with only these values: the visemes in FAPs, the moods in ARKit's shapes.
  */
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -13,10 +13,10 @@ import { fileURLToPath } from 'node:url';
 
 const VISEMES = ['sil', 'PP', 'FF', 'TH', 'DD', 'kk', 'CH', 'SS', 'nn', 'RR', 'aa', 'E', 'I', 'O', 'U'];
 
-/** Number and intensity (of 63) of FAP 2. Nobody is as happy as joy can be all the time. */
+/** Number and intensity (of 63) of FAP 2. A permanent mood is weaker than full joy. */
 const MOODS = { happy: [1, 63], relaxed: [1, 20], sad: [2, 63], angry: [3, 63], surprised: [6, 63] };
 
-/** Plays a recording of such frames, a mask and values each. @returns {object[]} its frames as the format has them */
+/** Plays a recording of frames given as mask and values. @returns {object[]} its frames in the format */
 function play(program, format, frames) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-shapes-'));
   const file = path.join(folder, 'shapes.fap');

@@ -4,13 +4,13 @@
  * Places in metres, y up from the floor, z forward, x to its left.
  */
 
-/** So high are the eyes: the head model's origin. */
+/** Height of the eyes, which are the head model's origin. */
 export const EYE_HEIGHT = 1.55;
 
-/** From the head's joint down to the neck's, mm; the neck bends there. */
+/** mm from the head's joint down to the neck's, where the neck bends. */
 const NECK_MM = 85;
 
-/** name, parent, place; those of the left have their like on the right. */
+/** name, parent, position; bones of the left are mirrored on the right. */
 const BODY = [
   ['hips', null, [0, 0.92, -0.06]],
   ['spine', 'hips', [0, 1.02, -0.06]],
@@ -23,7 +23,7 @@ const BODY = [
   ['leftFoot', 'leftLowerLeg', [0.09, 0.08, -0.06]],
 ];
 
-/** mm of the head model in metres of the avatar. */
+/** Converts mm of the head model to metres of the avatar. */
 export const placed = ([x, y, z]) => [x / 1000, y / 1000 + EYE_HEIGHT, z / 1000];
 
 /** @returns {{name: string, parent: string|null, at: number[]}[]} parents first */
@@ -44,7 +44,7 @@ export function bonesOf(head) {
   ];
 }
 
-/** The joints that parts hang on. */
+/** The joints that move parts. */
 export const JOINTS = ['neck', 'head', 'leftEye', 'rightEye'];
 
 /** @returns {{joints: number[], weights: number[]}} four for each vertex, weights of 255 */

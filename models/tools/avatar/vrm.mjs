@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What makes a GLB an avatar of VRM 1.0 (github.com/vrm-c/vrm-specification, VRMC_vrm-1.0): who may use it, bones, expressions. */
+/** Turns a GLB into a VRM 1.0 avatar (github.com/vrm-c/vrm-specification, VRMC_vrm-1.0): licence, bones, expressions. */
 import { ARKIT, MOODS } from './shapes.mjs';
 
-/** VRM's expressions as weights of shapes; the eyes' directions are the bones' matter, and are there for those who ask. */
+/** VRM's expressions as weights of shapes; bones direct the eyes, but the gaze expressions exist for applications that use them. */
 const PRESETS = {
   aa: { viseme_aa: 1 },
   ih: { viseme_I: 1 },

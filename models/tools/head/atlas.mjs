@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A new layout for the texture of a head that is cut from a whole body: every connected island of the texture
- * coordinates that the part still uses gets a rectangle of its own, so the face is not a stamp in the corner
- * of a body's texture.
+ * Lays out the texture of a head cut from a whole body: every connected island of texture coordinates in use gets its own rectangle, so that the
+ * face fills the picture instead of a corner of the body's texture.
  */
 
 /**
  * @param {{uv: number[], index: number[]}} part its `uv` is replaced, the old one kept as `sourceUv`
  * @param {{at: number[], box: number[], turn: boolean}[]} layout for each island the texture coordinate `at`
- *   that lies in its old rectangle (or the `area`, u0, u1, v0, v1, that small islands lie in, where clothes cut one up), its new rectangle `box` (x, y, width, height), whether it is turned by a
+ *   that lies in its old rectangle (or the `area`, u0, u1, v0, v1, that small islands lie in, where clothes cut one up), its new rectangle `box`
+ * (x, y, width, height), whether it is turned by a
  *   quarter, and optionally a `focus` (place `at`, `width`, `gain`, each for x and y, in shares of the
  *   rectangle) that gets more room than the rest
  */
@@ -49,7 +49,7 @@ export function layOut(part, layout) {
   part.uv = uv;
 }
 
-/** A monotone map of 0..1 on itself, steepest at the focus: the integral of 1 + gain * bell. */
+/** A monotone map of 0..1 to itself, steepest at the focus: the integral of 1 + gain * bell. */
 function focused({ at, width, gain }, k) {
   const steps = 512;
   const table = [0];
@@ -79,8 +79,7 @@ function islands({ uv, index }) {
 }
 
 /**
- * A new layout for a texture that is painted on the surface: all islands at one scale in millimetres, in shelves, as large as they
- * fit. What is cut off takes no room.
+ * Lays out a texture that is painted on the surface: all islands at one scale in millimetres, on shelves, as large as possible. Removed faces take no room.
  * @param {{uv: number[], index: number[], position: ArrayLike<number>}} part its `uv` is replaced
  */
 export function packIslands(part) {
@@ -103,7 +102,7 @@ export function packIslands(part) {
 
 const GUTTER = 4; // mm
 
-/** An island in mm, as its texture coordinates have it. */
+/** An island in mm, in the orientation of its texture coordinates. */
 function flatten({ uv, index, position: p }, island) {
   const mine = new Set(island);
   let surface = 0,

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Cuts the inside of the mouth off the skin, as a part `mouth` of its own: it is lit by what the lips let in,
- * and not by the lamps.
+ * Separates the inside of the mouth from the skin as the part `mouth`, because it is lit through the lips and not by the lamps.
  */
 import { lipParameter } from './paint/paint-lips.mjs';
 import { smoothstep } from '../lib/zones.mjs';
 
-/** mm behind the line where the lips touch: in the middle, and towards the corners, where one sees into the cheeks. */
+/** mm behind the line where the lips touch: in the middle, and towards the corners, where the cheeks are visible. */
 const BEHIND_LIPS = { middle: 9, corner: 2 };
 
 /** @returns {object[]} the skin and the mouth */
@@ -14,7 +13,7 @@ export function cutCavity(ctx, skin) {
   const { depth } = lipParameter(ctx);
   const { inMouth, s } = ctx.grid;
   const sum = (refs, of) => refs.reduce((all, [v, w]) => all + w * of(v), 0);
-  // How much deeper than that border each vertex is.
+  // Depth of each vertex behind that border.
   const deeper = skin.refs.map((refs) => {
     const corner = smoothstep(0.45, 0.85, Math.abs(sum(refs, (v) => s[v])));
     const border = BEHIND_LIPS.middle + (BEHIND_LIPS.corner - BEHIND_LIPS.middle) * corner;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** From a recipe to a head in the format of protocol/head-model.md. */
+/** Builds a head in the format of protocol/head-model.md from a recipe. */
 import { Actions } from '../lib/actions.mjs';
 import { eyeActions, lidWeights } from './actions/act-eyes.mjs';
 import { faceActions } from './actions/act-face.mjs';
@@ -27,10 +27,10 @@ import { makeTextures } from './paint/textures.mjs';
 /** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
 const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
 
-/** Displacements below this (mm for one mm of the FAP) are left out. */
+/** Smaller displacements (mm per mm of the FAP) are omitted. */
 const LEAST_MOVE = 2e-3;
 
-/** The inside of the mouth, where the recipe says nothing else about it. */
+/** Defaults for the inside of the mouth. */
 const CAVITY = { follows: true, material: 'mouth' };
 const CAVITY_LOOK = { color: [0.4, 0.15, 0.13], roughness: 0.4, specular: 0.3, alpha: 'opaque', double_sided: false, subsurface: 0.3 };
 

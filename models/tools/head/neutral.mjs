@@ -4,7 +4,7 @@ import { MOUTH_CONTACT, EYE_MARGIN } from '../lib/hm08.mjs';
 import { piecewise } from '../lib/zones.mjs';
 
 /**
- * Brings the two inner lip lines together where the base mesh leaves a gap; both give way by half, and the
+ * Closes the gap of the base mesh between the inner lip lines; both move by half, and the
  * change fades over the lips and into the mouth with the inner share of the grid. `tuck` (mm) then puts the
  * lower line a little up and back behind the upper one, so that no light comes through between the vertices.
  */
@@ -41,7 +41,7 @@ export function closeLips(p, topology, grid, tuck) {
   for (const side of ['l', 'r']) foldBack(p, topology.mouth[side], grid);
 }
 
-/** Behind the line of contact the lips go apart again: where they hung on over it, an opening would be seen too late. */
+/** Behind the line of contact the lips separate again: if they stayed together, an opening would become visible too late. */
 function foldBack(p, loops, grid) {
   loops[MOUTH_CONTACT].forEach((contact, column) => {
     if (grid.lower[contact] === 0.5) return;

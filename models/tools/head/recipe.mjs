@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Reading a recipe. One that is `like` another takes all of it that it does not say anew: objects are merged, lists and values
- * replaced, null takes away; an object with `"like": null` stands alone.
+ * Reads a recipe. A recipe with `like` inherits from another: objects are merged, lists and values replaced, null removes; an object with `"like": null` inherits nothing.
  */
 import fs from 'node:fs';
 import path from 'node:path';
 
 const MOST_ANCESTORS = 8;
 
-/** @param {string} file @returns {object} the recipe, whole */
+/** @param {string} file @returns {object} the complete recipe */
 export function readRecipe(file, depth = 0) {
   if (depth > MOST_ANCESTORS) throw new Error(`${file}: recipes are like each other in a circle`);
   const { like, ...own } = JSON.parse(fs.readFileSync(file, 'utf8'));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Finer triangles where the outline matters. A split edge gets a vertex on the curve that its end points and
+ * Subdivides triangles where the outline matters. A split edge gets a vertex on the curve that its end points and
  * normals give (the edge of a PN triangle, Vlachos et al. 2001); the old vertices stay where they are, so
  * feature points stay exact, and the actions of a new vertex are the mean of its two neighbours'.
  */
@@ -54,7 +54,7 @@ export function refine(part, split) {
 
 const MOST_ROUNDS = 3;
 
-/** Refined until no edge is longer than that, in mm: a round thing of few faces is to look round. */
+/** Refines until no edge is longer than that, in mm, so that round parts with few faces look round. */
 export function rounded(part, longest) {
   for (let round = 0; round < MOST_ROUNDS; round++) {
     const finer = refine(part, longEdges(part, longest));
@@ -64,7 +64,7 @@ export function rounded(part, longest) {
   return part;
 }
 
-/** Edges of more than that length in mm. */
+/** Edges longer than that, mm. */
 export function longEdges({ position: p }, length) {
   return (a, b) =>
     Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]) > length;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * The neutral head in millimetres: base mesh plus the recipe's morph targets, moved so that the origin lies
- * between the centres of the eyeballs. Everything is kept for all base vertices, helpers included, because
- * the proxies hang on them.
+ * between the centres of the eyeballs. Everything is kept for all base vertices, helpers included, because the proxies are attached to them.
  */
 import { readTarget } from './assets.mjs';
 import { groupVertices } from '../lib/mesh.mjs';

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Strips of a mesh that hang together with nothing else: hair has some of a millimetre or two, which fly beside it as dotted lines. */
+/** Finds isolated strips of a mesh: hair has some that are 1 or 2 mm wide, and would float beside it as dotted lines. */
 
 const away = (a, b) => a.map((x, k) => x - b[k]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
 /**
  * @param {{v: number[]}[]} faces @param {(v: number) => number[]} at where a vertex is @param {number} thinnest mm
- * @returns {(f: {v: number[]}) => boolean} whether what a face belongs to is that wide, in the mean, for its length
+ * @returns {(f: {v: number[]}) => boolean} whether the face's strip is that wide on average
  */
 export function wideEnough(faces, at, thinnest) {
-  const one = new Map(); // of each vertex another of the same strip, down to the first
+  const one = new Map(); // union-find: another vertex of the same strip, down to the first
   const first = (v) => {
     while (one.get(v) !== undefined) v = one.get(v);
     return v;

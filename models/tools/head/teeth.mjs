@@ -144,7 +144,7 @@ function addTooth(mesh, { path, up }, tooth, side) {
   const centre = rings.map(([height, , back, thick]) =>
     place(0, -back - (tooth.thickness * thick) / 2, tooth.edge + up * tooth.height * height),
   );
-  // The cap at the edge: of a chewing surface its middle is a hollow.
+  // The cap at the edge; on a chewing surface its middle is hollow.
   const cap = mesh.position.length / 3;
   const [, , back, thick] = rings[0];
   mesh.position.push(...place(0, -back - (tooth.thickness * thick) / 2, tooth.edge + up * (tooth.front ? 0 : 0.9)));

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the mouth does while sounds of known classes are said, for the training: the default engine's curves,
- * with the contacts. Pieces of FRAMES bytes, a class of each 10 ms, on standard input; for each frame the
- * articulatory parameters in mm, as floats, on standard output. Usage: hear-curves PACK FRAMES */
+/* Makes training data for the lip recogniser: the default engine's curves, with the contacts, for sounds of
+ * known classes. Reads pieces of FRAMES bytes, a class for each 10 ms, from standard input; writes for each
+ * frame the articulatory parameters in mm, as floats, to standard output. Usage: hear-curves PACK FRAMES */
 #include "server/base/mem.h"
 #include "server/face/track.h"
 #include "server/live/lip_network.h"
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A piece counts milliseconds; before and after it there is silence. */
+/* Times of a piece are in milliseconds; silence surrounds it. */
 enum { RATE = 1000, FRAME = 10, AROUND = 400 };
 
 static void put(struct sentence_audio *u, enum lip_class class, uint32_t until) {

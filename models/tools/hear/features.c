@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The features that the server hears by, for the training: 16 bit mono sound on standard input, frames of
- * floats on standard output. Usage: hear-features RATE */
+/* Computes the server's sound features for training: reads 16-bit mono sound from standard input, writes
+ * frames of floats to standard output. Usage: hear-features RATE */
 #include "server/live/lip_features.h"
 #include <stdint.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@ import path from 'node:path';
 import { MOST_PIXELS, pictureSize } from '../../../web/element/head/model/picture-size.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
-/** @param {string} file the model's @param {string} name as it stands there @param {string} place of that @returns {Buffer} */
+/** @param {string} file path of the model @param {string} name as written in it @param {string} place position of the name, for errors @returns {Buffer} */
 export function readBeside(file, name, place) {
   const data = /^data:([^,;]*)(;base64)?,/.exec(name);
   if (data) {

@@ -9,7 +9,7 @@ const pages = new URL('../../../web/', import.meta.url);
 const built = fs.existsSync(new URL('blazeface.json', pages));
 const folder = (name) => (built ? pages : new URL(`node_modules/${name}/`, pages)).href;
 
-/** Replaces fetch, by which the package loads its networks, with reading files. */
+/** Replaces fetch, with which the package loads its networks, by reading files. */
 async function fetchFile(address) {
   const url = String(address.url ?? address);
   if (!url.startsWith('file:')) throw new Error(`${url}: a detector of faces asks for files only`);

@@ -1,8 +1,8 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The landmarks of the detector and the feature points of the built heads, in the mean of their faces: make-template.mjs
- * FACE-POINTS.json HEAD.json... >face-template.json. In mm, from between the eyes; landmarks that no head shows are null.
+ * Averages the detector's landmarks and the feature points over the faces of built heads: make-template.mjs
+ * FACE-POINTS.json HEAD.json... >face-template.json. In mm, from between the eyes; landmarks that no head has are null.
  */
 import fs from 'node:fs';
 import path from 'node:path';

@@ -42,7 +42,8 @@ function joined({ near, position, index, reach }, from, to) {
 }
 
 /**
- * The lips' line, column by column. @param {object} view of the skin and what is in the mouth @param {number} skin which of its meshes
+ * Finds the lips' line, column by column.
+ * @param {object} view of the skin and what is in the mouth @param {number} skin which of its meshes
  * @param {object} mesh that one @param {number[][]} landmarks on the picture @param {number} apart the eyes' distance in the file's units
  * @returns {{column: number, upper: number[], lower: number[], upperEnd: number[], lowerEnd: number[], inUpper: number[], inLower: number[]}[]} on the line, the vertex next to it on each lip, and a little within each lip; from the head's right to its left; none: the lips are one surface
  */

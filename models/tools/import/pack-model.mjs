@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Writing a model as the client has read it (web/element/head/model/model.mjs) in the format of protocol/head-model.md. */
+/** Writes a model read by the client (web/element/head/model/model.mjs) in the format of protocol/head-model.md. */
 import { encode, encodeDeltas, encodePositions, round } from '../lib/codec.mjs';
 
 const place = (p) => [...p].map((x) => round(x, 1e3));

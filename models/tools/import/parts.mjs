@@ -128,7 +128,7 @@ export function piece(mesh, wanted) {
   return { ...mesh, position: gather(mesh.position, 3), uv: gather(mesh.uv, 2), colors: gather(mesh.colors, 3), index: Uint32Array.from(index), from: order.map((v) => mesh.from?.[v] ?? v), targets: Object.fromEntries(Object.entries(mesh.targets).map(([name, deltas]) => [name, gather(deltas, 3)])) };
 }
 
-/** Splits a mesh of both eyes or both rows of teeth by the side of each triangle. */
+/** Splits a mesh with both eyes or both rows of teeth by the side of each triangle. */
 function cut(mesh, axis, middle, [above, below]) {
   const side = (want) => piece(mesh, (corners) => corners.reduce((sum, v) => sum + mesh.position[3 * v + axis], 0) / 3 > middle === want);
   return [[true, above], [false, below]].flatMap(([want, part]) => {

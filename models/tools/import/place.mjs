@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** From the file's units and axes to a head's: mm, x to its left, y up, z forward, the origin between the eyeballs. */
+/** Converts the file's units and axes to a head's: mm, x to its left, y up, z forward, origin between the eyeballs. */
 import { measureUnits } from '../../../web/element/head/model/calibrate.mjs';
 import { FileError } from './file-error.mjs';
 import { ballOf } from './parts.mjs';
@@ -8,7 +8,7 @@ import { placeOf } from './vertex.mjs';
 const USUAL_ES = 62; // mm between an adult's pupils
 const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, dm: 100 };
 const USUAL_UNITS = [1, 10, 100, 1000];
-const PUPIL_DEPTH = 12; // mm in front of the eyeball's centre, if there is no eyeball to measure
+const PUPIL_DEPTH = 12; // mm in front of the eyeball's centre, when there is no eyeball to measure
 const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
 
 const swap = (p) => p.map((_, i) => (i % 3 === 0 ? p[i] : i % 3 === 1 ? p[i + 1] : -p[i - 1])); // z up, the face to -y

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * Feature points for an import. Our JSON: {"frame": "file" | "head", "fdp": {"2.1": [x, y, z] | vertex | {"mesh": name, "vertex": n} |
- * {"landmark": n}}, "landmarks": {"scheme": "mediapipe" | "ibug", "vertices": [...]}, "find": true}, a built head's own file (frame head: mm, the origin between the eyes), or Xface's .fdp (XML) with its weights.
+ * {"landmark": n}}, "landmarks": {"scheme": "mediapipe" | "ibug", "vertices": [...]}, "find": true}, a built head's own file (frame head: mm, the
+ * origin between the eyes), or Xface's .fdp (XML) with its weights.
  */
 import { isFeaturePoint } from '../../../web/element/head/model/check.mjs';
 import { FAPS } from '../lib/faps.mjs';
@@ -111,7 +112,7 @@ function readXface(text) {
   return out;
 }
 
-/** A built head's points as Xface has them, each with the vertices that its FAPs move. @param {object} head unpacked */
+/** Converts a built head's points to Xface's form, each with the vertices that its FAPs move. @param {object} head unpacked */
 export function writeXface(head) {
   const skin = head.parts.find(({ name }) => name === 'skin');
   const escape = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);

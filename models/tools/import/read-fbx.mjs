@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * FBX 7 (Autodesk's, binary or text), by the reader of three.js: meshes where their nodes put them, shapes, plain colours, one picture each.
- * That reader is made for pages: what it asks of one for pictures, it gets here.
+ * Reads FBX 7 (Autodesk, binary or text) with the reader of three.js: meshes placed by their nodes, shapes, plain colours, one picture each. That
+ * reader is made for pages, so this provides what it needs to load pictures.
  */
 import { isUsable, NO_PICTURE, pictureOf, readBeside } from './beside.mjs';
 import { turnedOver } from './corners.mjs';
@@ -11,7 +11,7 @@ import { FileError, MOST } from './file-error.mjs';
 
 const CENTIMETRE = 10; // mm: the unit of FBX, unless it says otherwise
 
-/** Runs `work` as on a page whose pictures are not fetched but named. */
+/** Runs `work` in a simulated page that names pictures instead of fetching them. */
 function onPage(work, warnings, blobs) {
   const image = () => ({
     addEventListener(type, heard) {
@@ -47,12 +47,12 @@ async function pictureFor(address, file, blobs, name, notes) {
     notes.push(`the picture of ${name}: ${NO_PICTURE}`);
   } catch (error) {
     if (!(error instanceof FileError)) throw error;
-    notes.push(`${error.message}: left out`); // a picture's place is often that on its maker's machine
+    notes.push(`${error.message}: left out`); // a picture's path is often that on its author's machine
   }
   return null;
 }
 
-/** A corner of each triangle as the reader has it; here corners that are one in all that is known of them are one. */
+/** Merges corners that agree in all attributes, because the reader returns separate ones for each triangle. */
 function welded({ position, uv, color, shapes }, from, to) {
   const [places, index, first] = [new Map(), [], []];
   for (let v = from; v < to; v++) {
@@ -70,7 +70,7 @@ function meshesOf(mesh, materialOf, budget) {
   const { position, uv, color: tints } = geometry.attributes;
   const color = tints?.itemSize === 3 && tints.array.some((x, i) => Math.abs(x - tints.array[i % 3]) > 0.01) ? tints : null;
   if (!position?.count || geometry.index) return [];
-  budget.keep(position.count * (8 + 3 * (geometry.morphAttributes.position?.length ?? 0)), `mesh ${mesh.name}`); // however many nodes have the same
+  budget.keep(position.count * (8 + 3 * (geometry.morphAttributes.position?.length ?? 0)), `mesh ${mesh.name}`); // counted once, even if several nodes share it
   for (const list of [position.array, ...(uv ? [uv.array] : []), ...(color ? [color.array] : []), ...(geometry.morphAttributes.position ?? []).map(({ array }) => array)]) {
     const bad = list.findIndex((x) => !Number.isFinite(x));
     if (bad >= 0) throw new FileError(`mesh ${mesh.name}`, `corner ${Math.floor((bad * position.count) / list.length)} is at no place`);

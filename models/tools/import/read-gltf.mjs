@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, what is packed by meshopt, Draco and Basis Universal, and EXT_texture_webp. Every
- * count is held against the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
+ * Reads glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, EXT_texture_webp, and compression by meshopt, Draco and Basis
+ * Universal. Checks every count against the available bytes before use, so that the error for a damaged file names the wrong member.
  */
 import { isUsable, NO_PICTURE, pictureOf, readBeside, readIfBeside } from './beside.mjs';
 import { FileError, MOST } from './file-error.mjs';
@@ -19,7 +19,7 @@ const TYPES = { 5120: [Int8Array, 1, 127], 5121: [Uint8Array, 1, 255], 5122: [In
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 const DRACO = 'KHR_draco_mesh_compression';
 const BASIS = 'KHR_texture_basisu';
-const SIDE = 2048; // pixels of a packed picture, where there are several sizes of it
+const SIDE = 2048; // size in pixels to choose from a packed picture with several sizes
 const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', DRACO, BASIS, 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_pbrSpecularGlossiness', 'VRMC_vrm', 'VRM'];
 const LISTS = ['accessors', 'bufferViews', 'buffers', 'extensionsRequired', 'images', 'materials', 'meshes', 'nodes', 'scenes', 'skins', 'textures'];
 const whole = (value) => Number.isInteger(value) && value >= 0;
@@ -78,7 +78,7 @@ class Gltf {
       if (!KNOWN.includes(name)) this.passOver(String(name));
   }
 
-  /** An extension that the file requires: what is no shape is done without. */
+  /** A required extension that does not affect the shape is ignored. */
   passOver(name) {
     const place = shapedBy(this.json, name);
     if (place) throw new FileError(place, `${name.slice(0, 60)} is not read: save the model without it`);
@@ -100,7 +100,7 @@ class Gltf {
     if (!packed) return piece;
     const { count, byteStride, mode, filter } = packed;
     if (!whole(count) || !whole(byteStride)) throw new FileError(at, 'count and byteStride must be whole numbers');
-    this.budget.keep((count * byteStride) / 8, at); // of all that are packed together
+    this.budget.keep((count * byteStride) / 8, at); // of all packed data together
     const out = new Uint8Array(count * byteStride);
     try {
       this.meshopt.decodeGltfBuffer(out, count, byteStride, piece, mode, filter);
@@ -110,7 +110,7 @@ class Gltf {
     return Buffer.from(out.buffer);
   }
 
-  /** @returns {Float64Array|Uint32Array} all numbers of an accessor; loose: what is not a number is 0, and noted */
+  /** @returns {Float64Array|Uint32Array} all numbers of an accessor; loose: replaces values that are not numbers with 0, with a note */
   accessor(i, width, place, numbers = true, loose = false) {
     const accessor = this.member('accessors', i, place);
     const at = `accessors[${i}]`;
@@ -119,7 +119,7 @@ class Gltf {
     if (!Type || WIDTHS[type] !== width) throw new FileError(at, `must be ${Object.keys(WIDTHS).find((name) => WIDTHS[name] === width)} of a known type`);
     if (!whole(count) || !count) throw new FileError(at, 'count must be a whole number above 0');
     if (count * width > MOST.numbers) throw new FileError(at, `${count} elements are too many for a head`);
-    this.budget.keep(count * width, at); // each time that it is named
+    this.budget.keep(count * width, at); // counted for each reference
     this.budget.work(4 * count * width, at);
     const out = numbers ? new Float64Array(count * width) : new Uint32Array(count);
     const value = (data, offset) => new Type(data.buffer.slice(data.byteOffset + offset, data.byteOffset + offset + size))[0];
@@ -159,7 +159,7 @@ class Gltf {
     }
   }
 
-  /** What Draco has packed of a primitive: places, texture's coordinates, corners. */
+  /** Returns the attributes of a primitive compressed with Draco: positions, texture coordinates, indices. */
   unpack({ extensions, attributes = {}, indices }, at) {
     const { bufferView, attributes: ids = {} } = extensions[DRACO];
     const where = `${at}.extensions.${DRACO}`;
@@ -176,7 +176,7 @@ class Gltf {
     }
   }
 
-  /** Pictures by their texture's number; those that cannot be shown are noted. */
+  /** Returns pictures by texture number; notes those that cannot be shown. */
   picture(i, place) {
     const texture = this.member('textures', i, place);
     const source = texture.extensions?.[BASIS]?.source ?? texture.extensions?.EXT_texture_webp?.source ?? texture.source;
@@ -185,7 +185,7 @@ class Gltf {
       return null;
     }
     const key = `${source} ${Boolean(texture.extensions?.[BASIS])}`;
-    if (!this.pictures.has(key)) this.pictures.set(key, this.readPicture(source, texture, `textures[${i}]`)); // many materials may have one
+    if (!this.pictures.has(key)) this.pictures.set(key, this.readPicture(source, texture, `textures[${i}]`)); // several materials may share one
     return this.pictures.get(key);
   }
 
@@ -234,7 +234,7 @@ function materialsOf(gltf) {
   });
 }
 
-/** Which of a mesh's coordinates a texture takes, and how it changes them. */
+/** Returns the coordinates of a mesh that a texture uses, and their transform. */
 function laidOn(texture, at) {
   const change = texture?.extensions?.KHR_texture_transform;
   const { offset = [0, 0], scale = [1, 1], rotation = 0 } = change ?? {};
@@ -247,7 +247,7 @@ function laidOn(texture, at) {
   return { set: `TEXCOORD_${change?.texCoord ?? texture?.texCoord ?? 0}`, lay: change ? lay : (list) => list };
 }
 
-/** Colours of vertices, as a picture has them; none where all are the same. */
+/** Returns vertex colours in the encoding of pictures; null if all are equal. */
 function colorsOf(gltf, i, count, at, factor = [1, 1, 1]) {
   if (i === undefined) return null;
   const width = WIDTHS[gltf.member('accessors', i, at).type];
@@ -332,7 +332,7 @@ export async function readGltf(file, bytes, budget) {
   return { meshes, materials, notes: gltf.notes, unit: 1000, copyright: json.asset.copyright, ...ownPoints(json.extras) };
 }
 
-/** A head that was exported here brings its feature points. */
+/** A head exported by faccia contains its feature points. */
 function ownPoints(extras) {
   if (!extras?.fdp || !Array.isArray(extras.origin) || !extras.origin.every(Number.isFinite)) return {};
   const { licence, credits, origin } = extras;
@@ -341,7 +341,7 @@ function ownPoints(extras) {
   return { points: { frame: 'head', fdp, origin, parts: {}, influences: [] }, ...(typeof licence === 'string' ? { licence } : {}), ...(texts ? { credits } : {}) };
 }
 
-/** A mesh with bones stands where its bones put it: at rest they all say the same. */
+/** The bones determine the position of a skinned mesh: at rest they all agree. */
 function skinMatrix(gltf, i, world, place) {
   const skin = gltf.member('skins', i, place);
   const joint = world.get(skin.joints?.[0]);

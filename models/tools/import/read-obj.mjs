@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Wavefront's OBJ with MTL. Lines are told where they are wrong. */
+/** Reads Wavefront OBJ with MTL. Errors name the line. */
 import path from 'node:path';
 import { pictureBeside, readIfBeside } from './beside.mjs';
 import { cutFace } from './corners.mjs';
@@ -12,10 +12,10 @@ function numbers(words, count, line) {
   return values;
 }
 
-/** Numbers that an option of a map may have after it; at least those, at most these. */
+/** Minimum and maximum number of arguments of each map option. */
 const OPTIONS = { '-o': 3, '-s': 3, '-t': 3, '-mm': 2 };
 
-/** A map's file: what stands behind its options, blanks and all. */
+/** Returns a map's file name: everything after its options, including blanks. */
 function mapName(words) {
   let i = 0;
   while (/^-[a-z]/.test(words[i] ?? '') && i < words.length - 1) {
@@ -30,7 +30,7 @@ function readMtl(file, name, line, notes, budget) {
   const materials = [];
   const bytes = readIfBeside(file, name, `line ${line}`, notes);
   if (!bytes) return [];
-  budget.keep(bytes.length, `line ${line}`); // each time that it is named
+  budget.keep(bytes.length, `line ${line}`); // counted for each reference
   rowsOf(bytes).forEach((row, i) => {
     const [word, ...rest] = row.trim().split(/\s+/);
     const at = `${path.basename(name)}, line ${i + 1}`;
@@ -50,13 +50,13 @@ function readMtl(file, name, line, notes, budget) {
   return materials;
 }
 
-/** Colours from 0 to 1: some programs write them up to 255. */
+/** Scales colours to 0..1: some programs write them up to 255. */
 function asShares(list) {
   const full = list.some((x) => x > 1.5) ? 255 : 1;
   return Float64Array.from(list, (x) => x / full);
 }
 
-/** Faces of many corners become triangles; a corner is a vertex by its place and its place on the texture. */
+/** Triangulates polygons; corners with equal position and texture coordinate become one vertex. */
 export function readObj(file, bytes, budget) {
   const notes = [];
   const [places, uvs, tints] = [[], [], []];
@@ -81,7 +81,7 @@ export function readObj(file, bytes, budget) {
     if (word === 'v') {
       budget.keep(3, () => `line ${line}`);
       places.push(...numbers(rest, 3, line));
-      if (rest.length >= 6) tints[places.length / 3 - 1] = numbers(rest.slice(3), 3, line); // not of the format, but of many programs
+      if (rest.length >= 6) tints[places.length / 3 - 1] = numbers(rest.slice(3), 3, line); // an extension by many programs
     } else if (word === 'vt') {
       budget.keep(2, () => `line ${line}`);
       uvs.push(...numbers(rest, 2, line));
@@ -97,7 +97,7 @@ export function readObj(file, bytes, budget) {
         const t = b ? pick(b, uvs, 2, line, 'texture vertex') : -1;
         const key = `${p}/${t}`;
         if (!mesh.corners.has(key)) {
-          budget.keep(8, () => `line ${line}`); // colours and the texture's places, too
+          budget.keep(8, () => `line ${line}`); // counts colours and texture coordinates, too
           mesh.corners.set(key, mesh.position.length / 3);
           mesh.position.push(...places.slice(3 * p, 3 * p + 3));
           if (tints.length) mesh.colors.push(...(tints[p] ?? [1, 1, 1]));
@@ -127,6 +127,6 @@ export function readObj(file, bytes, budget) {
     materials,
     notes,
     unit: null,
-    counted: 'whole', // vertices: through all meshes
+    counted: 'whole', // vertices: indices across all meshes
   };
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Stanford's PLY, as text and binary: one mesh, whose texture (if any) a comment "TextureFile" names. */
+/** Reads Stanford PLY, text and binary: one mesh, whose optional texture is named by a comment "TextureFile". */
 import { pictureBeside } from './beside.mjs';
 import { cutFace, cutStrip } from './corners.mjs';
 import { FileError, MOST } from './file-error.mjs';
@@ -12,7 +12,7 @@ const READ = {
 
 const MOST_ELEMENTS = 64;
 const COLORS = [['red', 'diffuse_red'], ['green', 'diffuse_green'], ['blue', 'diffuse_blue']];
-const IDLE = /^(n[xyz]|quality|alpha|confidence|intensity|radius|curvature)$/; // what is not used may be no number
+const IDLE = /^(n[xyz]|quality|alpha|confidence|intensity|radius|curvature)$/; // an unused value may be invalid
 
 function readHead(bytes) {
   const end = bytes.indexOf('end_header');
@@ -42,7 +42,7 @@ function readHead(bytes) {
   return head;
 }
 
-/** That the bytes are there for what the head says: each number has one, or, as text, two. Of elements without properties there is nothing to read. */
+/** Checks that the file has the bytes that its header announces: one for each number, or two in text form. Elements without properties have none. */
 function checkSizes(bytes, head) {
   const least = (property) => (head.format === 'ascii' ? 2 : READ[property.types[0]][1]);
   const wanted = head.elements.reduce((sum, { count, properties }) => sum + count * properties.reduce((all, one) => all + least(one), 0), 0);
@@ -50,7 +50,7 @@ function checkSizes(bytes, head) {
   if (wanted > there) throw new FileError(`byte ${bytes.length}`, `the elements need ${wanted} bytes, and ${there} are there`);
 }
 
-/** Gives numbers one after the other, and says where it is. */
+/** Reads numbers one after the other, and reports the position. */
 function source(bytes, head) {
   let at = head.data;
   if (head.format === 'ascii') {
@@ -82,7 +82,7 @@ export function readPly(file, bytes, budget) {
   checkSizes(bytes, head);
   const { next, place } = source(bytes, head);
   const [position, uv, colors, index, notes] = [[], [], [], [], []];
-  const wedges = new Map(); // a corner with its own place on the texture is a vertex of its own
+  const wedges = new Map(); // a corner with its own texture coordinates becomes a separate vertex
   const from = [];
   const wedge = (v, s, t) => {
     const key = `${v}/${s}/${t}`;
@@ -119,7 +119,7 @@ export function readPly(file, bytes, budget) {
       }
       if (name === 'vertex') {
         if (![values.x, values.y, values.z].every(Number.isFinite)) throw new FileError(place(), 'a vertex must have x, y and z');
-        budget.keep(8, place); // colours and the texture's places, too
+        budget.keep(8, place); // counts colours and texture coordinates, too
         position.push(values.x, values.y, values.z);
         const [s, t] = [values.s ?? values.u ?? values.texture_u, values.t ?? values.v ?? values.texture_v];
         if (s !== undefined) uv.push(s, t);

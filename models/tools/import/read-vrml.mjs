@@ -38,7 +38,7 @@ class Reader {
     throw new FileError(`line ${this.line}`, what);
   }
 
-  /** A node, or what USE names. */
+  /** Reads a node, or resolves USE. */
   node(depth) {
     if (depth > MOST.depth) this.fail('nodes within nodes within nodes: too deep');
     let name = null;
@@ -71,7 +71,7 @@ class Reader {
     return node;
   }
 
-  /** What changes when: a head at rest has no use for it. */
+  /** Ignores animation: a head at rest does not use it. */
   skipRoute() {
     this.advance();
     if (this.advance() !== 'TO') this.fail('ROUTE wants TO');
@@ -141,7 +141,7 @@ function facesOf({ fields, line }, matrix, name, material, meshes, budget) {
   const tintIndex = listOf(fields.colorIndex);
   const coordIndex = listOf(fields.coordIndex);
   const texIndex = listOf(fields.texCoordIndex);
-  // what USE names is made each time, and told each time
+  // a node repeated by USE is created, and counted, each time
   budget.work(4 * coordIndex.length, `line ${line}`);
   const mesh = { name, material, position: [], uv: [], colors: [], index: [], targets: {}, from: [] };
   let ofFace = 0;
@@ -164,7 +164,7 @@ function facesOf({ fields, line }, matrix, name, material, meshes, budget) {
     if (c >= tints.length / 3) fail(`the colour of coordIndex ${i} is ${c}, but there are ${tints.length / 3}`);
     const key = `${p}/${t}/${c}`;
     if (!known.has(key)) {
-      budget.keep(8, `line ${line}`); // colours and the texture's places, too
+      budget.keep(8, `line ${line}`); // counts colours and texture coordinates, too
       known.set(key, mesh.position.length / 3);
       mesh.position.push(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
       mesh.uv.push(...(t < 0 ? [0, 0] : [texture[2 * t], texture[2 * t + 1]]));
@@ -225,7 +225,7 @@ export function readVrml(file, bytes, budget) {
     }
     const inner = node.type === 'Transform' ? product(matrix, transformOf(node)) : matrix;
     const { children, choice, whichChoice = -1, level } = node.fields;
-    // of what is drawn one way or another: what is chosen, and the nearest
+    // of alternatives, reads the chosen one of a Switch and the nearest level of an LOD
     const shown = node.type === 'Switch' ? listOf(choice).slice(whichChoice, whichChoice < 0 ? 0 : whichChoice + 1) : node.type === 'LOD' ? listOf(level).slice(0, 1) : listOf(children);
     for (const child of shown) walk(child, inner, own);
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Landmarks of a mesh that has shapes, by what those move: where the lips part, how far down the chin goes, where the lids meet. No face has to be seen. */
+/** Finds landmarks of a mesh from its shapes: where the lips part, how far the chin moves down, where the lids meet. Works without face detection. */
 import { facingOf } from '../../../web/element/avatar/facing.mjs';
 import { landmarksOf } from '../../../web/element/avatar/landmarks.mjs';
 import { mirrored } from '../../../web/element/avatar/names.mjs';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Morph targets by the names that ARKit and the visemes have, whatever a file calls them: as `<talking-head avatar>` reads them. */
+/** Maps the morph target names of a file to those of ARKit and the visemes, as `<talking-head avatar>` does. */
 import { HALVES, presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/element/avatar/names.mjs';
 
 /** Names that differ: VRM's vowels are visemes. */

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Text as files have it: with a mark of its order before it, and lines that end in each of the three ways. */
+/** Decodes text files: byte order marks, and lines that end with LF, CRLF or CR. */
 
 /** @param {Buffer} bytes @returns {string} */
 export const textOf = (bytes) => bytes.toString('utf8').replace(/^\uFEFF/, '');
 
-/** @param {Buffer} bytes @param {string} [goesOn] what at the end of a line says that the next belongs to it; that next one is then empty */
+/** @param {Buffer} bytes @param {string} [goesOn] continuation mark at the end of a line; the continued line becomes empty */
 export function rowsOf(bytes, goesOn) {
   const rows = textOf(bytes).split(/\r\n|\r|\n/);
   if (goesOn)

@@ -11,7 +11,10 @@ function skinOf(scene) {
   return meshes.find(({ part }) => part === 'skin') ?? largest(meshes.filter(named)) ?? largest(meshes);
 }
 
-/** @param {string} where it is told @param {number[]|number|{mesh?: string, vertex: number}} value @returns {number[]} in the file's coordinates */
+/**
+ * @param {string} where used in errors @param {number[]|number|{mesh?: string, vertex: number}} value @returns {number[]} in the file's
+ * coordinates
+ */
 export function placeOf(scene, where, value) {
   if (Array.isArray(value)) return value;
   const [name, vertex] = typeof value === 'number' ? [null, value] : [value.mesh, value.vertex];

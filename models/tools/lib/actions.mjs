@@ -33,7 +33,7 @@ export class Actions {
     this.moves.push({ fap, sign, field });
   }
 
-  /** Adds a move as it is: a second part of an action that must not change what the feature point does. */
+  /** Adds an unscaled move: a second part of an action that must not affect the feature point. */
   plainMove(fap, sign, at) {
     const { p } = this.face;
     const field = new Float64Array(p.length);
@@ -53,7 +53,7 @@ export class Actions {
   }
 }
 
-/** Displacement by weight along a direction, or null when there is none. */
+/** Returns the displacement by weight along a direction, or null if it is zero. */
 export function along(weight, direction) {
   return Math.abs(weight) < 1e-5 ? null : direction.map((x) => x * weight);
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Where teeth and tongue have their place in a face, from figures of anatomy. How much of the incisors is
- * seen at rest with the lips parted: Vig and Brundo 1978 (women 3.4 mm of the upper and 0.5 of the lower
- * ones, men 1.9 and 1.2) and, for age, da Motta and others (the upper ones show less with the years, the
- * lower ones more).
+ * Places teeth and tongue in a face, from anatomical figures. Visible incisors at rest with parted lips: Vig and Brundo 1978 (women 3.4 mm
+ * of the upper and 0.5 of the lower ones, men 1.9 and 1.2) and, for age, da Motta and others (the upper ones show less with age, the lower
+ * ones more).
  */
 import { MOUTH_CONTACT } from './hm08.mjs';
 import { clamp, piecewise, smoothstep } from './zones.mjs';
@@ -23,7 +22,7 @@ const SHOWN = {
 };
 const AGES = { baby: 2, child: 9, young: 25, old: 70 };
 
-/** Of the way apart the upper lip goes this share, as in server/face/engines/fapmap.c. */
+/** Share of the opening by which the upper lip rises, as in server/face/engines/fapmap.c. */
 export const UPPER_SHARE = 0.3;
 /** Between the edges of the teeth when the jaw hangs at rest, mm. */
 export const EDGES_APART = 0.3;
@@ -31,8 +30,7 @@ export const EDGES_APART = 0.3;
 const AVERAGE_WIDTH = 50;
 
 /**
- * The recipe's `mouth` with all that it leaves out: sex and age from the macro targets of `shape`, the rest
- * from these two.
+ * Completes the recipe's `mouth`: sex and age from the macro targets of `shape`, the rest from these two.
  */
 export function mouthFigures(recipe) {
   const given = recipe.mouth ?? {};
@@ -118,7 +116,7 @@ export function archPath({ scale, front, inset }) {
 
 /**
  * The place of the teeth in this face: height of the upper incisors' edge, z of the arch's front, scale.
- * The front is as far forward as the inside of the lips lets it be.
+ * The front is as far forward as the inside of the lips allows.
  */
 export function placeTeeth(ctx, figures) {
   const { fdp, fapu, p, grid } = ctx;
@@ -137,13 +135,12 @@ export function placeTeeth(ctx, figures) {
   return { line, edge, scale, front: room - figures.clearance };
 }
 
-/** Where the tip of the tongue rests: above the upper edge and behind the arch's front; mm for average teeth. */
+/** Rest position of the tongue's tip: above the upper edge and behind the arch's front; mm for average teeth. */
 const TIP = { above: 1.5, behind: 6.8 };
 const TONGUE = { width: 0.72, length: 0.95, tip: 0.5, body: 0.85, taper: 16 };
 
 /**
- * Moves the base mesh's tongue between the arches: narrower, so that it finds room between the molars, its
- * tip thin and behind the upper incisors.
+ * Moves the base mesh's tongue between the arches: narrower, to fit between the molars, with a thin tip behind the upper incisors.
  */
 export function placeTongue(ctx, tipVertex, place) {
   const { p } = ctx;

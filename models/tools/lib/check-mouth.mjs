@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Checks of the mouth of a built head: do teeth and tongue lie where anatomy has them? Places are measured on the meshes, in
- * the poses that the figures speak of.
+ * Checks that teeth and tongue of a built head lie in their anatomical positions, measured on the meshes in the poses to which the figures apply.
  */
 import { pose, unitLength } from './deform.mjs';
 import { partedLips } from './anatomy.mjs';
@@ -49,7 +48,7 @@ export function checkBite(head) {
 
 /**
  * With the lips parted at rest people show 0 to 5 mm of their upper incisors and 0 to 3.5 of the lower ones, a youth more of
- * the upper, an old person more of the lower. `figures`: what the head's recipe wants; then it is measured against them.
+ * the upper, an old person more of the lower. `figures`: values of the recipe, which then replace these ranges.
  */
 export function checkTeethShown(head, figures = head.mouth) {
   if (!figures) return [];
@@ -65,7 +64,7 @@ export function checkTeethShown(head, figures = head.mouth) {
     .map((jaw) => `${shown[jaw].toFixed(1)} mm of the ${jaw} incisors show at rest, not ${figures[`${jaw}Shown`].toFixed(1)}`);
 }
 
-/** The arch fills the mouth, but leaves room beside it: of the mouth's width the front teeth take 60 to 80 in a hundred. */
+/** The arch fills the mouth, but leaves room beside it: the front teeth take 60 to 80 % of the mouth's width. */
 export function checkArch(head) {
   const out = [];
   for (const name of ['teeth_upper', 'teeth_lower']) {
@@ -80,7 +79,7 @@ export function checkArch(head) {
   return out;
 }
 
-/** The tongue's tip rests behind the upper incisors, not before and not deep in the mouth. */
+/** The tongue's tip rests behind the upper incisors, neither in front of them nor deep in the mouth. */
 export function checkTongue(head) {
   const { edge, front } = incisors(head, 'teeth_upper');
   const [, y, z] = head.fdp['6.1'];

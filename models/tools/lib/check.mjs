@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Checks of a built head against protocol/head-model.md. Each check takes the unpacked head and returns what
- * is wrong, as sentences; an empty list is a pass.
+ * Checks of a built head against protocol/head-model.md. Each check takes the unpacked head and returns a list of errors as sentences.
  */
 import { pose, unitLength } from './deform.mjs';
 import { FAPS } from './faps.mjs';
-import { view } from './sight.mjs';
+import { view } from './visibility.mjs';
 
 export * from './check-mouth.mjs';
 
@@ -15,8 +14,7 @@ export const MOST_BYTES = 1.2e6;
 /** Values that speech and expression really use; the table's extremes are far outside. */
 const TRIAL = { MNS: 300, MW: 150, ENS: 200, ES: 100, IRISD: 300, AU: 20000 };
 /**
- * A turn moves its point on a circle, which leaves the straight line by these shares at the trial values,
- * forth and back.
+ * A rotation moves its point on a circle, which deviates from the straight line by these shares at the trial values, in both directions.
  */
 const CIRCLE = { forth: 0.035, back: 0.1 };
 
@@ -154,8 +152,7 @@ export function checkLipsMoveAsOne(head) {
 }
 
 /**
- * Neutral face: the lips touch along the whole line, so nothing of the mouth is seen from the front and the
- * sides.
+ * Neutral face: the lips touch along the whole line, so the inside of the mouth is invisible from the front and the sides.
  */
 export function checkNeutral(head) {
   const out = [];
@@ -174,7 +171,7 @@ export function checkNeutral(head) {
   return out;
 }
 
-/** The upper lid alone, both lids, and a little too much: nothing of the eyes is left to see. */
+/** The upper lid alone, both lids, and slightly beyond closure hide the eyes completely. */
 export function checkEyelids(head) {
   const out = [];
   for (const [upper, lower] of [
@@ -197,8 +194,7 @@ export function checkEyelids(head) {
 }
 
 /**
- * FAPs of the left side do on the left what those of the right do on the right, up to the face's own
- * asymmetry.
+ * FAPs of the left side mirror those of the right, up to the face's own asymmetry.
  */
 export function checkSymmetry(head) {
   const pairs = [

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Numbers as base64 of little-endian arrays, as protocol/head-model.md wants them. */
+/** Encodes numbers as base64 of little-endian arrays, as specified in protocol/head-model.md. */
 
 const WIDTH = { int16: 2, uint16: 2, uint8: 1 };
 const WRITE = { int16: 'writeInt16LE', uint16: 'writeUInt16LE', uint8: 'writeUInt8' };

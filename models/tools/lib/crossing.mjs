@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Where the surface of one part goes through that of another, and how deep. */
+/** Finds where the surface of one part passes through another, and how deep. */
 
 const CELL = 2.5; // mm: about an edge
 
 /**
- * Edges of one mesh that go through triangles of the other, in both directions, with both ends at least `depth` mm away from
- * the triangle's plane: less is a touch. What is worked out of a mesh is kept with the object, so one pose of it is one object.
+ * Edges of one mesh that go through triangles of the other, in both directions, with both ends at least `depth` mm away from the triangle's
+ * plane; closer counts as touching. Derived data is cached by object, so each pose must be a separate object.
  * @param {{position: Float64Array, index: ArrayLike<number>}} a @param {{position: Float64Array, index: ArrayLike<number>}} b
  * @param {(x: number, y: number, z: number) => boolean} [where] only there
  * @returns {{count: number, deepest: number, at: number[]|null}}
@@ -115,7 +115,7 @@ function pierced(a, b, depth, where, out) {
 
 const hit = [0, 0, 0]; // where the last edge went through
 
-/** How far the nearer end of the edge is away from the plane of the triangle that it goes through; -1: it does not. */
+/** Returns the distance of the edge's nearer end from the plane of the triangle that it crosses; -1 if it does not cross it. */
 function through(q, u, v, p, index, t) {
   const a = index[t] * 3,
     b = index[t + 1] * 3,

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/**
- * What a client does with a head (protocol/head-model.md), in plain numbers: for the checks and for pictures.
- */
+/** Deforms a head as a client does (protocol/head-model.md), on the CPU: for checks and pictures. */
 import { decode } from './codec.mjs';
 import { FAPS } from './faps.mjs';
 
@@ -70,7 +68,7 @@ export function pose(head, part, faps) {
   return out;
 }
 
-/** mm that one unit of a FAP means. */
+/** Size of one unit of a FAP, mm. */
 export function unitLength(head, fap) {
   const unit = FAPS[fap].unit;
   return unit === 'AU' ? 1e-5 : head.fapu[unit] / 1024;

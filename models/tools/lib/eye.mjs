@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A generated eyeball: a sphere about the z axis with a low corneal bulge, its texture the front seen from
- * before.
+ * A generated eyeball: a sphere about the z axis with a low corneal bulge, its texture is a front view.
  */
 import { piecewise, raisedCosine } from './zones.mjs';
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * What is known of the base mesh hm08: closed edge loops round the mouth and round each eye, walked from a
- * start vertex and its neighbour. Column 0 of the mouth is the upper lip's middle, the last column the lower
- * lip's; the loops on the right are the mirror of those on the left.
+ * Landmarks of the base mesh hm08: closed edge loops round the mouth and round each eye, walked from a start vertex and its neighbour.
+ * Column 0 of the mouth is the upper lip's middle, the last column the lower lip's; the loops on the right mirror those on the left.
  */
 import { neighbours } from './mesh.mjs';
 
@@ -48,7 +47,7 @@ export function readTopology(base) {
   faces.forEach((f, i) => f.v.forEach((v) => (facesOf.get(v) ?? facesOf.set(v, []).get(v)).push(i)));
   const mirror = mirrorMap(base.positions);
 
-  /** The vertex straight on after `from`, `at`: the one that shares no face with `from`. */
+  /** Returns the next vertex straight on after `from`, `at`: the one that shares no face with `from`. */
   const straight = (from, at) => {
     const beside = new Set(
       facesOf

@@ -5,7 +5,7 @@ import { ModelError } from '../../../web/element/head/model/check.mjs';
 import { MOST_PIXELS, pictureTrouble } from '../../../web/element/head/model/picture-size.mjs';
 import { hex, luma, ramp } from './color.mjs';
 
-/** Opens a texture of a head, whose file anybody may have made. @param {string} data base64 @throws {ModelError} before it is decoded */
+/** Opens a texture of a head from an untrusted file. @param {string} data base64 @throws {ModelError} before it is decoded */
 export function openTexture(data) {
   const bytes = Buffer.from(data, 'base64');
   const trouble = pictureTrouble(bytes);

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A set of pictures of a head (protocol/pictures.md): a face at rest, and for the mouth and each eye a sheet of what it does, with anchors
- * and FAPs. What a client without a graphics processor morphs.
+ * A set of pictures of a head (protocol/pictures.md): a face at rest, and for the mouth and each eye a sheet of its poses, with anchors
+ * and FAPs. A client without a graphics processor morphs them.
  */
 import sharp from 'sharp';
 import { pose } from './deform.mjs';
 import { drawHead, seenAt, shadowsOf } from './portrait.mjs';
 
-const SIZE = { width: 480, height: 624 }; // the shape of the poster, which it takes the place of
+const SIZE = { width: 480, height: 624 }; // the aspect ratio of the poster, which it replaces
 const ANCHORS = ['8.4', '8.3', '8.1', '8.2', '2.1']; // corners, middle of the upper and of the lower lip, chin
 const SHADOWS = { 3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400 };
 const LIDS = [0, 0.25, 0.5, 0.75, 1]; // how far they are closed
 const [LID_UPPER, LID_LOWER] = [940, 84]; // FAP units of closed lids
 const CONTOUR_POINTS = 32;
-const INNER = 0.7; // of the outer contour: inside, the picture is all that is seen
+const INNER = 0.7; // of the outer contour: inside, the picture is opaque
 const COLUMNS = 5; // of a sheet
 const BASE_QUALITY = 88,
   SHEET_QUALITY = 84;
 
 /**
  * @param {object} head unpacked (deform.mjs) @param {{name: string, faps: object}[]} poses of the mouth
- * @param {(name: string) => void} [tell] which picture has been drawn
+ * @param {(name: string) => void} [tell] called with each drawn picture
  */
 export async function makePictures(head, poses, tell = () => {}) {
   const shadows = await shadowsOf(head, SHADOWS);
@@ -87,7 +87,7 @@ async function region(name, box, pictures) {
   };
 }
 
-/** A rounded rectangle in the box, drawn in where the face ends. */
+/** A rounded rectangle in the box, clipped to the face. */
 function contour({ width, height }, pictures) {
   const solid = (x, y) => pictures.every((data) => data[4 * (Math.round(y) * width + Math.round(x)) + 3] === 255);
   const [cx, cy] = [(width - 1) / 2, (height - 1) / 2];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A picture of a head, drawn without a graphics processor: posters, and previews of recipes. It draws as the client does at its
- * best, so that nothing jumps when the client's own picture takes the place of the poster.
+ * Draws a head without a graphics processor, for posters and previews of recipes. It matches the client's best quality, so that the change from
+ * poster to live picture is invisible.
  */
 import { bakeOcclusion } from '../../../web/element/head/shading/occlusion.mjs';
 import { lidsAt, lidsOf } from '../../../web/element/head/shading/lids.mjs';
@@ -37,7 +37,7 @@ export async function drawHead(head, { faps = {}, yaw = 0, shadows = true, view 
   const first = scene.filter((t) => t.alpha === 'opaque'),
     loose = scene.filter((t) => t.alpha !== 'opaque');
   const solid = [...first, ...loose.filter((t) => !THIN.includes(t.name))];
-  for (const thing of solid) drawPart(thing, camera, big, depth, null, true); // so that only what is seen is shaded
+  for (const thing of solid) drawPart(thing, camera, big, depth, null, true); // so that only visible points are shaded
   for (const thing of solid) drawPart(thing, camera, big, depth, picture, true);
   for (const thing of [...loose.filter((t) => !THIN.includes(t.name)), ...loose.filter((t) => THIN.includes(t.name))])
     drawPart(thing, camera, big, depth, picture, false);
@@ -45,14 +45,14 @@ export async function drawHead(head, { faps = {}, yaw = 0, shadows = true, view 
   return { data: smaller(picture, width, height), width, height };
 }
 
-/** The light that reaches each vertex in a pose, for pictures of others. @returns {Promise<Float32Array[]>} by part */
+/** Computes the light on each vertex in a pose, for use in pictures of other poses. @returns {Promise<Float32Array[]>} by part */
 export async function shadowsOf(head, faps) {
   const textures = await texturesOf(head);
   return bake(head.parts.map((part) => makePart(head, part, faps, textures)));
 }
 
 /**
- * Where points of the head (mm) are seen in its neutral portrait.
+ * Projects points of the head (mm) into its neutral portrait.
  * @param {object} head @param {{width: number, height: number}} size @param {number[][]} points
  * @returns {number[][]} column, row, and depth in mm
  */
@@ -61,7 +61,7 @@ export function seenAt(head, size, points) {
   return points.map((_, i) => [flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]]);
 }
 
-const decoded = new WeakMap(); // head -> its textures: a set of pictures asks for them often
+const decoded = new WeakMap(); // head -> its textures, cached because sets of pictures reuse them
 
 function texturesOf(head) {
   if (!decoded.has(head)) decoded.set(head, readTextures(head));
@@ -200,7 +200,7 @@ function sample({ pixels, width, height }, u, v) {
   return out;
 }
 
-/** `solid`: what is opaque, with depth; else the soft rest of it, over what stands. Without a picture only the depth. */
+/** `solid`: draws opaque parts with depth; otherwise blends translucent parts over them. Without a picture draws only the depth. */
 function drawPart(thing, camera, { width, height }, depth, picture, solid) {
   const { screen: s, index, look } = thing;
   const opaque = thing.alpha === 'opaque';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** How the client's fine shader colours a point (web/element/head/shading/shader-surface.mjs), for pictures that are drawn without it. */
+/** Colours a point as the client's fine shader does (web/element/head/shading/shader-surface.mjs), for pictures drawn without it. */
 import { FILL, GROUND, KEY, RIM, SKY } from '../../../web/element/head/shading/lights.mjs';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -108,7 +108,7 @@ function catchLight(n, v, reach) {
   );
 }
 
-/** The shadow of the upper lid and its lashes, and the red that the lower one throws back. @param {number[]} gap mm below the upper margin, above the lower one */
+/** The shadow of the upper lid and its lashes, and the red reflected by the lower lid. @param {number[]} gap mm below the upper margin, above the lower one */
 function lidShade([below, above]) {
   const [under, over] = [step(-0.6, 3.2, below), step(-0.2, 1.4, above)];
   return [0, 1, 2].map((k) => mixed([0.42, 0.36, 0.36][k], under) * mixed([0.86, 0.72, 0.68][k], over));
@@ -116,13 +116,13 @@ function lidShade([below, above]) {
 
 const mixed = (least, share) => least + (1 - least) * share;
 
-/** The film of tears that stands on the lower lid's edge. */
+/** The tear film on the edge of the lower lid. */
 function wetEdge(n, above, reach) {
   const film = 0.16 * Math.max(0, 1 - ((above - 0.3) / 0.22) ** 2);
   return [0, 1, 2].map((k) => film * (SKY[k] + KEY.color[k] * reach[1] * Math.max(0, dot(n, KEY.direction))));
 }
 
-/** What is seen of an eye: its own colour in this light, with what the lids do to it. */
+/** Returns the visible colour of an eye: its own colour in this light, with the lids' shadow and wetness. */
 function eyeColour(b, light, n, v, reach, gap) {
   const shade = lidShade(gap),
     wet = wetEdge(n, gap[1], reach);
@@ -140,9 +140,9 @@ function filmic(c) {
 
 /**
  * @param {string} kind skin, hair, eye, mouth or other @param {object} look the material
- * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number, gap?: number[]}} at of an eye:
- *   `place` on the unit ball, `iris` the radius of that, `gap` mm to the margins of the upper and of the lower lid
- * @returns {number[]} the colour on the display, 0..1
+ * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number, gap?: number[]}} at for
+ *   an eye: `place` on the unit sphere, `iris` radius of the iris, `gap` mm to the margins of the upper and lower lid @returns {number[]} the
+ *   colour on the display, 0..1
  */
 export function shadePoint(kind, look, { base, n, v, reach, fibre, place, iris, gap }) {
   let b = kind === 'eye' ? eyeGlow(base, place, iris) : base;

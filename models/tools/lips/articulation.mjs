@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * From eight markers on a face to the six articulatory parameters in mm (Leone, "LUCIA-WebGL", appendix 4.1.2): distances from the plane through
- * the tip of the nose and both ear lobes, so that the head may move; protrusion along that plane, forward, since a distance from the ears would
- * grow with an opening mouth, too.
+ * Computes the six articulatory parameters in mm from eight markers on a face (Leone, "LUCIA-WebGL", appendix 4.1.2): distances from the plane
+ * through the tip of the nose and both ear lobes, so that the head may move. Protrusion is measured forward along that plane, because the
+ * distance from the ears would also grow with an opening mouth.
  */
 
 /** In the order of the thesis. */
@@ -19,8 +19,8 @@ const unit = (a) => {
 
 /**
  * @param {number[][]} places of MARKERS, mm
- * @param {number} [tilt] rad: how far that plane falls towards the nose when the person looks ahead; 0: the plane itself counts, as in the thesis
- * @returns {number[]|null} of PARAMETERS, mm, not yet from rest; null: the plane cannot be told
+ * @param {number} [tilt] rad: inclination of that plane towards the nose when the person looks ahead; 0: uses the plane itself, as in the thesis
+ *   @returns {number[]|null} values of PARAMETERS in mm, not relative to rest; null: the plane is unknown
  */
 export function articulation([nose, upper, left, right, lower, chin, leftEar, rightEar], tilt = 0) {
   const across = unit(sub(leftEar, rightEar));

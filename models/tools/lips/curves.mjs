@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Six curves over time: gaps filled, trembling taken out, from rest, written as `faccia fit` reads them. A row is
+ * Processes six curves over time: fills gaps, smooths, makes them relative to rest, and writes them for `faccia fit`. A row is
  * {time, values (six numbers, or null), confidence (0 to 1), seen (of pictures: six booleans)}.
  */
 import { PARAMETERS } from './articulation.mjs';
 
-export const LONGEST_GAP = 0.2; // s: lips do not do more than one thing in it
+export const LONGEST_GAP = 0.2; // s: too short for more than one lip movement
 
-/** Short gaps get what lies between their ends, with no confidence. @returns {{rows: object[], gaps: number[][]}} gaps: frames that stay without */
+/** Interpolates short gaps, with confidence 0. @returns {{rows: object[], gaps: number[][]}} gaps: frames that stay empty */
 export function filled(rows) {
   const gaps = [];
   const out = [];
@@ -30,7 +30,7 @@ export function filled(rows) {
   return { rows: out, gaps };
 }
 
-/** Each row the mean of its neighbours, weighted by a Gaussian of that standard deviation in s; as much at an end as on its other side. */
+/** Smooths by a Gaussian with that standard deviation in s; the window is symmetric, so it shrinks at the ends. */
 export function smoothed(rows, deviation) {
   if (!(deviation > 0)) return rows;
   let first = 0;
@@ -49,7 +49,7 @@ export function smoothed(rows, deviation) {
   });
 }
 
-/** From the mean of the rows of that time. @param {number[]} rest from, to (s) */
+/** Makes values relative to the mean of the rows in that time. @param {number[]} rest from, to (s) */
 export function fromRest(rows, [from, to]) {
   const still = rows.filter(({ time }) => time >= from && time <= to);
   const level = PARAMETERS.map((_, p) => still.reduce((sum, { values }) => sum + values[p], 0) / still.length);

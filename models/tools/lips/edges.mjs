@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Where the lips end towards each other in a picture, to a fraction of a pixel: columns across the middle of the mouth are walked out of each lip, from
- * where lay.mjs has it, until the picture changes as nothing on a lip does. What lay.mjs says is where to look, this is where it is. Each column
- * counts from where its lips met at rest; what columns do not agree on is not told. mm of the base head, in the head's own turn.
+ * Finds the inner edges of the lips in a picture, to a fraction of a pixel: walks columns across the middle of the mouth out of each lip,
+ * from its position according to lay.mjs, until the picture changes more than it does on a lip. lay.mjs gives the search area; this gives
+ * the position. Each column is relative to where its lips met at rest; values on which the columns disagree are omitted. mm of the base
+ * head, in the head's own rotation.
  */
-const COLUMNS = [-2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2]; // mm from the middle: beside them the lips' line bends
+const COLUMNS = [-2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2]; // mm from the middle: farther out the lips' line bends
 const STEP = 0.1; // mm along a column
-const BLUR = 0.2; // mm, standard deviation: less than the dark line of closed lips is wide
-const WITHIN = { upper: 2.2, lower: 4 }; // mm that a walk begins within the lip: half of it
-const BEYOND = { upper: 2.5, lower: 5 }; // mm to which its end may be elsewhere than it is looked for; a sudden opening may be missed by so much
-const FIRST = { guess: 1, beyond: 5 }; // mm: where the lips' line may be on a face that the base head's shape is laid onto
-const STEEP = 0.2; // of the lip's own brightness, for a mm: more than its shading
-const SHADE = 0.7; // of the brightest of a lower lip: what is darker is on the way to its end
-const SHADOW = 1.5; // mm behind that in which it is darkest
-const END = 0.4; // of the way from there to the lip's brightest
-const RISE = 1.4; // times as bright as a dark line is what lies behind it,
+const BLUR = 0.2; // mm, standard deviation: less than the width of the dark line of closed lips
+const WITHIN = { upper: 2.2, lower: 4 }; // mm inside the lip where a walk starts: half of the lip
+const BEYOND = { upper: 2.5, lower: 5 }; // mm by which the end may differ from its expected position; a sudden opening may exceed it
+const FIRST = { guess: 1, beyond: 5 }; // mm: search range for the lips' line on a face fitted with the base head's shape
+const STEEP = 0.2; // of the lip's own brightness per mm: more than its shading
+const SHADE = 0.7; // of a lower lip's maximum brightness: darker points are near its edge
+const SHADOW = 1.5; // mm behind the edge within which it is darkest
+const END = 0.4; // of the distance from there to the lip's brightest point
+const RISE = 1.4; // times as bright as a dark line is the area behind it,
 const SOON = 1.2; // mm after that
-const WIDE = 2.2; // mm: a wider one is the dark of the mouth,
-const DARK = 1.25; // as far as it is this many times as bright
-const PALE = 0.05; // of red among red and green, by which teeth are paler than a lip
-const LIP = { from: 0.5, to: 2, light: 1.3, red: 0.05 }; // mm behind its end in which a lower lip looks as at rest, within so many times as bright and so much of red
-const ALIKE = 0.35; // mm: the median by which columns differ from what they say together
+const WIDE = 2.2; // mm: a wider one is the inside of the mouth,
+const DARK = 1.25; // the dark band extends from its darkest point while it is less than this many times as bright
+const PALE = 0.05; // difference in the share of red (of red and green) by which teeth are paler than a lip
+const LIP = { from: 0.5, to: 2, light: 1.3, red: 0.05 }; // mm behind its end within which a lower lip looks as at rest, and the tolerances for brightness and share of red
+const ALIKE = 0.35; // mm: median deviation of the columns from their common value
 const ENOUGH = 5; // columns
 
 const middle = (list) => Float64Array.from(list).sort()[list.length >> 1];
@@ -33,14 +34,14 @@ function blurred(list) {
   return list.map((_, i) => WEIGHTS.reduce((sum, w, n) => sum + w * list[Math.max(0, Math.min(last, i + n - REACH))], 0) / WHOLE);
 }
 
-/** Where an extreme at i is between the places of a list: a parabola's. */
+/** Returns the position of the extreme near i, between the samples, by fitting a parabola. */
 function between(list, i) {
   const [a, b, c] = [list[i - 1], list[i], list[i + 1]];
   const bend = a - 2 * b + c;
   return i + (bend ? Math.max(-0.5, Math.min(0.5, (0.5 * (a - c)) / bend)) : 0);
 }
 
-/** The first dark line; where teeth follow it, halfway to where they begin: the shade of a lip ends there, that of closed lips is between both. */
+/** Finds the first dark line; if teeth follow it, half way to where they begin, because a lip's shade ends there. The line of closed lips lies between both. */
 function darkLine({ light, red, slope }) {
   const [near, soon] = [Math.round(0.3 / STEP), Math.round(SOON / STEP)];
   for (let i = near; i < light.length - near; i++) {
@@ -60,13 +61,13 @@ function darkLine({ light, red, slope }) {
   return null;
 }
 
-/** Where teeth begin without a dark line: steeply paler, and less red. */
+/** Returns where teeth begin without a dark line: a steep step to paler and less red. */
 function toothAt({ red, slope, own }, i) {
   const steep = slope[i] >= STEEP * own && slope[i] >= slope[i - 1] && slope[i] >= slope[i + 1];
   return steep && red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE;
 }
 
-/** Where a lip has got so dark on the way to the darkest that lies soon behind i, which is in its shade. */
+/** Returns where a lip has become dark on the way to the darkest point soon after i, whose shade it is in. */
 function endInShade(light, i, brightest) {
   const darkest = Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)));
   const end = darkest + END * (brightest - darkest);
@@ -76,7 +77,7 @@ function endInShade(light, i, brightest) {
   return at - (end - light[at]) / (light[at - 1] - light[at]);
 }
 
-/** The lower lip's end: it is round and gets dark by and by, a thin one from its middle on; a steep place is but its shading. */
+/** Finds the edge of the lower lip, which is round and darkens gradually, a thin one from its middle on; a steep step is only shading. */
 function lowerEnd(column) {
   const { light, slope } = column;
   let brightest = Math.max(light[0], light[1]);
@@ -88,7 +89,7 @@ function lowerEnd(column) {
   return null;
 }
 
-/** What a walk has come over before it found an end: mean light and red. */
+/** Mean brightness and red along a walk before it reached an end. */
 function lipBefore({ light, red }, at) {
   const [from, to] = [Math.max(0, Math.round(at - LIP.to / STEP)), Math.round(at - LIP.from / STEP)];
   const mean = (list) => list.slice(from, to + 1).reduce((a, b) => a + b, 0) / (to + 1 - from);
@@ -100,14 +101,14 @@ const sameLip = (now, rest) => now && now.light < LIP.light * rest.light && rest
 const ends = (found) => found.map((one) => one?.end ?? null);
 
 export class Edges {
-  #rest = null; // of each column where its line and its lower lip's end are, and how that lip looks
+  #rest = null; // for each column: the lips' line, the edge of the lower lip, and the look of that lip
 
   /** @param {object} skin of speakerOf */
   constructor({ fdp }) {
     this.middle = [0, 1, 2].map((k) => (fdp['2.2'][k] + fdp['2.3'][k]) / 2);
   }
 
-  /** The face at rest. @param {{picture: object, stand: object}[]} pictures @returns {boolean} whether its lips are seen */
+  /** Learns the face at rest. @param {{picture: object, stand: object}[]} pictures @returns {boolean} whether its lips are visible */
   know(pictures) {
     const found = pictures.map(({ picture, stand }) => {
       const nothing = COLUMNS.map(() => null);
@@ -129,9 +130,8 @@ export class Edges {
   }
 
   /**
-   * @param {object} picture @param {object} stand @param {number} rises how far up the upper lip's end is expected from rest, mm @param {number} falls
-   *   how far down the lower one's
-   * @returns {{rises: number|null, falls: number|null}} null: it is not to be told
+   * @param {object} picture @param {object} stand @param {number} rises expected rise of the upper lip's edge from rest, mm @param {number} falls
+   *   expected fall of the lower lip's edge @returns {{rises: number|null, falls: number|null}} null: unknown
    */
   seen(picture, stand, rises, falls) {
     if (!this.#rest) return { rises: null, falls: null };
@@ -143,7 +143,7 @@ export class Edges {
     return { rises: up, falls: down === null ? null : -down };
   }
 
-  /** Of each column where what is looked for is, from within a lip outward. @param {number} way -1: down, 1: up */
+  /** Returns for each column the position of the edge, searching from inside a lip outward. @param {number} way -1: down, 1: up */
   #walk(picture, stand, guess, way, find, beyond) {
     const lip = way < 0 ? 'upper' : 'lower';
     const from = guess - way * WITHIN[lip];
@@ -178,7 +178,7 @@ export class Edges {
   }
 }
 
-/** How far columns have gone from rest, where enough of them say the same. */
+/** Returns how far the columns moved from rest, if enough of them agree. */
 function together(now, rest) {
   const gone = now.map((y, c) => (y === null || rest[c] === null ? null : y - rest[c])).filter((y) => y !== null);
   if (gone.length < ENOUGH) return null;

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** How somebody's lips and jaw move, in mm: what `faccia head lips` runs. README.md beside it tells more. */
+/** Measures how a person's lips and jaw move, in mm: implements `faccia head lips`. See README.md. */
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -78,7 +78,7 @@ function within(file, work) {
   }
 }
 
-/** What looks at pictures needs packages, which lie beside the sources. */
+/** Image analysis needs npm packages, which are in the sources. */
 async function watch(file, options) {
   const folder = fs.statSync(file).isDirectory();
   if (folder && !options.fps) throw new Usage('pictures in a folder do not say how many there are in a second: --fps');

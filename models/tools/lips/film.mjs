@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Pictures in the order of time: of a folder, or of a video, which ffmpeg takes apart. One at a time is held. */
+/** Yields pictures in chronological order, from a folder or a video split by ffmpeg. Holds one at a time. */
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -47,7 +47,7 @@ export async function* framesOf(video, fps) {
   }
 }
 
-/** PPM after PPM out of a stream. */
+/** Reads consecutive PPM pictures from a stream. */
 async function* portableMaps(stream) {
   let waiting = [];
   let held = 0;

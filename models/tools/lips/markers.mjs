@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Which of a file's markers are the eight that count: by a map (JSON: {"nose": "NOSE", ...}), by their names, or in the thesis's order. */
+/** Selects the eight markers to use from a file: by a map (JSON: {"nose": "NOSE", ...}), by their names, or in the thesis's order. */
 import { FileError } from '../import/file-error.mjs';
 import { articulation, MARKERS } from './articulation.mjs';
 
@@ -21,7 +21,7 @@ export function readMap(text) {
   return map;
 }
 
-/** @returns {number[]} where in names each of MARKERS is */
+/** @returns {number[]} index in names of each of MARKERS */
 function numbersOf(names, map) {
   const find = (wanted) => {
     if (typeof wanted === 'number') return wanted <= names.length ? wanted - 1 : -1;

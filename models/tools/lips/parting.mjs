@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * LI and LS by the lips' ends (edges.mjs). An end goes up and down with its lip, but not only: an upper lip that is pushed comes down over the teeth, the
- * further the fuller it is, and a lower one sinks as the corners draw together. How far lips have come forward is never seen from the
- * front, and a jaw not under lips that are closed over it.
+ * Derives LI and LS from the lips' edges (edges.mjs). An edge moves up and down with its lip, but also otherwise: a protruded upper lip comes
+ * down over the teeth, more so if it is full, and a lower lip sinks as the corners draw together. Protrusion cannot be seen from
+ * the front, nor can a jaw under closed lips.
  */
 import { PARAMETERS } from './articulation.mjs';
 
-const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
-const ROUND = { LI: -6, LS: -4 }; // mm of AR: narrower lips have come forward, and where they end a front does not show
-const HELD = 0.15; // mm of doubt about AR (lay.mjs), the median of a film: on even skin there is less to hold on to, and corners are seen to move less than they do
-const LEAP = 80; // mm/s of the jaw, root mean square, where lips come to touch or part: jaws are slower
-const NEAR = 0.05; // s: pictures that are farther apart show no speed
-const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
+const HANGS = 10.5; // mm per mm of PS, for a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
+const ROUND = { LI: -6, LS: -4 }; // mm of AR: narrower lips have moved forward, so the front view does not show their edges
+const HELD = 0.15; // mm of uncertainty about AR (lay.mjs), median of a film: on even skin tracking underestimates the movement of the corners
+const LEAP = 80; // mm/s of the jaw, RMS, when lips touch or part: real jaws are slower
+const NEAR = 0.05; // s: maximum distance of pictures for measuring speed
+const OPEN = 0.8; // mm between both edges: below it LI comes from the skin around, which shows pressing lips
 
 export const AR = PARAMETERS.indexOf('AR');
 const EM = PARAMETERS.indexOf('EM');
 
-/** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
+/** Returns how far an upper lip comes down per mm of PS. @param {number} fullness height relative to the mouth's width */
 export const hangOf = (fullness) => HANGS * fullness;
 
-/** How far a lower lip sinks for a mm that the mouth gets narrower, on the head that is laid on. @param {object} skin of speakerOf */
+/** Returns how far a lower lip sinks per mm of narrowing of the mouth, on the fitted head. @param {object} skin of speakerOf */
 export function drawOf({ position, fdp, moved }) {
   const away = (v) => Math.hypot(...fdp['2.3'].map((x, k) => x - position[3 * v + k]));
   let middle = 0;
@@ -28,9 +28,9 @@ export function drawOf({ position, fdp, moved }) {
 }
 
 /**
- * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {{hang: number, draw: number}} ends of hangOf and drawOf
- * @param {(rises: number, falls: number) => object} look where the ends are, by where they are expected
- * @returns {{q: number[], seen: boolean[]}} q with what was seen; and of LI, LS, AR, PI, PS, EM whether it was
+ * @param {Float64Array} q of UNKNOWNS, from lay.mjs @param {{hang: number, draw: number}} ends of hangOf and drawOf
+ * @param {(rises: number, falls: number) => object} look finds the edges, given their expected positions @returns {{q: number[], seen:
+ *   boolean[]}} q, updated by the measurements; seen: whether LI, LS, AR, PI, PS, EM were measured
  */
 export function parted(q, { hang, draw }, look) {
   const [LI, LS, , , PS] = q;
@@ -49,8 +49,8 @@ export function parted(q, { hang, draw }, look) {
 const unseen = (rows, parameter) => rows.map((row) => ({ ...row, seen: row.seen.map((seen, p) => seen && p !== parameter) }));
 
 /**
- * Whether AR is seen is told of a film as a whole: a still mouth is the surest, and who believed the sure pictures alone would take it that corners
- * hardly move. @param {object[]} rows of watch.mjs, doubt: mm about AR @returns {{rows: object[], held: boolean}}
+ * Decides for a whole film whether AR is visible: a still mouth gives the highest certainty, so using only certain pictures would suggest that corners hardly move.
+ * @param {object[]} rows of watch.mjs, doubt: uncertainty about AR, mm @returns {{rows: object[], held: boolean}}
  */
 export function heldCorners(rows) {
   const doubts = rows.filter(({ values }) => values).map(({ doubt }) => doubt).sort((a, b) => a - b);
@@ -59,7 +59,7 @@ export function heldCorners(rows) {
 }
 
 /**
- * So is whether EM is: on a chin that is too even the jaw is taken to go with the lips, and comes to rest wherever they touch, at once.
+ * Decides the same for EM: on an even chin the tracked jaw follows the lips, and stops suddenly whenever they touch.
  * @param {object[]} rows of watch.mjs, mm @returns {{rows: object[], held: boolean}}
  */
 export function heldJaw(rows) {

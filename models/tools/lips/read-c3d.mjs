@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Markers' tracks in a C3D file, as www.c3d.org describes it: blocks of 512 bytes (a header, parameters by group and name, frames), numbers
- * as Intel, DEC or MIPS have them, coordinates as whole numbers or floats. Analogue channels are passed over.
+ * Reads marker tracks from a C3D file (www.c3d.org): blocks of 512 bytes (a header, parameters by group and name, frames), numbers in the format
+ * of Intel, DEC or MIPS, coordinates as integers or floats. Skips analogue channels.
  */
 import { FileError, MOST } from '../import/file-error.mjs';
 import { Tracks } from './tracks.mjs';
@@ -12,7 +12,7 @@ const [INTEL, DEC, MIPS] = [84, 85, 86];
 const TYPES = { '-1': 1, 1: 1, 2: 2, 4: 4 }; // bytes of an element
 const MOST_PARAMETERS = 10000;
 
-/** Numbers of one of the three kinds of machines; whatever lies outside of the file is an error with its byte. */
+/** Reads numbers of the three machine formats; reports positions outside the file with their byte. */
 class Bytes {
   constructor(buffer) {
     this.view = new DataView(buffer.buffer, buffer.byteOffset, buffer.length);
@@ -42,7 +42,7 @@ class Bytes {
     return this.short(at) & 0xffff;
   }
 
-  /** DEC's words are in the other order, and its exponent is 2 greater. */
+  /** DEC swaps the words, and its exponent is larger by 2. */
   float(at) {
     this.need(at, 4);
     if (this.kind !== DEC) return this.view.getFloat32(at, this.kind === INTEL);
@@ -102,7 +102,7 @@ function reader(bytes, parameters) {
     const [length] = found.sizes;
     return Array.from({ length: found.count / length }, (_, i) => bytes.text(found.at + i * length, length).trim());
   };
-  /** A count that does not fit into a word is in two. */
+  /** A count that exceeds one word takes two. */
   const long = (key) => {
     const found = parameters.get(key);
     return found?.type === 2 && found.count >= 2 ? bytes.word(found.at) + bytes.word(found.at + 2) * 65536 : null;

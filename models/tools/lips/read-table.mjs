@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Markers' tracks in text: TRC (Motion Analysis, OpenSim), and tables (CSV) with a column for each coordinate, NAME_x, NAME_y, NAME_z or
- * NAME.x..., with or without a time; without names as many columns as eight markers have.
+ * Reads marker tracks from text: TRC (Motion Analysis, OpenSim), and CSV tables with a column for each coordinate (NAME_x, NAME_y, NAME_z or
+ * NAME.x...), with or without a time column; without names, the columns of eight markers.
  */
 import { FileError } from '../import/file-error.mjs';
 import { Tracks } from './tracks.mjs';
 
 const MOST_MARKERS = 512;
 
-/** Lines with their numbers; the file is never cut up as a whole. */
+/** Yields lines with their numbers, without splitting the whole file. */
 function* linesOf(text) {
   for (let at = text.startsWith('\ufeff') ? 1 : 0, number = 1; at < text.length; number++) {
     const end = text.indexOf('\n', at);
@@ -18,7 +18,7 @@ function* linesOf(text) {
   }
 }
 
-/** A number, null where nothing is, or an error with its place. */
+/** Parses a number; null if empty. Errors report the position. */
 function numberIn(field, line, column) {
   const word = (field ?? '').trim();
   if (!word || /^nan$/i.test(word)) return null;
@@ -27,7 +27,7 @@ function numberIn(field, line, column) {
   return value;
 }
 
-/** Of a row of numbers the place of a marker whose columns are those. */
+/** Returns a marker's position from its columns in a row of numbers. */
 const placeIn = (row, columns) => {
   const p = columns.map((c) => row[c] ?? null);
   return p.includes(null) ? null : p;
@@ -67,7 +67,7 @@ export function readTrc(text) {
   return tracks;
 }
 
-/** Which columns are whose, by their headings. */
+/** Assigns columns to markers by their headings. */
 function markersIn(headings, line) {
   const markers = new Map();
   headings.forEach((heading, column) => {
@@ -107,7 +107,7 @@ export function readCsv(text, { fps, unit }) {
   return shape.tracks;
 }
 
-/** Where time and markers are: by the names in the first line, or, where it has numbers, in the order of the thesis. */
+/** Finds the columns of time and markers: by the names in the first line or, if it has numbers, in the order of the thesis. */
 function shapeOf(fields, line) {
   if (fields.some((field) => field && !Number.isFinite(Number(field)))) {
     const time = fields.findIndex((field) => ['time', 't'].includes(field.toLowerCase()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Places of markers over time, whatever file they come from. */
+/** Marker positions over time, from any supported file. */
 import { FileError, MOST } from '../import/file-error.mjs';
 
 const UNITS = { mm: 1, cm: 10, dm: 100, m: 1000, in: 25.4, millimeters: 1, meters: 1000 };
@@ -9,7 +9,7 @@ export class Tracks {
 
   #count = 0;
 
-  /** @param {string[]} names @param {number} rate frames per second @param {string} [unit] mm when it is not said */
+  /** @param {string[]} names @param {number} rate frames per second @param {string} [unit] default: mm */
   constructor(names, rate, unit = 'mm') {
     const word = unit.trim().toLowerCase();
     if (word && !UNITS[word]) throw new FileError('', `lengths in ${JSON.stringify(unit.slice(0, 20))}: ${Object.keys(UNITS).slice(0, 5).join(', ')} are known`);

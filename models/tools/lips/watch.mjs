@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * From pictures of a person who reads to rows of parameters (curves.mjs): the face at rest is made a net of places (speaker.mjs), which is laid onto
- * each picture (lay.mjs), the head's motion and the lips' at once; LI and LS then by the lips' ends (edges.mjs); mm from the iris.
+ * Converts pictures of a person reading to rows of parameters (curves.mjs). The face at rest becomes a mesh of points (speaker.mjs), which is
+ * fitted to each picture (lay.mjs), estimating the motion of head and lips together. LI and LS then come from the lips' edges (edges.mjs), and
+ * the scale in mm from the iris.
  */
 import fs from 'node:fs';
 import path from 'node:path';
@@ -18,16 +19,16 @@ import { Layer } from '../../../web/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/portrait/look.mjs';
 import { pictured, speakerOf } from '../../../web/portrait/speaker.mjs';
 
-const IRIS = 11.7; // mm: the horizontal diameter of an adult's, within half a mm (Hashemi and others 2015)
-const DRAWN_IRIS = 10.9; // mm: of our heads, by which the detector's habit falls out
+const IRIS = 11.7; // mm: the horizontal diameter of an adult's iris, within half a mm (Hashemi and others 2015)
+const DRAWN_IRIS = 10.9; // mm: iris diameter of our heads, which cancels the detector's bias
 const IRISES = [[469, 471], [474, 476]]; // landmarks across
 const PUPILS = [[468, 473]];
-const UPPER_LIP = [[0, 13]]; // landmarks: how high it is at rest,
+const UPPER_LIP = [[0, 13]]; // landmarks that give its height at rest,
 const MOUTH = [[61, 291]]; // and how wide the mouth
 const MOST_FRAMES = 500000;
-const REST_PICTURES = 6; // whose mean says how the face looks
-const SIDEWAYS = 0.35; // rad: beyond it the far half of the mouth is guessed
-const LOST = 0.6; // of the picture's contrast: what is less like the face is not it
+const REST_PICTURES = 6; // whose mean gives the look of the face
+const SIDEWAYS = 0.35; // rad: beyond it the detector guesses the far half of the mouth
+const LOST = 0.6; // of the picture's contrast: a lower similarity is not the face
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const read = (file) => JSON.parse(fs.readFileSync(path.join(built, file), 'utf8'));
@@ -43,10 +44,10 @@ function baseHead(name) {
   }
 }
 
-/** How far pairs of landmarks are from each other, the mean. */
+/** Returns the mean distance of pairs of landmarks. */
 const apart = (points, pairs) => pairs.reduce((sum, [a, b]) => sum + Math.hypot(points[a][0] - points[b][0], points[a][1] - points[b][1]), 0) / pairs.length;
 
-/** The pictures in which the mouth rests, or some of them. */
+/** Returns pictures with the mouth at rest. */
 async function restPictures(pictures, fps, [from, to]) {
   const found = [];
   let number = 0;
@@ -58,7 +59,7 @@ async function restPictures(pictures, fps, [from, to]) {
   return found;
 }
 
-/** @returns {Promise<object|null>} null: nobody is in the picture, or it cannot be told who */
+/** @returns {Promise<object|null>} null: no person in the picture, or several */
 async function landmarksIn(eye, picture, tell) {
   try {
     return await landmarksOf(eye, picture);
@@ -70,13 +71,13 @@ async function landmarksIn(eye, picture, tell) {
 }
 
 class Watcher {
-  #now = null; // where the face was in the picture before
+  #now = null; // position of the face in the previous picture
 
   constructor(eye, base) {
     Object.assign(this, { eye, base });
   }
 
-  /** Gets to know the face. @returns {Promise<boolean>} whether there is one */
+  /** Learns the face. @returns {Promise<boolean>} whether there is one */
   async know(pictures, tell) {
     let landmarks = null;
     let first = 0;
@@ -102,7 +103,7 @@ class Watcher {
     return true;
   }
 
-  /** mm for a mm of the base head. @param {number} [pupils] mm between the person's, if it is known: it is seen better than how wide an iris is */
+  /** mm per mm of the base head. @param {number} [pupils] the person's pupil distance in mm, if known, which is measured more accurately than an iris */
   scale(iris, pupils) {
     const { points: { seen }, json } = this.base;
     const [pairs, own, drawn] = pupils ? [PUPILS, pupils, json.fapu.ES] : [IRISES, iris, DRAWN_IRIS];
@@ -128,10 +129,10 @@ class Watcher {
 }
 
 /**
- * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} pictures from the first on, each time it is called
- * @param {{fps: number, rest: number[], iris?: number, pupils?: number, like?: string, tell?: (done: number, count?: number) => void}} options rest: from, to (s); like: the
- *   head whose lips the person's are taken to move like
- * @returns {Promise<{rows: object[], notes: string[]}>} rows without values where there is no face; seen: of each parameter whether the picture shows it (parting.mjs)
+ * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} yields the pictures from the first on, each time it is called
+ * @param {{fps: number, rest: number[], iris?: number, pupils?: number, like?: string, tell?: (done: number, count?: number) => void}} options
+ *   rest: from, to (s); like: the head whose lip movements serve as the model @returns {Promise<{rows: object[], notes: string[]}>} rows without
+ *   values where there is no face; seen: of each parameter whether the picture shows it (parting.mjs)
  */
 export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like = 'mara', tell = () => {} }) {
   const watcher = new Watcher(await openEye(), baseHead(like));

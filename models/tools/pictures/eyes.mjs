@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Blinks of a picture with open eyes and one with closed ones: the closed lid slides down over the eye. */
+/** Makes blinks from a picture with open eyes and one with closed eyes: the closed lid slides down over the eye. */
 import { EYES } from '../../../web/portrait/landmarks.mjs';
 import { even } from './light.mjs';
 import { placed } from './frame.mjs';
@@ -7,7 +7,7 @@ import { COLUMNS, maskOf, sheetOf } from './sheet.mjs';
 
 const SHUT = [0, 0.25, 0.5, 0.75, 1];
 const [UPPER, LOWER] = [940, 84]; // FAP units of closed lids
-const MEET = 0.8; // of the way down, where lids meet
+const MEET = 0.8; // share of the way down at which the lids meet
 const SOFT = 1.5; // pixels of the lid's rim
 const REGIONS = [['eye_l', 'left', 19, 21], ['eye_r', 'right', 20, 22]];
 
@@ -31,7 +31,7 @@ function mixedInto(out, at, open, shut, row, x, share, { width, height }) {
   }
 }
 
-/** The lid so far down: above its rim the closed eye's skin, which is as far from the rim as it is when closed. */
+/** Draws the lid partly closed: above its rim is the closed eye's skin, at the same distance from the rim as when closed. */
 function lidAt(shut, open, closed, upper, lower, box) {
   if (shut === 0) return open;
   if (shut === 1) return closed;

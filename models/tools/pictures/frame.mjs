@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Laying photographs onto the one at rest: by a similarity of points that speech does not move, then by the pixels about them. */
+/** Registers photographs to the one at rest: by a similarity transform of points that speech does not move, then by the pixels around them. */
 
 /** Corners of the eyes, bridge of the nose. */
 const ANCHORED = [33, 133, 362, 263, 168, 6, 197, 195];
 const MOST_TAPS = 6; // of a pixel's side
 const ROUNDS = 12;
-const SURE = 1e-3; // pixels: less is no step
+const SURE = 1e-3; // pixels: a smaller difference is not a step
 
 /**
- * A map of the plane that turns, scales and shifts: `(x, y)` goes to `(a x - b y + c, b x + a y + d)`.
- * @param {number[][]} from @param {number[][]} to landmarks, of which those that stay count
- * @returns {{a: number, b: number, c: number, d: number}}
+ * Fits a map of the plane that rotates, scales and shifts: `(x, y)` goes to `(a x - b y + c, b x + a y + d)`.
+ * @param {number[][]} from @param {number[][]} to landmarks, of which only the fixed ones are used @returns {{a: number, b: number, c: number, d: number}}
  */
 export function similarity(from, to, which = ANCHORED) {
   const mean = (points, k) => which.reduce((sum, i) => sum + points[i][k], 0) / which.length;
@@ -34,16 +33,16 @@ export function inverse({ a, b, c, d }) {
   return { a: p, b: q, c: -(p * c - q * d), d: -(q * c + p * d) };
 }
 
-/** First `one`, then `other`. */
+/** Composes the maps: first `one`, then `other`. */
 function after(one, other) {
   const [c, d] = mapped(other, [one.c, one.d]);
   return { a: other.a * one.a - other.b * one.b, b: other.b * one.a + other.a * one.b, c, d };
 }
 
 /**
- * A box of the frame, filled from a picture: each pixel the mean of what it covers there.
- * @param {{width: number, height: number, data: ArrayLike<number>}} picture RGBA @param {object} onto from the picture to the frame
- * @param {{x: number, y: number, width: number, height: number}} box
+ * Fills a box of the frame from a picture: each pixel is the mean of the area that it covers.
+ * @param {{width: number, height: number, data: ArrayLike<number>}} picture RGBA @param {object} onto maps the picture to the frame @param {{x:
+ *   number, y: number, width: number, height: number}} box
  * @returns {{width: number, height: number, data: Uint8ClampedArray}} RGBA; clear outside of the picture
  */
 export function placed({ width, height, data }, onto, box) {
@@ -72,7 +71,7 @@ export function placed({ width, height, data }, onto, box) {
   return { width: box.width, height: box.height, data: out };
 }
 
-/** Brightness, without its mean and of the spread 1, so that lamps do not matter. */
+/** Returns the brightness with mean 0 and standard deviation 1, to cancel differences of lighting. */
 export function evened({ width, height, data }) {
   const grey = Float32Array.from({ length: width * height }, (_, i) => 0.3 * data[4 * i] + 0.59 * data[4 * i + 1] + 0.11 * data[4 * i + 2]);
   const mean = grey.reduce((sum, x) => sum + x, 0) / grey.length;
@@ -81,8 +80,8 @@ export function evened({ width, height, data }) {
 }
 
 /**
- * A better map, by least squares over the pixels of a box that speech leaves alone (Lucas and Kanade 1981).
- * @param {Float32Array} still the box of the picture at rest, evened
+ * Improves the map by least squares over the pixels of a box that speech does not move (Lucas and Kanade 1981).
+ * @param {Float32Array} still the normalised box of the picture at rest
  */
 export function refined(picture, onto, box, still) {
   const { width, height } = box;
@@ -108,7 +107,7 @@ export function refined(picture, onto, box, still) {
   return now;
 }
 
-/** Gauss, four unknowns; null where they are not told. */
+/** Gaussian elimination with four unknowns; null if singular. */
 function solved(m) {
   for (let c = 0; c < 4; c++) {
     const best = [0, 1, 2, 3].slice(c).reduce((x, r) => (Math.abs(m[r][c]) > Math.abs(m[x][c]) ? r : x), c);

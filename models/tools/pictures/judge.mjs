@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Whether a photograph is fit for a set, and why not. */
+/** Checks whether a photograph is suitable for a set, and gives the reason if not. */
 import { displacements, openingOf } from '../../../web/element/pictures/space.mjs';
 import { faceValues } from '../../../web/element/face/face-mixer.mjs';
 
 const TURNED = 0.12; // rad, against the picture at rest
 const REST_TURNED = 0.2; // rad: of that itself
-const BLURRED = 0.5; // of the sharpness in the middle of all
+const BLURRED = 0.5; // of the median sharpness
 const ENLARGED = 2.2; // times
 const LIGHT = 2.5; // times brighter or darker than at rest
-const LIDS = 0.87; // of the lids' distance at rest: closed ones are seen too far apart, but less
-/** Shares of the mouth's width. Landmarks tell somewhat less than what lips do, of small openings half. */
+const LIDS = 0.87; // of the lids' distance at rest: the detector overestimates closed lids, but stays below this
+/** Shares of the mouth's width. Landmarks underestimate lip movements, small openings by half. */
 const PARTED = 0.07; // at rest
-const APART = 0.03; // of lips that should be closed, more than at rest
-const OPEN = 0.1; // an opening that has to be seen
+const APART = 0.03; // for lips that should be closed, beyond the opening at rest
+const OPEN = 0.1; // minimum visible opening
 const LEAST_OPEN = 0.22; // of that
-const [WIDE_OPEN, SOME] = [1.2, 0.05]; // times what is wanted, and more: of small openings
-const ROUND = [-0.1, -0.02]; // corners that are to come nearer by so much, must by so much
+const [WIDE_OPEN, SOME] = [1.2, 0.05]; // maximum ratio to the expected opening, and margin for small openings
+const ROUND = [-0.1, -0.02]; // corners that must approach each other, and the least amount
 const SPREAD = [0.08, -0.05];
 
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];
 
-/** Of the picture at rest. @returns {string|null} */
+/** Checks the picture at rest. @returns {string|null} */
 export function unfitRest(rest) {
   if (rest.turned > REST_TURNED) return 'the face is turned aside';
   if (rest.enlarged > ENLARGED) return `the face is too small: it would be enlarged ${rest.enlarged.toFixed(1)} times`;
@@ -28,8 +28,9 @@ export function unfitRest(rest) {
 }
 
 /**
+ * Checks a picture independently of its pose.
  * @param {object} seen (look.mjs) @param {object} rest @param {{sharp: number, fapu: object}} of all pictures
- * @returns {string|null} what is wrong, whatever it shows
+ * @returns {string|null} what is wrong in any pose
  */
 export function unfit(seen, rest, { sharp, bright }) {
   if (seen.turned > TURNED) return `the face is turned by ${Math.round((seen.turned * 180) / Math.PI)} degrees against that at rest`;
@@ -42,7 +43,7 @@ export function unfit(seen, rest, { sharp, bright }) {
 
 export const blinkUnfit = (seen, rest) => (seen.lids > LIDS * rest.lids ? 'the eyes are not closed' : null);
 
-/** @returns {string|null} why the mouth is not that of the viseme @param {object} faps by number @param {object} fapu pixels */
+/** @returns {string|null} why the mouth does not match the viseme @param {object} faps by number @param {object} fapu pixels */
 export function mouthUnfit(seen, rest, faps, fapu) {
   const values = faceValues(faps);
   const opening = (openingOf(values) * fapu.MNS) / 1024 / rest.wide;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The lamp of the picture at rest for all: what changes slowly over the skin is taken from it. */
+/** Gives all pictures the lighting of the picture at rest: takes slow variations over the skin from it. */
 
-const SLOW = 9; // pixels, three times: a bell of about 16
+const SLOW = 9; // pixels, applied three times: a Gaussian of about 16
 const MOST = 3; // times
 const linear = Float32Array.from({ length: 256 }, (_, i) => (i / 255) ** 2.2);
 const coded = (x) => 255 * x ** (1 / 2.2);
 
-/** Means over squares, along rows and then columns. */
+/** Box filter, along rows and then columns. */
 function blurred(values, { width, height }) {
   let now = values;
   for (const [count, length, step, stride] of [[height, width, 1, width], [width, height, width, 1]]) {
@@ -28,8 +28,8 @@ function blurred(values, { width, height }) {
 const slowly = (values, size) => blurred(blurred(blurred(values, size), size), size);
 
 /**
- * @param {{width: number, height: number, data: Uint8ClampedArray}} picture changed in place @param {{data: Uint8ClampedArray}} rest as large
- * @param {Float32Array} skin how much each pixel is even skin in both
+ * @param {{width: number, height: number, data: Uint8ClampedArray}} picture changed in place @param {{data: Uint8ClampedArray}} rest of the same
+ *   size @param {Float32Array} skin share of even skin in both, by pixel
  */
 export function even(picture, rest, skin) {
   const size = { width: picture.width, height: picture.height };
@@ -42,7 +42,7 @@ export function even(picture, rest, skin) {
     const whole = wanted.reduce((sum, x) => sum + x, 0) / (own.reduce((sum, x) => sum + x, 0) || 1);
     const [slowOwn, slowWanted] = [slowly(own, size), slowly(wanted, size)];
     for (let i = 0; i < skin.length; i++) {
-      const near = weight[i] > least && all > 1 && slowOwn[i] > 0 ? slowWanted[i] / slowOwn[i] : whole; // far from skin: as everywhere
+      const near = weight[i] > least && all > 1 && slowOwn[i] > 0 ? slowWanted[i] / slowOwn[i] : whole; // far from skin: uses the global mean
       const gain = Math.min(MOST, Math.max(1 / MOST, near));
       picture.data[4 * i + k] = coded(Math.min(1, gain * linear[picture.data[4 * i + k]]));
     }

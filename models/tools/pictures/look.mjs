@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What a photograph shows of a face, in the frame of the set. */
+/** Measures a face in a photograph, in the frame of the set. */
 import { align, upright } from '../../../web/portrait/align.mjs';
 import { EYES } from '../../../web/portrait/landmarks.mjs';
 import { evened, mapped, placed, refined, similarity } from './frame.mjs';
@@ -7,7 +7,7 @@ import { evened, mapped, placed, refined, similarity } from './frame.mjs';
 export const SIZE = { width: 480, height: 624 }; // of the whole face: the shape of the page's other faces
 const EYES_AT = [SIZE.width / 2, 262]; // the middle between the eyes
 const APART = 120; // from eye to eye
-/** What turns with the head and not with the mouth: eyes, nose, forehead. */
+/** Landmarks that turn with the head but not with the mouth: eyes, nose, forehead. */
 const UPPER = [33, 133, 362, 263, 168, 6, 197, 195, 4, 10, 9, 8, 151, 127, 356, 234, 454, 21, 251, 54, 284];
 const ANCHORS = [61, 291, 0, 17, 152]; // 8.4, 8.3, 8.1, 8.2, 2.1
 const PAIRS = [[33, 263], [133, 362], [234, 454], [127, 356]];
@@ -16,23 +16,23 @@ const middle = (points, which) => [0, 1].map((k) => which.reduce((sum, i) => sum
 const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 const eyeMiddles = (points) => ['right', 'left'].map((side) => middle(points, [EYES[side].outer, EYES[side].inner]));
 
-/** From the picture at rest to the frame: upright, the eyes in their place. @param {number[][]} landmarks */
+/** Maps the picture at rest to the frame: upright, with the eyes in the standard position. @param {number[][]} landmarks */
 export function frameOf(landmarks) {
   const [right, left] = eyeMiddles(landmarks);
   const [x, y] = EYES_AT;
   return similarity([right, left], [[x - APART / 2, y], [x + APART / 2, y]], [0, 1]);
 }
 
-/** The part of the frame that speech leaves alone: from the brows to the middle of the nose. */
+/** The part of the frame that speech does not move: from the brows to the middle of the nose. */
 export const STILL = { x: EYES_AT[0] - APART, y: EYES_AT[1] - APART / 3, width: 2 * APART, height: Math.round(0.8 * APART) };
 
-/** How far the face looks aside, by the depth of what is left and right of it. */
+/** Returns how far the face is turned aside, from the depth of its left and right halves. */
 function yawOf(landmarks) {
   const turns = PAIRS.map(([a, b]) => Math.atan2(landmarks[b][2] - landmarks[a][2], landmarks[b][0] - landmarks[a][0]));
   return turns.sort((a, b) => a - b)[turns.length >> 1];
 }
 
-/** Share of an eye's width that its lids are apart, the mean of both. */
+/** Returns the lids' distance relative to the eye's width, averaged over both eyes. */
 function lidsOf(points) {
   const one = ({ outer, inner, lower, upper }) => {
     const rows = lower.map((i, n) => apart(points[i], points[upper[n]]));
@@ -41,7 +41,7 @@ function lidsOf(points) {
   return (one(EYES.right) + one(EYES.left)) / 2;
 }
 
-/** Differences between neighbours in the part that stays, against its contrast. */
+/** Returns the sharpness of the fixed part: differences between neighbouring pixels relative to its contrast. */
 function sharpnessOf(still) {
   let sum = 0;
   const { width, height } = STILL;
@@ -55,7 +55,7 @@ function sharpnessOf(still) {
 
 /**
  * @param {{picture: object, landmarks: number[][]}} view
- * @param {object|null} rest what was seen in the picture at rest; null: this is it
+ * @param {object|null} rest measurements of the picture at rest; null: this is that picture
  */
 export function seenIn({ picture, landmarks }, rest) {
   const first = frameOf(rest ? rest.found : landmarks);

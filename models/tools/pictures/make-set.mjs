@@ -1,6 +1,9 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** A set of pictures of a person: ../../README.md tells more. Every photograph that is unfit is told, with the reason; nothing is written unless there is a set. */
+/**
+ * Makes a set of pictures of a person: see ../../README.md. Reports every unsuitable photograph with the reason; writes nothing unless the
+ * set is complete.
+ */
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -15,7 +18,7 @@ import { BLINK, listOf, nameOf, posed, poses, visemes } from './names.mjs';
 import { makeSet } from './set.mjs';
 import { openSource, SourceError } from './sources.mjs';
 
-const LEAST = 8; // pictures of the mouth: fewer are no speech
+const LEAST = 8; // fewer pictures of the mouth cannot show speech
 const USAGE = `Usage: make-set.mjs FOLDER -o SET.json [OPTION]...
        make-set.mjs VIDEO --times TIMES.json -o SET.json [OPTION]...
 Makes a set of pictures, which speaks where no head can be drawn, from photographs of a person. FOLDER has a photograph for each mouth, called as
@@ -54,7 +57,7 @@ function parsed() {
 
 class NoSet extends Error {}
 
-/** What all photographs show; those that show no face are told. @returns {Promise<{seen: object[], unfits: Map}>} */
+/** Measures all photographs; reports those without a face. @returns {Promise<{seen: object[], unfits: Map}>} */
 async function lookAt(photographs, unfits) {
   const eye = await openEye();
   const views = [];
@@ -78,7 +81,7 @@ async function lookAt(photographs, unfits) {
   return { rest, views };
 }
 
-/** The first fit one of each viseme, in the order of the list. */
+/** Returns the first suitable photograph of each viseme, in the order of the list. */
 function chosen(rest, views, fapu, unfits) {
   const usually = { sharp: usual([rest, ...views.map(({ seen }) => seen)]), bright: rest.bright };
   const found = new Map([['rest', rest]]);
@@ -97,7 +100,7 @@ async function run(source, values) {
   const name = values.name ?? path.basename(values.output, '.json').toLowerCase();
   const { photographs, strange } = openSource(source, values.times ?? null, nameOf);
   if (!photographs.some((one) => one.name === 'rest')) throw new SourceError(`${source}: 'rest' is wanted: the face with closed lips`);
-  photographs.sort((a, b) => Number(b.name === 'rest') - Number(a.name === 'rest') || Number(a.name === BLINK) - Number(b.name === BLINK)); // the others are seen against it
+  photographs.sort((a, b) => Number(b.name === 'rest') - Number(a.name === 'rest') || Number(a.name === BLINK) - Number(b.name === BLINK)); // the reference for the others
   for (const file of strange) console.log(`${file}: left out: no viseme is called so`);
   const { rest, views } = await lookAt(photographs, unfits);
   if (!rest) {

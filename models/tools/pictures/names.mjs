@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What photographs of a set are called: the visemes of models/pictures/poses.json, or how they are written with a plain keyboard. */
+/** Maps file names of photographs to the visemes of models/pictures/poses.json, including their plain-keyboard spelling. */
 import fs from 'node:fs';
 
 export const { poses } = JSON.parse(fs.readFileSync(new URL('../../pictures/poses.json', import.meta.url), 'utf8'));
@@ -19,7 +19,7 @@ export function nameOf(word) {
   return known.has(name) ? name : null;
 }
 
-/** A line for each, with a word in which it is. */
+/** Returns a line for each viseme, with an example word. */
 export function listOf() {
   const lines = poses.map(({ name, context }) => `  ${(PLAIN[name] ? `${name}, ${PLAIN[name]}` : name).padEnd(10)} ${told(context)}`);
   return [...lines, `  ${BLINK.padEnd(10)} both eyes closed, for blinks`].join('\n');
@@ -27,7 +27,7 @@ export function listOf() {
 
 const SOUNDS = { pp: 'p', ff: 'f', tt: 't', ss: 's', ll: 'l', SS: 'ʃ', 'l^': 'ʎ', kk: 'k', 'r^': 'r', II: 'i', AA: 'a', UU: 'u', ii: 'ɪ', aa: 'ɐ', uu: 'ʊ', ee: 'e', EE: 'ɛ', OO: 'ɔ', oo: 'o', '##': '' };
 
-/** Of a context in the symbols of the pack: its sounds; others say what they are. */
+/** Returns the sounds of a context in the pack's symbols, or its name. */
 function told(context) {
   if (context === '#') return 'silence: lips closed, at rest';
   if (!context.includes('##')) return context;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** A set of pictures (protocol/pictures.md) of photographs that are found fit. */
+/** Makes a set of pictures (protocol/pictures.md) from suitable photographs. */
 import zlib from 'node:zlib';
 import { LOWER_LIP, OVAL, UPPER_LIP } from '../../../web/portrait/landmarks.mjs';
 import { eyeRegions } from './eyes.mjs';
@@ -8,15 +8,15 @@ import { even } from './light.mjs';
 import { SIZE } from './look.mjs';
 import { COLUMNS, maskOf, round, sheetOf, within, written } from './sheet.mjs';
 
-export const MOST_BYTES = 765000; // as it is sent
+export const MOST_BYTES = 765000; // in the transmitted size
 const LIPS = [61, ...UPPER_LIP[0], 291, ...[...LOWER_LIP[0]].reverse()];
-const FRAME = 36; // pixels over which the border of the whole fades: the picture sways with the head
-const FACE = 0.97; // of the oval: what may change
-const BELOW = 14; // pixels below the lowest chin, in which the picture fades
+const FRAME = 36; // pixels over which the outer border fades, because the picture sways with the head
+const FACE = 0.97; // of the oval: the area that may change
+const BELOW = 14; // pixels below the lowest chin over which the picture fades out
 const STEPS = [0.25, 0.5, 0.75, 1];
-const ABOUT = 1.3; // the lips, with what moves beside them
+const ABOUT = 1.3; // the lips and the area that moves with them
 const QUALITIES = [86, 80, 72, 62, 50, 38];
-const REACH = 1.265; // of the eyes' distance: how far a face lies before what it turns about
+const REACH = 1.265; // of the eyes' distance: distance of the face in front of its axis of rotation
 const PIVOT = 0.5; // of it, below the eyes
 
 const scaled = (contour, by) => {
@@ -25,7 +25,7 @@ const scaled = (contour, by) => {
 };
 const contourOf = (points, which) => which.map((i) => points[i].slice(0, 2));
 
-/** The mouth with the chin, as in sets of our own heads. */
+/** Mouth and chin, as in sets of built heads. */
 function mouthBox(rest, all, fapu) {
   const [right, left] = rest.anchors;
   const chin = Math.max(...all.map(({ anchors }) => anchors[4][1]));
@@ -35,7 +35,7 @@ function mouthBox(rest, all, fapu) {
   return { x, y, width: Math.ceil(2 * half), height: bottom - y };
 }
 
-/** Where the picture may be seen: on the face, and where the jaw goes as the mouth opens. */
+/** Mask of the picture: the face, and the area that the jaw reaches as the mouth opens. */
 function shownIn(rest, all, box) {
   const face = contourOf(rest.points, OVAL);
   const [, , , , [, chin]] = rest.anchors;
@@ -45,7 +45,7 @@ function shownIn(rest, all, box) {
   return (x, y) => within(still, x + box.x, y + box.y) || (y + box.y > rest.anchors[3][1] && jaws.some((jaw) => within(jaw, x + box.x, y + box.y)));
 }
 
-/** How much of a pixel is even skin in both pictures. */
+/** Share of a pixel that is even skin in both pictures. */
 function skinOf(rest, seen, box) {
   const face = scaled(contourOf(rest.points, OVAL), FACE);
   const lips = [rest, seen].map(({ points }) => scaled(contourOf(points, LIPS), ABOUT));
@@ -55,7 +55,7 @@ function skinOf(rest, seen, box) {
   });
 }
 
-/** Towards its border the picture is clear, and where there is none. */
+/** Fades the picture out towards its border. */
 function framed(image) {
   const { width, height, data } = image;
   const clear = Float32Array.from({ length: width * height }, (_, i) => data[4 * i + 3] / 255);
@@ -68,10 +68,11 @@ function framed(image) {
 }
 
 /**
- * @param {object} rest as seen (look.mjs) @param {{pose: {name: string, faps: object}, seen: object}[]} fit with `rest`, in their order
- * @param {object|null} blink @param {object} fapu pixels @param {{name: string, title: string, licence: string, credits: string[]}} said
- * @returns {Promise<{set: object, bytes: number, cut: string[]}>} bytes: as it is sent; cut: those whose mouth the border cuts
- * @throws {Error} when it cannot be small enough
+ * @param {object} rest measurements (look.mjs) @param {{pose: {name: string, faps: object}, seen: object}[]} fit photographs in the order of
+ *   poses, starting with `rest` @param {object|null} blink @param {object} fapu pixels @param {{name: string, title: string, licence: string,
+ *   credits: string[]}} said
+ * @returns {Promise<{set: object, bytes: number, cut: string[]}>} bytes: compressed size; cut: poses whose mouth is cut by the border @throws
+ *   {Error} if the set cannot be made small enough
  */
 export async function makeSet(rest, fit, blink, fapu, said) {
   const box = mouthBox(rest, fit.map(({ seen }) => seen), fapu);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Parts of a set of pictures: contours, sheets, images as they are written (protocol/pictures.md). */
+/** Parts of a set of pictures: contours, sheets, encoded images (protocol/pictures.md). */
 import sharp from 'sharp';
 
 export const COLUMNS = 5;
@@ -19,7 +19,7 @@ export function within(contour, x, y) {
   return inside;
 }
 
-/** A rounded rectangle, drawn in to where something may be shown. @param {(x: number, y: number) => boolean} may in the box */
+/** Returns a rounded rectangle, shrunk to the allowed area. @param {(x: number, y: number) => boolean} may whether a point of the box is allowed */
 export function maskOf({ width, height }, may) {
   const [cx, cy] = [(width - 1) / 2, (height - 1) / 2];
   const outer = Array.from({ length: POINTS }, (_, i) => {
@@ -33,7 +33,7 @@ export function maskOf({ width, height }, may) {
   return { outer, inner: outer.map(([x, y]) => [round(cx + INNER * (x - cx)), round(cy + INNER * (y - cy))]) };
 }
 
-/** @param {{data: Uint8ClampedArray}[]} pictures all as large as the box */
+/** @param {{data: Uint8ClampedArray}[]} pictures of the size of the box */
 export function sheetOf(pictures, { width, height }) {
   const [wide, rows] = [width * COLUMNS, Math.ceil(pictures.length / COLUMNS)];
   const data = new Uint8ClampedArray(4 * wide * height * rows).fill(255);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Where the photographs of a set come from: a folder of them, or a video with the times of what is seen in it. */
+/** Reads the photographs of a set: from a folder, or from a video with the times of its poses. */
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -10,9 +10,9 @@ const PATIENCE_MS = 60000;
 
 export class SourceError extends Error {}
 
-/** @typedef {{name: string, label: string, read: () => string|Buffer}} Photograph read: a file, or what is in one */
+/** @typedef {{name: string, label: string, read: () => string|Buffer}} Photograph read: returns a path or the contents */
 
-/** Files that are called as a viseme is, with a number behind where there are several. @returns {{photographs: Photograph[], strange: string[]}} */
+/** Finds files named after visemes, with a trailing number if there are several. @returns {{photographs: Photograph[], strange: string[]}} */
 function inFolder(folder, nameOf) {
   const files = fs.readdirSync(folder, { withFileTypes: true }).filter((one) => one.isFile() && !one.name.startsWith('.')).map(({ name }) => name).sort();
   if (files.length > MOST) throw new SourceError(`${folder}: ${files.length} files: at most ${MOST}`);
@@ -72,8 +72,8 @@ function inVideo(video, file, nameOf) {
 }
 
 /**
- * @param {string} source @param {string|null} times a JSON file, of a video @param {(word: string) => string|null} nameOf what a file or a time is called
- * @throws {SourceError}
+ * @param {string} source @param {string|null} times a JSON file with the times of a video @param {(word: string) => string|null} nameOf maps the
+ *   name of a file or time to a viseme @throws {SourceError}
  */
 export function openSource(source, times, nameOf) {
   let info;

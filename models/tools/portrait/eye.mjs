@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The detector of faces in Node: the client's own (web/portrait/detect.mjs), with its files from the npm package. */
+/** Runs the client's face detector (web/portrait/detect.mjs) in Node, with its files from the npm package. */
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
@@ -9,7 +9,7 @@ const web = new URL('../../../web/', import.meta.url);
 const packages = new URL('node_modules/', web); // the pages have the same files
 const folder = (name) => new URL(name, packages).href;
 
-/** The package asks by fetch, which knows no files. Whatever else it asks for is refused: nothing comes from, or goes to, a network. */
+/** The package calls fetch, which cannot read files. Other requests are rejected, so nothing uses the network. */
 async function fetchFile(address) {
   const url = String(address.url ?? address);
   if (!url.startsWith('file:')) throw new Error(`${url}: a detector of faces asks for files only`);
@@ -18,7 +18,7 @@ async function fetchFile(address) {
 }
 
 /** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/portrait/detect.mjs);
- * its member closeUp(picture, box) where the face's place is known */
+ * its member closeUp(picture, box) is for a known position of the face */
 export async function openEye() {
   globalThis.fetch = fetchFile;
   const { Human } = createRequire(web)(fileURLToPath(folder('@vladmandic/human/dist/human.node-wasm.js')));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Reading pictures of people, and the textures of heads. */
+/** Reads pictures of people, and the textures of heads. */
 import sharp from 'sharp';
 import { PortraitError } from '../../../web/portrait/problem.mjs';
 import { openTexture } from '../lib/image.mjs';
@@ -8,7 +8,7 @@ const MOST_PIXELS = 100e6;
 const LONGEST = 3000; // pixels: more is not needed for a texture
 const QUALITY = 90;
 
-/** RGBA of any file, upright, on grey where it is clear. @throws {PortraitError} @returns {Promise<object>} */
+/** Reads any file as RGBA, upright, with grey behind transparent areas. @throws {PortraitError} @returns {Promise<object>} */
 export async function flat(file) {
   try {
     const { data, info } = await sharp(file, { limitInputPixels: MOST_PIXELS, failOn: 'error' })

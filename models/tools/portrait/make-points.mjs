@@ -1,9 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-/**
- * What is known of the faces of built heads for portraits: make-points.mjs OUTPUT.json HEAD.json... The portrait of each (its poster) lies
- * beside it.
- */
+/** Measures the faces of built heads for portraits: make-points.mjs OUTPUT.json HEAD.json... Reads the poster beside each head. */
 import fs from 'node:fs';
 import path from 'node:path';
 import { unpack } from '../lib/deform.mjs';

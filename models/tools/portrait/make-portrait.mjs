@@ -1,9 +1,10 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Makes a head from photographs of a face, an approximation on one of our heads: make-portrait.mjs PHOTO... -o HEAD.json --like HEAD [--name NAME] [--title TITLE]
- * [--eyes HEAD] [--keep beard,glasses] [--poses FOLDER|VIDEO [--times FILE]] [--heads FOLDER] [--points FILE]. Says in one line what it did, and what pictures of
- * poses are unfit. Without --like it says which head's face is nearest, and makes none: hair and clothes are not guessed from a picture. Exit status: 0 done, 1 failed (with
+ * Makes a head from photographs of a face by adapting a built head: make-portrait.mjs PHOTO... -o HEAD.json --like HEAD [--name NAME] [--title TITLE]
+ * [--eyes HEAD] [--keep beard,glasses] [--poses FOLDER|VIDEO [--times FILE]] [--heads FOLDER] [--points FILE]. Prints a summary and the
+ * unsuitable pose pictures. Without --like it only prints the head with the most similar face, because hair and clothes are not guessed from a
+ * picture. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
 import fs from 'node:fs';

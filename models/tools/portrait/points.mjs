@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The landmarks of a head of ours: where the detector sees them in its own portrait, and the places of the skin that are seen there.
+ * Finds the landmarks of a built head: their positions detected in its portrait, and the points of the skin visible there.
  */
 import { align, upright } from '../../../web/portrait/align.mjs';
 import { STEADY } from '../../../web/portrait/landmarks.mjs';
@@ -8,10 +8,10 @@ import { WORN } from '../../../web/portrait/portrait.mjs';
 import { toneOf } from '../../../web/portrait/skin.mjs';
 import { seenAt } from '../lib/portrait.mjs';
 
-const ASIDE = 5; // pixels: a landmark so near beside the skin is on it
-const DEPTH = 18; // mm: a place that is farther from where the detector guesses it is not the one (seen through the lids, say)
+const ASIDE = 5; // pixels: a landmark this close to the skin counts as on it
+const DEPTH = 18; // mm: a point farther from the detector's estimate is wrong (seen between the lids, for example)
 
-/** The skin under a column and row: the nearest place of all triangles there, or the nearest corner beside. */
+/** Returns the point of the skin at a column and row: the nearest of all triangles there, or else the nearest corner beside it. */
 function placeUnder(skin, screen, [u, v], guess) {
   let [best, depth] = [null, Infinity];
   const { position: p, index } = skin;

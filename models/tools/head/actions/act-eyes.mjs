@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Eyelids, eyeballs and pupils: FAPs 19 to 30. A lid turns about the eyeball's centre on an axis along x, so
- * every point keeps its distance from the eyeball; each point of the margin turns by as much as brings it on
- * the other lid's margin.
+ * Eyelids, eyeballs and pupils: FAPs 19 to 30. A lid rotates about the eyeball's centre on an axis along x, so every point keeps its distance
+ * from the eyeball. Each point of the margin rotates until it meets the other lid's margin.
  */
 import { EYE_MARGIN } from '../../lib/hm08.mjs';
 import { lidMargin } from '../neutral.mjs';
@@ -13,10 +12,10 @@ const SIDES = {
   r: { upper: 20, lower: 22, yaw: 24, pitch: 26, thrust: 28, point: ['3.2', '3.4'] },
 };
 
-/** mm below the line of the brow from where on the skin begins to go with the upper lid, and does so whole: hairs stay where they are. */
+/** mm below the line of the brow at which the skin starts to follow the upper lid, and follows fully: the brow's hairs stay in place. */
 const BELOW_BROW = [1.5, 6];
 
-/** How far below the line of the brow a place is, mm. */
+/** Returns the distance of a point below the line of the brow, mm. */
 function browLine(fdp, side) {
   const points = { l: ['4.1', '4.3', '4.5'], r: ['4.2', '4.4', '4.6'] }[side].map((name) => fdp[name]).sort((a, b) => a[0] - b[0]);
   const [x, y] = [0, 1].map((k) => points.map((q) => q[k]));
@@ -47,7 +46,7 @@ export function lidWeights(ctx, side, tuning) {
   const top = line(true),
     bottom = line(false);
   const upperPoint = ring.indexOf(ctx.fdpVertex[SIDES[side].point[0]]);
-  // Beside the feature points a little more than meeting, because the margins' corners do not face each other
+  // Slightly beyond closure beside the feature points, because the margins' corners do not face each other
   // there.
   const middle = p[ring[upperPoint] * 3];
   const gap = ring.map(
@@ -55,7 +54,7 @@ export function lidWeights(ctx, side, tuning) {
       Math.max(0, top(p[v * 3]) - bottom(p[v * 3])) +
       tuning.overlap * (1 - Math.exp(-(((p[v * 3] - middle) / 3) ** 2))),
   );
-  // Weights end at 1, so an angle belongs to where the lids are farthest apart, which need not be at the feature points.
+  // Weights are at most 1, so the angle is that of the widest opening, which may lie beside the feature points.
   const widest = (want) => Math.max(...gap.filter((_, c) => upper[c] === want));
   const angle = { upper: widest(true), lower: widest(false) };
   const points = ring.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
@@ -65,8 +64,8 @@ export function lidWeights(ctx, side, tuning) {
   const lashes = [1, 2].map((n) => ctx.inGroup(`helper-${side}-eyelashes-${n}`));
   const weights = { upper: new Float64Array(p.length / 3), lower: new Float64Array(p.length / 3) };
   const skin = new Set(topology.faces.flatMap((f) => f.v));
-  // What the eye's opening folded is to unfold when it closes, so what goes with the lid is what did so when it was opened: by the
-  // distances over the fold, its edge would go farther than the skin under it.
+  // Closing must unfold the skin that opening folded, so the same skin moves as when the eye was opened: by the
+  // distance over the fold, its edge would move farther than the skin under it.
   const first = !ctx.lidShares?.[side];
   const shares = first ? new Float32Array(weights.upper.length) : ctx.lidShares[side];
   ctx.lidShares = { ...ctx.lidShares, [side]: shares };
@@ -99,7 +98,7 @@ export function eyeActions(actions, ctx, tuning) {
       axis: [1, 0, 0],
       radians: lids.angle.upper / 1024,
       at: (v) => lids.upper[v],
-      spared: ['brows'], // their hairs reach below where the skin begins to go with the lid
+      spared: ['brows'], // their hairs extend below the start of the skin that follows the lid
     });
     actions.turn({
       name: `lid_${side}_lower`,
@@ -122,9 +121,9 @@ export function eyeActions(actions, ctx, tuning) {
   }
 }
 
-const DOWN = { upper: 0.8, lower: -0.15 }; // shares of what closes the eye; the lower lid turns the other way
+const DOWN = { upper: 0.8, lower: -0.15 }; // shares of the closing angle; the lower lid rotates in the opposite direction
 
-/** Where the vertices of the skin are when the lids are nearly closed. @returns {Float64Array} mm */
+/** Positions of the skin's vertices with nearly closed lids. @returns {Float64Array} mm */
 export function closedLids(ctx, part, tuning) {
   const out = Float64Array.from(part.position);
   for (const side of ['l', 'r']) {

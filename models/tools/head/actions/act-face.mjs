@@ -44,8 +44,7 @@ function spared({ eyes }, x, y, z, [near, clear] = SPARED) {
 
 /**
  * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold
- * below. The points lie near the brow's upper border: what is flat below them is as high as the brow, so that its hairs go
- * along as they are.
+ * below. The points lie near the brow's upper border: the zone extends below them by the height of the brow, so that its hairs move without distortion.
  */
 function browActions(actions, ctx, outside, tuning) {
   for (const side of [1, -1]) {

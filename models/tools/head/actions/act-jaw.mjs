@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The jaw: FAPs 3, 14, 15 and 18. The skin's share in the jaw's turn comes from the mesh's own mouth-open
- * target (the angle that its displacement means at each vertex, the chin's being 1), less what the lips' own
- * FAPs do: FAP 3 alone leaves the lips.
+ * The jaw: FAPs 3, 14, 15 and 18. The skin's share of the jaw rotation comes from the mesh's mouth-open target (the angle equivalent to its
+ * displacement at each vertex, relative to the chin's), minus the movement by the lips' FAPs: FAP 3 alone does not move the lips.
  */
 import { along } from '../../lib/actions.mjs';
 import { ellipsoid } from '../../lib/zones.mjs';
 
-/** So that the tongue's tip goes along by 0.8 of the chin's way: TIP_PER_JAW of server/face/engines/fapmap.c. */
+/** Makes the tongue's tip follow by 0.8 of the chin's path: TIP_PER_JAW of server/face/engines/fapmap.c. */
 const TONGUE_SHARE = 0.82;
 
 function teethWeight({ teeth, fdp }, pivot) {
@@ -23,7 +22,7 @@ export function jawActions(actions, ctx, grid, tuning) {
   const isTongue = ctx.inGroup('helper-tongue');
   const isTeeth = ctx.inGroup('helper-lower-teeth');
   const share = (v, skin = weights) => (isTeeth[v] ? teethShare : isTongue[v] ? tongueShare(v) : skin[v]);
-  // The edge of the lower incisors goes down by what FAP 3 says of the chin: it lies farther before the condyles.
+  // The edge of the lower incisors moves down by the chin's value of FAP 3, because it lies farther in front of the condyles.
   const teethShare = teethWeight(ctx, pivot);
   const root = ctx.fdp['6.2'][2] - tuning.tongueRoot;
   const tongueShare = (v) => Math.min(TONGUE_SHARE, Math.max(0.2, (p[v * 3 + 2] - root) / tuning.tongueRoot + 0.2));
@@ -55,7 +54,7 @@ export function jawActions(actions, ctx, grid, tuning) {
   });
   actions.plainMove(3, 'both', (v) => along(share(v) * glide, [0, 0, 1]));
 
-  // No other FAP moves the lower lip sideways, so here it goes with the jaw.
+  // No other FAP moves the lower lip sideways, so it follows the jaw here.
   actions.move(14, 'both', (v) => along(share(v, whole), [0, 0, 1]));
   actions.move(15, 'both', (v) => along(share(v, whole), [-1, 0, 0]));
 
@@ -68,7 +67,7 @@ export function jawActions(actions, ctx, grid, tuning) {
   );
 }
 
-/** `whole`: all that belongs to the jaw; `weights`: the same without what the lips' FAPs move. */
+/** `whole`: everything that moves with the jaw; `weights`: the same without the part moved by the lips' FAPs. */
 function jawWeights(ctx, grid, pivot, tuning) {
   const { p, topology } = ctx;
   const open = ctx.target(tuning.openTarget);

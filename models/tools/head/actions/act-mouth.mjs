@@ -26,16 +26,16 @@ const CORNERS = [
   [7, 54, 13, 60, CORNER_R, -1],
 ];
 
-/** Of a pressed lip, mm for each mm of its outer contour: the red goes back and towards the other lip. */
+/** Pressed lip, mm per mm of its outer contour: the red moves back and towards the other lip. */
 const ROLL = { back: 1.1, up: 0.35 };
 /**
- * Of rounded lips, in front of the teeth: pushed ones hang lower (mm for a mm); so do those whose corners are drawn together, and the
- * wet inside of the upper lip comes down behind its border (mm for a mm of each corner). Both lips go down, so the opening stays.
+ * Rounded lips, in front of the teeth: protruded lips hang lower (mm per mm); so do lips whose corners are drawn together, and the wet inside of
+ * the upper lip moves down behind its border (mm per mm of each corner). Both lips move down, so the opening stays.
  */
 const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3 };
 /**
- * That is for incisors whose edge stands so far below the line of the lips, mm. Where it stands at the line (with age), pushed lips hang by
- * so much less, for a mm (both, so the opening stays), and a lower lip that is drawn back comes up to the edge.
+ * These values hold for incisors whose edge is that many mm below the line of the lips. If the edge is at the line (with age), protruded lips
+ * hang that much less per mm (both, so the opening stays), and a retracted lower lip rises to the edge.
  */
 const HIGH_TEETH = { below: 2.36, hang: 0.65, hangLower: 0.7, rise: 0.2 };
 
@@ -62,7 +62,7 @@ export function mouthActions(actions, ctx, grid, tuning) {
       sign,
       (v) => mine(v) && along(grid.outer[v] * basis(node, grid.s[v]), [0, up, forward.outer * up]),
     );
-    // Towards the other lip the outer contour makes the lip thin: its red rolls in.
+    // Moving the outer contour towards the other lip thins the lip: its red rolls in.
     if (sign === 'positive')
       actions.plainMove(outer, sign, (v) => {
         const red = mine(v) && !grid.inMouth[v] ? 4 * grid.inner[v] * grid.outer[v] : 0;
@@ -97,7 +97,7 @@ export function mouthActions(actions, ctx, grid, tuning) {
     actions.move(raiseOut, 'negative', up);
   }
 
-  /** Pushing: the whole lip, its outer contour and the skin beside it, less towards the corners. */
+  /** Protrusion moves the whole lip, its outer contour and adjacent skin, less towards the corners. */
   const push = (fap, mine, lift) => {
     for (const sign of ['positive', 'negative']) {
       actions.move(fap, sign, (v) => {
@@ -121,7 +121,7 @@ export function mouthActions(actions, ctx, grid, tuning) {
   for (const fap of [6, 7]) {
     actions.plainMove(fap, 'negative', (v) => along(middle(v) * rounding.draw, [0, 1, 0])); // times a value below 0
     actions.plainMove(fap, 'negative', (v) => {
-      // Half of the way into the mouth, where nothing is tied to the border any more.
+      // Half way into the mouth, where nothing follows the border any more.
       const w = isUpper(v) && grid.inMouth[v] ? 4 * grid.inner[v] * (1 - grid.inner[v]) : 0;
       return w && along(w * rounding.curtain * plateau(Math.abs(grid.s[v]), 0.4, 1), [0, 1, -0.2]);
     });
@@ -129,8 +129,8 @@ export function mouthActions(actions, ctx, grid, tuning) {
 }
 
 /**
- * What an expression target of the mesh does on one half of the face where the lips' own zones end: cheeks,
- * folds beside the nose. Scaled so that the target's corner of the mouth would move by one unit along `axis`;
+ * Effect of an expression target of the mesh on one half of the face outside the lips' zones: cheeks, folds beside the nose. Scaled so that the
+ * target's corner of the mouth would move by one unit along `axis`;
  * only the recipe's `axes` count.
  */
 function cheekField(ctx, grid, { target, axis, axes, gain }, corner, side) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The tongue: FAPs 43 to 47, by how far a point lies behind the tip. */
+/** The tongue: FAPs 43 to 47, weighted by the distance behind the tip. */
 import { along } from '../../lib/actions.mjs';
 import { ellipsoid, plateau } from '../../lib/zones.mjs';
 
@@ -14,7 +14,7 @@ export function tongueActions(actions, ctx, tuning) {
     (v, x, y, z) => mine[v] && along(behind(z, tuning.raiseReach), [0, 1, tuning.raiseBack]),
   );
   actions.move(45, 'both', (v, x, y, z) => mine[v] && along(behind(z, tuning.thrustReach), [0, 0, 1]));
-  // Going forward it comes between the teeth, below the edge of the upper ones.
+  // Forward movement puts it between the teeth, below the edge of the upper ones.
   actions.plainMove(45, 'positive', (v, x, y, z) => mine[v] && along(behind(z, tuning.raiseReach), [0, -(tuning.thrustDown ?? 0.2), 0]));
   const body = ellipsoid(ctx.fdp['6.2'], tuning.bodyRadii, 0.1);
   actions.move(46, 'both', (v, x, y, z) => mine[v] && along(body(x, y, z), [0, 1, 0]));

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The package's pictures as a recipe's textures want them: which file, and how opaque. */
+/** Selects the package's pictures for a recipe's textures, and adjusts their opacity. */
 import path from 'node:path';
 import { bleed, readImage } from '../../lib/image.mjs';
 
-const COARSE = 256; // texels that say well enough where hair is
+const COARSE = 256; // texels: sufficient resolution to locate hair
 const HALF = 0.5;
-const SOLID = 220; // of 255: colours of what is less opaque are those of what lies behind
-const SPECK = 4e-4; // of all texels: less in one piece is dirt
+const SOLID = 220; // of 255: less opaque texels have the colour of the background
+const SPECK = 4e-4; // share of all texels: smaller pieces are dirt
 
 export async function readAsset(spec, scene, size = spec.size) {
   const image = await readImage(assetFile(spec, scene), size);
   if (spec.alpha) {
     sharpenAlpha(image, spec.alpha);
     dropSpecks(image);
-    bleed(image, size / 16, SOLID); // strands are no darker where they end
+    bleed(image, size / 16, SOLID); // keeps the ends of strands from darkening
   }
   return image;
 }
 
 /**
- * Where the parts with holes are opaque.
+ * Returns the opaque areas of parts with holes.
  * @returns {Promise<Map<string, (u: number, v: number) => boolean>>} by the part's name; none for those without holes
  */
 export async function opacities(scene) {
@@ -49,7 +49,7 @@ function sharpenAlpha({ data }, [low, high]) {
     data[i] = Math.min(255, Math.max(0, ((data[i] / 255 - low) / (high - low)) * 255));
 }
 
-/** What hangs together with little else is taken away: it would fly beside the hair as dots. */
+/** Removes small isolated pieces, which would float beside the hair as dots. */
 function dropSpecks({ size, data }) {
   const seen = new Uint8Array(size * size);
   for (let start = 0; start < seen.length; start++) {

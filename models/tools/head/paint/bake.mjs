@@ -24,7 +24,7 @@ export function eachTexel(part, size, fn) {
         x1 = Math.min(size - 1, Math.ceil(Math.max(ax, bx, cx) + slack));
       const y0 = Math.max(0, Math.floor(Math.min(ay, by, cy) - slack)),
         y1 = Math.min(size - 1, Math.ceil(Math.max(ay, by, cy) + slack));
-      // How far outside a texel may lie, as barycentric weights: `slack` texels over the triangle's heights.
+      // Tolerance for texels outside a triangle, as barycentric weights: `slack` texels relative to the triangle's heights.
       const la = (slack * Math.hypot(cx - bx, cy - by)) / Math.abs(area);
       const lb = (slack * Math.hypot(ax - cx, ay - cy)) / Math.abs(area);
       const lc = (slack * Math.hypot(bx - ax, by - ay)) / Math.abs(area);
@@ -84,8 +84,7 @@ export function dilate(data, done, size, passes) {
 
 /**
  * Share of the sky that each vertex of `part` sees (cosine weighted), by depth maps from many directions.
- * @param {{part: object, weight: number, opaque?: (u: number, v: number) => boolean}[]} occluders parts, how much light they stop, and where they
- *   are there
+ * @param {{part: object, weight: number, opaque?: (u: number, v: number) => boolean}[]} occluders parts, the light they block, and where they are opaque
  */
 export function occlusion(part, normals, occluders, { directions, resolution, bias }) {
   const n = part.position.length / 3;

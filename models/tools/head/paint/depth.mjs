@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What is nearest, seen from a direction: heights along it, as a picture. */
+/** Depth map from a direction: the height of the nearest surface along it, as a picture. */
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
@@ -22,7 +22,7 @@ export class DepthMap {
     return (x - c[0]) * axis[0] + (y - c[1]) * axis[1] + (z - c[2]) * axis[2];
   }
 
-  /** @param {object} part @param {(u: number, v: number) => boolean} [opaque] what of its texture is there */
+  /** @param {object} part @param {(u: number, v: number) => boolean} [opaque] where its texture is opaque */
   draw({ position: p, index, uv }, opaque) {
     const n = p.length / 3;
     const [x, y, z] = [this.right, this.top, this.dir].map((axis, k) =>
@@ -57,7 +57,7 @@ export class DepthMap {
       }
   }
 
-  /** Whether something stands before that place, nearer by more than `slack` mm. */
+  /** Returns whether something occludes the point, nearer by more than `slack` mm. */
   hides(x, y, z, slack) {
     const i = Math.floor((this.#along(this.right, x, y, z) + this.reach) * this.scale),
       j = Math.floor((this.#along(this.top, x, y, z) + this.reach) * this.scale);
@@ -66,8 +66,8 @@ export class DepthMap {
   }
 
   /**
-   * The share of the light from there that reaches a place: 0..1, by the four points round it.
-   * @param {(mm: number) => number} [through] what comes through to a place that lies so far below
+   * Returns the share of the light from that direction that reaches a point: 0..1, from the four surrounding samples.
+   * @param {(mm: number) => number} [through] light transmitted to a point that many mm below
    */
   reaches(x, y, z, slack, through = () => 0) {
     const u = (this.#along(this.right, x, y, z) + this.reach) * this.scale - 0.5,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The shadows that nose, lips, chin, brows, hair, collar and glasses throw on the skin at rest. Clients know how much light reaches
- * each vertex, which is too coarse for them; here they are found for every texel, and painted as far as the client will not see them.
+ * Paints the shadows of nose, lips, chin, brows, hair, collar and glasses on the skin at rest. Clients compute light per vertex, which is too
+ * coarse for these shadows; this computes them per texel, and paints what the client will miss.
  */
 import { bakeOcclusion, throughHair } from '../../../../web/element/head/shading/occlusion.mjs';
 import { KEY } from '../../../../web/element/head/shading/lights.mjs';
@@ -17,7 +17,7 @@ const LAMP_RADIUS = 0.1; // radians; the client's lamp is wider, so its shadows 
 const LIFT = 0.8; // mm along the normal,
 const SLACK = 0.5; // and along the ray: surfaces do not shade themselves
 const SOFT = [0.75, 1, 1.05]; // red goes on into the shadow, as in the client's diffuseLight
-const LEAST = 0.05; // of light: what is dark anyway stays as it is painted
+const LEAST = 0.05; // of light: darker areas stay as painted
 const INSIDE = /^(eye|teeth|tongue|mouth|lashes|brows)/;
 
 /** Directions to the lamp, spread over its disc. */
@@ -55,7 +55,7 @@ function lampReach(casters) {
   };
 }
 
-/** For each vertex of the skin what the client will find: open sky, key, fill, rim, 0..1. */
+/** Light that the client will compute for each vertex of the skin: open sky, key, fill, rim, 0..1. */
 function clientReach(parts, skin, seen, seenNormals, opaqueOf) {
   const run = bakeOcclusion(
     parts.map((part) => {
@@ -75,16 +75,16 @@ function clientReach(parts, skin, seen, seenNormals, opaqueOf) {
 }
 
 /**
- * @param {object[]} parts the first is the skin @param {Float64Array} seen where its vertices stand with the lids down: that is how they
- *   are asked for light @param {Float64Array} seenNormals @param {(part: object) => ((u: number, v: number) => boolean)|undefined} opaqueOf
+ * @param {object[]} parts the first is the skin @param {Float64Array} seen positions of its vertices with closed lids, which are used for
+ *   lighting @param {Float64Array} seenNormals @param {(part: object) => ((u: number, v: number) => boolean)|undefined} opaqueOf
  * @param {object} material of the skin @param {number} size of the picture
- * @returns {Float32Array} size x size x 3: by how much the linear colour is to be multiplied
+ * @returns {Float32Array} size x size x 3: factors for the linear colour
  */
 export function paintedShadow(parts, seen, seenNormals, opaqueOf, { subsurface }, size) {
   const [skin] = parts;
   const reaches = lampReach(parts.filter(({ name }) => !INSIDE.test(name)).map((part) => ({ part, opaque: opaqueOf(part) })));
   const client = clientReach(parts, skin, seen, seenNormals, opaqueOf);
-  // What falls on each vertex without the lamp, and from the lamp where nothing is in its way.
+  // Light on each vertex without the lamp, and from the unoccluded lamp.
   const other = new Float32Array(seen.length),
     lamp = new Float32Array(seen.length);
   for (let v = 0; v < seen.length; v += 3) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** How near the skin is to what grows on it, so that hair and beard begin softly. */
+/** Distance of the skin to hair and beard, so that these begin softly. */
 
 const CELL = 2.5; // mm
 const BEHIND = [-1, 0, 1].flatMap((z) => [-1, 0, 1].flatMap((y) => [-1, 0, 1].map((x) => [x, y, z]))).slice(0, 13);
 
 /**
- * @param {object} part @param {((u: number, v: number) => boolean)|undefined} opaque what of its texture is there
- * @param {number} most mm that are asked for
- * @returns {(x: number, y: number, z: number) => number} mm to the part's surface, to about a cell; more than `most` far from it
+ * @param {object} part @param {((u: number, v: number) => boolean)|undefined} opaque where its texture is opaque
+ * @param {number} most maximum distance in mm @returns {(x: number, y: number, z: number) => number} mm to the part's surface, accurate to about
+ *   a cell; more than `most` if farther
  */
 export function distanceTo(part, opaque, most) {
   const p = part.position;
@@ -50,7 +50,7 @@ function eachPoint({ position: p, index, uv }, opaque, fn) {
   }
 }
 
-/** A chamfer: forth and back, each cell by those before it. */
+/** Chamfer distance: a forward and a backward pass, each cell from its predecessors. */
 function spread(field, size) {
   const steps = BEHIND.map(([x, y, z]) => ({ x, y, z, mm: CELL * Math.hypot(x, y, z) }));
   for (const sign of [1, -1])

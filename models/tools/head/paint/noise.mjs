@@ -8,7 +8,7 @@ function hash(x, y, z) {
   return ((h ^ (h >>> 16)) >>> 0) / 4294967296;
 }
 
-/** Smooth noise of -1..1, one feature a unit. */
+/** Smooth noise of -1..1 with one feature per unit. */
 export function noise(x, y, z = 0) {
   const ix = Math.floor(x),
     iy = Math.floor(y),
@@ -19,7 +19,7 @@ export function noise(x, y, z = 0) {
   const a = 1 - u,
     b = 1 - v,
     c = 1 - w;
-  // Written out: it is asked some ten times for each texel of a skin.
+  // Unrolled, because it is called about ten times per texel of a skin.
   let sum = hash(ix, iy, iz) * a * b * c;
   sum += hash(ix + 1, iy, iz) * u * b * c;
   sum += hash(ix, iy + 1, iz) * a * v * c;

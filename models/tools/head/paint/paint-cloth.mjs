@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Plain cloth, painted on the surface in millimetres: threads, soft folds, and the shade of what lies over it. */
+/** Plain cloth, painted on the surface in millimetres: threads, soft folds, and shade. */
 import { dilate, eachTexel, occlusion } from './bake.mjs';
 import { hex, mix } from '../../lib/color.mjs';
 import { normals } from '../../lib/mesh.mjs';
@@ -8,7 +8,7 @@ import { fractal, noise } from './noise.mjs';
 const SHADE = { directions: 60, resolution: 256, bias: 3 };
 const STRENGTH = 0.55; // of the shade: some light always comes through cloth
 
-/** @param {{size: number, material: string, colours: string[]}} spec the cloth's colour in its folds and on them */
+/** @param {{size: number, material: string, colours: string[]}} spec colours of the cloth inside and on its folds */
 export function paintCloth(spec, { parts }) {
   const part = parts.find(({ material }) => material === spec.material);
   const { size } = spec;

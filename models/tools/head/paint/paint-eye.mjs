@@ -8,7 +8,7 @@ import { eyeAngle } from '../../lib/eye.mjs';
 import { fractal, noise } from './noise.mjs';
 import { smoothstep } from '../../lib/zones.mjs';
 
-const BARED = 0.62; // of the sky, that what the lower lid covers at rest sees when the eye looks up
+const BARED = 0.62; // of the sky, visible from the area under the lower lid when the eye looks up
 
 /**
  * @param {object} spec eye geometry @param {object} look the recipe's colours
@@ -67,7 +67,7 @@ export function eyeSky(spec, lists) {
   };
 }
 
-/** Fibres: noise that is stretched along the radius and meets itself at the full turn. */
+/** Fibres: noise that is stretched along the radius and periodic around the iris. */
 function irisColour(stops, r, turn) {
   const cx = Math.cos(turn),
     cy = Math.sin(turn);

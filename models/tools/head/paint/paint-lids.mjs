@@ -19,7 +19,7 @@ export function eyeLines(ctx) {
   });
 }
 
-/** For each vertex of the base mesh where it is beside the lids' margin, in pairs of rings of edges: 0 on it, 1 behind it, -1 before it and elsewhere. */
+/** Position of each vertex of the base mesh relative to the lids' margin, in pairs of edge rings: 0 on it, 1 behind it, -1 in front of it and elsewhere. */
 export function behindMargin({ p, topology }) {
   const out = new Float32Array(p.length / 3).fill(-1);
   for (const loops of Object.values(topology.eye))
@@ -27,7 +27,7 @@ export function behindMargin({ p, topology }) {
   return out;
 }
 
-/** @param {number} behind of behindMargin: by places alone a deep fold of the lid would be taken for its margin, or its inside */
+/** @param {number} behind of behindMargin: by position alone a deep fold of the lid would be mistaken for its margin or inside */
 export function lidPaint(colour, q, behind, lids, look) {
   for (const eye of lids) {
     const dx = q[0] - eye.centre[0],

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Tendons, collar bones, the hollow between them and the larynx: too fine for the mesh there, so they are painted as the light
- * finds them on a neck that is held upright.
+ * Tendons, collar bones, the hollow between them and the larynx: too fine for the mesh, so they are painted as lit on an upright neck.
  */
 import { diffuse } from '../../lib/shading.mjs';
 import { smoothstep } from '../../lib/zones.mjs';
 
-const REACH = [0.75, 0.6, 0.8, 0.4]; // of sky and lamps, about what an open collar lets in
-const HOLLOW = 0.05; // darker for each mm that a place lies deep
+const REACH = [0.75, 0.6, 0.8, 0.4]; // of sky and lamps, about the share that enters an open collar
+const HOLLOW = 0.05; // darkening per mm of depth
 const STEP = 0.5; // mm
 
 const bell = (x, width) => Math.exp(-((x / width) ** 2));
 
-/** @param {number[]} from @param {number[]} to x and y @returns how far along (0 to 1), and mm beside it, upwards positive */
+/** @param {number[]} from @param {number[]} to x and y @returns position along it (0 to 1), and distance from it in mm, positive upwards */
 function beside([ax, ay], [bx, by], x, y) {
   const [dx, dy] = [bx - ax, by - ay];
   const length = Math.hypot(dx, dy);
@@ -20,7 +19,7 @@ function beside([ax, ay], [bx, by], x, y) {
   return [along, ((y - ay) * dx - (x - ax) * dy) / length];
 }
 
-/** How far the skin of a neck stands out, mm, by place as seen from the front. */
+/** Relief of the skin of a neck in mm, by position in the front view. */
 function relief({ fdp, point }, { tendons = 0, collar = 0, larynx = 0 }) {
   const notch = point({ group: 'joint-l-clavicle' })[1] + 3;
   const shoulder = point({ group: 'joint-l-scapula' });
@@ -40,7 +39,7 @@ function relief({ fdp, point }, { tendons = 0, collar = 0, larynx = 0 }) {
 }
 
 /**
- * @param {object} ctx @param {{tendons?: number, collar?: number, larynx?: number}|undefined} spec by how many mm they stand out
+ * @param {object} ctx @param {{tendons?: number, collar?: number, larynx?: number}|undefined} spec relief in mm
  * @param {number} subsurface of the skin
  * @returns {(colour: number[], q: number[], normal: number[]) => number[]}
  */

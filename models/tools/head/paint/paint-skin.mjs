@@ -18,7 +18,7 @@ import { lipPaint, lipParameter } from './paint-lips.mjs';
 import { neckPaint } from './paint-neck.mjs';
 import { ellipsoid, smoothstep } from '../../lib/zones.mjs';
 
-const MOST_LIGHT = 1.1; // times what the client sees: where its own shadow is too wide
+const MOST_LIGHT = 1.1; // factor on the client's light, where its own shadow is too wide
 
 export async function paintSkin(spec, scene) {
   const { ctx, recipe, parts } = scene;
@@ -26,7 +26,7 @@ export async function paintSkin(spec, scene) {
   const part = parts.find((x) => x.name === 'skin');
   const size = spec.size;
   const source = await readImage(ctx.assets.data(look.file), 1024);
-  // Light is asked for with the lids down: what is folded away would be painted dark, and come out when she blinks.
+  // Lighting uses closed lids: folded skin would be painted dark, and appear during blinks.
   const seen = closedLids(ctx, part, recipe.faps.lids);
   const vertexNormals = normals(seen, part.index, part.smooth);
   const opaque = await opacities(scene);
@@ -37,7 +37,7 @@ export async function paintSkin(spec, scene) {
     opaque: opaque.get(name),
   }));
   const sky = occlusion({ position: seen }, vertexNormals, occluders, look.occlusion);
-  // Colours of zones and lids are given for a skin of the colour `zoneTone`.
+  // Colours of zones and lids are relative to a skin of the colour `zoneTone`.
   const tone = hex(look.tone),
     reference = hex(look.zoneTone);
   const alike = (c) => c.map((x, k) => Math.min(255, (x * tone[k]) / reference[k]));
@@ -177,7 +177,7 @@ function pores(c, q, look, lipT) {
   return [c[0] * k * (1 - f * 0.25), c[1] * k * (1 - f * 0.45), c[2] * k * (1 - f * 0.6)];
 }
 
-/** Light that comes through less sky turns warmer: blue goes first. */
+/** Occluded light is warmer: blue decreases first. */
 function shade(c, light, { strength, tint }) {
   return c.map((x, k) => x * (1 - strength * (1 - light ** tint[k])));
 }

@@ -5,7 +5,7 @@ import { fractal, noise } from './noise.mjs';
 import { TILES } from '../teeth.mjs';
 import { smoothstep } from '../../lib/zones.mjs';
 
-/** From the edge, which lets light through, over the body to the neck: young teeth and old ones. */
+/** Colours from the translucent edge over the body to the neck: of young and of old teeth. */
 const ENAMEL = {
   young: [[0, '#dcdcd8'], [0.12, '#ebe6dc'], [0.5, '#f1e8d8'], [0.8, '#ead8ba'], [1, '#d6b78f']],
   old: [[0, '#cdc6b6'], [0.12, '#d9cdb2'], [0.5, '#dcc9a2'], [0.8, '#cfb083'], [1, '#b28c5e']],
@@ -24,7 +24,7 @@ export function paintTeeth(size, { wear, shade }) {
     tooth(u, v) {
       let c = mix(ramp(enamel.young, v), ramp(enamel.old, v), wear);
       if (shade) c = mix(c, hex(shade), 0.7);
-      // Where teeth stand side by side it is dark and warm between them.
+      // Gaps between adjacent teeth are dark and warm.
       const side = smoothstep(0.42, 0.5, Math.abs(u - 0.5));
       c = mix(c, [168, 128, 104], 0.55 * side);
       return c.map((x) => x * (1 + 0.018 * noise(u * 9, v * 3)));
@@ -47,7 +47,7 @@ export function paintTeeth(size, { wear, shade }) {
   return { size, data };
 }
 
-/** How far a place lies outside of a tile. */
+/** Returns the distance of a point outside of a tile. */
 function outside([x, y, w, h], u, v) {
   return Math.max(x - u, u - x - w, y - v, v - y - h, 0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Somebody's own ways of moving, out of pictures of poses, for a head that was made of one at rest. */
+/** Adds a person's individual movements, from pictures of poses, to a head made from a picture at rest. */
 import { Follower, restsClosed } from '../../../../web/portrait/actions/follow.mjs';
 import { give } from '../../../../web/portrait/actions/give.mjs';
 import { learn } from '../../../../web/portrait/actions/learn.mjs';
@@ -14,9 +14,10 @@ export { nameOf };
 export const listOf = () => Object.entries(POSES).map(([name, { ask }]) => `  ${name.padEnd(12)} ${ask}`).join('\n');
 
 /**
- * @param {object} head made of the face at rest @param {object} json its base @param {object} points the base's landmarks @param {{picture: object, landmarks: number[][]}} rest
+ * @param {object} head made from the face at rest @param {object} json its base head @param {object} points the base's landmarks @param
+ *   {{picture: object, landmarks: number[][]}} rest
  * @param {{name: string, label: string, read: Function}[]} photographs of poses (sources.mjs) @param {Function} eye
- * @returns {Promise<{head: object, taken: string[], actions: number, unfit: string[]}>} unfit: photographs that are not taken, and why
+ * @returns {Promise<{head: object, taken: string[], actions: number, unfit: string[]}>} unfit: rejected photographs with the reason
  */
 export async function withOwnActions(head, json, points, rest, photographs, eye) {
   restsClosed(rest.landmarks);

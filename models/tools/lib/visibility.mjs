@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What is seen of a head from a direction: a small picture of part numbers, drawn with a depth buffer. */
+/** Finds the visible parts of a head from a direction: draws a small picture of part numbers with a depth buffer. */
 import { pose } from './deform.mjs';
 
 const STEP = 0.25; // mm for a point of the picture
 const WINDOW = { left: -50, right: 50, bottom: -95, top: 20 };
-/** Transparent or loose things do not count as cover. */
+/** Transparent or loose parts do not count as cover. */
 const COVER = ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue'];
 
-/** @param {{yaw: number, pitch: number}} from direction of the eye, 0, 0 = straight before the face */
+/** @param {{yaw: number, pitch: number}} from viewing direction; 0, 0 = straight in front of the face */
 export function view(head, faps, { yaw, pitch }) {
   const width = Math.round((WINDOW.right - WINDOW.left) / STEP),
     height = Math.round((WINDOW.top - WINDOW.bottom) / STEP);
