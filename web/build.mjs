@@ -8,6 +8,7 @@ import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { decoders } from './decoders.mjs';
 import { manifest } from './package/manifest.mjs';
+import { trimmed } from './trimmed.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [out, depfile, contents] = process.argv.slice(2);
@@ -16,7 +17,7 @@ if (!out) {
   process.exit(2);
 }
 
-// A bundler that reads what is made here is to leave its import() of an address alone: webpack would look for a module of that
+// Tells bundlers to keep import() of a URL: webpack would look for a module of that
 // name, and find none. Minifying takes the comments away that say so.
 const left = 'import(/* webpackIgnore: true *//* @vite-ignore */';
 function leaveImports(script) {
@@ -25,7 +26,7 @@ function leaveImports(script) {
 }
 
 const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
-const inputs = new Set(['build.mjs', 'decoders.mjs', 'docs/element/reference.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
+const inputs = new Set(['build.mjs', 'decoders.mjs', 'trimmed.mjs', 'docs/element/reference.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
 const within = {}; // of each script, the files that something of is in it
 const note = ({ inputs: found, outputs }) => {
   Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
@@ -40,6 +41,7 @@ const result = await build({
   outfile: path.join(out, 'talking-head.js'),
   banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */' },
   metafile: true,
+  plugins: [trimmed],
 });
 leaveImports('talking-head.js');
 note(result.metafile);
@@ -60,7 +62,7 @@ const fallback = await build({
   metafile: true,
 });
 note(fallback.metafile);
-// What turns pictures into heads: a page asks for it when it is given one. The daemon hands a .gz out as it lies there.
+// Turns pictures into heads: loaded by a page when it receives a picture. The daemon serves a .gz unchanged.
 const portrait = await build({
   ...common,
   entryPoints: [path.join(here, 'portrait/page.mjs')],
@@ -113,7 +115,7 @@ const kit = await build({
   ...common,
   stdin: {
     contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
-      export { FapcDecoder } from '../protocol/fapc.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
+      export { FapcDecoder } from '../protocol/fapc/fapc.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
     resolveDir: here,
   },
   outfile: path.join(out, 'player-kit.js'),
@@ -136,16 +138,25 @@ const bundled = await build({
   metafile: true,
 });
 note(bundled.metafile);
+// Puts the parts that a page names as `<!-- include NAME -->` into it, from the folder `shared`, and marks the page in
+// the menu.
+function complete(page, name) {
+  const own = name === 'index.html' ? './' : name;
+  return page
+    .replace(/^ *<!-- include (\w+) -->\n/gm, (_, part) => readFileSync(path.join(pages, 'shared', `${part}.html`), 'utf8'))
+    .replace(`<a href="${own}" data-text`, `<a href="${own}" aria-current="page" data-text`);
+}
 // All else is served as it lies in its folder: pages, styles, workers, and scripts that no page imports.
 const served = ['library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
 for (const file of readdirSync(pages, { recursive: true })) {
   const name = path.basename(file);
-  if (!/\.(html|css|svg|webmanifest)$/.test(name) && !served.includes(name)) continue;
+  if (!/\.(html|css|svg|png|webmanifest)$/.test(name) && !served.includes(name)) continue;
   inputs.add(path.join(pages, file));
-  copyFileSync(path.join(pages, file), path.join(out, name));
+  if (!name.endsWith('.html')) copyFileSync(path.join(pages, file), path.join(out, name));
+  else if (path.dirname(file) !== 'shared') writeFileSync(path.join(out, name), complete(readFileSync(path.join(pages, file), 'utf8'), name));
 }
 // The worker of the room's page keeps all that the page needs to show itself.
-const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js'];
+const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.js', 'room.webmanifest', 'icon.svg', 'icon-192.png', 'talking-head.js', 'talking-head-worklet.js'];
 const version = createHash('sha256');
 for (const file of shell) version.update(readFileSync(path.join(out, file)));
 const worker = path.join(out, 'room-worker.js');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What makes modules of the decoders that three.js brings as plain scripts: of Draco's, and of Basis Universal's, which would
-// make functions of text. No good policy allows that, so here it does the same with closures. A plugin of esbuild.
+// Turns the decoders that three.js ships as plain scripts into modules: Draco's, and Basis Universal's, which would create
+// functions from text. A strict content security policy forbids that, so this does the same with closures. An esbuild plugin.
 import { readFileSync } from 'node:fs';
 
 /** Calls that embind would write out as text (emscripten's embind.js), as one function that does it. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a faccia server says, without a face: messages, sound and FAP frames, for Node.js and for browsers.
+// A client of a faccia server without a face: messages, sound and FAP frames, for Node.js and for browsers.
 import { decodeChunk } from '../../protocol/chunk.mjs';
 import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 import { Connection } from '../element/stream/connection.mjs';
@@ -8,7 +8,7 @@ import { Connection } from '../element/stream/connection.mjs';
 const own = (message, utterance) =>
   message.id === utterance.id || (utterance.number !== null && message.utterance === utterance.number);
 
-/** One thing that is said. `for await` gives what comes of it, in order, from when one begins to ask; `done` its `end`. */
+/** An utterance. `for await` yields its messages in order, from the moment of the call; `done` resolves with its `end`. */
 export class Utterance {
   #queue = null; // NULL: nobody asks
   #wake = () => {};
@@ -19,7 +19,7 @@ export class Utterance {
     this.id = id;
     /** Its number on the stream: what media name. Null until `begin`. */
     this.number = null;
-    /** @type {object[]} the errors that concern it */
+    /** @type {object[]} errors of this utterance */
     this.errors = [];
     this.done = new Promise((resolve) => (this.#end = resolve));
   }
@@ -29,13 +29,13 @@ export class Utterance {
     return this.client.send({ type: 'text', id: this.id, text });
   }
 
-  /** What was written so far is a sentence. */
+  /** Treats the text written so far as a complete sentence. */
   flush() {
     return this.client.send({ type: 'flush', id: this.id });
   }
 
   /**
-   * More of what was begun with `voice`, as it is spoken.
+   * Sends more sound of an utterance begun with `voice`.
    * @param {Int16Array|Uint8Array} samples @returns {boolean} whether it went out
    */
   sound(samples) {
@@ -68,7 +68,7 @@ export class Utterance {
     }
   }
 
-  /** What the client has heard of it. */
+  /** Position that has been received. */
   hear(event) {
     if (event.type === 'begin') this.number = event.utterance;
     if (event.type === 'error') this.errors.push(event);
@@ -79,9 +79,9 @@ export class Utterance {
 }
 
 /**
- * A stream of a server. Events, each with its `detail`: `message` (what the server says), `media` (a chunk, decoded), `state`
- * (`connecting`, `open`, `waiting` or `closed`): a connection that is lost is made anew, and what was being said then ends
- * with the reason `lost`.
+ * A stream of a server. Events and their `detail`: `message` (a server message), `media` (a decoded chunk), `state`
+ * (`connecting`, `open`, `waiting` or `closed`). Reconnects after a lost connection; utterances in progress end with
+ * the reason `lost`.
  */
 export class Client extends EventTarget {
   #utterances = new Map();
@@ -89,10 +89,10 @@ export class Client extends EventTarget {
   #last = 0;
   #name = Math.random().toString(36).slice(2, 8);
 
-  /** @param {string} address of the stream, with all that it is to be told @param {object} platform see connect() */
+  /** @param {string} address of the stream, with its query @param {object} platform see connect() */
   constructor(address, platform = {}) {
     super();
-    /** What the server has said of itself; null before. */
+    /** The server's `hello`; null before it arrives. */
     this.hello = null;
     this.connection = new Connection(address, {
       onstate: ({ state }) => this.#stateChanged(state),
@@ -114,7 +114,7 @@ export class Client extends EventTarget {
   /**
    * @param {string} text
    * @param {object} options the members of `speak`: lang, voice, markup, mode, open...
-   * @returns {Utterance} one that could not be sent ends with the reason `lost`
+   * @returns {Utterance} ends with the reason `lost` if it could not be sent
    */
   speak(text, options = {}) {
     return this.#say({ type: 'speak', text, ...options });
@@ -130,7 +130,10 @@ export class Client extends EventTarget {
     return this.#say({ type: 'play', name, ...options });
   }
 
-  /** Somebody speaks himself: sound(), close(). @param {object} options the members of `voice`: rate, lang, codec, mode... */
+  /**
+   * Starts a live voice: send sound with sound(), end it with close(). @param {object} options the members of `voice`: rate,
+   * lang, codec, mode...
+   */
   voice(options) {
     return this.#say({ type: 'voice', ...options });
   }
@@ -174,7 +177,7 @@ export class Client extends EventTarget {
   }
 }
 
-/** The stream's address of a server's, with what it is to be told. */
+/** Returns the address of a server's stream, with its query. */
 function streamAddress(server, { WebSocket: _, ...members }) {
   const url = new URL(server);
   url.protocol = url.protocol.replace(/^http/, 'ws');
@@ -189,9 +192,10 @@ function streamAddress(server, { WebSocket: _, ...members }) {
 /**
  * Opens a stream and waits until the server greets.
  * @param {string} server `http://localhost:8080`, or the address of its stream
- * @param {object} options what the address may say (lang, voice, rate, room, token, fps, idle..., audio `pcm` or `opus`, fap
- *   `plain` or `fapc`, events `packed`); WebSocket: the class, where there is none (Node.js before 22: that of `ws`); signal
- * @returns {Promise<Client>} fails when the first attempt does
+ * @param {object} options parameters of the address (lang, voice, rate, room, token, fps, idle..., audio `pcm` or `opus`, fap
+ *   `plain` or `fapc`, events `packed`); WebSocket: the class to use where none is built in (Node.js before 22: that of
+ * `ws`); signal
+ * @returns {Promise<Client>} rejects if the first attempt fails
  */
 export function connect(server, { signal, ...options } = {}) {
   return new Promise((resolve, reject) => {

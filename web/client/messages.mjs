@@ -12,7 +12,7 @@ const capital = (text) => text[0].toUpperCase() + text.slice(1);
 function alternatives(side) {
   const { properties, $defs } = JSON.parse(readFileSync(path.join(schemas, `${side}.json`)));
   const types = properties.type.enum;
-  // What it shares with others stands in it once more: a type has no other way to add members to it.
+  // Repeats shared members: a TypeScript type cannot be extended here.
   const whole = ({ allOf = [], properties: members = {}, required = [] }) => {
     const parts = allOf.filter(({ $ref }) => $ref).map(({ $ref }) => whole($defs[$ref.split('/').at(-1)]));
     return {

@@ -18,7 +18,7 @@ mkdirSync(out, { recursive: true });
 await build({
   entryPoints: [path.join(here, 'client.mjs')],
   outfile: path.resolve(out, 'client.js'),
-  absWorkingDir: path.join(here, '../..'), // comments name files from there
+  absWorkingDir: path.join(here, '../..'), // esbuild's comments give paths relative to this folder
   bundle: true, format: 'esm', target: 'es2022', legalComments: 'none', banner: { js: '// faccia, MIT' },
 });
 for (const side of ['client', 'server']) writeFileSync(path.join(out, `${side}-messages.d.ts`), await messageTypes(side));
@@ -39,6 +39,6 @@ writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   exports: { '.': { types: './client.d.ts', default: './client.js' }, './package.json': './package.json' },
   files: ['client.js', '*.d.ts'],
 }, null, 2)}\n`);
-// npm packs files with their modes: the same whoever packs them.
+// npm packs files with their modes: independent of the packing user.
 for (const file of readdirSync(out, { recursive: true, withFileTypes: true }))
   if (file.isFile()) chmodSync(path.join(file.parentPath ?? file.path, file.name), 0o644);

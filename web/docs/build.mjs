@@ -52,7 +52,7 @@ function compose({ from, sections, title }) {
   return `# ${title}\n\n${body.join('\n')}`;
 }
 
-/** Where texts and their headings are on the site: "FILE" and "FILE#ANCHOR" to "/page" and "/page#anchor". */
+/** Maps texts and headings to their place on the site: "FILE" and "FILE#ANCHOR" to "/page" and "/page#anchor". */
 const places = new Map();
 for (const [page, { from, sections }] of Object.entries(included)) {
   if (!sections) {
@@ -72,7 +72,7 @@ for (const from of new Set(Object.values(included).filter(({ sections }) => sect
 const written = fs.readdirSync(here, { recursive: true, encoding: 'utf8' }).filter((file) => file.endsWith('.md') && !file.startsWith('.')).sort();
 for (const file of written) places.set(`web/docs/${file}`, `/${file.slice(0, -3)}`);
 const pictures = new Set();
-/** Blocks of code whose names say what tests do with them, by the language that they are shown in. */
+/** Code blocks tagged for tests, and the language that highlights them. */
 const shownAs = { csp: 'txt', http: 'txt', text: 'txt', stream: 'json' };
 
 /** Turns a text of the repository into one of the site: its links and pictures lead to where these are there. */
@@ -103,7 +103,7 @@ function moved(file, text) {
     .map((line) => {
       if (/^\s*```/.test(line)) fenced = !fenced;
       if (own || fenced || /^ {4}/.test(line)) return line;
-      // a text of the repository has no markup of its own: what looks like it is shown
+      // a text of the repository contains no HTML: show what looks like it
       return line
         .split(/(`[^`]*`|<a href="[^"]*" target="_self">.*?<\/a>)/)
         .map((part, i) => (i % 2 ? part : part.replaceAll('<', '&lt;').replaceAll('{{', '&#123;&#123;')))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the programs say of themselves, as JSON: node help.mjs PROGRAM... Run on its own, so that the site is built again
-// only when a text changes.
+// Collects the programs' --help as JSON: node help.mjs PROGRAM... Run separately, so that the site is rebuilt only when a
+// text changes.
 import { execFileSync } from 'node:child_process';
 import path from 'node:path';
 

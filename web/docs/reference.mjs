@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The pages of reference: what the schemas, the element's manifest and the programs say of themselves, as Markdown.
+// Generates the reference pages as Markdown from the schemas, the element's manifest and the programs' help.
 
 const cell = (text) => String(text ?? '').replaceAll('|', '\\|').replaceAll('<', '&lt;').replaceAll('{{', '&#123;&#123;').replace(/\s+/g, ' ').trim();
 const code = (text) => (text ? `\`${String(text).replaceAll('|', '\\|').replace(/\s+/g, ' ')}\`` : '');
 const table = (head, rows) => (rows.length ? `| ${head.join(' | ')} |\n|${head.map(() => '---|').join('')}\n${rows.map((row) => `| ${row.join(' | ')} |`).join('\n')}\n` : '');
 const sentence = (text) => (text ? `${cell(text)}\n\n` : '');
 
-/** What "$ref" means, in a document or in a schema of the protocol. */
+/** Resolves "$ref" in a document or in a schema of the protocol. */
 function resolver(document, schema) {
   const within = (whole, pointer) => pointer.split('/').slice(1).reduce((at, key) => at[key.replaceAll('~1', '/').replaceAll('~0', '~')], whole);
   return function resolve(node, home = document) {

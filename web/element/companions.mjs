@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Addresses of the files that the element fetches on demand: beside its script. Each address is written out as
-// `new URL('./NAME', import.meta.url)`, for that is what Vite, webpack and what is made of them look for: they copy the file
-// and write its new address there. It is evaluated on use only: on a server there is no such address.
+// `new URL('./NAME', import.meta.url)`, the pattern that Vite, webpack and tools based on them look for: they copy the file
+// and replace the address. It is evaluated only on use, because it does not exist during server-side rendering.
 const BESIDE = {
   'talking-head-worklet.js': () => new URL('./talking-head-worklet.js', import.meta.url),
   'opus-decoder.js': () => new URL('./opus-decoder.js', import.meta.url),

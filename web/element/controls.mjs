@@ -3,21 +3,26 @@ import { strings } from './strings.mjs';
 
 const TOPICS = ['link', 'model', 'picture']; // what a message can be about; the first that has one is shown
 
-/** Controls around the face: a message over it, two buttons and a slider, in the language of the element. */
+/** Controls around the face: a message over it, three buttons and a slider, in the language of the element. */
 export class Controls {
   #lang = 'en';
   #said = new Map(); // topic -> {what, values}
 
-  /** @param {ShadowRoot} root of the template @param {object} ports sound() and captions(): their buttons were pressed */
+  /**
+   * @param {ShadowRoot} root of the template
+   * @param {object} ports sound(), captions() and mouth(): their buttons were pressed
+   */
   constructor(root, ports) {
     const $ = (selector) => root.querySelector(selector);
     this.root = root;
     this.message = $('.message');
     this.sound = $('.sound');
     this.captions = $('.switch');
+    this.mouth = $('.mouth');
     this.turn = $('.turn');
     this.sound.addEventListener('click', () => ports.sound());
     this.captions.addEventListener('click', () => ports.captions());
+    this.mouth.addEventListener('click', () => ports.mouth());
   }
 
   /** The one of now: a lost one is replaced. */
@@ -38,6 +43,8 @@ export class Controls {
     this.sound.querySelector('span').textContent = this.text('sound');
     this.captions.setAttribute('aria-label', `CC: ${this.text('captions')}`); // with what is written on it
     this.captions.title = this.text('captions');
+    this.mouth.setAttribute('aria-label', this.text('mouth'));
+    this.mouth.title = this.text('mouth');
     this.turn.setAttribute('aria-label', this.text('turn'));
     this.#show();
   }

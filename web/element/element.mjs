@@ -31,6 +31,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #blocked = false; // whether the server knows that its sound is blocked
   #ready = false;
   #title = '';
+  #wider = null; // the view before that of the mouth alone
   #controls;
   #player = new Player((sound, reason) => this.#soundChanged(sound, reason));
   #speech = new Speech({
@@ -64,6 +65,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     const controls = new Controls(root, {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
+      mouth: () => this.#switchMouth(),
     });
     const poster = new Poster(root.querySelector('.poster'), root.querySelector('.stage'));
     const presentation = new Presentation(this, root, { controls, poster, speech }, {
@@ -126,7 +128,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     if (!this.#opened || before === value) return;
     if (LINK_ATTRIBUTES.includes(name)) this.#session.connectSoon();
     if (name === 'poster') this.#session.choosePoster();
-    if (name === 'view') this.#presentation.stage.framing = value;
+    if (name === 'view') this.#viewChanged(before);
     if (name === 'quality') this.#presentation.stage.quality = value ?? 'auto';
     if (MODEL_ATTRIBUTES.includes(name)) this.#session.modelChanged();
     if (name === 'captions') this.#showCaptions();
@@ -182,8 +184,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   /**
    * Reads the element that `for` names aloud, and marks its words as they are heard.
-   * @param {Range|StaticRange|Node} [from] place to begin at
-   * @returns {Promise<{reason: string, code?: string}>} settles when the last word was heard, on stop, and on failure
+   * @param {Range|StaticRange|Node} [from] where to start
+   * @returns {Promise<{reason: string, code?: string}>} resolves after the last word, on stop, and on failure
    */
   read(from) {
     this.#player.open(); // while the user's gesture counts
@@ -282,9 +284,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Asks the room's listeners for their consent to be recorded by a study, or answers for them; the event `consent` reports it.
+   * Asks the room's listeners to consent to being recorded in a study, or sends their answer. The event `consent` reports both.
    * @param {'asked'|'given'|'declined'|'none'} consent none: withdraws the question
-   * @param {string} [text] the question: what is recorded, and for whom @returns {boolean} as `offer`
+   * @param {string} [text] the question, which says what is recorded and for whom @returns {boolean} as `offer`
    */
   consent(consent, text) {
     return this.#session.send({ type: 'consent', consent, ...(text ? { text } : {}) });
@@ -376,6 +378,18 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#controls.captions.setAttribute('aria-pressed', String(this.captions));
   }
 
+  #switchMouth() {
+    this.view = this.view === 'mouth' ? this.#wider : 'mouth';
+  }
+
+  /** @param {string|null} before the view that it had */
+  #viewChanged(before) {
+    const alone = this.view === 'mouth';
+    if (alone) this.#wider = before;
+    this.#controls.mouth.setAttribute('aria-pressed', String(alone));
+    this.#presentation.stage.framing = this.view;
+  }
+
   async #show(json) {
     try {
       const model = await this.#presentation.stage.show(json);
@@ -393,7 +407,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #open() {
     this.#opened = true;
     this.#presentation.stage.quality = this.quality ?? 'auto';
-    this.#presentation.stage.framing = this.view;
+    this.#viewChanged(this.#wider);
     this.#session.choosePoster();
     this.#presentation.open();
     this.#translate();

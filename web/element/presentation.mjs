@@ -35,6 +35,7 @@ export class Presentation {
       unfit,
       drawn: (on, turns) => {
         poster.drawn = on;
+        controls.mouth.hidden = !on;
         this.orbit.drawn = on && turns;
       },
     });

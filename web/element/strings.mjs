@@ -3,7 +3,7 @@
 /** The element's texts by language. Names in braces are replaced by values. */
 export const strings = {
   en: {
-    label: 'Talking head: {title}', sound: 'Tap to hear', captions: 'Captions', turn: 'Turn the head',
+    label: 'Talking head: {title}', sound: 'Tap to hear', captions: 'Captions', mouth: 'Mouth alone', turn: 'Turn the head',
     noWebgl: 'The face cannot be shown: this browser has no WebGL 2. Speech and captions work.',
     lost: 'The graphics processor was lost; waiting for it to come back.',
     tooMany: 'There are too many faces on this page to show this one. Speech and captions work.',
@@ -20,7 +20,7 @@ export const strings = {
     badToken: 'The server at {server} does not accept the token, or no longer. Make one with: faccia token',
   },
   it: {
-    label: 'Testa parlante: {title}', sound: 'Tocca per ascoltare', captions: 'Sottotitoli', turn: 'Gira la testa',
+    label: 'Testa parlante: {title}', sound: 'Tocca per ascoltare', captions: 'Sottotitoli', mouth: 'Solo la bocca', turn: 'Gira la testa',
     noWebgl: 'Il volto non può essere mostrato: questo browser non ha WebGL 2. Voce e sottotitoli funzionano.',
     lost: 'Il processore grafico non risponde; si attende che ritorni.',
     tooMany: 'In questa pagina ci sono troppi volti per mostrare anche questo. Voce e sottotitoli funzionano.',
@@ -37,7 +37,7 @@ export const strings = {
     badToken: 'Il server {server} non accetta il token, o non più. Crearne uno con: faccia token',
   },
   pt: {
-    label: 'Cabeça falante: {title}', sound: 'Toque para ouvir', captions: 'Legendas', turn: 'Girar a cabeça',
+    label: 'Cabeça falante: {title}', sound: 'Toque para ouvir', captions: 'Legendas', mouth: 'Só a boca', turn: 'Girar a cabeça',
     noWebgl: 'O rosto não pode ser mostrado: este navegador não tem WebGL 2. A voz e as legendas funcionam.',
     lost: 'O processador gráfico não responde; aguardando que volte.',
     tooMany: 'Há rostos demais nesta página para mostrar mais este. A voz e as legendas funcionam.',
@@ -54,7 +54,7 @@ export const strings = {
     badToken: 'O servidor {server} não aceita o token, ou não mais. Crie um com: faccia token',
   },
   tr: {
-    label: 'Konuşan baş: {title}', sound: 'Duymak için dokunun', captions: 'Altyazılar', turn: 'Başı çevir',
+    label: 'Konuşan baş: {title}', sound: 'Duymak için dokunun', captions: 'Altyazılar', mouth: 'Yalnız ağız', turn: 'Başı çevir',
     noWebgl: 'Yüz gösterilemiyor: bu tarayıcıda WebGL 2 yok. Ses ve altyazılar çalışıyor.',
     lost: 'Grafik işlemcisi yanıt vermiyor; geri gelmesi bekleniyor.',
     tooMany: 'Bu sayfada bunu da göstermek için fazla yüz var. Ses ve altyazılar çalışıyor.',

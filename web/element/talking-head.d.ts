@@ -12,25 +12,25 @@ export type Consent = 'asked' | 'given' | 'declined' | 'none';
 /** Of a voice without a text: see the protocol's `voice`. */
 export interface ListenOptions {
   // <voice options: made by protocol/make-messages.py>
-  /** The client's name for the utterance; comes back in every message about it. At most 64 bytes. */
+  /** The client's name for the utterance; returned in every message about it. At most 64 bytes. */
   id?: string;
-  /** What is heard after a moment before it is shown, ms. */
+  /** How much sound after a moment is analysed before that moment is shown, ms. */
   lookahead?: 0 | 40 | 80 | 120;
-  /** Whose lips. When left out: hello.lang. */
+  /** The language spoken. When left out: hello.lang. */
   lang?: string;
-  /** network: the mouth is told from the sound itself; or one of hello.engines, which makes it of the sounds that were heard. At most 64 bytes. */
+  /** network: the mouth is derived from the sound directly; or one of hello.engines, applied to the recognised phones. At most 64 bytes. */
   engine?: string;
   /** FAP frames per second. */
   fps?: number;
-  /** Strength of the signs of life. */
+  /** Strength of the idle motion. */
   life?: number;
-  /** Only the lips move, without life and expressions. */
+  /** Only the lips move; no signs of life, no expressions. */
   still?: boolean;
-  /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
+  /** When to speak it. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
-  /** Of two, the higher one comes first and cuts the lower one. */
+  /** A higher priority goes first and interrupts a lower one. */
   priority?: 'background' | 'chat' | 'alarm';
-  /** What it is about: takes the place of those that wait with the same. At most 64 bytes. */
+  /** Its subject: replaces waiting utterances with the same topic. At most 64 bytes. */
   topic?: string;
   // </voice options>
   /** false: it is seen here, and not heard. */
@@ -50,59 +50,61 @@ export interface Listening {
 /** Members of the protocol's `speak`. */
 export interface SpeakOptions {
   // <speak options: made by protocol/make-messages.py>
-  /** The id of a passage of the library, to be spoken instead of a text. At most 128 bytes. */
+  /** The id of a library passage to speak instead of a text. At most 128 bytes. */
   passage?: string;
-  /** UTF-16 units of the passage that are left out. */
+  /** UTF-16 units to skip at the start of the passage. */
   from?: number;
-  /** The stretches of a plain text that are in other languages: "START-END:LANG", in UTF-16 units, parted by spaces, such as "6-18:la 30-41:fr". Of a passage: the library knows. */
+  /** Ranges of a plain text in other languages: "START-END:LANG", in UTF-16 units, separated by spaces, such as "6-18:la 30-41:fr". For a passage, the library knows them. */
   languages?: string;
-  /** The client's name for the utterance; comes back in every message about it. At most 64 bytes. */
+  /** The client's name for the utterance; returned in every message about it. At most 64 bytes. */
   id?: string;
   /** A tag of hello.languages or hello.more_languages (BCP 47, such as pt-BR), or a POSIX locale that names one (it_IT.UTF-8). When left out: what the root element of markup says, else hello.lang. */
   lang?: string;
   /** An id of /v1/voices. At most 128 bytes. When left out: the first of the language. */
   voice?: string;
-  /** Of the voice, where none is named. */
+  /** Gender of the voice; used when no voice is named. */
   gender?: 'any' | 'female' | 'male';
-  /** What makes the movements of the mouth: one of hello.engines, if the language has it (hello.languages). At most 64 bytes. */
+  /** The engine that moves the mouth: one of hello.engines that the language supports (hello.languages). At most 64 bytes. */
   engine?: string;
-  /** What the text is; auto: found from the text. */
+  /** The markup of the text; auto: detected. */
   markup?: 'auto' | 'plain' | 'apml' | 'jsml' | 'ssml' | 'emotionml' | 'bml' | 'fml';
   /** Words per minute. When left out: the voice's own. */
   rate?: number;
-  /** A factor of the voice's own pitch. */
+  /** Pitch, as a factor of the voice's own. */
   pitch?: number;
-  /** A factor of the voice's own loudness. */
+  /** Loudness, as a factor of the voice's own. */
   volume?: number;
+  /** Emotion of the whole text, in voice and face: an affect of /v1/expressions or a synonym (joy, happy). Markup in the text overrides it. At most 64 bytes. When left out: none. */
+  affect?: string;
   /** FAP frames per second. */
   fps?: number;
-  /** For an exactly repeatable face: the same number gives the same one. */
+  /** Makes the face repeatable: the same number gives the same movements. */
   seed?: number;
-  /** Strength of the signs of life. */
+  /** Strength of the idle motion. */
   life?: number;
-  /** How expressions share the mouth with speech; auto: weighted where the text names a weight, else regions. */
+  /** How expressions share the mouth with speech; auto: weighted if the text names a weight, else regions. */
   blend?: 'auto' | 'regions' | 'weighted';
-  /** Whether lips that must touch do so whatever the engine makes; engine: as the engine has it. */
+  /** Whether lips that must touch are made to touch; engine: the engine's default. */
   contacts?: 'engine' | 'on' | 'off';
-  /** Whether numbers, signs and short forms are put into words before the voice sees the text, and Markdown and emoji of a plain text are left out. */
+  /** Whether numbers, signs and abbreviations become words before the voice gets the text, and Markdown and emoji of plain text are left out. */
   normalize?: 'on' | 'off';
-  /** The work of the library that the text is from, by its id or that of a passage of it: its lexicon and the library's hold, as for a passage. At most 128 bytes. */
+  /** The library work that the text is from (its id or that of one of its passages): its lexicon and the library's apply. At most 128 bytes. */
   work?: string;
-  /** How words of the text are said: a document of the W3C's Pronunciation Lexicon Specification, which goes before all other lexicons. At most 65536 bytes. When left out: those of the work, the library, the room and the daemon only. */
+  /** Pronunciations, as a document of the W3C's Pronunciation Lexicon Specification; overrides all other lexicons. At most 65536 bytes. When left out: those of the work, the library, the room and the daemon only. */
   lexicon?: string;
-  /** How the lines of a plain text that end without punctuation are read. run-on: only where punctuation asks for a pause; pause: a comma's worth at each line's end. */
+  /** How to read lines of plain text that end without punctuation. run-on: only where punctuation asks for a pause; pause: a comma's worth at each line's end where sense asks for it. */
   verse?: 'run-on' | 'pause';
-  /** When it is spoken. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
+  /** When to speak it. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
-  /** Of two, the higher one comes first and cuts the lower one. */
+  /** A higher priority goes first and interrupts a lower one. */
   priority?: 'background' | 'chat' | 'alarm';
-  /** What it is about: takes the place of those that wait with the same. At most 64 bytes. */
+  /** Its subject: replaces waiting utterances with the same topic. At most 64 bytes. */
   topic?: string;
-  /** What is lost with the daemon that was to speak it, where several share the room, is asked of the next one. */
+  /** In a shared room: if the daemon that was to speak it is lost, the next leader speaks it again. */
   again?: boolean;
-  /** Its phones are events, too. */
+  /** Also send its phones as events. */
   phones?: boolean;
-  /** Only the lips move, without life and expressions. */
+  /** Only the lips move; no signs of life, no expressions. */
   still?: boolean;
   // </speak options>
 }
@@ -129,12 +131,12 @@ export interface MediaDetail {
 }
 
 // <server messages: made by protocol/make-messages.py>
-/** What the server offers, at once after the upgrade. */
+/** What the server offers; sent right after the upgrade. */
 export interface ServerHello {
   type: 'hello';
   /** The version of the protocol. */
   protocol: 1;
-  /** Name and version. */
+  /** The server's name and version. */
   server: string;
   /** This connection's name. */
   stream: string;
@@ -142,69 +144,69 @@ export interface ServerHello {
   fps: number;
   /** The default language. */
   lang: string;
-  /** The codecs of sound on offer. */
+  /** The available sound codecs. */
   audio: string[];
-  /** The codecs of FAPs on offer. */
+  /** The available FAP codecs. */
   fap: string[];
-  /** How events can come. */
+  /** The available forms of events. */
   events: string[];
-  /** Samples at 48 kHz that an Opus decoder drops at an utterance's beginning. */
+  /** Samples at 48 kHz that an Opus decoder drops at the beginning of an utterance. */
   opus_skip: number;
-  /** Whether tokens are demanded. */
+  /** Whether tokens are required. */
   tokens: boolean;
-  /** Languages with a speech pack: tag, name, and the engines that speak it. */
+  /** Languages with a speech pack: tag, name, and their engines. */
   languages: { tag: string; name: string; engines: string[] }[];
-  /** Tags of the further languages that voices speak; their lips follow the International Phonetic Alphabet. */
+  /** Tags of other languages that voices speak; their lips follow the International Phonetic Alphabet. */
   more_languages: string[];
-  /** What can make the movements of the mouth. */
+  /** The available engines. */
   engines: string[];
-  /** The affects that express takes. */
+  /** The affects that express accepts. */
   expressions: string[];
-  /** The heads: name, title, hash and bytes; about in a few words; voice the kind of voice that suits it, members of speak; poster the address of its neutral picture, pictures that of a set of them, from /v1/ on. */
+  /** The heads: name, title, hash, bytes; about: a short description; voice: members of speak for a voice that suits it; poster: the address of its neutral picture, and pictures: of its set of pictures, from /v1/ on. */
   models: { name: string; title: string; hash: string; bytes: number; about?: string; voice?: { gender?: 'female' | 'male'; pitch?: number }; poster?: string; pictures?: string }[];
-  /** What a client may ask for at most. */
+  /** The limits in force. */
   limits: Record<'text_bytes' | 'message_bytes' | 'queue' | 'open' | 'connections' | 'rooms' | 'play_bytes', number>;
 }
-/** An utterance begins: sent before its first chunk. */
+/** An utterance begins; sent before its first chunk. */
 export interface ServerBegin {
   type: 'begin';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Sample rate, Hz. */
   rate: number;
   /** FAP frames per second. */
   fps: number;
-  /** The voice's id; not of a recording or somebody's own voice. */
+  /** The voice's id; not for a recording or a live voice. */
   voice?: string;
-  /** The language; not of a recording. */
+  /** The language; not for a recording. */
   lang?: string;
-  /** What makes the movements of the mouth; not of a recording. */
+  /** The engine; not for a recording. */
   engine?: string;
-  /** What the text is, or was found to be; not of a recording or somebody's own voice. */
+  /** The markup of the text, given or detected; not for a recording or a live voice. */
   markup?: string;
-  /** The name of a recording, in place of voice, lang, engine and markup. */
+  /** The name of a recording, instead of voice, lang, engine and markup. */
   play?: string;
-  /** Another daemon speaks it again when the one that speaks is lost. */
+  /** The daemon that spoke it was lost; another one speaks it again. */
   again?: true;
-  /** Of somebody's own voice: what is heard after a moment before it is shown, ms. */
+  /** For a live voice: its lookahead, ms. */
   lookahead?: 0 | 40 | 80 | 120;
-  /** The same: nobody knows the words; captions have to come from elsewhere. */
+  /** For a live voice: its words are unknown; captions must come from elsewhere. */
   captions?: false;
-  /** With idling on: where it begins on the idle clock, in seconds. */
+  /** With idling on: the time on the idle clock at which it begins, in seconds. */
   idle?: number;
 }
 /** A sentence begins. */
 export interface ServerSentence {
   type: 'sentence';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time: number;
@@ -220,17 +222,17 @@ export interface ServerSentence {
   utf16_start: number;
   /** Where it ends, in units of UTF-16. */
   utf16_end: number;
-  /** As it stands in the input, with its markup. */
+  /** The sentence as in the input, with its markup. */
   text: string;
 }
 /** A word begins. */
 export interface ServerWord {
   type: 'word';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time: number;
@@ -246,17 +248,17 @@ export interface ServerWord {
   utf16_start: number;
   /** Where it ends, in units of UTF-16. */
   utf16_end: number;
-  /** As it stands in the input. */
+  /** The word as in the input. */
   text: string;
 }
-/** A phone begins; only when asked for. */
+/** A phone begins; only if requested. */
 export interface ServerPhone {
   type: 'phone';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time: number;
@@ -264,17 +266,17 @@ export interface ServerPhone {
   sample: number;
   /** Seconds. */
   duration: number;
-  /** Its sign of the International Phonetic Alphabet; empty: a pause. */
+  /** Its IPA symbol; empty: a pause. */
   ipa: string;
 }
 /** A mark of the text is reached. */
 export interface ServerMark {
   type: 'mark';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time: number;
@@ -283,44 +285,44 @@ export interface ServerMark {
   /** The mark's name. */
   name: string;
 }
-/** The stream halts, and the utterance that has begun, if there is one. */
+/** The stream pauses, with the current utterance if there is one. */
 export interface ServerPaused {
   type: 'paused';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** Its number on the stream. */
   utterance?: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time?: number;
   /** The same in samples at the utterance's rate. */
   sample?: number;
 }
-/** The stream goes on, and the utterance that has begun, if there is one. */
+/** The stream continues, with the current utterance if there is one. */
 export interface ServerResumed {
   type: 'resumed';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** Its number on the stream. */
   utterance?: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time?: number;
   /** The same in samples at the utterance's rate. */
   sample?: number;
-  /** With idling on: when on the idle clock, in seconds. */
+  /** With idling on: the time on the idle clock, in seconds. */
   idle?: number;
 }
-/** The utterance goes on from a mark: what was sent before and has not been heard is to be forgotten. */
+/** The utterance continues from a mark: discard earlier media that have not been played. */
 export interface ServerJumped {
   type: 'jumped';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** Its number on the stream. */
   utterance: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
   /** Seconds. */
   time: number;
@@ -329,162 +331,162 @@ export interface ServerJumped {
   /** The mark's name. */
   mark: string;
 }
-/** Something was understood but not acted on, or replaced. Of an utterance when it names one. */
+/** Something was understood but ignored or replaced. It concerns an utterance if it names one. */
 export interface ServerWarning {
   type: 'warning';
-  /** Stable; more may come. */
+  /** Stable; more codes may be added. */
   code: string;
   /** The member, parameter or header. */
   field?: string;
-  /** For people. */
+  /** Text for people. */
   message: string;
-  /** Where in the message or file, from 0. */
+  /** Offset in the message or file, from 0. */
   byte?: number;
-  /** Where in the text, from 1. */
+  /** Line in the text, from 1. */
   line?: number;
-  /** The character of the line, from 1. */
+  /** Column in characters, from 1. */
   column?: number;
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance?: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
 }
-/** Something is refused or has failed. Of an utterance when it names one. A failed HTTP request is answered by the same object. */
+/** Something was refused or failed. It concerns an utterance if it names one. A failed HTTP request gets the same object. */
 export interface ServerError {
   type: 'error';
-  /** Stable; more may come. */
+  /** Stable; more codes may be added. */
   code: string;
   /** The member, parameter or header. */
   field?: string;
-  /** For people. */
+  /** Text for people. */
   message: string;
-  /** Where in the message or file, from 0. */
+  /** Offset in the message or file, from 0. */
   byte?: number;
-  /** Where in the text, from 1. */
+  /** Line in the text, from 1. */
   line?: number;
-  /** The character of the line, from 1. */
+  /** Column in characters, from 1. */
   column?: number;
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance?: number;
-  /** Of the message that is refused, if it had one. At most 64 bytes. */
+  /** The id of the refused message, if it had one. At most 64 bytes. */
   id?: string;
 }
-/** An utterance has ended: exactly one for each speak, play and voice that was accepted or refused. One that was refused in a room names no utterance. */
+/** An utterance has ended: exactly one for each speak, play and voice, accepted or refused. After a refusal in a room it names no utterance. */
 export interface ServerEnd {
   type: 'end';
   /** How it ended. */
   reason: 'done' | 'stopped' | 'failed';
-  /** Seconds of what was sent. */
+  /** Seconds of media sent. */
   duration?: number;
-  /** In a room: the sound of all who listened was blocked (media of the client), so that nobody heard it. */
+  /** In a room: every listener's sound was blocked (blocked of media), so nobody heard it. */
   blocked?: true;
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream?: string;
   /** Its number on the stream. */
   utterance?: number;
-  /** The client's name for it, if it gave one. At most 64 bytes. */
+  /** The client's id for it, if given. At most 64 bytes. */
   id?: string;
 }
-/** The client is in a room. */
+/** The client has joined a room. */
 export interface ServerJoined {
   type: 'joined';
   /** Its name. */
   room: string;
-  /** How many are in it now, this client among them. */
+  /** The number of followers, including this client. */
   followers: number;
-  /** Whether it has the right to speak there. */
+  /** Whether this client has the right to speak there. */
   may_speak: boolean;
 }
-/** The token is good. */
+/** The token is valid. */
 export interface ServerAuthorized {
   type: 'authorized';
-  /** Of the token. */
+  /** The token's subject. */
   subject: string;
 }
-/** What can be answered; an empty list: nothing any more. */
+/** The answers on offer; an empty list withdraws them. */
 export interface ServerChoices {
   type: 'choices';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** Of the choices, if they had one. At most 64 bytes. */
+  /** The id of the choices, if they had one. At most 64 bytes. */
   id?: string;
-  /** What is asked. At most 1000 bytes. */
+  /** The question. At most 1000 bytes. */
   question?: string;
   /** Up to 8 texts. */
   choices: string[];
 }
-/** Somebody has answered; the choices are gone. */
+/** A listener has answered; the choices are withdrawn. */
 export interface ServerChosen {
   type: 'chosen';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** Of the choices, if they had one. At most 64 bytes. */
+  /** The id of the choices, if they had one. At most 64 bytes. */
   id?: string;
-  /** Its place in the list, from 0. */
+  /** Index in the list, from 0. */
   choice: number;
   /** The choice itself. */
   text: string;
-  /** Who chose: the subject of the token, else the name given at join, else the connection's. */
+  /** Who chose: the token's subject, else the name given at join, else the connection's name. */
   by: string;
 }
 /** What the assistant behind the face is doing. */
 export interface ServerState {
   type: 'state';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** What it is doing; asleep: nobody is there. */
+  /** The state; asleep: nobody is present, and the screen is dark. */
   state: 'idle' | 'listening' | 'thinking' | 'muted' | 'asleep';
-  /** What was heard, say. At most 1000 bytes. */
+  /** A text to show with it, such as what was recognised. At most 1000 bytes. */
   text?: string;
 }
-/** The head has these feature points from now on, or its own again (reset). */
+/** The head has these feature points, or its own again (reset). */
 export interface ServerCalibrated {
   type: 'calibrated';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** The head's own points. */
   reset?: true;
-  /** Feature points as ISO/IEC 14496-2 numbers them, any of them: mm on the neutral face, in the head's axes. */
+  /** Any feature points of ISO/IEC 14496-2, by number: mm on the neutral face, in the head's axes. */
   featurePointsCoord?: Record<string, [number, number, number]>;
-  /** Places of feature points on the texture, v upward. */
+  /** Texture coordinates of feature points, v upward. */
   textureCoord?: Record<string, [number, number]>;
   /** A picture of the skin, in base64. */
   texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
 }
-/** The mood of the room is another; an empty mix: neutral. */
+/** The room's mood has changed; an empty mix: neutral. */
 export interface ServerExpressed {
   type: 'expressed';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
   /** Up to 4 affects with their intensities. */
   mix: { name: string; intensity: number }[];
-  /** Who set it, as chosen tells; left out where it came with a state, or over HTTP. */
+  /** Who set it, as in chosen; absent if it came with a state or over HTTP. */
   by?: string;
 }
-/** Whether a study may write down what happens. */
+/** Whether a study may log what happens. */
 export interface ServerConsent {
   type: 'consent';
-  /** The name of the stream: of hello, or of the room. */
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** The question or the answer. asked: with what is asked; given: yes; declined: no; none: nothing is asked any more. */
+  /** The question or the answer. asked: the question, with its text; given: yes; declined: no; none: the study is over. */
   consent: 'asked' | 'given' | 'declined' | 'none';
-  /** What was asked. At most 1000 bytes. */
+  /** The question. At most 1000 bytes. */
   text?: string;
-  /** Who asked or answered, as chosen tells. */
+  /** Who asked or answered, as in chosen. */
   by: string;
 }
-/** Who looks on in the room, in the order in which they came; told to them alone. */
-export interface ServerDesks {
-  type: 'desks';
-  /** The name of the stream: of hello, or of the room. */
+/** The observers of the room, in the order in which they joined; sent to observers only. */
+export interface ServerObservers {
+  type: 'observers';
+  /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** Up to 32: the name, and whether it may direct the room (speaks). */
-  desks: { name: string; speaks: boolean }[];
-  /** How many there are, also of those that are not listed. */
+  /** Up to 32, each with its name and whether it may direct the room (speaks). */
+  observers: { name: string; speaks: boolean }[];
+  /** The number of observers, including those not listed. */
   count: number;
 }
 // </server messages>
@@ -526,7 +528,7 @@ export interface TalkingHeadEventMap {
   calibrated: CustomEvent<ServerCalibrated>;
   expressed: CustomEvent<ServerExpressed>;
   consent: CustomEvent<ServerConsent>;
-  desks: CustomEvent<ServerDesks>;
+  observers: CustomEvent<ServerObservers>;
   // </server events>
   /** What has come of an utterance, before it is heard; not to be changed. */
   media: CustomEvent<MediaDetail>;

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
+import { CAPTION_LEAST_EM } from './captions/captions.mjs';
+
 // A page's own rules go over those of :host, so nothing inside depends on them: `.layout` fills the element, and is
-// 20rem by 26rem where the element has no size of its own (`display: block` with `height: auto`, `all: unset`).
+// 20rem by 26rem unless the page sets a size (`display: block` with `height: auto`, `all: unset`).
 
 // The word that is heard differs by its ground, by a line under it and, where the system chooses the colours, by a frame.
 // `caption-size` and `caption-colours` only choose values of the custom properties that a page can set, too.
 export const captionStyle = `
-  .captions { flex: none; box-sizing: border-box; min-block-size: 3.6em; display: grid; place-items: center;
+  .captions { flex: none; box-sizing: border-box; min-block-size: ${CAPTION_LEAST_EM}em; display: grid; place-items: center;
     padding: 0.35em 0.6em; text-align: center;
     font-size: var(--talking-head-caption-size, 1.15em); line-height: 1.35;
     background: var(--talking-head-caption-background, #101014);
     color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
-  .captions.empty { background: none; }
+  .captions.empty { display: none; }
+  .over .captions { position: absolute; inset-inline: 0; inset-block-end: 0; }
   .captions p { margin: 0; }
   .said { color: color-mix(in srgb, currentcolor var(--talking-head-said-strength, 72%), transparent); }
   .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
@@ -58,16 +61,20 @@ export const styles = `
     border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
   button:focus-visible { outline: 3px solid #4c9dff; outline-offset: 2px; }
   .sound { position: absolute; inset-inline: 0; inset-block-end: 0.75em; margin-inline: auto; inline-size: fit-content; }
+  .over .sound, .over .turn, .over .posing .message { inset-block-end: calc(var(--talking-head-caption-size, 1.15em) * ${CAPTION_LEAST_EM} + 0.75em); }
   svg { inline-size: 1.4em; vertical-align: -0.3em; fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round;
     stroke-linecap: round; }
-  .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
+  .switch, .mouth { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
     font-weight: 600; font-size: 0.85em; min-block-size: 3.25em; min-inline-size: 3.25em; }
-  .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
+  .mouth { inset-block-start: 4.25em; }
+  .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'], .mouth:hover, .mouth:focus-visible { opacity: 1; }
+  .mouth[aria-pressed='true'] { opacity: 1; background: #fff; color: #1c1c1e; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
 ${captionStyle}`;
 
 const SVG = 'http://www.w3.org/2000/svg';
 const WAVES = 'M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12';
+const LIPS = 'M2 12q5-7 10-3q5-4 10 3q-4 7-10 7t-10-7zq10 3 20 0';
 
 /** Made piece by piece, since pages may forbid that text becomes markup (Trusted Types). */
 function make(name, attributes = {}, children = [], namespace = 'http://www.w3.org/1999/xhtml') {
@@ -79,7 +86,7 @@ function make(name, attributes = {}, children = [], namespace = 'http://www.w3.o
 
 /** Makes the content of the shadow root. @returns {Node[]} */
 export function parts() {
-  const waves = make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d: WAVES }, [], SVG)], SVG);
+  const icon = (d) => make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d }, [], SVG)], SVG);
   const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
   const stage = make('div', { class: 'stage', part: 'stage' }, [
     make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
@@ -87,7 +94,8 @@ export function parts() {
     make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
     make('input', { class: 'turn', part: 'turn', type: 'range' }),
     make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
-    make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [waves, ' ', make('span')]),
+    make('button', { class: 'mouth', part: 'mouth-button', type: 'button', 'aria-pressed': 'false', hidden: '' }, [icon(LIPS)]),
+    make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [icon(WAVES), ' ', make('span')]),
   ]);
   const captions = make('div', { class: 'captions', part: 'captions', 'aria-live': 'off' }, [make('p', { dir: 'auto' }, line)]);
   return [make('div', { class: 'layout' }, [stage, captions])];

@@ -4,7 +4,7 @@
 import { create, ts } from '@custom-elements-manifest/analyzer';
 import { readFileSync } from 'node:fs';
 
-/** What a section's tables say of each name in their first column. */
+/** Collects the descriptions of each name in the first column of a section's tables. */
 function rows(readme, section) {
   const text = readme.split(`\n## ${section}\n`)[1].split('\n## ')[0];
   const told = new Map();

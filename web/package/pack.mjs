@@ -31,7 +31,7 @@ await build({
   banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */ const facciaScript = document.currentScript.src;' },
 });
 
-// Types alone: what each framework calls the element in its templates.
+// Type-only files: the element's name in each framework's templates.
 for (const name of ['react', 'vue', 'svelte']) {
   writeFileSync(path.join(dist, `${name}.js`), 'export {};\n');
   copyFileSync(path.join(here, `${name}.d.ts`), path.join(dist, `${name}.d.ts`));
@@ -52,7 +52,7 @@ writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   sideEffects: ['./dist/talking-head.js', './dist/talking-head.classic.js'],
   main: `./${script}`,
   types: './dist/talking-head.d.ts',
-  // for TypeScript's older resolution (node10), which does not read `exports`
+  // for TypeScript's older module resolution (node10), which ignores `exports`
   typesVersions: { '*': Object.fromEntries(['react', 'vue', 'svelte'].map((name) => [name, [`./dist/${name}.d.ts`]])) },
   unpkg: './dist/talking-head.classic.js',
   jsdelivr: './dist/talking-head.classic.js',
@@ -78,6 +78,6 @@ opus-decoder ${opus} (MIT, Ethan Halsall) with libopus (BSD-3-Clause, Xiph.Org),
 Ethan Halsall) and @eshaz/web-worker (Apache-2.0, its authors). The text of Apache-2.0: ${apache}
 `);
 copyFileSync(path.join(web, 'node_modules/@eshaz/web-worker/LICENSE'), path.join(out, apache));
-// npm packs files with their modes: the same whoever packs them.
+// npm packs files with their modes: independent of the packing user.
 for (const file of readdirSync(out, { recursive: true, withFileTypes: true }))
   if (file.isFile()) chmodSync(path.join(file.parentPath ?? file.path, file.name), 0o644);

@@ -9,8 +9,10 @@
 export const UNKNOWNS = ['LI', 'LS', 'AR', 'PI', 'PS', 'EM', 'thinUpper', 'thinLower'];
 
 const SIDE_OPENING = 0.8;
-const SIDE_PER_MM = 0.03;
-const SIDE_MIN = 0.55;
+const ROUND = {
+  narrow: 2, push: 1.2, flareFrom: 2, flareFull: 2.8, met: 1, apart: 2.5,
+  side: 2.5, share: 0.4, innerCorner: 3, drop: 1.5, low: 0.9, lowSide: 2, bulge: 0.7,
+};
 const CORNER_PER_JAW = -0.12;
 const CORNER_PER_SPREAD = 0.12;
 const CHIN_PER_PRESS = 0.5;
@@ -18,13 +20,25 @@ const CHIN_PER_PUSH = 0.2;
 const CHEEK_PER_JAW = -0.06;
 const CHEEK_PER_PUSH = -0.15;
 const LIFT_PER_SPREAD = 0.12;
-const OUTER_PER_INNER = 0.85;
+const OUTER_PER_INNER = 0.75;
+const THIN_PER_SPREAD = 0.12;
+const [LOW_PER_SPREAD, LOW_FROM] = [0.25, 3];
 
 const PAIRS = [[4, 5, 51, 52], [8, 10, 55, 57], [9, 11, 56, 58]];
 
 /** FAPs that are moved, in the order of fapsOf. */
 export const MOVED = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 17, 18, 39, 40, 41, 42, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60];
 const AT = new Map(MOVED.map((fap, i) => [fap, i]));
+
+const ramp = (x) => {
+  const t = Math.min(1, Math.max(0, x));
+  return t * t * (3 - 2 * t);
+};
+
+/** How rounded the lips are, 0 to 1. */
+const roundness = (AR, push, LS, EM) =>
+  ramp(-AR / ROUND.narrow) * ramp(push / ROUND.push) * ramp((ROUND.flareFull - LS) / (ROUND.flareFull - ROUND.flareFrom)) *
+  ramp((EM - ROUND.met) / (ROUND.apart - ROUND.met));
 
 /** @param {ArrayLike<number>} q of UNKNOWNS, mm @returns {Float64Array} of MOVED, mm */
 export function fapsOf([LI, LS, AR, PI, PS, EM, thinUpper, thinLower]) {
@@ -34,17 +48,23 @@ export function fapsOf([LI, LS, AR, PI, PS, EM, thinUpper, thinLower]) {
   const jaw = Math.max(0, EM);
   const push = Math.max(0, (PI + PS) / 2);
   const corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
-  const side = Math.max(SIDE_MIN, SIDE_OPENING + SIDE_PER_MM * Math.min(0, AR));
+  const round = roundness(AR, (PI + PS) / 2, LS, EM);
+  const open = LI + LS;
+  const sides = SIDE_OPENING * (1 - ROUND.share * round) * open - ROUND.side * round;
+  const side = open > 0 ? Math.max(0, sides) / open : SIDE_OPENING;
+  const wider = ROUND.bulge * round - THIN_PER_SPREAD * Math.max(0, AR);
   PAIRS.forEach(([upper, lower, upperOuter, lowerOuter], i) => {
     const [part, atCorner] = i ? [side, (1 - side) * corner] : [1, 0];
     const [up, down] = [part * LS + atCorner, part * LI - atCorner];
-    set([upper], -up);
-    set([lower], -down);
-    set([upperOuter], -(up > 0 ? OUTER_PER_INNER * up : up) + thinUpper);
-    set([lowerOuter], -(down > 0 ? OUTER_PER_INNER * down : down) + thinLower);
+    const low = (i ? ROUND.lowSide : ROUND.low) * round + LOW_PER_SPREAD * Math.max(0, AR) * ramp(open / LOW_FROM);
+    set([upper], low - up);
+    set([lower], -down - low - (i ? 0 : ROUND.drop * round));
+    set([upperOuter], -(up > 0 ? OUTER_PER_INNER * up : up) - wider + thinUpper);
+    set([lowerOuter], -(down > 0 ? OUTER_PER_INNER * down : down) - wider + thinLower);
   });
   set([3], EM);
-  set([6, 7, 53, 54], spread);
+  set([6, 7], spread - ROUND.innerCorner * round);
+  set([53, 54], spread);
   set([12, 13, 59, 60], corner);
   set([16], PI);
   set([17], PS);

@@ -49,7 +49,7 @@ export function partedLips(landmarks) {
   return far(13, 14) / far(78, 308);
 }
 
-/** Closed lips meet in the middle of what they left open; each takes the other rings of its lip along. */
+/** Closed lips meet in the middle of their former opening; each lip moves its other rings along. */
 function closeLips(points) {
   UPPER_LIP.at(-1).forEach((top, i) => {
     const bottom = LOWER_LIP.at(-1)[i];

@@ -155,7 +155,7 @@ export function outlinesOf(picture) {
   return out;
 }
 
-/** Pixels of an outline (forward, up) as mm of a head that stands so, upwards. */
+/** Converts an outline in pixels (forward, up) to mm on a head in that position, from bottom to top. */
 function asHead(outline, { scale, tilt, u, v }) {
   const [c, s] = [Math.cos(tilt) / scale, Math.sin(tilt) / scale];
   return outline.map(([x, y]) => [c * (x - u) + s * (y - v), c * (y - v) - s * (x - u)]);

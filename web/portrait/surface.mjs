@@ -7,8 +7,8 @@ const BIAS = 1.6; // mm: what lies so little behind the nearest surface is it
 /**
  * Finds the vertices that are visible in a picture, by parallel projection.
  * @param {Float32Array} position @param {Uint16Array} index of the part @param {{position: Float32Array,
- *   index: Uint16Array}[]} others
- *   that may hide it @param {number[][]} turn columns: the picture's x, y, z in the head's directions
+ *   index: Uint16Array}[]} others parts that may hide it @param {number[][]} turn columns: the picture's x, y, z in the
+ *   head's directions
  * @returns {Uint8Array}
  */
 export function visible(position, index, others, turn) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A face that turns before a camera: of all that is seen of it, the best from the front and from either side.
+// Selects the best pictures of a face turning before a camera: from the front and from each side.
 import { piece } from './detect.mjs';
 import { laid } from './fit.mjs';
 import { OVAL } from './landmarks.mjs';
 
-const SMALL = 160; // pixels that sharpness is looked for in
+const SMALL = 160; // size in pixels of the area where sharpness is measured
 const ENOUGH = 2; // pictures of each: the sharper one is kept
 /**
  * Radians to the side: bounds, and the best angle. The detector reports six tenths of the true angle; a smaller turn is no side

@@ -42,7 +42,7 @@ CLIENT_MESSAGES = frozenset(
 # <server messages: made by protocol/make-messages.py>
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
-    "choices chosen state calibrated lexicon expressed consent desks".split()
+    "choices chosen state calibrated lexicon expressed consent observers".split()
 )
 # </server messages>
 

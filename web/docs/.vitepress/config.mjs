@@ -26,7 +26,7 @@ function toClass(node) {
   node.properties.class = [node.properties.class, name].flat().filter(Boolean).join(' ');
 }
 
-// What of npm is in the scripts, for the bill of materials.
+// npm packages bundled into the scripts, for the bill of materials.
 const found = new Set();
 const contents = {
   name: 'contents',
@@ -47,7 +47,7 @@ export default defineConfig({
   description: 'A face that speaks: the documentation.',
   lang: 'en',
   lastUpdated: false,
-  buildConcurrency: 1, // pages come into the index of the search in their order: the same bytes each time
+  buildConcurrency: 1, // index pages in a fixed order, so that the search index is reproducible
   metaChunk: true,
   contentProps: { class: 'content' }, // without it VitePress writes a style attribute
   appearance: { disableTransition: false }, // it would write a style element
@@ -63,7 +63,7 @@ export default defineConfig({
   vite: { build: { assetsInlineLimit: 0, chunkSizeWarningLimit: 4000 }, logLevel: 'warn', plugins: [contents] },
   markdown: {
     codeTransformers: [colourClasses],
-    // read beforehand: which of them are there changes how the others are coloured
+    // loaded first, because the set of loaded languages affects how others are coloured
     languages: ['c', 'css', 'html', 'ini', 'js', 'json', 'jsonc', 'jsx', 'php', 'python', 'sh', 'svelte', 'ts', 'vue', 'xml', 'yaml'],
     anchor: { slugify: slug },
   },

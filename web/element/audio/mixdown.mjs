@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Mixes channels to one, as server/base/mixdown.c: a channel that is another one inverted is turned over first, since the plain
-// mean of both would be silence.
+// Mixes channels to one, as server/base/sound/mixdown.c: a channel that is another one inverted is turned over first, since
+// the plain mean of both would be silence.
 
 const INVERTED = -0.7; // correlations at which a channel counts as inverted, and no longer
 const UPRIGHT = 0;

@@ -42,7 +42,7 @@ export class Player {
     this.audio = null;
     this.held = false;
     this.complete = true; // nothing more is to come of what was written
-    this.resuming = null; // the context that was asked to resume
+    this.resuming = null; // the context being resumed
     this.dead = false; // nothing to sound on, as far as is known
     this.look = { time: -1, at: 0, count: 0 }; // when the audio clock was seen to run
     this.#forget();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Third-party avatars: makes a GLB or VRM that FAPs can move. This is a script of its own, fetched when an element has an
-// avatar: with it comes three.js as GLTFLoader needs it.
+// Third-party avatars: makes a GLB or VRM that FAPs can move. A separate script, fetched when an element has an avatar,
+// because it contains three.js with GLTFLoader.
 import { Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { AvatarHead, AvatarView } from './avatar-head.mjs';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Extensions of glTF 2.0 that a face can do without, whatever the file says (`extensionsRequired`): lights, sounds, rules of
-// movement, finer materials. Only what shapes are made of has to be understood.
+// Extensions of glTF 2.0 that a face can do without, even if the file requires them (`extensionsRequired`): lights, sounds,
+// animation rules, finer materials. Only extensions that affect the shape must be supported.
 
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const PLACES = ['buffers', 'bufferViews', 'accessors', 'meshes'];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Finds the orientation of an avatar's face: up and forward. glTF has y up and z forward, VRM 0 looks back, and files may break
-// both. Its own shapes tell: those that open the mouth move down, and lie in front of the middle of the head.
+// both. The avatar's own shapes decide: those that open the mouth move down, and lie in front of the middle of the head.
 import { OPENERS } from './controls.mjs';
 
 const DOWN = 1.5; // times as far as along any other axis

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where the lips of a mesh meet: the one place of a face where two points that touch go apart when the mouth opens. Skin that
-// holds together moves smoothly; so neighbours that part by a good share of the opening are the two sides of the seam. Of those
-// behind one another (the lips have thickness, teeth and the mouth's lining lie behind) the foremost are what is seen.
+// Finds the lip seam of a mesh: the only place of a face where two touching points separate when the mouth opens. Connected
+// skin moves smoothly, so neighbours that separate by a good share of the opening are the two sides of the seam. Of several
+// behind one another (the lips have thickness, teeth and the mouth's lining lie behind), the foremost are visible.
 
 const PARTING = 0.15; // of the opening, between two that touch at rest
 const COLUMNS = 25;

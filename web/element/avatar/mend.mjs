@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What real exporters write and glTF 2.0 does not allow, where it is plain what is meant: -1 or null for "none", no scene,
-// lists of another length. A face has no need to be refused for it.
+// Repairs output of real exporters that glTF 2.0 forbids but whose meaning is clear: -1 or null for "none", no scene, lists
+// of unequal length.
 
 import { plainLook } from './extensions.mjs';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// That what a GLB says of itself holds together, before anything is made of it: every number that names something names
-// what is there, what is read lies in its bytes, and all of it together is no more than a head can be.
+// Checks a GLB's references before use: every index refers to something that exists, all data lies within the file's bytes,
+// and the total size is plausible for a head.
 import { AvatarProblem } from './problem.mjs';
 
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };

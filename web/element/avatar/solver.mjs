@@ -9,6 +9,7 @@ const FEW_RARE = 2.5;
 const RARE = /^(mouth(Left|Right|RollLower|RollUpper|ShrugLower|ShrugUpper|Dimple|Press)|cheekPuff|noseSneer)/;
 const RIDGE = 0.02; // mm^2 for a whole weight: where several answers are as good, the smallest
 const GAP_WEIGHT = 5; // of a mm between lips or lids, beside a mm of anything else
+const MIDDLE_WEIGHT = 14; // the same in the middle of the lips: of round ones the sides are shut, the middle is read
 const PRESSED = -0.5; // mm: farther than that lips are not pressed into each other
 const TOUCH = 0.02; // mm
 const TOUCHING = 0.018; // of the mouth's width: largest distance at rest of points of the lips that can touch
@@ -78,6 +79,7 @@ export class Solver {
     this.gaps = PAIRS.map(([letter, upper, lower]) => ({
       upper,
       lower,
+      weight: letter ? GAP_WEIGHT : MIDDLE_WEIGHT,
       rest: apart(rest, letter, TOUCHING * fapu.MW),
       of: this.columns.map((column) => -this.#row(column, upper) - this.#row(column, lower)),
     }));
@@ -86,7 +88,7 @@ export class Solver {
     this.blinks = this.lids.map(([, upper, lower, name]) => {
       const control = this.names.includes(name) ? name : 'eyeBlink';
       const of = this.columns.map((column) => this.#row(column, upper) + this.#row(column, lower));
-      return { upper, lower, control: this.names.indexOf(control), of };
+      return { upper, lower, control: this.names.indexOf(control), of, weight: GAP_WEIGHT };
     });
     for (const blink of this.blinks) blink.travel = blink.of[blink.control];
     this.#prepare();
@@ -134,7 +136,7 @@ export class Solver {
     const dot = (i, k) => {
       let sum = i === k ? RIDGE : 0;
       for (let r = 0; r < rows.length; r++) sum += scaled[i][r] * columns[k][r];
-      for (const { of } of [...this.gaps, ...this.blinks]) sum += GAP_WEIGHT ** 2 * of[i] * of[k];
+      for (const { of, weight } of [...this.gaps, ...this.blinks]) sum += weight ** 2 * of[i] * of[k];
       return sum;
     };
     const gram = columns.map((_, i) => Float64Array.from(columns, (_column, k) => dot(i, k)));
@@ -165,8 +167,8 @@ export class Solver {
     for (let i = 0; i < right.length; i++) {
       let sum = -this.few[i];
       for (let r = 0; r < rows.length; r++) sum += this.scaled[i][r] * targets[r];
-      this.gaps.forEach(({ of }, p) => (sum += GAP_WEIGHT ** 2 * of[i] * gaps[p]));
-      this.blinks.forEach(({ of }, p) => (sum += GAP_WEIGHT ** 2 * of[i] * shut[p]));
+      this.gaps.forEach(({ of, weight }, p) => (sum += weight ** 2 * of[i] * gaps[p]));
+      this.blinks.forEach(({ of, weight }, p) => (sum += weight ** 2 * of[i] * shut[p]));
       right[i] = sum;
     }
     const unknowns = this.squares.solve(right);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What unpacks files that are packed: each a script of its own, with its WebAssembly in it, fetched by the first avatar that
-// needs it from where the element says that it is: this script may be a copy under another name, and what it says of the
-// files beside it nobody rewrites. Nothing runs in workers made of text, and nothing else is fetched: a policy needs
-// `'wasm-unsafe-eval'` for it, and no more.
+// Loads unpackers: each is a separate script with its WebAssembly, fetched by the first avatar that needs it, from the
+// location given by the element, since this script may be a copy under another name. Nothing runs in workers made of text,
+// and nothing else is fetched, so the content security policy needs only `'wasm-unsafe-eval'` for it.
 import { BufferAttribute, BufferGeometry } from 'three';
 import { AvatarProblem } from './problem.mjs';
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { PlainText } from './plain-text.mjs';
 
+export const CAPTION_LEAST_EM = 3.6; // height of the box, two lines
 export const CAPTION_CHARACTERS = 84; // two lines of 42, what subtitles use
 
 /**

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-import { CAPTION_CHARACTERS } from './captions.mjs';
+import { CAPTION_CHARACTERS, CAPTION_LEAST_EM } from './captions.mjs';
 
 const LINGER_MS = 1500; // after the end, so that the last words can be read
 const LINES = 2;
 const CHARACTER_EM = 0.6; // how wide a character is in a wide face, more or less: a line more would shift the picture
 const PADDING_EM = 1.2;
 const LEAST_CHARACTERS = 16;
+const OVER_SHARE = 0.17; // share of the picture's height below the chin
 
 /** The captions on the page. */
 export class CaptionView {
@@ -16,12 +17,14 @@ export class CaptionView {
     this.key = '';
     this.timer = 0;
     this.size = CAPTION_CHARACTERS; // how many characters there is room for
+    this.layout = box.parentElement;
     this.resize = new ResizeObserver(() => this.#measure());
     this.clear();
   }
 
   open() {
     this.resize.observe(this.box);
+    this.resize.observe(this.layout);
   }
 
   close() {
@@ -61,8 +64,12 @@ export class CaptionView {
 
   #measure() {
     const em = parseFloat(getComputedStyle(this.box).fontSize);
-    const room = Math.floor((LINES * (this.box.clientWidth / em - PADDING_EM)) / CHARACTER_EM);
+    const width = this.box.clientWidth || this.layout.clientWidth; // without words they may take no room
+    const room = Math.floor((LINES * (width / em - PADDING_EM)) / CHARACTER_EM);
     this.size = Math.min(CAPTION_CHARACTERS, Math.max(LEAST_CHARACTERS, room));
+    // Captions that leave the chin free lie over the picture; larger ones have room of their own below it while
+    // there are words.
+    this.layout.classList.toggle('over', CAPTION_LEAST_EM * em <= OVER_SHARE * this.layout.clientHeight);
   }
 
   #write(parts) {

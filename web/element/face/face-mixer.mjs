@@ -22,8 +22,9 @@ export function faceValues(faps) {
 const ease = (x) => x * x * (3 - 2 * x);
 
 /**
- * Chooses the FAPs to show: those of the speech that is heard, else of the idle track, else rest. When the source changes
- * (speech ends, is stopped, stalls) it blends from the last values shown.
+ * Chooses the FAPs to show: those of the audible speech, else of the idle track, else rest. When the source changes (speech
+ * ends, is
+ * stopped, stalls) it blends from the last values shown.
  */
 export class FaceMixer {
   #still = false;

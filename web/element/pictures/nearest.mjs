@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 const AT = 1e-3; // so near it is the picture itself
+const LEAST = 1e-9; // weight where three are equally far
 const CONTACT = 80; // FAP units of opening, over which pictures of closed lips give way to those of open ones
 
 const smooth = (x) => {
@@ -26,7 +27,7 @@ export function nearest(at, pictures, opening) {
   const [first, second, third] = found;
   if (!second || first.distance < AT) return [{ index: first.index, weight: 1 }];
   const radius = third ? third.distance : 2 * second.distance;
-  const weigh = ({ distance: d, share }) => share * Math.max(AT / radius, (radius - d) / (radius * Math.max(d, AT))) ** 2;
+  const weigh = ({ distance: d, share }) => share * Math.max(LEAST, (radius - d) / (radius * Math.max(d, AT))) ** 2;
   const [a, b] = [weigh(first), weigh(second)];
   const weight = b / (a + b);
   return weight < 1 / 256

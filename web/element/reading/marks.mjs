@@ -9,7 +9,7 @@ const CSS_HIGHLIGHT = `@layer talking-head {
 const NAMES = { word: 'talking-head-word', sentence: 'talking-head-sentence' };
 const sheets = new WeakMap(); // document -> the sheet
 
-/** @param {Document} page @param {Record<string, Range|null>} ranges what each kind of mark lies on, for the time being */
+/** @param {Document} page @param {Record<string, Range|null>} ranges the range that each kind of mark currently covers */
 class Highlights {
   #own = {};
 

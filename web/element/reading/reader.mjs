@@ -23,7 +23,7 @@ export class Reader {
   #resumedAt = null;
   #marks = null;
   #follow = null;
-  #done = null; // tells who asked for the reading
+  #done = null; // resolves the promise of read()
   #name = `reading-${++readers}`;
 
   /**

@@ -26,7 +26,7 @@ export function withEvents(address, room = null) {
   return url.href;
 }
 
-/** The link to the server: the connection, and the reason when there is none. */
+/** The link to the server: the connection, or the reason for its absence. */
 export class Link {
   #connection = null;
   #trouble = null;

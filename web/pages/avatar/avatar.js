@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
+// Makes a head from pictures of the user's face. The pictures are processed in this page and never sent.
 import { Frame } from '../shared/frame.js';
 import { fill, primary, spokenLanguage } from '../shared/languages.js';
 import { avatar as words } from '../texts/index.js';
@@ -7,7 +7,7 @@ import { PictureBox } from './picture.js';
 import { Poses } from './poses.js';
 import { ProfileBox } from './profile.js';
 
-const LOOKS_MAX = 120; // a user who has not turned by then gives up
+const LOOKS_MAX = 120; // after this time the user is assumed to have given up
 
 /**
  * Takes the sharpest pictures from the front and from either side while the user turns before the camera. They stay in the
@@ -20,7 +20,7 @@ async function takeTurn(video, { readPicture, find, TurnPicker, table }, { signa
   const picker = new TurnPicker(Object.values(table)[0]);
   for (let look = 0; look < LOOKS_MAX && !picker.done && !signal.aborted; look++) {
     wants(picker.missing[0] ?? null);
-    await new Promise((resolve) => setTimeout(resolve)); // the page is seen, and heard
+    await new Promise((resolve) => setTimeout(resolve)); // lets the page draw and play sound
     if (signal.aborted) break;
     const picture = await readPicture(video);
     const landmarks = await find(picture).catch(() => null); // no face just now
@@ -38,8 +38,8 @@ let models = [];
 let boxes = [];
 let made = null; // the head, when it is
 let stream = null; // of the camera
-let turning = null; // AbortController of a turn, or of poses, before it
-let said = null; // what the state says: its name and values
+let turning = null; // AbortController of a running capture of a turn or of poses
+let said = null; // the displayed state: its name and values
 
 const poses = new Poses($('poses'), { say, tell, focus: () => $('pose-files').focus() });
 
@@ -57,7 +57,7 @@ async function doing(act) {
   }
 }
 
-let tools = null; // the finder of faces, and the points of the server's heads: with the first picture
+let tools = null; // the face detector and the points of the server's heads, loaded with the first picture
 async function load() {
   if (tools) return tools;
   tell('loading');
@@ -90,7 +90,7 @@ function put(view) {
   show();
 }
 
-/** Something before the camera that takes a while; or its end. */
+/** Shows that a capture from the camera runs, or has ended. */
 async function before(button, act) {
   if (turning) {
     turning.abort();
@@ -230,12 +230,28 @@ function cameraOff() {
   $('camera').focus();
 }
 
-$('files').addEventListener('change', ({ target }) =>
+const addAll = (files) =>
   doing(async () => {
-    for (const file of target.files) await add(file);
-    target.value = '';
-  }),
-);
+    for (const file of files) await add(file);
+  });
+$('files').addEventListener('change', ({ target }) => {
+  addAll([...target.files]);
+  target.value = '';
+});
+// Pictures can be dropped anywhere on the card.
+const card = $('files').closest('.card');
+const drag = (on) => (event) => {
+  if (!event.dataTransfer.types.includes('Files')) return;
+  event.preventDefault();
+  card.classList.toggle('dragged', on);
+};
+card.addEventListener('dragover', drag(true));
+card.addEventListener('dragleave', drag(false));
+card.addEventListener('drop', (event) => {
+  const files = [...event.dataTransfer.files];
+  drag(false)(event);
+  if (files.length) addAll(files);
+});
 $('pose-files').addEventListener('change', ({ target }) =>
   doing(async () => {
     const files = [...target.files];

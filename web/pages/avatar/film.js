@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A video that the reader has chosen, as single pictures. The browser plays it from where it lies; it stays in the page.
+// Samples pictures from a video that the user has chosen. The browser plays the file in place; it stays in the page.
 
-const LOOKS = 120; // at most: each takes the finder of faces up to a second
-const APART = 0.2; // s, at least: a pose is held longer
+const LOOKS = 120; // maximum number; the face detector takes up to a second for each
+const APART = 0.2; // s, minimum between two samples; a pose is held longer
 const FAR = 1e7; // s: beyond any end
 const PATIENCE_MS = 20000; // for one picture
 
@@ -44,13 +44,13 @@ export async function throughFilm(file, look) {
     video.src = url;
     await known;
     if (!video.videoWidth) throw unread(); // sound alone
-    if (!Number.isFinite(video.duration)) await seek(video, FAR); // what a browser records does not say how long it is
+    if (!Number.isFinite(video.duration)) await seek(video, FAR); // recordings made by a browser lack their duration
     const seconds = Number.isFinite(video.duration) ? video.duration : video.currentTime;
     const canvas = Object.assign(document.createElement('canvas'), { width: video.videoWidth, height: video.videoHeight });
     const count = Math.max(1, Math.min(LOOKS, Math.floor(seconds / APART)));
     for (let i = 0; i < count; i++) {
       await seek(video, ((i + 0.5) * seconds) / count);
-      canvas.getContext('2d').drawImage(video, 0, 0); // a bitmap is not to be had of a video outside the page
+      canvas.getContext('2d').drawImage(video, 0, 0); // createImageBitmap fails for a video outside the document
       await look(canvas, i / count);
     }
   } finally {

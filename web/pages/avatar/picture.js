@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// A picture with the points of the face in it, which can be moved: by pointer, by buttons, or by keys.
+// A picture with the points of the face, which can be moved by pointer, buttons or keys.
 
-const WIDE = 480; // pixels of the piece that is shown
+const WIDE = 480; // size in pixels of the displayed area
 const AROUND = 0.35; // of the face's height, on each side
 const STEP = 2; // pixels of it
 const ARROWS = [['leftward', '←', [-1, 0], 'ArrowLeft'], ['up', '↑', [0, -1], 'ArrowUp'], ['down', '↓', [0, 1], 'ArrowDown'], ['rightward', '→', [1, 0], 'ArrowRight']];
 
 export class PictureBox {
-  #moved = new Map(); // landmark -> where it was put
+  #moved = new Map(); // landmark -> its new position
 
   /**
    * @param {{picture: ImageData, landmarks: number[][]}} view @param {{HANDLES: object[], withMoved: Function}} tools of
@@ -51,7 +51,7 @@ export class PictureBox {
     }
   }
 
-  /** The piece with the face; all is counted in its pixels from here. */
+  /** The area with the face; positions are in its pixels from here on. */
   #draw() {
     const xs = this.found.map(([x]) => x);
     const ys = this.found.map(([, y]) => y);
@@ -65,7 +65,7 @@ export class PictureBox {
     this.canvas.getContext('2d').drawImage(whole, ...this.corner, side, side, 0, 0, WIDE, WIDE);
   }
 
-  /** Of a point: what shows it, and what can be dragged. */
+  /** Adds the visible dot of a point, which can be dragged. */
   #mark(handle) {
     const mark = Object.assign(document.createElement('span'), { className: 'point', ariaHidden: 'true' });
     mark.dataset.point = handle.name;
@@ -84,7 +84,7 @@ export class PictureBox {
     return { ...handle, mark };
   }
 
-  /** The same without a pointer: a point is chosen, and moved by buttons or, on them, by the arrow keys. */
+  /** The same without a pointer: select a point, and move it by buttons or, on these, by the arrow keys. */
   #arrows() {
     this.select = document.createElement('select');
     this.select.append(...this.points.map(({ name }) => Object.assign(document.createElement('option'), { value: name })));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Pictures of the reader who smiles, frowns, says A...: which pose each shows, whether it is fit, and what is learnt of them.
-// A worker does what takes seconds; nothing leaves the page.
+// Pictures of the user smiling, frowning, saying A...: assigns poses, checks suitability, and learns the movements.
+// Slow work runs in a worker; nothing leaves the page.
 import { throughFilm } from './film.js';
 
 const MOST = 40; // pictures
 const LONGEST = 1600; // pixels of one
-const WIDE = 200; // pixels of the piece that is shown
+const WIDE = 200; // size in pixels of the displayed area
 const AROUND = 0.25; // of the face's height, on each side
 const LOOKS = 6; // at the camera for a pose
 const READ_MS = 1500; // time to read the request
@@ -13,10 +13,10 @@ const SHOWS = { strength: 0.3, like: 0.3 }; // thresholds for a requested pose
 const PLAIN = 0.5; // threshold for a guessed pose: transitions between poses are weaker
 const WORKER = 'portrait-poses.js';
 
-/** Asks the worker one thing after the other. */
+/** Sends requests to the worker. */
 class Learner {
   #worker;
-  #waiting = new Map(); // id -> how its answer is taken
+  #waiting = new Map(); // id -> handler of its answer
   #last = 0;
 
   constructor() {
@@ -104,7 +104,7 @@ export class Poses {
 
   /**
    * @param {HTMLElement} list @param {{say: Function, tell: (name: string, values?: object) => void, focus: () => void}} page
-   *   focus: where to be after a picture is gone
+   *   focus: moves the focus after a picture was removed
    */
   constructor(list, page) {
     Object.assign(this, { list, page });
@@ -114,7 +114,7 @@ export class Poses {
     return this.#items.length;
   }
 
-  /** The pictures whose pose is known. */
+  /** The pictures with an assigned pose. */
   get named() {
     return this.#items.filter(({ name }) => name);
   }
@@ -205,7 +205,7 @@ export class Poses {
   }
 
   /**
-   * One pose after the other before the camera, each at its best of some looks.
+   * Captures one pose after the other from the camera, keeping the best of several frames for each.
    * @param {HTMLVideoElement} video @param {AbortSignal} signal
    */
   async take(video, tools, rest, signal) {
@@ -217,7 +217,7 @@ export class Poses {
       await new Promise((resolve) => setTimeout(resolve, READ_MS));
       let best = null;
       for (let look = 0; look < LOOKS && !signal.aborted; look++) {
-        await new Promise((resolve) => setTimeout(resolve)); // the page is seen, and heard
+        await new Promise((resolve) => setTimeout(resolve)); // lets the page draw and play sound
         const picture = await tools.readPicture(video, LONGEST);
         const landmarks = await tools.find(picture).catch(() => null); // no face just now
         const seen = landmarks && !guess.isOther(landmarks) && guess.looks(landmarks).find((one) => one.name === name);
@@ -230,7 +230,7 @@ export class Poses {
   }
 
   /**
-   * Puts the person's movements, learnt from the pictures, into a head made from the face at rest.
+   * Adds the person's movements, learned from the pictures, to a head made from the face at rest.
    * @returns {Promise<{head: object, taken: number, actions: number}>}
    */
   async learn(head, rest) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A picture of a face from the side, with the line of it that was found.
+// A picture of a face from the side, with its detected outline.
 
 const HIGH = 480; // pixels of what is shown
 const DOT = 3;

@@ -42,7 +42,7 @@ class FacciaCard extends HTMLElement {
 
   static getConfigForm = () => ({ schema: FORM, computeLabel: ({ name }) => LABELS[name], assertConfig: check });
 
-  /** @param {object} config as the dashboard keeps it; throws what is wrong with it */
+  /** @param {object} config as stored by the dashboard; throws an error if invalid */
   setConfig(config) {
     const address = check(config);
     this.#config = config;
@@ -57,7 +57,7 @@ class FacciaCard extends HTMLElement {
     if (this.#hass) this.hass = this.#hass;
   }
 
-  /** The state of the house, again with every change of anything in it; some dashboards set it before the card's settings. */
+  /** Receives the state of Home Assistant on every change; some dashboards set it before the card's settings. */
   set hass(hass) {
     this.#hass = hass;
     if (!this.#head) return;
@@ -100,7 +100,7 @@ class FacciaCard extends HTMLElement {
     this.attachShadow({ mode: 'open' }).append(style, card);
   }
 
-  /** Offers the answers as buttons; none: there is nothing to choose. */
+  /** Shows the answers as buttons; an empty list removes them. */
   #ask({ id, question = '', choices }) {
     const what = document.createElement('p');
     what.textContent = this.#question.ariaLabel = question;

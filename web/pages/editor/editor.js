@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The markup editor: words are selected, what holds for them is chosen and heard; APML, JSML and SSML come out.
+// The markup editor: select words, choose and hear their effect; writes APML, JSML and SSML.
 import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from './marks.js';
 import { read, write } from './markup.js';
-import { editor as words } from '../texts/index.js';
+import { editor as words, emotion } from '../texts/index.js';
 import { Frame } from '../shared/frame.js';
 import { DocumentStore } from '../shared/document-store.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
@@ -23,7 +23,7 @@ let checking = null; // the request under way
 let timer = 0;
 
 const valuesOf = {
-  affect: () => offer.affect.map((each) => [each, each]),
+  affect: () => offer.affect.map((each) => [each, emotion[frame.lang].affects[each] ?? each]),
   gesture: () => offer.gesture.map((each) => [each, each]),
   voice: () => offer.voices.filter(({ lang }) => primary(lang) === primary($('lang').value)).map((voice) => [voice.id, voice.name]),
   emphasis: () => ['strong', 'moderate', 'reduced'].map((each) => [each, say(each)]),
@@ -36,7 +36,7 @@ const called = (mark) => `${say(mark.kind)} ${nameOf(mark)}`;
 
 // The text and its marks
 
-/** Shows the marks in the text: stretches underlined, what stands at a place in a frame. */
+/** Shows the marks in the text: underlines ranges, frames point marks. */
 function showMarked() {
   const cuts = [...new Set([0, text.value.length, ...marks.flatMap(({ from, to }) => [from, to])])].sort((a, b) => a - b);
   const out = [];
@@ -89,7 +89,7 @@ function show() {
   if (text.value.trim()) timer = setTimeout(check, CHECK_MS);
 }
 
-// What the server says of it
+// Messages of the server
 
 /** A warning of a speech begins with its place: "1:27: no gesture..." */
 function placed(warning) {
@@ -112,7 +112,7 @@ function warningItem(warning) {
   return li;
 }
 
-/** The server reads and speaks it, and tells what it did not act on. */
+/** Has the server speak the text, and shows its warnings about ignored markup. */
 async function check() {
   checking?.abort();
   const mine = (checking = new AbortController());
@@ -178,13 +178,13 @@ function save() {
 
 const works = new DocumentStore('v1/library/files', frame.access);
 
-/** The field knows the works that can be opened here. */
+/** Suggests the works that can be opened here. */
 async function showWorks() {
   const names = ((await works.list()) ?? []).map(({ name }) => name);
   $('work-names').replaceChildren(...names.filter((each) => /\.(apml|jsml|ssml)$/.test(each)).map((each) => new Option(each, each)));
 }
 
-/** @param {string} file that was written, or chosen @returns {string} with the ending of a markup */
+/** @param {string} file name entered or selected @returns {string} the name with the extension of a markup */
 const workFile = (file) => (/\.(apml|jsml|ssml)$/.test(file) ? file : `${file}.${$('markup').value}`);
 
 async function saveWork(event) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The marks of a text: what holds over which stretch of it, or at which place. Values do not change: each act gives a new list.
+// The marks of a text, each over a range or at a point. Lists are immutable: every change returns a new one.
 
-/** Outer ones first: so they lie in each other when the text is written. */
+/** Outer marks first, so that they nest in the written markup. */
 export const KINDS = ['voice', 'affect', 'gaze', 'emphasis'];
 /** Kinds of marks that stand at a position rather than over words. */
 export const POINTS = ['pause', 'gesture'];
 
 const isWord = (c) => c !== undefined && /[\p{L}\p{M}\p{N}'’]/u.test(c);
 
-/** A stretch widened to whole words; one of nothing takes the word that it stands in. @returns {[number, number]} */
+/** Extends a range to whole words; an empty range takes the word around it. @returns {[number, number]} */
 export function wholeWords(text, from, to) {
   while (isWord(text[from - 1]) && isWord(text[from])) from--;
   while (isWord(text[to - 1]) && isWord(text[to])) to++;
@@ -21,7 +21,7 @@ export function wholeWords(text, from, to) {
 
 const inOrder = (marks) => marks.toSorted((a, b) => a.from - b.from || b.to - a.to);
 
-/** Takes a kind away from a stretch. @returns {object[]} */
+/** Removes a kind of mark from a range. @returns {object[]} */
 export function without(marks, kind, from, to) {
   return inOrder(
     marks.flatMap((mark) => {
@@ -33,8 +33,7 @@ export function without(marks, kind, from, to) {
 }
 
 /**
- * Puts one: what there was of its kind gives way to it. A point stands behind the stretch when it is a pause, before it
- * otherwise.
+ * Adds a mark, which replaces others of its kind there. Pauses are placed after the range, other points before it.
  */
 export function withMark(marks, { kind, value, from, to }) {
   if (!POINTS.includes(kind) && from >= to) return marks;
@@ -43,7 +42,7 @@ export function withMark(marks, { kind, value, from, to }) {
   return inOrder([...marks.filter((mark) => mark.kind !== kind || mark.from !== at), { kind, value, from: at, to: at }]);
 }
 
-/** The marks after the text was edited: they go along with their words. */
+/** Moves the marks along with their words after an edit. */
 export function moved(marks, before, after) {
   let head = 0;
   while (head < before.length && head < after.length && before[head] === after[head]) head++;
@@ -57,14 +56,14 @@ export function moved(marks, before, after) {
     .filter(({ kind, from, to }) => POINTS.includes(kind) || from < to);
 }
 
-/** Cuts the marks to a stretch, with positions relative to its start. */
+/** Cuts the marks to a range, with positions relative to its start. */
 export function within(marks, from, to) {
   return marks
     .filter((mark) => (mark.from === mark.to ? mark.from >= from && mark.to <= to : mark.to > from && mark.from < to))
     .map((mark) => ({ ...mark, from: Math.max(mark.from, from) - from, to: Math.min(mark.to, to) - from }));
 }
 
-/** The sentence round a stretch. @returns {[number, number]} */
+/** Returns the sentence around a range. @returns {[number, number]} */
 export function sentenceAt(text, from, to) {
   const ends = [...text.matchAll(/[.?!…]+["'»”’)]*\s|\n\s*\n/g)].map((match) => match.index + match[0].length);
   return [ends.filter((end) => end <= from).at(-1) ?? 0, ends.find((end) => end >= Math.max(to, from + 1)) ?? text.length];

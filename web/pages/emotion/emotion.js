@@ -16,7 +16,7 @@ const [choice, slider, markup] = ['affect', 'intensity', 'markup'].map($);
 const frame = new Frame(words);
 const { head } = frame;
 const say = (name, values) => frame.say(name, values);
-let ready = false; // whether the head takes messages
+let ready = false; // whether the head accepts messages
 let offered = FIRST;
 let faps = []; // what they are
 
@@ -37,7 +37,7 @@ function draw() {
   choice.value = chosen;
 }
 
-/** Shows what the point means, and tells the head. */
+/** Shows the mood at the point, and applies it to the head. */
 function update({ ease = EASE, tell = true } = {}) {
   disc.update();
   $('mix').textContent = described(disc.mix);
@@ -86,7 +86,7 @@ function showFaps() {
 
 // The page
 
-/** Has the text follow the language that is spoken. */
+/** Replaces the sample text when the language changes. */
 function showLanguage() {
   text.lang = lang.value;
   const samples = Object.values(words).map(({ sample }) => sample);
@@ -130,7 +130,7 @@ frame.onTranslate(() => {
   update({ tell: false });
 });
 
-// With reduced motion the emotions, which are the subject of this page, are shown without signs of life.
+// With reduced motion the emotions, which are the subject of this page, are shown without idle motion.
 if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
   head.setAttribute('still', 'off');
   head.setAttribute('life', '0');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fields for attributes and custom properties, made of what custom-elements.json says of them.
+// Creates fields for attributes and custom properties from their entries in custom-elements.json.
 
 /** Details that the types lack: bounds of numbers and lengths, initial colours. */
 export const RANGES = {
@@ -44,11 +44,11 @@ const made = (tag, properties, ...children) => {
 };
 
 function input(head, { fieldName }, { kind, choices, unit = '', ...range }) {
-  if (kind === 'select') return made('select', {}, new Option('(left out)', ''), ...choices.map((choice) => new Option(choice)));
+  if (kind === 'select') return made('select', {}, new Option('(not set)', ''), ...choices.map((choice) => new Option(choice)));
   const field = made('input', { type: kind, ...range });
   if (kind === 'text') Object.assign(field, { autocomplete: 'off', spellcheck: false, autocapitalize: 'none' });
   if (kind === 'range') field.dataset.unit = unit;
-  // without the attribute it is what the property says: some are on by themselves
+  // without the attribute, the property's default applies, and some are on by default
   if (kind === 'checkbox') field.dataset.without = String(head.cloneNode()[fieldName]);
   return field;
 }
@@ -66,12 +66,12 @@ function show(field, value, name) {
   else field.value = value ?? COLOURS[name] ?? '';
 }
 
-/** Markdown's signs have no place on the page. */
+/** Removes Markdown syntax. */
 const plain = (text) => text.replaceAll('`', '').replace(/\[([^\]]+)\]\([^)]+\)/g, '$1');
 
 /**
  * @param {HTMLElement} head @param {object[]} abouts attributes and custom properties of the manifest
- * @param {Record<string, string[]>} known what may be chosen for a text, as the server says
+ * @param {Record<string, string[]>} known choices for text values, from the server
  * @returns {{nodes: Node[], refresh: () => void}} the fields; refresh: shows what the element has
  */
 export function controls(head, abouts, known) {
@@ -95,7 +95,7 @@ export function controls(head, abouts, known) {
     for (const { about: { name }, field, value } of shown) {
       const now = valueOf(head, name);
       if (field !== document.activeElement || field.type !== 'text') show(field, now, name);
-      value.textContent = now === null ? 'left out' : field.type === 'range' ? now : '';
+      value.textContent = now === null ? 'not set' : field.type === 'range' ? now : '';
     }
   };
   refresh();

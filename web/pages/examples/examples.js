@@ -2,6 +2,8 @@
 // The page of examples: one story at a time, with its fields, its source and its events. The address names the story.
 import { tokenOfTab } from '../shared/access.js';
 import { copy } from '../shared/copy.js';
+import { fillTexts, openMenu, showConnection, showPage } from '../shared/header.js';
+import { shared } from '../texts/en.js';
 import { controls, setValue, valueOf } from './controls.js';
 import { EventLog } from './log.js';
 import { KINDS, source } from './source.js';
@@ -14,8 +16,11 @@ const [about] = manifest.modules[0].declarations;
 const settable = [...about.attributes, ...about.cssProperties];
 const server = new URL('.', location.href).href.replace(/\/$/, '');
 const token = tokenOfTab();
-const sheet = new CSSStyleSheet(); // the page's policy has no styles in its text
+const sheet = new CSSStyleSheet(); // the page's policy forbids inline styles
 const log = new EventLog($('log'));
+const say = (name) => shared[name];
+fillTexts(document.querySelector('header'), say);
+openMenu();
 const ALWAYS = ['error', 'warning'];
 let story, head, fields, watcher;
 
@@ -46,7 +51,7 @@ const made = (tag, attributes, text = '') => {
 
 const suggestions = { poster: ['off'] };
 
-/** Takes the offers of the server from its `hello`. */
+/** Reads the server's offer from its `hello`. */
 function learn({ detail: { languages = [], models = [], expressions = [] } }) {
   suggestions.lang = languages.map(({ tag }) => tag);
   suggestions.model = models.map(({ name }) => name);
@@ -91,6 +96,7 @@ function begin(next) {
     head.addEventListener(name, ({ detail }) => {
       if (mine === head && ($('all').checked || told.includes(name) || ALWAYS.includes(name))) log.add(name, detail);
     });
+  head.addEventListener('connection', ({ detail }) => showConnection(detail.state, say));
   head.addEventListener('hello', learn, { once: true });
   const beside = (story.beside ?? []).map(([tag, attributes, text]) => made(tag, { ...attributes, ...(token && tag === 'talking-head' ? { token } : {}) }, text));
   $('stage').replaceChildren(head, ...beside);
@@ -140,3 +146,4 @@ addEventListener('hashchange', () => {
   if (location.hash === `#${story.id}`) $('story-title').focus();
 });
 open();
+showPage();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The events of the element, as they come: those of one kind that follow each other are counted, not listed.
+// Logs the events of the element; consecutive events of one kind are counted instead of listed.
 
 const MOST = 100;
 

@@ -4,14 +4,15 @@
 
 /**
  * @typedef {object} Story
- * @property {string} id its place in the page's address
+ * @property {string} id fragment of the page's address
  * @property {string} group @property {string} title @property {string} about
- * @property {string[]} shows of custom-elements.json, beside its controls: `speak()`, `@word`, `.faps`, `::canvas`, `slot`
- * @property {string[]} [controls] attributes and custom properties that can be changed
- * @property {Record<string, string>} [attributes] those that it begins with @property {string} [content] of the element
+ * @property {string[]} shows members of custom-elements.json that it demonstrates besides its controls: `speak()`, `@word`,
+ *   `.faps`, `::canvas`, `slot`
+ * @property {string[]} [controls] attributes and custom properties with a field
+ * @property {Record<string, string>} [attributes] initial values @property {string} [content] content of the element
  * @property {string} [css]
- * @property {[string, object, string][]} [beside] elements beside it: name, attributes, text
- * @property {Record<string, [string, Function]>} [actions] by name: what the button says, what it does with the element
+ * @property {[string, object, string][]} [beside] elements next to it: name, attributes, text
+ * @property {Record<string, [string, Function]>} [actions] by name: label of the button, and its action on the element
  */
 
 const speaking = 'Speaking';
@@ -21,7 +22,7 @@ const reading = 'Reading and listening';
 const speechStories = [
   {
     id: 'speak', group: speaking, title: 'Speak a text',
-    about: 'One line has her speak; what is asked for meanwhile waits its turn. The events come when they are heard.',
+    about: 'She speaks the text. Texts that come meanwhile wait in a queue. Events arrive when they are heard.',
     shows: ['speak()', 'stop()', '@begin', '@sentence', '@word', '@end'],
     controls: ['lang', 'voice', 'rate'], attributes: { lang: 'it' },
     actions: {
@@ -31,18 +32,18 @@ const speechStories = [
     },
   },
   {
-    id: 'pause', group: speaking, title: 'Pause and go on',
-    about: 'She halts within a few milliseconds, lives on, and goes on where she was.',
+    id: 'pause', group: speaking, title: 'Pause and resume',
+    about: 'She stops within a few milliseconds, keeps blinking and breathing, and continues where she was.',
     shows: ['pause()', 'resume()', '@paused', '@resumed'], attributes: { lang: 'en' },
     actions: {
       speak: ['Speak', (head) => head.speak('One, two, three, four, five, six, seven, eight, nine, ten.')],
       pause: ['Pause', (head) => head.pause()],
-      resume: ['Go on', (head) => head.resume()],
+      resume: ['Continue', (head) => head.resume()],
     },
   },
   {
     id: 'markup', group: speaking, title: 'Markup, marks and jumps',
-    about: 'SSML, APML, JSML, EmotionML, BML and FML are recognised, or named by markup. Marks are told as they are heard, and can be jumped to.',
+    about: 'SSML, APML, JSML, EmotionML, BML and FML are recognised, or named by markup. Events tell when a mark is heard, and you can jump to a mark.',
     shows: ['jump()', '@mark', '@jumped'], controls: ['markup'], attributes: { lang: 'en' },
     actions: {
       speak: ['Speak', (head) => head.speak('<speak>First this. <mark name="middle"/> Then that. <mark name="last"/> And here it ends.</speak>')],
@@ -51,19 +52,19 @@ const speechStories = [
   },
   {
     id: 'numbers', group: speaking, title: 'Numbers and signs',
-    about: 'Numbers, signs and short forms are put into words before the voice sees them, by the rules of the language; with normalization="off" the voice reads them as it can.',
+    about: 'Numbers, signs and abbreviations are put into words by the rules of the language before the voice reads them. With normalization="off" the voice reads them as it can.',
     shows: [], controls: ['normalization'], attributes: { lang: 'en' },
     actions: { speak: ['Speak', (head) => head.speak('On 3 May 1994 Dr Smith paid $1,250.50, i.e. 12% more.')] },
   },
   {
     id: 'verse', group: speaking, title: 'Lines of a poem',
-    about: 'Lines that end without punctuation run on, as sense asks; with verse="pause" each has a pause of a comma\u2019s worth.',
+    about: 'Lines that end without punctuation run on, following the sense. With verse="pause" each line ends with a pause as long as a comma’s.',
     shows: [], controls: ['verse'], attributes: { lang: 'en' },
     actions: { speak: ['Speak', (head) => head.speak('The sea is grey tonight\nand softly it goes home\nto where the boats are light.')] },
   },
   {
     id: 'open', group: speaking, title: 'A text while it is written',
-    about: 'What a language model writes is spoken sentence by sentence, while it goes on writing. A stream of a response can be given, too.',
+    about: 'She speaks what a language model writes, sentence by sentence, while it is still writing. You can also pass the stream of a response.',
     shows: ['open()'], attributes: { lang: 'en' },
     actions: {
       write: ['Write', (head) => {
@@ -75,14 +76,14 @@ const speechStories = [
     },
   },
   {
-    id: 'details', group: speaking, title: 'Phones, and what comes',
-    about: 'With phones each sound is told with its time; media brings the frames and the sound themselves, before they are heard.',
+    id: 'details', group: speaking, title: 'Phones and media',
+    about: 'With phones, events tell each sound and its time. With media, events bring the frames and the sound themselves before they are heard.',
     shows: ['@phone', '@media'], controls: ['contacts', 'blend'], attributes: { lang: 'it' },
     actions: { speak: ['Speak', (head) => head.speak('La mamma parla piano.', { phones: true })] },
   },
   {
-    id: 'wrong', group: speaking, title: 'What is wrong',
-    about: 'Markup that is said to be SSML and is none gives an error with its place; what is left out of a text, a warning. She goes on living.',
+    id: 'wrong', group: speaking, title: 'Errors',
+    about: 'Markup that claims to be SSML but is not gives an error with its place. Text that cannot be spoken gives a warning. The face stays alive.',
     shows: ['@error', '@warning'], attributes: { lang: 'en' },
     actions: {
       error: ['Markup that does not end', (head) => head.speak('<speak>Good morning.</spaek>', { markup: 'ssml' })],
@@ -91,7 +92,7 @@ const speechStories = [
   },
   {
     id: 'turns', group: speaking, title: 'Taking turns',
-    about: 'Heads of one page wait for each other; polite="off" speaks at once.',
+    about: 'Heads on one page wait for each other. With polite="off" a head speaks at once.',
     shows: [], controls: ['polite'], attributes: { lang: 'en' },
     beside: [['talking-head', { id: 'other', lang: 'en', quality: 'low', label: 'The other head' }, '']],
     actions: {
@@ -103,14 +104,14 @@ const speechStories = [
   },
   {
     id: 'read', group: reading, title: 'Read the page',
-    about: 'She reads the element that for names; its words are marked as they are heard, and can be clicked.',
+    about: 'She reads the element that for names. Its words are marked as they are heard, and can be clicked.',
     shows: ['read()', '@reading', '@read'], controls: ['for'], attributes: { for: '#poem', lang: 'it' },
     beside: [['p', { id: 'poem', lang: 'it' }, 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura.']],
     actions: { read: ['Read', (head) => head.read()], stop: ['Stop', (head) => head.stop()] },
   },
   {
-    id: 'listen', group: reading, title: 'Somebody’s own voice',
-    about: 'Her lips follow the microphone, or a stream of a call, without a text. The browser asks for the microphone; nothing is kept.',
+    id: 'listen', group: reading, title: 'Your own voice',
+    about: 'Her lips follow the microphone, or the stream of a call, without a text. The browser asks for the microphone; nothing is stored.',
     shows: ['listen()'], attributes: { lang: 'en' },
     actions: {
       listen: ['Listen to the microphone', (head) => head.listen(null, { sound: false })],
@@ -118,8 +119,8 @@ const speechStories = [
     },
   },
   {
-    id: 'follow', group: reading, title: 'A sound of the page',
-    about: 'Whenever the audio plays she speaks along with it. The attribute for does the same without a script.',
+    id: 'follow', group: reading, title: 'A sound on the page',
+    about: 'Whenever the audio plays, she speaks along with it. The attribute for does the same without a script.',
     shows: ['follow()'], attributes: { lang: 'it' },
     beside: [['audio', { id: 'sound', controls: '', src: 'v1/speech?text=La+mamma+parla+piano.&lang=it&format=wav' }, '']],
     actions: {
@@ -139,14 +140,14 @@ const looks = 'Looks';
 /** @type {Story[]} */
 const lookStories = [
   {
-    id: 'who', group: face, title: 'Who, and how near',
-    about: 'Model names one of the server’s heads; it may be changed while she speaks. The picture of the head stands in until it has come.',
+    id: 'who', group: face, title: 'Heads and views',
+    about: 'Model names one of the server’s heads, and may change while she speaks. A picture of the head is shown until the head has loaded.',
     shows: ['@progress', '@ready', '@connection', '@hello'], controls: ['model', 'view', 'quality', 'poster', 'label', 'src'],
     attributes: { view: 'bust' },
   },
   {
     id: 'mood', group: face, title: 'Mood and life',
-    about: 'A mood holds until the next one, speaking or not. Life is how strongly she blinks and moves while nobody speaks; still leaves the lips alone.',
+    about: 'A mood lasts until the next one, whether she speaks or not. Life is how strongly she blinks and moves while nobody speaks; still moves the lips alone.',
     shows: ['express()'], controls: ['expression', 'life', 'still'],
     actions: {
       joy: ['Joy', (head) => head.express({ joy: 0.7 })],
@@ -155,8 +156,8 @@ const lookStories = [
     },
   },
   {
-    id: 'pose', group: face, title: 'A pose, by FAPs',
-    about: 'Holds the face by the numbers of MPEG-4; faps tells what is drawn at this moment.',
+    id: 'pose', group: face, title: 'A pose by FAPs',
+    about: 'Sets the face by the parameters of MPEG-4; faps tells what is drawn at the moment.',
     shows: ['pose()', '.faps'],
     actions: {
       open: ['Open the mouth', (head) => head.pose({ 3: 300, 12: 120, 13: 120 }, { ease: true })],
@@ -166,12 +167,12 @@ const lookStories = [
   },
   {
     id: 'turn', group: face, title: 'Turned by the user',
-    about: 'Drag the picture, or use the arrow keys on the slider that shows while it has the focus.',
+    about: 'Drag the picture, or use the arrow keys on the slider that appears when it has the focus.',
     shows: ['::turn'], controls: ['turn'], attributes: { turn: 'on' }, css: 'talking-head::part(turn) { accent-color: #963a30; }',
   },
   {
     id: 'other-head', group: face, title: 'A head of your own',
-    about: 'Avatar is the address of a GLB or VRM, with a file that says which shape is which where their names do not; pictures that of a set of photographs; showHead takes a head that the page has.',
+    about: 'Avatar is the address of a GLB or VRM file, with a file that maps its shapes if their names are not known. Pictures is the address of a set of photographs. showHead takes a head that the page has loaded.',
     shows: ['showHead()'], controls: ['avatar', 'avatar-map', 'pictures', 'quality'],
     actions: {
       show: ['Show a head of the page', async (head) => head.showHead(await (await fetch('v1/models/bruno')).json())],
@@ -179,8 +180,8 @@ const lookStories = [
     },
   },
   {
-    id: 'calibrate', group: face, title: 'The shape of somebody',
-    about: 'The head takes feature points by MPEG-4’s numbers, in mm, for this page or for all who hear the stream, and goes on speaking with that face.',
+    id: 'calibrate', group: face, title: 'The shape of a person',
+    about: 'The head takes feature points by their MPEG-4 numbers, in mm, for this page or for all who hear the stream, and speaks on with that face.',
     shows: ['calibrate()', 'calibrateAll()', '@calibrated'],
     actions: {
       wide: ['A wider mouth', (head) => head.calibrate({ featurePointsCoord: { 8.3: [30, -62, 18], 8.4: [-30, -62, 18] } })],
@@ -191,20 +192,21 @@ const lookStories = [
   },
   {
     id: 'captions', group: looks, title: 'Captions',
-    about: 'Word by word on the clock of the sound, in colours whose contrast is enough. The button CC switches them.',
-    shows: ['::captions', '::captions-empty', '::said', '::word', '::rest', '::captions-button'],
+    about: 'Word by word with the sound, in colours with enough contrast. The button CC switches them.',
+    shows: ['::captions', '::captions-empty', '::said', '::word', '::rest', '::captions-button', '::mouth-button'],
     controls: ['captions', 'caption-size', 'caption-colours'], attributes: { lang: 'it' },
     css: `talking-head::part(captions) { letter-spacing: 0.02em; }
 talking-head::part(captions-empty) { min-block-size: 3em; }
 talking-head::part(said) { font-style: italic; }
 talking-head::part(word) { border-radius: 0.2em; }
 talking-head::part(rest) { font-weight: 600; }
-talking-head::part(captions-button) { border-radius: 0.5em; }`,
+talking-head::part(captions-button) { border-radius: 0.5em; }
+talking-head::part(mouth-button) { border-radius: 0.5em; }`,
     actions: { speak: ['Speak', (head) => head.speak('Le parole si leggono mentre si sentono.')] },
   },
   {
     id: 'caption-colours', group: looks, title: 'Captions in your colours',
-    about: 'Custom properties of the captions. Mind the contrast: 4.5 : 1 is wanted by WCAG.',
+    about: 'Custom properties of the captions. Keep the contrast: WCAG asks for 4.5 : 1.',
     shows: [], attributes: { lang: 'it' },
     controls: ['--talking-head-caption-size', '--talking-head-caption-background', '--talking-head-caption-color',
       '--talking-head-word-background', '--talking-head-word-color', '--talking-head-said-strength'],
@@ -212,7 +214,7 @@ talking-head::part(captions-button) { border-radius: 0.5em; }`,
   },
   {
     id: 'parts', group: looks, title: 'The parts of the picture',
-    about: 'Stage, picture, what is wrong in words, the button that asks for a tap before there may be sound: each can be styled.',
+    about: 'Stage, picture, error message, the button that asks for a tap before there may be sound: each can be styled.',
     shows: ['::stage', '::canvas', '::poster', '::message', '::sound-button', '@sound'], attributes: { lang: 'it' },
     css: `talking-head::part(stage) { background: linear-gradient(#dde6ec, #a9bac6); }
 talking-head::part(canvas) { filter: saturate(0.6); }
@@ -222,13 +224,13 @@ talking-head::part(sound-button) { border-radius: 0.5em; }`,
     actions: { speak: ['Speak', (head) => head.speak('Ecco la mia voce.')] },
   },
   {
-    id: 'slot', group: looks, title: 'Before the script has come',
-    about: 'The content of the element is shown only as long as the script has not come, or where there is none.',
+    id: 'slot', group: looks, title: 'Before the script has loaded',
+    about: 'The content of the element is shown until the script has loaded, and where there is no script.',
     shows: ['slot'], content: 'The face needs JavaScript.',
   },
 ];
 
-// Examples of rooms: many who hear one stream, answers, states, consent, tokens.
+// Examples of rooms: many listeners of one stream, answers, states, consent, tokens.
 
 const rooms = 'Rooms and servers';
 
@@ -236,8 +238,8 @@ const rooms = 'Rooms and servers';
 const roomStories = [
   {
     id: 'room', group: rooms, title: 'A room',
-    about: 'All pages in a room hear and show what anybody says there; open this one twice. With watch a page only looks on, under a name.',
-    shows: ['@joined', '@desks', '@expressed'], controls: ['room', 'watch'], attributes: { room: 'examples', watch: 'Anna', lang: 'en' },
+    about: 'All pages in a room hear and show what anybody says there; open this page twice. With watch a page only observes, under a name.',
+    shows: ['@joined', '@observers', '@expressed'], controls: ['room', 'watch'], attributes: { room: 'examples', watch: 'Anna', lang: 'en' },
     actions: {
       say: ['Say to all', (head) => head.speak('Good morning, everybody.')],
       joy: ['Joy, for all', (head) => head.express({ joy: 0.6 })],
@@ -245,7 +247,7 @@ const roomStories = [
   },
   {
     id: 'answers', group: rooms, title: 'Questions and answers',
-    about: 'Offers answers to whoever is in the room; a page shows them as it likes, and gives one by its place.',
+    about: 'Offers answers to everybody in the room. A page shows them as it likes, and gives an answer by its number.',
     shows: ['offer()', 'choose()', '@choices', '@chosen'], attributes: { room: 'examples', lang: 'en' },
     actions: {
       offer: ['Ask', (head) => head.offer(['Yes', 'In a minute'], { id: 'coming', question: 'Coming?' })],
@@ -254,7 +256,7 @@ const roomStories = [
   },
   {
     id: 'state', group: rooms, title: 'What the assistant does',
-    about: 'Listening, thinking, muted: told to all in the room, with a look of the face.',
+    about: 'Listening, thinking, muted: sent to everybody in the room, with an expression of the face.',
     shows: ['tell()', '@state'], attributes: { room: 'examples', lang: 'en' },
     actions: {
       listening: ['Listening', (head) => head.tell('listening')],
@@ -264,7 +266,7 @@ const roomStories = [
   },
   {
     id: 'consent', group: rooms, title: 'Consent to a study',
-    about: 'Asks whoever listens whether a study may write down what happens; a yes can be taken back.',
+    about: 'Asks the listener whether a study may record what happens. The listener can take a yes back.',
     shows: ['consent()', '@consent'], attributes: { room: 'examples', lang: 'en' },
     actions: {
       ask: ['Ask', (head) => head.consent('asked', 'Your answers, for a study of lips.')],
@@ -275,7 +277,7 @@ const roomStories = [
   },
   {
     id: 'token', group: rooms, title: 'A server with tokens',
-    about: 'A server that demands a token gets it as an attribute. What is wrong with one is said in the picture, and as an error. This page takes its own from ?token= of its address.',
+    about: 'Pass the token as an attribute. What is wrong with it is shown in the picture, and reported as an error. This page takes its own token from ?token= of its address.',
     shows: ['@authorized'], controls: ['token'],
   },
 ];

@@ -3,7 +3,7 @@
 import { applyLooks, keepLooks, keptLooks } from './looks.js';
 import { voicesOf } from '../shared/voice-choice.js';
 
-const USUAL_RATE = 150; // words a minute, of a voice that is not known yet
+const USUAL_RATE = 150; // words a minute, assumed for a voice before it is known
 const MINUTES = [5, 15, 30, 60];
 const $ = (id) => document.getElementById(id);
 
@@ -19,6 +19,7 @@ export class Choices {
   constructor(frame, passage, spoken) {
     Object.assign(this, { frame, head: frame.head, say: frame.say, passage, spoken });
     $('mouth').addEventListener('click', () => this.mouth());
+    if (matchMedia('(max-width: 52rem)').matches) $('face').setAttribute('aria-pressed', 'false'); // reduced to a strip until opened
     $('face').addEventListener('click', () => this.face());
     $('speed').addEventListener('input', () => this.#setSpeed());
     $('sleep').addEventListener('change', () => this.#setSleep());
@@ -31,13 +32,13 @@ export class Choices {
     this.#restoreLooks();
   }
 
-  /** @param {object[]} list the server's */
+  /** @param {object[]} list voices of the server */
   set voices(list) {
     this.#voices = list;
     this.#fillVoices();
   }
 
-  /** @param {object} section of the library, that is open */
+  /** @param {object} section the open section of the library */
   set section(section) {
     this.#section = section;
     this.#fillVoices();
@@ -103,6 +104,7 @@ export class Choices {
     const on = $('face').getAttribute('aria-pressed') !== 'true';
     $('face').setAttribute('aria-pressed', String(on));
     document.body.classList.toggle('faceless', !on);
+    document.body.classList.toggle('faced', on);
   }
 
   #setLooks() {

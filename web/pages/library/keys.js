@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keys for everything, which can be switched off (WCAG 2.1, 2.1.4).
+// Keyboard shortcuts for all functions, which can be switched off (WCAG 2.1, 2.1.4).
 import { forGood } from '../shared/storage.js';
 
 const KEY = 'faccia.keys';

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Asks for the text that the address names, and shows it, before the page's other scripts have their turn.
+// Requests and shows the text named in the address before the page's other scripts run.
 import { applyLooks, keptLooks } from './looks.js';
 import { showText } from './text.js';
 import { forTab } from '../shared/storage.js';
 
 const UNSEEN_MS = 500;
-const begun = new Map(); // addresses -> promises of JSON, or of null: it has to be asked for again
+const begun = new Map(); // addresses -> promises of JSON; null: request it again
 
-/** What the address names: nothing, a work's section, a passage or a line. @returns {string} */
+/** Returns the target of the address: nothing, a work's section, a passage or a line. @returns {string} */
 export function named() {
-  const hash = location.hash.startsWith('#?') ? '' : location.hash.slice(1); // what WordPress appends is not for us
+  const hash = location.hash.startsWith('#?') ? '' : location.hash.slice(1); // ignores the fragment that WordPress appends
   try {
     return decodeURIComponent(hash || (new URLSearchParams(location.search).get('at') ?? ''));
   } catch {
@@ -23,14 +23,14 @@ export function addressesOf(work, number) {
   return [address, `${address}/sections/${number}`];
 }
 
-/** What was asked for already, once. @param {string} address @returns {Promise<object|null>} */
+/** Returns an earlier request for the address, once. @param {string} address @returns {Promise<object|null>} */
 export async function take(address) {
   const answer = begun.get(address);
   begun.delete(address);
   return (await answer) ?? null;
 }
 
-/** The page's own elements are there, up to the end of the text. DOMContentLoaded waits for the other scripts. */
+/** The page's elements exist up to the end of the text. DOMContentLoaded would wait for the other scripts. */
 const parsed = new Promise((resolve) => {
   const watch = new MutationObserver(look);
   function look() {
@@ -53,8 +53,8 @@ async function show(answer) {
   document.body.classList.add('open');
   document.getElementById(named())?.scrollIntoView({ block: 'center' });
   await new Promise((resolve) => {
-    requestAnimationFrame(() => setTimeout(resolve)); // it is painted
-    setTimeout(resolve, UNSEEN_MS); // nothing is, where nobody sees it
+    requestAnimationFrame(() => setTimeout(resolve)); // after the first paint
+    setTimeout(resolve, UNSEEN_MS); // a hidden page is never painted
   });
 }
 
@@ -68,6 +68,6 @@ if (/^\d+$/.test(number) && !query.has('token')) {
   const ask = (address) => fetch(address, { headers }).then((response) => (response.ok ? response.json() : null), () => null);
   begun.set(section, ask(section)); // first what is read
   begun.set(about, ask(about));
-  await show(begun.get(section)).catch(() => {}); // the page itself says what is wrong
+  await show(begun.get(section)).catch(() => {}); // the page itself reports the error
 }
 import('./library.js');

@@ -113,7 +113,7 @@ async function openSection(work, number) {
   return true;
 }
 
-/** What the address names: nothing, a section, a passage or a line. */
+/** Returns the target of the address: nothing, a section, a passage or a line. */
 async function go() {
   const id = named();
   const [work, number] = id.split(':');
@@ -144,7 +144,7 @@ async function go() {
 async function copyLink() {
   const address = new URL(location.href);
   const id = listening.line?.id ?? state.section?.id;
-  address.search = id ? `?at=${id}` : ''; // the server sees it, and sends the text along
+  address.search = id ? `?at=${id}` : ''; // the server then sends the text together with the page
   address.hash = '';
   frame.tell((await copy(address.href, $('link-field'))) ? 'linkCopied' : 'selected');
 }
@@ -236,7 +236,7 @@ frame.onTranslate(() => {
   tellKeys(say);
 });
 frame.translate();
-// one after the other: on a slow line the list would be in the text's way, and she in that of both
+// in sequence: on a slow connection the list would delay the text, and the head both
 const texts = go().then(showWorks);
 const opened = texts.catch(() => {}).then(() => frame.loadHead()).catch(() => {});
 await texts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reading aloud: from where, on to where, a line again; by her, or without a network what is kept.
+// Controls reading aloud: start, next section, repeated line; by the head, or offline from stored speech.
 import { canKeep } from './offline.js';
 
 const LINES = '.line, [data-passage]:not(.verse)';
@@ -16,13 +16,13 @@ export class Listening {
   line = null; // where she is, or begins
   reading = false;
   #paused = false;
-  #pinned = null; // the line that is repeated
+  #pinned = null; // the repeated line
   #turn = null;
 
   /**
    * @param {import('../shared/frame.js').Frame} frame @param {HTMLElement} passage
-   * @param {object} ports spoken: what is kept, speaks; next(): goes on to the next section, Promise of whether there is one;
-   *   stopped(): to be told when she has ended
+   * @param {object} ports spoken: plays stored speech; next(): opens the next section and resolves to whether there was one;
+   *   stopped(): called when the head has stopped
    */
   constructor(frame, passage, ports) {
     Object.assign(this, { frame, head: frame.head, passage, ports });
@@ -55,7 +55,7 @@ export class Listening {
     this.ports.stopped();
   }
 
-  /** @param {Element|Range|null} from where she is to begin */
+  /** @param {Element|Range|null} where to start reading */
   async read(from = this.line) {
     if (!this.passage.firstChild) return;
     if (canKeep() && (!navigator.onLine || ['waiting', 'closed'].includes($('connection').dataset.state))) {
@@ -76,7 +76,7 @@ export class Listening {
     if (reason === 'done' && $('sleep').value !== 'section' && (await this.ports.next())) this.read(null);
   }
 
-  /** Without a network what is kept is heard. */
+  /** Plays stored speech when offline. */
   async #hearKept() {
     const from = this.line;
     this.frame.tell('noNetwork');
@@ -120,7 +120,7 @@ export class Listening {
     this.line = this.#pinned ?? line;
   }
 
-  /** While she reads, the element itself goes on from there. */
+  /** During reading, the element itself continues from there. */
   #clicked({ target, clientX, clientY }) {
     if (this.reading || target.closest('a, button') || !getSelection().isCollapsed) return;
     const caret = document.caretPositionFromPoint?.(clientX, clientY);

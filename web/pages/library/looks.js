@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Size, spacing and contrast of the text, kept on this device.
+// Size, spacing and contrast of the text, stored on this device.
 import { forGood } from '../shared/storage.js';
 
 const LOOKS = 'faccia.reading';

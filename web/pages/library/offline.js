@@ -6,10 +6,10 @@ const SPEECH = 'faccia-speech';
 const MARK = 'library-word';
 const WORKER = 'library-worker.js';
 
-/** Whether this browser keeps anything for this page. */
+/** Whether this browser can store data for this page. */
 export const canKeep = () => globalThis.origin !== 'null' && 'serviceWorker' in navigator && 'caches' in globalThis; // null: in a sandbox
 
-/** @returns {Promise<boolean>} whether the worker is there */
+/** @returns {Promise<boolean>} whether the service worker is available */
 export async function startWorker() {
   if (!canKeep()) return false;
   try {
@@ -24,7 +24,7 @@ export async function startWorker() {
 const addresses = (passage) => ['ogg', 'json'].map((format) => `v1/speech?passage=${encodeURIComponent(passage)}&format=${format}`);
 
 /**
- * Keeps the speech of a section. @param {string[]} passages @param {(done: number) => void} told
+ * Stores the speech of a section. @param {string[]} passages @param {(done: number) => void} told
  */
 export async function keep(passages, told) {
   const cache = await caches.open(SPEECH);
@@ -39,7 +39,7 @@ export async function keep(passages, told) {
   }
 }
 
-/** @returns {Promise<{work: string, bytes: number}[]>} what is kept of speech, by work */
+/** @returns {Promise<{work: string, bytes: number}[]>} stored speech by work */
 export async function kept() {
   const sizes = new Map();
   const cache = await caches.open(SPEECH);
@@ -51,14 +51,14 @@ export async function kept() {
   return [...sizes].map(([work, bytes]) => ({ work, bytes }));
 }
 
-/** @param {string} work is kept no longer */
+/** Deletes the stored speech of a work. @param {string} work */
 export async function forget(work) {
   const cache = await caches.open(SPEECH);
   for (const request of await cache.keys())
     if (new URL(request.url).searchParams.get('passage').split(':')[0] === work) await cache.delete(request);
 }
 
-/** Speaks passages that are kept, one after the other, and marks their words on the sound's own clock. */
+/** Plays stored passages one after the other, and marks their words in sync with the sound. */
 export class KeptSpeech {
   #audio = new Audio();
   #stopped = true;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// How far a recording is laid onto its text, and where the two differ: what of the text it lacks, and what of it the text
-// lacks.
+// Shows how far a recording is aligned to its text, and where they differ: words missing from the recording, and words
+// missing from the text.
 import { rangeIn } from './text.js';
 
-const AGAIN_MS = 4000; // between two looks at what is not done yet; the browser asks with the ETag
+const AGAIN_MS = 4000; // polling interval while alignment runs; the browser sends the ETag
 const LISTED = 40;
 const SNIPPET = 60; // characters
 const $ = (id) => document.getElementById(id);
@@ -14,14 +14,14 @@ const make = (name, properties = {}, ...children) => {
   return element;
 };
 
-/** For who listens to the page; not read by her. */
+/** For screen readers; the head does not read it. */
 function aside(text) {
   const words = make('span', { className: 'hidden' }, text);
   words.setAttribute('data-unread', '');
   return words;
 }
 
-/** Puts what a range holds of text into elements of their own. @param {Range} range @returns {HTMLElement[]} */
+/** Wraps the text of a range in elements. @param {Range} range @returns {HTMLElement[]} */
 function wrapped(range, className) {
   const { commonAncestorContainer: root } = range;
   const nodes = root.nodeType === 3 ? [root] : [];
@@ -45,7 +45,7 @@ export class Recording {
   #timer = 0;
   #address = '';
   #section = null;
-  #late = null; // what is to be marked when she is done
+  #late = null; // marks to add when reading has ended
 
   /**
    * @param {HTMLElement} passage
@@ -58,7 +58,7 @@ export class Recording {
     passage.addEventListener('click', (event) => this.#clicked(event), { capture: true });
   }
 
-  /** @param {object} section whose text has just been set @param {string} address of it */
+  /** @param {object} section section whose text was just set @param {string} address its address */
   show(section, address) {
     clearTimeout(this.#timer);
     this.#address = address;
@@ -68,12 +68,12 @@ export class Recording {
     this.#tell(section.recording);
   }
 
-  /** Nothing is read any more: the text may be touched. */
+  /** Reading has ended, so the text may be changed. */
   settle() {
     if (this.#late) this.#mark(this.#late);
   }
 
-  /** The page speaks another language. */
+  /** Updates the texts when the page's language changes. */
   translate() {
     if (this.#section) this.#state(this.#section.recording);
   }
@@ -153,7 +153,7 @@ export class Recording {
     return { place: mark, item: make('li', {}, this.#link(line, text)) };
   }
 
-  /** A click on what the recording lacks has it said by another voice. */
+  /** Speaks text missing from the recording by another voice when it is clicked. */
   #clicked(event) {
     const part = event.target.closest('.unheard');
     if (!part || this.ports.busy() || !this.ports.recorded() || !getSelection().isCollapsed) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A section of the library as well-set text. Passages and lines keep their ids, so that links and the voice find them.
+// Typesets a section of the library. Passages and lines keep their ids, so that links and the voice find them.
 
 const make = (name, properties = {}, ...children) => {
   const element = Object.assign(document.createElement(name), properties);
@@ -25,12 +25,12 @@ const pageMark = (n) => {
   return mark;
 };
 
-/** Marks that may lie in each other and still be drawn. */
+/** Maximum depth of nested marks that are drawn. */
 const MARKS_OPEN_MAX = 16;
-/** Elements of marks. A stage direction is in the text, and counts in it, though it is not said. */
+/** Elements of marks. A stage direction counts in text positions, although it is not spoken. */
 const MARKS = { emphasis: 'em', foreign: 'i' };
 
-/** A stretch of a block's text with its marks. @param {object} block @param {number} from @param {number} to */
+/** Returns a range of a block's text with its marks. @param {object} block @param {number} from @param {number} to */
 function inline(block, from, to, signs) {
   const parts = document.createDocumentFragment();
   const within = (block.marks ?? []).filter(({ start, end }) => start >= from && end <= to);
@@ -41,7 +41,7 @@ function inline(block, from, to, signs) {
     while (rest.length) {
       const mark = rest.shift();
       const point = mark.kind === 'note' || mark.kind === 'page';
-      if (mark.start < at || (!point && depth === MARKS_OPEN_MAX)) continue; // crosses another, or lies too deep
+      if (mark.start < at || (!point && depth === MARKS_OPEN_MAX)) continue; // crosses another mark, or is nested too deeply
       here.append(block.text.slice(at, mark.start));
       at = Math.min(mark.end, end);
       if (mark.kind === 'note') here.append(noteMark(mark.note, signs.get(mark.note) ?? '*'));
@@ -94,7 +94,7 @@ function element(block, signs) {
 }
 
 /**
- * Sets the text of a section, unless it is there already. @param {HTMLElement} passage
+ * Shows the text of a section, unless it is shown already. @param {HTMLElement} passage
  * @param {{id: string, blocks: object[], work: {lang: string}}} section
  */
 export function showText(passage, section) {
@@ -116,7 +116,7 @@ function setText({ blocks, work }) {
   });
 }
 
-/** A text with some stretches marked. @param {string} text @param {[number, number][]} marks */
+/** Returns a text with marked ranges. @param {string} text @param {[number, number][]} marks */
 export function marked(text, marks) {
   const parts = [];
   let at = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All that happens in the room and at this desk, with its time: for the operator's eyes, and for a study.
+// Logs all events of the room and of this page with their time, for the operator and for studies.
 import { writeTable } from './scene.js';
 
 const MOST = 100000; // a day of work
@@ -7,7 +7,7 @@ const MOST = 100000; // a day of work
 export class Log {
   #entries = [];
   #listeners = new WeakSet(); // entries about a listener
-  silent = false; // of the listener nothing is written down
+  silent = false; // entries about the listener are not stored
 
   /** @param {HTMLElement} list newest last @param {(what: string) => string} say its words */
   constructor(list, say) {
@@ -15,8 +15,8 @@ export class Log {
   }
 
   /**
-   * @param {string} what happened, one word @param {string} [text]
-   * @param {object} [more] for the file alone; listener: the entry is about a listener
+   * @param {string} kind of event, one word @param {string} [text]
+   * @param {object} [more] members for the file only; listener: the entry is about a listener
    */
   add(what, text = '', { listener = false, ...more } = {}) {
     const entry = { time: new Date().toISOString(), what, text, ...more };
@@ -26,7 +26,7 @@ export class Log {
     return entry;
   }
 
-  /** Adds it, and shows it, or what of it is `shown` at first. @returns {HTMLElement} what shows its text */
+  /** Adds an entry, and shows its text, or initially only `shown`. @returns {HTMLElement} the element with the text */
   show(what, text = '', { shown = text, ...more } = {}) {
     const { time } = this.add(what, text, more);
     const item = document.createElement('li'), stamp = document.createElement('time'), words = document.createElement('span');
@@ -41,7 +41,7 @@ export class Log {
     return words;
   }
 
-  /** All that tells something of the listener. */
+  /** Removes all entries about the listener. */
   forget() {
     this.#entries = this.#entries.filter((entry) => !this.#listeners.has(entry));
   }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The mood of the room on a disc: dragged here, it is hers at once; what other desks make of it is shown.
+// The mood of the room on a disc. Dragging it changes the face at once; changes by other operators are shown.
 import { MoodDisc } from '../shared/mood-disc.js';
 
 const EVERY_MS = 100; // while it is dragged
-const REST_MS = 700; // then it is written down, and follows the others again
+const REST_MS = 700; // then it is logged, and follows other operators again
 const EASE = 0.25; // s
 
 export class RoomMood {
-  #dragged = false; // here, a moment ago: the answers are late
-  #heard = null; // what the room has said of it meanwhile
+  #dragged = false; // dragged here a moment ago: late answers are ignored
+  #heard = null; // mood reported by the room meanwhile
   #sending = 0; // timers
   #resting = 0;
 
@@ -39,7 +39,7 @@ export class RoomMood {
     this.#show();
   }
 
-  /** The room has another mood. */
+  /** Shows a new mood of the room. */
   heard({ mix, by }) {
     if (by !== this.ports.self()) this.ports.log(this.described(mix), { by });
     this.#heard = mix;

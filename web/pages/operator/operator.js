@@ -14,7 +14,7 @@ import { Study } from './study.js';
 
 const KEY = 'faccia.scene';
 const STATES = ['idle', 'listening', 'thinking', 'muted', 'asleep'];
-const USUAL_RATE = 160; // words a minute, where no rate has been asked for
+const USUAL_RATE = 160; // words a minute, if no rate was requested
 const $ = (id) => document.getElementById(id);
 const [text, lang, state] = ['text', 'lang', 'state'].map($);
 const frame = new Frame(words);
@@ -31,15 +31,15 @@ const mood = new RoomMood({ svg: $('disc'), choice: $('mood'), shown: $('mix') }
 const study = new Study({ text: $('consent-text'), ask: $('ask-consent'), end: $('end-study'), shown: $('consent') }, { send: (...what) => head.room && head.consent(...what), log, say });
 const how = { rate: null, volume: 1 };
 const speaking = new Map(); // texts that were sent and have not ended, by id
-const turn = new Map(); // which variant of a line comes next, by its id
+const turn = new Map(); // index of the next variant of each line, by its id
 let scene = { title: '', lines: [] };
-let expected = null; // the line that is likely next
+let expected = null; // the line suggested next
 let offered = null; // the choices of a line: {id, choices}
 let last = null; // the last text spoken: {text, options}
 let count = 0;
 let me = new URLSearchParams(location.search).get('name')?.slice(0, 16) || `desk-${Math.random().toString(36).slice(2, 6)}`;
-let stopping = false; // at this desk: the end that follows tells nothing of the listener
-let caption = null; // of the sentence that is heard
+let stopping = false; // stopped here: the following end is not caused by the listener
+let caption = null; // text of the audible sentence
 
 const sendable = () => head.room && text.value.trim();
 
@@ -184,7 +184,7 @@ head.addEventListener('joined', ({ detail }) => {
   showStored(log.add('joined', detail.room));
   study.joined();
 });
-head.addEventListener('desks', ({ detail }) => people.desks(detail.desks, me));
+head.addEventListener('observers', ({ detail }) => people.observers(detail.observers, me));
 head.addEventListener('expressed', ({ detail }) => mood.heard(detail));
 head.addEventListener('consent', ({ detail }) => study.heard(detail));
 head.addEventListener('sentence', ({ detail }) => {
@@ -275,10 +275,11 @@ frame.onTranslate(() => {
   showChoices();
   waiting.show();
 });
+const wished = new URLSearchParams(location.search).get('room');
+$('kiosk').hidden = !wished; // before the page is shown, so that nothing moves for it
 await frame.open();
 firstScene();
 frame.load('v1/expressions').then((known) => (mood.affects = (known?.expressions ?? []).filter(({ kind }) => kind === 'affect')));
-const wished = new URLSearchParams(location.search).get('room');
 if (wished) {
   $('room').value = wished;
   enter();

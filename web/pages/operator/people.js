@@ -3,7 +3,7 @@
 const LOOK_MS = 3000;
 
 export class People {
-  #others = []; // at desks of this room
+  #others = []; // other observers of this room
   #linked = false;
 
   /**
@@ -15,11 +15,11 @@ export class People {
     ports.head.addEventListener('connection', ({ detail }) => (this.#linked = detail.state === 'open'));
   }
 
-  /** @param {{name: string, speaks: boolean}[]} desks all of them @param {string} me which of them is this */
-  desks(desks, me) {
-    const own = desks.findIndex(({ name }) => name === me);
-    this.#others = desks.filter((_, i) => i !== own);
-    this.ports.log.add('desks', desks.map(({ name }) => name).join(', '));
+  /** @param {{name: string, speaks: boolean}[]} observers all of them @param {string} me which of them is this */
+  observers(observers, me) {
+    const own = observers.findIndex(({ name }) => name === me);
+    this.#others = observers.filter((_, i) => i !== own);
+    this.ports.log.add('observers', observers.map(({ name }) => name).join(', '));
   }
 
   /** Looks again and again. */
@@ -38,6 +38,6 @@ export class People {
   #names() {
     const { say } = this.ports;
     const names = this.#others.map(({ name, speaks }) => (speaks ? name : `${name} (${say('looksOn')})`));
-    return names.length > 0 && say('desks', { n: names.join(', ') });
+    return names.length > 0 && say('observers', { n: names.join(', ') });
   }
 }

@@ -18,7 +18,7 @@ export class Waiting {
     this.show();
   }
 
-  /** The next one, which waits no longer. @returns {{text: string, options: object}|undefined} */
+  /** Removes and returns the next text. @returns {{text: string, options: object}|undefined} */
   take() {
     const item = this.#items.shift();
     this.show();
@@ -53,7 +53,7 @@ export class Waiting {
     return button;
   }
 
-  /** @param {number} from @param {number|null} to null: it is forgotten */
+  /** @param {number} from @param {number|null} to null: deletes it */
   #move(from, to) {
     const [item] = this.#items.splice(from, 1);
     if (to !== null) this.#items.splice(to, 0, item);

@@ -73,8 +73,8 @@ export function readTable(text) {
   return rows.filter((row) => row.some((each) => each !== ''));
 }
 
-// A spreadsheet takes a cell that begins so for a formula, quoted or not; an apostrophe before it makes it text.
-// readTable takes that away again.
+// Spreadsheets evaluate cells that begin like this as formulas, quoted or not; a leading apostrophe makes them text.
+// readTable removes it.
 const harmless = (field) => (/^'*[=+\-@\t\r]/.test(field) ? `'${field}` : field);
 const asWritten = (field) => (/^'+[=+\-@\t\r]/.test(field) ? field.slice(1) : field);
 

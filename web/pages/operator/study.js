@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A study asks the listener first. Until there is a yes, and after a no, nothing of the listener's is written down.
+// A study asks the listener for consent. Without it nothing about the listener is logged.
 
 export class Study {
   #consent = 'none';
@@ -7,7 +7,7 @@ export class Study {
 
   /**
    * @param {{text: HTMLTextAreaElement, ask: HTMLElement, end: HTMLElement, shown: HTMLElement}} parts
-   * @param {object} ports send(consent, text): whether it could be; log: see Log; say(name): words
+   * @param {object} ports send(consent, text): whether it was sent; log: see Log; say(name): words
    */
   constructor(parts, ports) {
     Object.assign(this, { parts, ports });
@@ -18,12 +18,12 @@ export class Study {
     });
   }
 
-  /** We are in the room, perhaps anew: a daemon that was restarted has forgotten the question. */
+  /** After (re)joining the room: a restarted daemon has lost the question. */
   joined() {
     if (this.#asked !== null) this.#ask(this.#asked);
   }
 
-  /** Until it is known what holds there, nothing does. */
+  /** Consent counts as missing until the room reports its state. */
   lost() {
     if (this.#consent !== 'none') this.#set('asked');
   }

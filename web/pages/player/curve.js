@@ -69,7 +69,7 @@ export function smooth(values, reach = 2) {
   });
 }
 
-/** A curve with a line drawn over a part of it. @param {Map<number, number>} drawn values at frames @returns {number[]} */
+/** Replaces a part of a curve by a drawn line. @param {Map<number, number>} drawn values at frames @returns {number[]} */
 export function drawnOver(values, drawn) {
   const frames = [...drawn.keys()].sort((a, b) => a - b);
   return values.map((value, k) => {
@@ -83,7 +83,7 @@ export function drawnOver(values, drawn) {
 
 const SIDES = { l: 'r', r: 'l', lm: 'rm', rm: 'lm' };
 
-/** The name of a FAP on the other side of the face; its own when it has no side. @param {string} name */
+/** Returns the name of a FAP on the other side of the face, or its own name if it has no side. @param {string} name */
 export const mirrored = (name) => name.split('_').map((part) => SIDES[part] ?? part).join('_');
 
 /** Changes that can be undone and redone. */
@@ -97,7 +97,7 @@ export class History {
     this.#undone = [];
   }
 
-  /** @returns {object[]|undefined} what is to be put back */
+  /** @returns {object[]|undefined} the changes to restore */
   undo() {
     const change = this.#done.pop();
     if (change) this.#undone.push(change);

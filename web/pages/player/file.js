@@ -58,7 +58,7 @@ export function readFap(text) {
 /** @param {Uint8Array} bytes */
 export const isFapc = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'FPC1';
 
-/** Goes through the packets' heads, before one of them is decoded: a frame may take less than a bit. */
+/** Checks all packet headers before decoding any packet: a frame may take less than a bit. */
 function countFrames(bytes, view) {
   let frames = 0;
   for (let at = 8; at < bytes.length; at += 3 + view.getUint16(at + 1, true)) {
@@ -69,7 +69,7 @@ function countFrames(bytes, view) {
   }
 }
 
-/** @param {Uint8Array} bytes @param {Function} FapcDecoder of protocol/fapc.mjs @returns {Faps} */
+/** @param {Uint8Array} bytes @param {Function} FapcDecoder of protocol/fapc/fapc.mjs @returns {Faps} */
 export function readFapc(bytes, FapcDecoder) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   if (bytes.length < 8 || !isFapc(bytes)) throw new FileError('does not begin with FPC1', { byte: 0 });
@@ -96,7 +96,7 @@ export function readFapc(bytes, FapcDecoder) {
   return { name: 'faccia', fps, frames, high };
 }
 
-/** A stream's WAV does not know its length: here it does. @param {ArrayBuffer} buffer @returns {ArrayBuffer} */
+/** Fills in the length, which a streamed WAV lacks. @param {ArrayBuffer} buffer @returns {ArrayBuffer} */
 export function wholeWav(buffer) {
   const view = new DataView(buffer);
   if (view.getUint32(4, true) === 0xffffffff) view.setUint32(4, buffer.byteLength - 8, true);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stretch of the Face Player as a named gesture: a file that the daemon reads (models/gestures/README.md).
+// Converts a range of the Face Player to a named gesture, a file for the daemon (models/gestures/README.md).
 
 import { DocumentStore } from '../shared/document-store.js';
 
@@ -23,7 +23,7 @@ export function makeGesture({ fps, frames }, table, { name, from, to, groups }) 
   return { format: 'faccia-gesture', version: 1, name, fps, blend: { in: 0.2, out: 0.3 }, curves: Object.fromEntries(curves) };
 }
 
-/** The file's text: a line for each curve. */
+/** Writes the file with a line for each curve. */
 export function gestureText(gesture) {
   const lines = Object.entries(gesture.curves).map(([name, curve]) => `  ${JSON.stringify(name)}: ${JSON.stringify(curve)}`);
   const head = JSON.stringify({ ...gesture, curves: {} }, null, 1).replace(/\{\}\n\}$/, '');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The Face Player: FAP files with their sound, seen frame by frame, and edited.
+// The Face Player: shows FAP files and their sound frame by frame, and edits them.
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, spokenLanguage } from '../shared/languages.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './curve.js';
@@ -11,7 +11,7 @@ import { lastTake } from '../shared/take.js';
 import { player as words } from '../texts/index.js';
 
 const $ = (id) => document.getElementById(id);
-const NEAR = 0.02; // of a curve's span: how near its keys follow it
+const NEAR = 0.02; // of a curve's range: maximum deviation of its keys
 
 const frame = new Frame(words, { captions: { on: false } });
 const { head, say } = frame;
@@ -51,6 +51,8 @@ function edit(read, buffer) {
   $('scrub').max = frames.length - 1;
   frame.problem.clear();
   $('news').textContent = say('opened', { name, n: frames.length, fps });
+  $('start').hidden = true;
+  for (const id of ['plots', 'transport', 'edit', 'gesture-box']) $(id).hidden = false;
   plots.open(take);
   fillGroups();
   goTo(0);
@@ -197,7 +199,7 @@ function put(changes) {
   show();
 }
 
-/** A curve has become another: it can be taken back. */
+/** Records a changed curve for undo. */
 function change(n, after) {
   const { min, max } = fapOf(n);
   const whole = after.map((value) => Math.round(Math.min(max, Math.max(min, value))));

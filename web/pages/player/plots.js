@@ -42,7 +42,7 @@ function peaks(samples, rate) {
   return [x, high, low];
 }
 
-/** A picture of the spectrum up to 8 kHz: a column for each step, low tones at the bottom. @returns {HTMLCanvasElement} */
+/** Draws the spectrum up to 8 kHz: a column for each step, low frequencies at the bottom. @returns {HTMLCanvasElement} */
 function spectrum(samples, rate) {
   const fft = new FFT(WINDOW);
   const bins = Math.min(WINDOW / 2, Math.round((8000 / rate) * WINDOW));
@@ -216,7 +216,7 @@ export class Plots {
     return Math.min(this.shown[0].values.length - 1, Math.max(0, Math.round(plot.posToVal(x, 'x') * this.fps)));
   }
 
-  /** Keys are dragged; with Shift the curve is drawn; a double click makes one, and one on a key takes it away. */
+  /** Drag moves a key, Shift-drag draws the curve, a double click adds a key or deletes one. */
   #editable(plot) {
     const { over } = plot;
     const keyNear = (event) => {
@@ -247,7 +247,7 @@ export class Plots {
       const { from, at, drawn } = this.#drag ?? {};
       if (drawn?.size) this.ports.draw(drawn);
       if (at) this.ports.key(at.frame, Math.round(at.value), from);
-      setTimeout(() => (this.#drag = null)); // the click that follows is part of it
+      setTimeout(() => (this.#drag = null)); // ignores the click that follows a drag
     });
     over.addEventListener('dblclick', (event) => {
       const key = keyNear(event);

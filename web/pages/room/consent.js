@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Asks the people in the room for their consent to be recorded by a study. They can change their mind.
-const TOLD_MS = 8000; // how long the note is shown that nothing is recorded
+const TOLD_MS = 8000; // duration of the note that nothing is recorded
 
 export class Consent {
   asked = false; // and not answered yet
@@ -17,7 +17,7 @@ export class Consent {
     head.addEventListener('consent', ({ detail }) => this.#heard(detail));
   }
 
-  /** By key: 1 and 2, as any question. @returns {boolean} whether there was one */
+  /** Answers by the keys 1 and 2, like any question. @returns {boolean} whether there was one */
   answer(choice) {
     if (this.asked && choice < 2) this.head.consent(choice === 0 ? 'given' : 'declined');
     return this.asked;
@@ -43,6 +43,6 @@ export class Consent {
     this.noted.hidden = consent !== 'given';
     if (consent === 'declined') this.ports.news(this.say('declined'), TOLD_MS);
     this.ports.changed();
-    if (news) this.card.focus(); // a screen reader reads it; neither answer is at hand by accident
+    if (news) this.card.focus(); // focuses the question for screen readers, so that no answer is given by accident
   }
 }

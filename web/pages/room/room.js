@@ -16,17 +16,17 @@ async function keepShell() {
   if (globalThis.origin === 'null' || !('serviceWorker' in navigator)) return;
   try {
     const trusted = globalThis.trustedTypes?.createPolicy('faccia-room-worker', { createScriptURL: () => WORKER });
-    await navigator.serviceWorker.register(trusted?.createScriptURL('') ?? WORKER, { scope: 'room.html' }); // the library's has the rest
+    await navigator.serviceWorker.register(trusted?.createScriptURL('') ?? WORKER, { scope: 'room.html' }); // the library's worker serves the rest
   } catch (error) {
     console.info('faccia: the page is not kept for when there is no network:', error.message);
   }
 }
 
-const AWAKE_MS = 60000; // how long it stays awake at night after the last event
-const ANSWERED_MS = 6000; // how long the answer is shown
-const INSECURE_MS = 20000; // how long the note on HTTPS is shown
-const TROUBLE_MS = 20000; // how long an error is shown; a lost connection is shown until it is back
-const SHIFT_MS = 60000; // the picture is moved a little, so that it does not burn in
+const AWAKE_MS = 60000; // time awake at night after the last event
+const ANSWERED_MS = 6000; // duration of the shown answer
+const INSECURE_MS = 20000; // duration of the note on HTTPS
+const TROUBLE_MS = 20000; // duration of an error; a lost connection is shown until it is restored
+const SHIFT_MS = 60000; // shifts the picture slightly against burn-in
 const SHIFTS = [[0, 0], [6, 2], [4, -5], [-3, -6], [-6, 3]];
 const $ = (id) => document.getElementById(id);
 const wish = readWish(location.href);
@@ -82,7 +82,7 @@ function showQuestion() {
   }));
 }
 
-/** The screen stays on while she is awake, where the browser allows it. */
+/** Keeps the screen on while the face is awake, if the browser allows it. */
 async function keepOn(on) {
   if (!on || document.hidden) {
     lock?.release().catch(() => {});
@@ -116,7 +116,7 @@ if (!globalThis.isSecureContext) tell(say('insecure'), INSECURE_MS);
 
 head.addEventListener('connection', ({ detail }) => {
   now.connection = detail.state;
-  if (detail.state === 'open') return; // it is there once it is in the room
+  if (detail.state === 'open') return; // it exists once the element is in the room
   now.offered = null;
   now.told = 'idle';
   now.heard = '';
@@ -169,8 +169,9 @@ head.addEventListener('error', ({ detail }) => {
   else $('news').textContent = trouble = text;
 });
 
-document.addEventListener('click', ({ target }) => {
-  if (now.utterances && !target.closest('button, form')) head.stop();
+document.addEventListener('click', (event) => {
+  const [target] = event.composedPath(); // also for buttons of the head
+  if (now.utterances && !target.closest?.('button, form')) head.stop();
   wake();
 });
 document.addEventListener('keydown', ({ key, target }) => {

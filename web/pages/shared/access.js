@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The token for a server that demands one: from the page's address, kept for the tab, or from a field.
+// The token for a server that requires one: from the page's address, stored for the tab, or from a field.
 import { forTab } from './storage.js';
 
 const KEY = 'faccia.token';
 const ERRORS = ['token-needed', 'bad-token', 'expired-token', 'early-token', 'revoked-token'];
 
-/** Takes the token out of the page's address, so that it is not in the history, nor in a link that is passed on. */
+/** Removes the token from the page's address, so that it stays out of the history and of shared links. */
 function takeFromAddress() {
   const address = new URL(location.href);
   const token = address.searchParams.get('token');
@@ -15,7 +15,7 @@ function takeFromAddress() {
   return token.trim() || null;
 }
 
-/** The token of this tab: that of the page's address, which is kept, or the one that was. @returns {string|null} */
+/** Returns the token of this tab: from the page's address, which is then stored, or the stored one. @returns {string|null} */
 export function tokenOfTab() {
   const token = takeFromAddress() ?? forTab.get(KEY);
   if (token) forTab.set(KEY, token);
@@ -48,7 +48,7 @@ export class Access {
     return ERRORS.includes(code);
   }
 
-  /** Shows the field. What is wrong with a token says more than that one is needed. */
+  /** Shows the field. An error about a token is more specific than the error that one is needed. */
   ask(code) {
     if (code !== 'token-needed') {
       forTab.remove(KEY);
@@ -64,7 +64,7 @@ export class Access {
     this.form.elements.token.setAttribute('aria-invalid', String(this.code !== null && this.code !== 'token-needed'));
   }
 
-  /** JSON of the server, when it lets us have it. @param {string} address @returns {Promise<object>} */
+  /** Loads JSON from the server; asks for a token if needed, and retries. @param {string} address @returns {Promise<object>} */
   async load(address) {
     for (;;) {
       const headers = this.token ? { authorization: `Bearer ${this.token}` } : {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The look of captions: chosen by the user, kept for all visits.
+// The look of captions: chosen by the user, stored for later visits.
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.captions';
@@ -42,8 +42,8 @@ function swatch(colours) {
 }
 
 /**
- * Fills a `details` with the choices, and has the head follow them. @param {HTMLDetailsElement} box
- * @param {HTMLElement} head @param {{on?: boolean}} [wish] of a link: it is not kept
+ * Fills a `details` with the choices, and applies them to the head. @param {HTMLDetailsElement} box
+ * @param {HTMLElement} head @param {{on?: boolean}} [wish] settings of a link, which are not stored
  */
 export function openCaptionChoice(box, head, wish = {}) {
   const state = { ...restored(), ...wish };
@@ -72,7 +72,7 @@ export function openCaptionChoice(box, head, wish = {}) {
     keep();
   });
   apply();
-  // the head has a button for them, too
+  // the head's own button may switch them, too
   new MutationObserver(() => {
     const on = head.getAttribute('captions') !== 'off';
     if (on === state.on) return;

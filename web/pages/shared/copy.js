@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /**
- * Copies a text. A page that is not secure may not: then the text is shown in a field, selected.
- * @param {string} text @param {HTMLTextAreaElement|HTMLInputElement} field @returns {Promise<boolean>} whether it is copied
+ * Copies a text. Insecure pages may not; then shows the text selected in a field.
+ * @param {string} text @param {HTMLTextAreaElement|HTMLInputElement} field @returns {Promise<boolean>} whether it was copied
  */
 export async function copy(text, field) {
   try {

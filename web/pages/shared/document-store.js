@@ -35,6 +35,11 @@ export class DocumentStore {
     this.#etags.set(name, response.headers.get('etag'));
   }
 
+  /** Adds a document, to which the server gives a name. @throws {{code: string}} the server's error */
+  async add(body) {
+    await this.#request('POST', null, body);
+  }
+
   /** Removes a document, unless another user has saved it since. @throws as `save` */
   async remove(name) {
     await this.#request('DELETE', name, undefined, { 'if-match': this.#etags.get(name) ?? '""' });

@@ -2,13 +2,14 @@
 // The frame of the pages: texts in the user's language, the state of the connection, the token, errors, captions.
 import { Access } from './access.js';
 import { openCaptionChoice } from './caption-choice.js';
+import { fillTexts, openMenu, showConnection, showPage } from './header.js';
 import { fill, ownName, pageLanguage } from './languages.js';
 import { Problem } from './problem.js';
 import { errors, shared } from '../texts/index.js';
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.language';
-const IN_THE_PICTURE = ['no-webgl', 'too-many']; // errors that the head itself tells, in place of the face
+const IN_THE_PICTURE = ['no-webgl', 'too-many']; // errors that the head itself shows instead of the face
 const $ = (id) => document.getElementById(id);
 
 export class Frame {
@@ -26,6 +27,7 @@ export class Frame {
     this.problem = new Problem($('problem'), (code) => this.#error(code), this.say, $('text'));
     this.access = new Access($('access'), this.head, (code) => this.#error(code), () => this.tell('tokenGood'));
     openCaptionChoice($('caption-box'), this.head, captions);
+    openMenu();
     fill($('page-lang'), Object.keys(words), { page: this.lang, chosen: this.lang });
     $('page-lang').addEventListener('change', ({ target }) => {
       this.lang = target.value;
@@ -41,7 +43,7 @@ export class Frame {
     return text.replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');
   }
 
-  /** Says in passing what was done. */
+  /** Shows a temporary message. */
   tell(name) {
     $('news').textContent = name ? this.say(name) : '';
   }
@@ -54,13 +56,13 @@ export class Frame {
   translate() {
     document.documentElement.lang = this.head.lang = this.lang;
     document.title = `${this.say('title')} · faccia`;
-    for (const element of document.querySelectorAll('[data-text]')) element.textContent = this.say(element.dataset.text);
-    for (const element of document.querySelectorAll('[data-label]')) element.ariaLabel = this.say(element.dataset.label);
+    fillTexts(document, this.say);
     this.problem.translate();
     this.access.translate();
     this.#showState();
     this.#showCredits();
     for (const act of this.#translators) act();
+    showPage();
   }
 
   /** Loads the head; from here on its methods are there. @returns {Promise<object>} what its module exports */
@@ -80,7 +82,7 @@ export class Frame {
     }
   }
 
-  /** JSON of the server; an error is shown. @returns {Promise<object|null>} */
+  /** Loads JSON from the server, and shows an error. @returns {Promise<object|null>} */
   async load(address) {
     try {
       return await this.access.load(address);
@@ -124,8 +126,7 @@ export class Frame {
   }
 
   #showState() {
-    $('connection').dataset.state = this.#state;
-    $('connection').querySelector('.text').textContent = this.say(this.#state);
+    showConnection(this.#state, this.say);
   }
 
   #showCredits() {

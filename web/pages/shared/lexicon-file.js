@@ -11,8 +11,9 @@ const primary = (tag) => tag.split('-')[0].toLowerCase();
 const inert = globalThis.trustedTypes?.createPolicy('faccia-lexicon', { createHTML: (xml) => xml });
 
 /**
- * How a word is said. @typedef {object} Entry
- * @property {string} word @property {string} [alias] a text that is said instead @property {string} [ipa]
+ * Pronunciation of a word. @typedef {object} Entry @property {string} word @property {string} [alias] a text spoken instead
+ * @property
+ * {string} [ipa]
  */
 
 const saying = ({ alias, ipa }) => (ipa === undefined ? `<alias>${escape(alias)}</alias>` : `<phoneme>${escape(ipa)}</phoneme>`);

@@ -6,7 +6,6 @@ import { sayings as sayingsWords } from '../texts/index.js';
 
 const NAME = /^[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}$/; // of a file that the server saves
 const LIBRARY = 'lexicon.pls';
-const REPORTS = 'v1/library/reports';
 const WORD = 200; // bytes, at most
 
 const make = (name, properties = {}, ...children) => {
@@ -27,6 +26,7 @@ export class Sayings {
   constructor(frame, box, ports) {
     Object.assign(this, { frame, box, ports });
     this.keep = new DocumentStore('v1/library/files', frame.access);
+    this.reported = new DocumentStore('v1/library/reports', frame.access, 'application/json');
     this.place = {};
     this.#build();
     frame.onTranslate(() => this.#translate());
@@ -181,15 +181,6 @@ export class Sayings {
 
   // What readers report
 
-  async #ask(method, address, body) {
-    const { token } = this.frame.access;
-    const headers = { ...(body ? { 'content-type': 'application/json' } : {}), ...(token ? { authorization: `Bearer ${token}` } : {}) };
-    const response = await fetch(address, { method, headers, body: body && JSON.stringify(body), cache: 'no-store' });
-    const answer = await response.json().catch(() => ({ code: 'unreachable' }));
-    if (!response.ok) throw answer;
-    return answer;
-  }
-
   async #send() {
     const word = this.word.value.trim();
     if (!word) {
@@ -201,7 +192,8 @@ export class Sayings {
     const note = this.said.value.trim();
     const shorter = (text, most) => text && [...text].slice(0, most).join('');
     try {
-      await this.#ask('POST', REPORTS, { word, lang: this.#lang, ...(work && { work }), ...(passage && { passage }), ...(context && { context: shorter(context, 120) }), ...(note && { note: shorter(note, 120) }) });
+      const about = { word, lang: this.#lang, work, passage, context: shorter(context, 120), note: shorter(note, 120) };
+      await this.reported.add(JSON.stringify(about, (_, value) => value || undefined)); // what is missing or empty is left out
       this.#tell('reported');
       if (!this.reports.hidden) await this.#showReports();
     } catch (error) {
@@ -213,10 +205,10 @@ export class Sayings {
 
   /** Only who may operate gets them. */
   async #showReports() {
-    const found = await this.#ask('GET', REPORTS).catch(() => null);
+    const found = await this.reported.list();
     this.reports.hidden = !found;
-    this.list.replaceChildren(...(found?.reports.map((report) => this.#item(report)) ?? []));
-    if (found && !found.reports.length) this.list.append(Object.assign(this.#word('li', 'noneReported'), { textContent: this.say('noneReported') }));
+    this.list.replaceChildren(...(found?.map((report) => this.#item(report)) ?? []));
+    if (found && !found.length) this.list.append(Object.assign(this.#word('li', 'noneReported'), { textContent: this.say('noneReported') }));
   }
 
   #item(report) {
@@ -245,7 +237,7 @@ export class Sayings {
   }
 
   async #remove(report) {
-    await this.#ask('DELETE', `${REPORTS}/${report.name}`);
+    await this.reported.remove(report.name);
     if (this.#report === report) this.#report = null;
     await this.#showReports();
   }

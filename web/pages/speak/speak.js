@@ -219,7 +219,6 @@ function follow() {
   if (wish.markup || wish.room) $('more').open = true;
   if (wish.room) enterRoom();
   if (wish.text) text.value = wish.text;
-  if (wish.text) $('speak').focus();
 }
 
 /** The voice of the link, and its language, when it is known which there are. */
@@ -250,3 +249,4 @@ openTranscript(PlainText);
 showVoices();
 await greeted;
 choose();
+if (wish.text && document.activeElement === document.body) $('speak').focus(); // it was hidden until now

@@ -5,10 +5,11 @@
 export const shared = {
   skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci', avatarPage: 'Il tuo viso',
   libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', examplesPage: 'Esempi', docsPage: 'Documentazione',
-  morePages: 'Altre pagine', editorPage: 'Editor',
+  editorPage: 'Editor', roomPage: 'Uno schermo per la stanza',
+  menu: 'Menu', groupSpeak: 'Parlare', groupRead: 'Leggere', groupHome: 'In casa', groupMake: 'Creare', groupDevelop: 'Sviluppare',
   connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
   face: 'La testa', head: 'Testa: {title}. {credits}', pageLang: 'Lingua di questa pagina', otherLanguages: 'Altre lingue',
-  token: 'Codice di accesso', tokenUse: 'Usa il codice', tokenWhy: 'Chi gestisce il server può darvene uno.',
+  token: 'Codice di accesso', tokenUse: 'Usa il codice', tokenWhy: 'Chi gestisce il server può darne uno.',
   tokenGood: 'Il codice è stato accettato.', captions: 'Sottotitoli', captionsOn: 'Mostra i sottotitoli', captionSize: 'Grandezza',
   normal: 'Normale', large: 'Grande', larger: 'Più grande', largest: 'Grandissima', captionColours: 'Colori', standard: 'Bianco su scuro',
   contrast: 'Contrasto massimo', light: 'Scuro su chiaro', yellow: 'Giallo su nero', sampleSaid: 'Si legge ', sampleWord: 'così',
@@ -25,7 +26,7 @@ export const errors = {
   'no-element': 'La testa non si è caricata. Ricaricare la pagina.',
   'bad-address': 'L’indirizzo del server non è valido.',
   'bad-model': 'Non è stato possibile mostrare la testa. Ricaricare la pagina.',
-  'empty-text': 'Non c’è nulla da dire. Scrivere un testo.',
+  'empty-text': 'Non c’è nulla da dire. Scrivi un testo.',
   'text-too-long': 'Il testo è troppo lungo. Dividerlo in parti più brevi.',
   'message-too-long': 'Il testo è troppo lungo. Dividerlo in parti più brevi.',
   'bad-utf8': 'Il testo contiene byte che non sono caratteri. Cancellarli.',
@@ -56,7 +57,7 @@ export const errors = {
   changed: 'Qualcun altro l’ha cambiato nel frattempo. Aprirlo di nuovo, o salvarlo con un altro nome.',
   'condition-needed': 'Esiste già con questo nome.',
   'document-too-long': 'È troppo lungo per essere conservato.',
-  'shelf-full': 'Il server ne conserva già quanti può. Cancellarne qualcuno.',
+  'store-full': 'Il server ne conserva già quanti può. Cancellarne qualcuno.',
   'cannot-keep': 'Il server non è riuscito a conservarlo.',
   'unknown-room': 'In questa stanza non c’è nessuno.',
   'too-many-rooms': 'Il server non ha posto per un’altra stanza. Riprovare più tardi.',
@@ -116,26 +117,31 @@ export const errors = {
 };
 
 export const speak = {
+  lead: 'faccia è un viso che parla: si scrive un testo, e si leggono anche le labbra.', ways: 'Da dove cominciare',
+  wayRead: 'Per chi legge', wayReadWhat: 'Libri, teatro e poesia letti ad alta voce, con il testo che segue.', wayReadGo: 'Apri la biblioteca',
+  wayHome: 'Per la casa', wayHomeWhat: 'Uno schermo in cucina che parla, chiede e mostra le risposte da toccare.', wayHomeGo: 'Prepara uno schermo',
+  wayPage: 'Per il tuo sito', wayPageWhat: 'Due righe di HTML mettono il viso in una pagina.', wayPageGo: 'Guarda gli esempi',
+  wayScript: 'Per gli script', wayScriptWhat: 'Basta un comando curl e il viso parla.', wayScriptGo: 'Leggi come',
   title: 'Una testa che parla', loading: 'Si carica la testa…', text: 'Testo da dire', lang: 'Lingua del testo', voice: 'Voce', automatic: 'Automatica',
   rate: 'Velocità', unit: '({n} parole al minuto)', speak: 'Parla', pause: 'Pausa', resume: 'Continua', stop: 'Ferma', repeat: 'Ripeti',
   hint: 'Ctrl + Invio: parla. Esc: ferma.', more: 'Altre scelte', markup: 'Tipo di testo', auto: 'Riconosciuto dal testo', plain: 'Testo semplice',
   room: 'Stanza', roomHint: 'Ciò che si dice in una stanza è visto e udito da tutti quelli che vi sono.', copyLink: 'Copia il link',
   linkCopied: 'Il link è stato copiato.', linkHere: 'Il link',
-  transcript: 'Trascrizione', transcriptHint: 'Qui resta ciò che è stato detto. Premere una frase per riascoltarla.', toPlayer: 'Apri nel Face Player', copyText: 'Copia il testo', save: 'Scarica', clear: 'Svuota',
+  transcript: 'Trascrizione', transcriptHint: 'Qui resta ciò che è stato detto. Premi una frase per riascoltarla.', toPlayer: 'Apri nel Face Player', copyText: 'Copia il testo', save: 'Scarica', clear: 'Svuota',
   who: 'Chi parla', male: 'uomo', female: 'donna',
   notHandedOn: 'Questo browser non conserva nulla per questa pagina: si può usare il Face Player con il testo.',
   sample: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
 };
 
 export const avatar = {
-  title: 'Il tuo viso', pictures: 'Foto', picturesHint: 'Una foto di fronte, a labbra chiuse; meglio con altre due: mezzo girata da ogni lato per la pelle, o di profilo su uno sfondo uniforme per la forma. Le foto restano su questo computer. Ne nasce un’approssimazione, non un ritratto fedele: dalla foto vengono i punti del viso visti di fronte e la pelle; capelli, orecchie, collo, denti, quasi tutta la profondità e i movimenti sono di una delle nostre teste.',
-  turn: 'Girare la testa', turn_front: 'Guardare dritto nella fotocamera…', turn_left: 'Ora girare piano la testa verso la propria sinistra…', turn_right: 'Ora girare piano la testa verso la propria destra…',
-  turn_on: 'Ancora un momento: di fronte, a sinistra, a destra…', turn_few: 'Non si sono visti tutti i lati: va bene anche così, o riprovare.',
-  choose: 'Scegli le foto', camera: 'Fotocamera', take: 'Scatta', cameraOff: 'Spegni la fotocamera', making: 'Creazione', like: 'Capelli e vestiti di',
+  title: 'Il tuo viso', pictures: 'Foto', picturesHint: 'Una foto di fronte, a labbra chiuse; meglio con altre due: girata a metà da ogni lato per la pelle, o di profilo su uno sfondo uniforme per la forma. Le foto restano su questo computer. Ne nasce un’approssimazione, non un ritratto fedele.', picturesMore: 'Che cosa ne nasce', picturesResult: 'Dalla foto vengono i punti del viso visti di fronte e la pelle; capelli, orecchie, collo, denti, quasi tutta la profondità e i movimenti sono di una delle nostre teste.',
+  turn: 'Gira la testa', turn_front: 'Guarda dritto nella fotocamera…', turn_left: 'Ora gira piano la testa verso la tua sinistra…', turn_right: 'Ora gira piano la testa verso la tua destra…',
+  turn_on: 'Ancora un momento: di fronte, a sinistra, a destra…', turn_few: 'Non si sono visti tutti i lati: va bene anche così, o riprova.',
+  choose: 'Trascina qui le foto, o sceglile', camera: 'Fotocamera', take: 'Scatta', cameraOff: 'Spegni la fotocamera', making: 'Creazione', like: 'Capelli e vestiti di',
   eyes: 'Occhi di', make: 'Crea la testa', save: 'Scarica la testa', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma',
-  nearest: 'Scegliere… (di viso più vicina: {title})', hairFirst: 'Scegliere di chi sono i capelli: dalla foto non si indovinano.', same: 'La stessa', loading: 'Si carica il cercatore di visi…', looking: 'Si cerca il viso…', working: 'Si crea la testa…',
-  profile: 'Preso come profilo: la linea mostra dove finisce il viso. Se è sbagliata, togliere la foto.', profileLine: 'Linea del profilo',
-  found: 'Trovato. Controllare i punti: si spostano con il mouse, o sceglierne uno e usare le frecce.', point: 'Punto', up: 'In su', down: 'In giù', leftward: 'A sinistra', rightward: 'A destra', done: 'Fatto, in {seconds} s. Ora può parlare.', parted: 'Le labbra sono aperte: con le labbra chiuse la bocca riesce meglio.', bearded: 'La barba scura è stata tolta: sulla pelle finirebbe a metà.',
+  nearest: 'Scegli… (il viso più simile: {title})', hairFirst: 'Scegli di chi sono i capelli: dalla foto non si indovinano.', same: 'La stessa', loading: 'Si carica il riconoscimento dei visi…', looking: 'Si cerca il viso…', working: 'Si crea la testa…',
+  profile: 'Preso come profilo: la linea mostra dove finisce il viso. Se è sbagliata, togli la foto.', profileLine: 'Linea del profilo',
+  found: 'Trovato. Controlla i punti: si spostano con il mouse, o scegline uno e usa le frecce.', point: 'Punto', up: 'In su', down: 'In giù', leftward: 'A sinistra', rightward: 'A destra', done: 'Fatto, in {seconds} s: un’approssimazione, non un ritratto fedele. Ora può parlare.', parted: 'Le labbra sono aperte: con le labbra chiuse la bocca riesce meglio.', bearded: 'La barba scura è stata tolta: sulla pelle finirebbe a metà.',
   remove: 'Togli', points: 'Punti del viso', picture: 'Foto {number}', left: '{point}, a sinistra', right: '{point}, a destra',
   no_face: 'In questa foto non si trova un viso.', several_faces: 'In questa foto c’è più di un viso.', too_small: 'Il viso è troppo piccolo.',
   turned: 'Una foto deve mostrare il viso di fronte.', no_picture: 'Questo file non è una foto che si possa leggere.', too_large: 'La foto è troppo grande.',
@@ -145,9 +151,9 @@ export const avatar = {
   noseBase: 'Base del naso', nose: 'Ala del naso', mouth: 'Angolo della bocca', lipUpper: 'Labbro superiore', lipLower: 'Labbro inferiore',
   lipsInnerUpper: 'Labbro superiore, dentro', lipsInnerLower: 'Labbro inferiore, dentro', sample: 'Buongiorno! Adesso parlo con il mio viso.',
   posing: 'Il tuo modo di muoverti', posingHint: 'Più foto di fronte, nella stessa luce, o un video in cui ogni posa si tiene per un secondo: sorriso, sopracciglia, vocali… Il nome di un file può dire la posa (smile.jpg, a.jpg); altrimenti si indovina. Anche queste restano su questo computer.',
-  poseFiles: 'Scegli foto o un video di pose', poseCamera: 'Pose davanti alla fotocamera', pose: 'Posa', pose_choose: 'Scegliere la posa', pose_waits: 'Si vedrà quando la testa si crea.', pose_none: 'Non si capisce che posa è: sceglierla.',
+  poseFiles: 'Scegli foto o un video di pose', poseCamera: 'Pose davanti alla fotocamera', pose: 'Posa', pose_choose: 'Scegli la posa', pose_waits: 'Sarà esaminata quando si crea la testa.', pose_none: 'Non si capisce che posa è: sceglila.',
   pose_taken: 'Presa: mostra la posa al {percent} %.', pose_not: 'Non adatta: {why}', pose_many: 'Troppe foto: al massimo {most}.', pose_looking: 'Si guarda la posa {number} di {count}…', pose_learning: 'Si impara dalla posa {number} di {count}…',
-  pose_added: 'Pose trovate. Controllare che ognuna sia quella giusta, poi creare la testa.', pose_unfit: 'Non adatte: {list}', pose_done: 'Fatto, in {seconds} s: {poses} pose, {actions} movimenti propri. Ora può parlare.',
+  pose_added: 'Pose trovate. Controlla che ognuna sia quella giusta, poi crea la testa.', pose_unfit: 'Non adatte: {list}', pose_done: 'Fatto, in {seconds} s: {poses} pose, {actions} movimenti propri. Ora può parlare.',
   pose_zero: 'La testa è fatta; nessuna delle pose è adatta.', pose_now: 'Ora: {pose}…', unlike: 'Non somiglia al viso a riposo (altra luce?).', other_face: 'È un altro viso, o è girato.', other_pose: 'Non mostra questa posa.',
   left_out: 'Questa posa da davanti non si vede.', poses_parted: 'Per le pose la foto di fronte deve avere le labbra chiuse.', no_front: 'Prima ci vuole la foto di fronte.',
   pose_film: 'Si guarda il video: {percent} %…', no_video: 'Questo video non si può leggere qui.', film_none: 'Nel video non si vede nessuna posa.', film_nobody: 'Nel video non si vede il viso della foto.', film_many: 'Il video ha più pose di quante ce ne stiano.',
@@ -157,12 +163,12 @@ export const avatar = {
 };
 
 export const editor = {
-  title: 'Editor', text: 'Testo', hint: 'Selezionate delle parole, scegliete che cosa vale per esse. Ctrl + Invio: ascolta la selezione. Esc: ferma.',
-  kind: 'Segno', value: 'Quale', put: 'Metti', lang: 'Lingua', hear: 'Ascolta la selezione', hearAll: 'Ascolta tutto', stop: 'Ferma',
+  title: 'Editor', text: 'Testo', hint: 'Seleziona delle parole e scegli che cosa vale per loro. Ctrl + Invio: ascolta la selezione. Esc: ferma.',
+  kind: 'Segno', value: 'Quale', put: 'Applica', lang: 'Lingua', hear: 'Ascolta la selezione', hearAll: 'Ascolta tutto', stop: 'Ferma',
   atOnce: 'Fa sentire subito ogni segno', marks: 'Segni', remove: 'Togli: {kind} {value}, «{words}»', codeTitle: 'Il testo marcato', markup: 'Linguaggio',
   save: 'Salva', file: 'Apri un testo', good: 'Il server capisce tutto.', warned: 'Il server segnala: {n}', unsaid: '{markup} non può dire: {what}.',
   workName: 'Nome nella biblioteca', workSave: 'Salva nella biblioteca', workOpen: 'Apri dalla biblioteca', workSaved: '{file} è nella biblioteca.',
-  lost: 'Non conservati: {what}.', nothing: 'Selezionate prima delle parole.', affect: 'Affetto', emphasis: 'Enfasi', gaze: 'Sguardo', voice: 'Voce',
+  lost: 'Non conservati: {what}.', nothing: 'Seleziona prima delle parole.', affect: 'Affetto', emphasis: 'Enfasi', gaze: 'Sguardo', voice: 'Voce',
   pause: 'Pausa', gesture: 'Gesto', strong: 'forte', moderate: 'media', reduced: 'debole', left: 'a sinistra', right: 'a destra', up: 'in alto', down: 'in basso',
   sample: 'Buongiorno! Che bella sorpresa. Non me lo aspettavo davvero.',
 };
@@ -171,7 +177,7 @@ export const emotion = {
   title: 'Emozioni', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma', emotion: 'Disco delle emozioni',
   affect: 'Una sola emozione', mixed: 'Mescolate', intensity: 'Intensità', neutral: 'Neutra', markup: 'Come scriverla', copy: 'Copia',
   faps: 'Valori FAP del volto', name: 'Nome', value: 'Valore', slider: 'punto sul disco',
-  hint: 'Trascinare il punto, o spostarlo con le frecce (Maiusc: a passi piccoli; Inizio: al centro). La direzione è l’emozione, la distanza dal centro l’intensità.',
+  hint: 'Trascina il punto, o spostalo con le frecce (Maiusc: a passi piccoli; Inizio: al centro). La direzione è l’emozione, la distanza dal centro l’intensità.',
   sample: 'Che cosa mi racconti oggi? Non me lo sarei mai aspettato.',
   affects: {
     joy: 'gioia', anger: 'rabbia', sadness: 'tristezza', fear: 'paura', disgust: 'disgusto', surprise: 'sorpresa', distress: 'angoscia',
@@ -202,17 +208,18 @@ export const library = {
 };
 
 export const operator = {
-  title: 'Tavolo dell’operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
-  followers: 'Nella stanza: {n}', desks: 'Altri che operano: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Di’', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
+  title: 'Operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
+  followers: 'Nella stanza: {n}', observers: 'Altri che operano: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Parla', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
   choices: 'Domanda e risposte', choicesHint: 'Ha fame? | Sì | No: la domanda, poi le risposte, divise da |', offer: 'Offri', withdraw: 'Ritira',
-  lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più piano', faster: 'Più svelto', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',
-  keys: 'Ctrl + Invio: di’. Esc: ferma. Fuori dai campi: R ripeti, S più piano, L più forte, 1–9 le battute.', queue: 'In attesa', queueHint: 'Qui aspetta ciò che si dirà dopo; si può ancora cambiare.',
-  waits: 'Testo in attesa', up: 'Prima', down: 'Dopo', cancel: 'Togli', scene: 'Scena', edit: 'Cambia la scena', sceneText: 'Scena (JSON o CSV)', take: 'Prendi', openFile: 'Apri un file',
-  saveCsv: 'Salva CSV', saveJson: 'Salva JSON', sceneHint: 'CSV: colonne id, text, variants (divise da |), mood, choices (testo > id, divise da |), next.', sceneTaken: 'La scena è stata presa.',
+  lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più lento', faster: 'Più veloce', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',
+  keepLog: 'Salva il registro', manner: 'Voce, lingua e segno',
+  keys: 'Ctrl + Invio: parla. Esc: ferma. Fuori dai campi: R ripeti, S più lento, L più forte, 1–9 le battute.', queue: 'In attesa', queueHint: 'Qui aspetta ciò che si dirà dopo; si può ancora cambiare.',
+  waits: 'Testo in attesa', up: 'Prima', down: 'Dopo', cancel: 'Togli', scene: 'Scena', edit: 'Cambia la scena', sceneText: 'Scena (JSON o CSV)', take: 'Usa', openFile: 'Apri un file',
+  saveCsv: 'Salva CSV', saveJson: 'Salva JSON', sceneHint: 'CSV: colonne id, text, variants (divise da |), mood, choices (testo > id, divise da |), next.', sceneTaken: 'La scena è in uso.',
   sceneName: 'Scena sul server', fetchScene: 'Apri', keepScene: 'Conserva', dropScene: 'Cancella', sceneKept: 'La scena è sul server.', sceneDropped: 'La scena è stata cancellata.',
   badScene: 'La scena ha un errore: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ascolta', thinking: 'pensa', muted: 'microfono spento', asleep: 'addormentata',
-  looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascinare il punto, o spostarlo con le frecce: il volto della stanza cambia subito. Gli altri tavoli lo vedono.',
-  study: 'Studio', askFirst: 'Chiedere il consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
+  looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascina il punto, o spostalo con le frecce: il volto della stanza cambia subito. Gli altri operatori lo vedono.',
+  study: 'Studio', askFirst: 'Consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
   consent: 'Consenso:', 'consent-none': 'Nessuno studio in corso.', 'consent-asked': 'Chiesto, senza risposta: di chi ascolta non si annota nulla.', 'consent-given': 'Dato: il registro è tenuto.', 'consent-declined': 'Negato: di chi ascolta non si annota nulla.',
   sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: '',
   sampleScene: [
@@ -223,15 +230,16 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Fallo dire', files: 'Apri .fap o .fapc, con suono e tempi',
+  title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Parla', files: 'Apri .fap o .fapc, con suono e tempi',
+  start: 'Scrivi una frase e premi Parla, o apri un file .fap o .fapc: qui compaiono il suono e le curve del viso, da ascoltare, confrontare e modificare.',
   plots: 'Onda, spettro, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
   loop: 'Ripeti', frame: 'Fotogramma', group: 'Gruppo di FAP', curve: 'Curva da modificare', value: 'Valore a questo fotogramma',
-  editHint: 'Si trascinano i punti della curva; un doppio clic ne aggiunge o ne toglie uno; con Maiusc si disegna.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
+  editHint: 'Trascina i punti della curva; un doppio clic ne aggiunge o ne toglie uno; con Maiusc si disegna.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
   smooth: 'Liscia', factor: 'Fattore', scale: 'Scala', mirror: 'Specchia', copyCurve: 'Copia la curva', pasteCurve: 'Incolla', undo: 'Annulla', redo: 'Rifai',
   save: 'Salva .fap',
-  gestureTitle: 'Un gesto con un nome', gestureHint: 'Portate il fotogramma all’inizio e alla fine del tratto. Il file va nella cartella di facciad --gestures; il server lo salva dove è permesso (--editing).',
+  gestureTitle: 'Salva come gesto', gestureHint: 'Vai al primo e all’ultimo fotogramma del gesto. Il file va nella cartella di facciad --gestures; il server lo salva dove è permesso (--editing).',
   stretchFrom: 'Qui comincia', stretchTo: 'Qui finisce', stretchIs: 'Fotogrammi {from}–{to}, {seconds} s', gestureGroups: 'Che cosa si muove',
-  gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salva il gesto', gestureKeep: 'Salva sul server', gestureKept: 'Il gesto è sul server: i testi lo possono chiedere subito.', gestureMade: 'Il gesto è salvato.', noGesture: 'Il tratto è vuoto, troppo corto (3 fotogrammi) o troppo lungo (10 s).', nothingSpoken: 'Qui non è ancora stato detto nulla.', opened: '{name}: {n} fotogrammi, {fps} al secondo.',
+  gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salva il gesto', gestureKeep: 'Salva sul server', gestureKept: 'Il gesto è sul server: i testi lo possono chiedere subito.', gestureMade: 'Il gesto è salvato.', noGesture: 'Il gesto è vuoto, troppo corto (3 fotogrammi) o troppo lungo (10 s).', nothingSpoken: 'Qui non è ancora stato detto nulla.', opened: '{name}: {n} fotogrammi, {fps} al secondo.',
   groups: ['', '', 'Mascella e labbra interne', 'Occhi', 'Sopracciglia', 'Guance', 'Lingua', 'Testa', 'Labbra esterne', 'Naso', 'Orecchie'],
   sample: 'La mamma parla piano.',
 };
@@ -252,10 +260,10 @@ export const voices = {
 
 /** The form for pronunciations, on the pages that have it. */
 export const sayings = {
-  sayings: 'Pronuncia di una parola', word: 'Parola', wordHint: 'Selezionatela nel testo, o scrivetela qui.', way: 'Pronuncia come', asText: 'un altro testo', asIpa: 'fonemi (IPA)',
+  sayings: 'Pronuncia di una parola', word: 'Parola', wordHint: 'Selezionala nel testo, o scrivila qui.', way: 'Pronuncia come', asText: 'un altro testo', asIpa: 'fonemi (IPA)',
   said: 'Come si dice', hearIt: 'Ascolta', place: 'Dove', inWork: 'in quest’opera', inLibrary: 'in tutta la biblioteca', inFile: 'in un file da scaricare', save: 'Salva così',
-  saved: '«{word}» si pronuncia così da adesso: {file}.', downloaded: 'Il file {file} è stato scaricato.', noWord: 'Indicate la parola.', noSaid: 'Scrivete come si dice.',
+  saved: '«{word}» si pronuncia così da adesso: {file}.', downloaded: 'Il file {file} è stato scaricato.', noWord: 'Indica la parola.', noSaid: 'Scrivi come si dice.',
   badEntry: 'Così non si può dire: {message}', otherLang: 'Il lessico {file} è per un’altra lingua: {lang}.', brokenFile: 'Il lessico {file} non si può leggere.',
-  report: 'Segnala come letta male', reported: 'Grazie: la segnalazione è arrivata.', noReports: 'Qui non si raccolgono segnalazioni.', tooMany: 'Troppe segnalazioni: riprovate fra un minuto.',
+  report: 'Segnala come letta male', reported: 'Grazie: la segnalazione è arrivata.', noReports: 'Qui non si raccolgono segnalazioni.', tooMany: 'Troppe segnalazioni: riprovare fra un minuto.',
   reports: 'Segnalate dai lettori', noneReported: 'Nessuna segnalazione.', take: 'Correggi «{word}»', dismiss: 'Scarta la segnalazione di «{word}»', drop: 'Scarta',
 };

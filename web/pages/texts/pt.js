@@ -5,7 +5,8 @@
 export const shared = {
   skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
   libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', examplesPage: 'Exemplos', docsPage: 'Documentação',
-  morePages: 'Outras páginas', editorPage: 'Editor',
+  editorPage: 'Editor', roomPage: 'Uma tela para a sala',
+  menu: 'Menu', groupSpeak: 'Falar', groupRead: 'Ler', groupHome: 'Em casa', groupMake: 'Criar', groupDevelop: 'Desenvolver',
   connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
   face: 'A cabeça', head: 'Cabeça: {title}. {credits}', pageLang: 'Idioma desta página', otherLanguages: 'Outros idiomas',
   token: 'Código de acesso', tokenUse: 'Usar o código', tokenWhy: 'Quem administra o servidor pode dar um.',
@@ -53,10 +54,10 @@ export const errors = {
   'unknown-expression': 'O servidor não conhece esta expressão.',
   'unknown-scene': 'Esta cena já não existe.',
   'nothing-kept': 'Este servidor não guarda nada assim: quem o administra pode lhe dar uma pasta.',
-  changed: 'Alguém o mudou nesse meio-tempo. Abri-lo de novo, ou salvá-lo com outro nome.',
+  changed: 'Alguém o mudou nesse meio-tempo. Abra-o de novo, ou salve-o com outro nome.',
   'condition-needed': 'Já existe com este nome.',
   'document-too-long': 'É longo demais para ser guardado.',
-  'shelf-full': 'O servidor já guarda tantos quantos pode. Apagar algum.',
+  'store-full': 'O servidor não tem lugar para mais. Apague algum.',
   'cannot-keep': 'O servidor não conseguiu guardá-lo.',
   'unknown-room': 'Não há ninguém nesta sala.',
   'too-many-rooms': 'O servidor não tem lugar para outra sala. Tente mais tarde.',
@@ -116,6 +117,11 @@ export const errors = {
 };
 
 export const speak = {
+  lead: 'faccia é um rosto que fala: escreva um texto e leia também os lábios.', ways: 'Por onde começar',
+  wayRead: 'Para quem lê', wayReadWhat: 'Livros, peças e poemas lidos em voz alta, com o texto que acompanha.', wayReadGo: 'Abrir a biblioteca',
+  wayHome: 'Para a casa', wayHomeWhat: 'Uma tela na cozinha que fala, pergunta e mostra respostas para tocar.', wayHomeGo: 'Preparar uma tela',
+  wayPage: 'Para o seu site', wayPageWhat: 'Duas linhas de HTML põem o rosto numa página.', wayPageGo: 'Ver exemplos',
+  wayScript: 'Para scripts', wayScriptWhat: 'Um comando curl, e o rosto fala.', wayScriptGo: 'Ler como',
   title: 'Uma cabeça que fala', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma do texto', voice: 'Voz', automatic: 'Automática',
   rate: 'Velocidade', unit: '({n} palavras por minuto)', speak: 'Falar', pause: 'Pausar', resume: 'Continuar', stop: 'Parar', repeat: 'Repetir',
   hint: 'Ctrl + Enter: falar. Esc: parar.', more: 'Mais opções', markup: 'Tipo de texto', auto: 'Reconhecido pelo texto', plain: 'Texto simples',
@@ -128,14 +134,14 @@ export const speak = {
 };
 
 export const avatar = {
-  title: 'Seu rosto', pictures: 'Fotos', picturesHint: 'Uma foto de frente, de lábios fechados; melhor com mais duas: meio virada para cada lado para a pele, ou de perfil diante de um fundo uniforme para a forma. As fotos ficam neste computador. O resultado é uma aproximação, não um retrato fiel: da foto vêm os pontos do rosto vistos de frente e a pele; cabelo, orelhas, pescoço, dentes, quase toda a profundidade e os movimentos são de uma das nossas cabeças.',
+  title: 'Seu rosto', pictures: 'Fotos', picturesHint: 'Uma foto de frente, de lábios fechados; melhor com mais duas: meio virada para cada lado para a pele, ou de perfil diante de um fundo uniforme para a forma. As fotos ficam neste computador. O resultado é uma aproximação, não um retrato fiel.', picturesMore: 'O que resulta', picturesResult: 'Da foto vêm os pontos do rosto vistos de frente e a pele; cabelo, orelhas, pescoço, dentes, quase toda a profundidade e os movimentos são de uma das nossas cabeças.',
   turn: 'Girar a cabeça', turn_front: 'Olhe direto para a câmera…', turn_left: 'Agora gire a cabeça devagar para a sua esquerda…', turn_right: 'Agora gire a cabeça devagar para a sua direita…',
   turn_on: 'Mais um momento: de frente, à esquerda, à direita…', turn_few: 'Nem todos os lados foram vistos: também serve, ou tente de novo.',
-  choose: 'Escolher fotos', camera: 'Câmera', take: 'Tirar foto', cameraOff: 'Desligar a câmera', making: 'Criação', like: 'Cabelo e roupa de',
+  choose: 'Arraste as fotos para cá, ou escolha', camera: 'Câmera', take: 'Tirar foto', cameraOff: 'Desligar a câmera', making: 'Criação', like: 'Cabelo e roupa de',
   eyes: 'Olhos de', make: 'Criar a cabeça', save: 'Baixar a cabeça', text: 'Texto a dizer', lang: 'Idioma', speak: 'Falar', stop: 'Parar',
   nearest: 'Escolher… (de rosto mais próximo: {title})', hairFirst: 'Escolha de quem é o cabelo: ele não se adivinha pela foto.', same: 'A mesma', loading: 'Carregando o localizador de rostos…', looking: 'Procurando o rosto…', working: 'Criando a cabeça…',
   profile: 'Aceita como perfil: a linha mostra onde o rosto termina. Se estiver errada, remova a foto.', profileLine: 'Linha do perfil',
-  found: 'Encontrado. Confira os pontos: movem-se com o mouse, ou escolha um e use as setas.', point: 'Ponto', up: 'Para cima', down: 'Para baixo', leftward: 'Para a esquerda', rightward: 'Para a direita', done: 'Pronto, em {seconds} s. Agora pode falar.', parted: 'Os lábios estão abertos: com lábios fechados a boca fica melhor.', bearded: 'A barba escura foi retirada: na pele ela acabaria no meio.',
+  found: 'Encontrado. Confira os pontos: movem-se com o mouse, ou escolha um e use as setas.', point: 'Ponto', up: 'Para cima', down: 'Para baixo', leftward: 'Para a esquerda', rightward: 'Para a direita', done: 'Pronto, em {seconds} s: uma aproximação, não um retrato fiel. Agora pode falar.', parted: 'Os lábios estão abertos: com lábios fechados a boca fica melhor.', bearded: 'A barba escura foi retirada: na pele ela acabaria no meio.',
   remove: 'Remover', points: 'Pontos do rosto', picture: 'Foto {number}', left: '{point}, à esquerda', right: '{point}, à direita',
   no_face: 'Não há rosto nesta foto.', several_faces: 'Há mais de um rosto nesta foto.', too_small: 'O rosto é pequeno demais.',
   turned: 'Uma foto deve mostrar o rosto de frente.', no_picture: 'Este arquivo não é uma foto que se possa ler.', too_large: 'A foto é grande demais.',
@@ -158,7 +164,7 @@ export const avatar = {
 
 export const editor = {
   title: 'Editor', text: 'Texto', hint: 'Selecione palavras e escolha o que vale para elas. Ctrl + Enter: ouvir a seleção. Esc: parar.',
-  kind: 'Marca', value: 'Qual', put: 'Pôr', lang: 'Idioma', hear: 'Ouvir a seleção', hearAll: 'Ouvir tudo', stop: 'Parar',
+  kind: 'Marca', value: 'Qual', put: 'Aplicar', lang: 'Idioma', hear: 'Ouvir a seleção', hearAll: 'Ouvir tudo', stop: 'Parar',
   atOnce: 'Ouvir logo cada marca', marks: 'Marcas', remove: 'Tirar: {kind} {value}, «{words}»', codeTitle: 'O texto marcado', markup: 'Linguagem',
   save: 'Salvar', file: 'Abrir um texto', good: 'O servidor entende tudo.', warned: 'O servidor avisa: {n}', unsaid: '{markup} não pode dizer: {what}.',
   workName: 'Nome na biblioteca', workSave: 'Salvar na biblioteca', workOpen: 'Abrir da biblioteca', workSaved: '{file} está na biblioteca.',
@@ -202,16 +208,17 @@ export const library = {
 };
 
 export const operator = {
-  title: 'Mesa do operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
-  followers: 'Na sala: {n}', desks: 'Outros que operam: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
+  title: 'Operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
+  followers: 'Na sala: {n}', observers: 'Outros que operam: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
   choices: 'Pergunta e respostas', choicesHint: 'Tem fome? | Sim | Não: a pergunta, depois as respostas, separadas por |', offer: 'Oferecer', withdraw: 'Retirar',
   lang: 'Idioma', mood: 'Humor', neutral: 'neutro', state: 'Sinal', repeat: 'Repetir', slower: 'Mais devagar', faster: 'Mais rápido', louder: 'Mais alto', softer: 'Mais baixo', globally: 'Para tudo o que segue',
+  keepLog: 'Salvar o registro', manner: 'Voz, idioma e sinal',
   keys: 'Ctrl + Enter: dizer. Esc: parar. Fora dos campos: R repetir, S mais devagar, L mais alto, 1–9 as falas.', queue: 'Em espera', queueHint: 'Aqui espera o que será dito depois; ainda pode ser mudado.',
   waits: 'Texto em espera', up: 'Antes', down: 'Depois', cancel: 'Tirar', scene: 'Cena', edit: 'Mudar a cena', sceneText: 'Cena (JSON ou CSV)', take: 'Usar', openFile: 'Abrir um arquivo',
   saveCsv: 'Salvar CSV', saveJson: 'Salvar JSON', sceneHint: 'CSV: colunas id, text, variants (separadas por |), mood, choices (texto > id, separadas por |), next.', sceneTaken: 'A cena foi lida.',
   sceneName: 'Cena no servidor', fetchScene: 'Abrir', keepScene: 'Guardar', dropScene: 'Apagar', sceneKept: 'A cena está no servidor.', sceneDropped: 'A cena foi apagada.',
   badScene: 'A cena tem um erro: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ouvindo', thinking: 'pensando', muted: 'microfone desligado', asleep: 'dormindo',
-  looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arrastar o ponto, ou movê-lo com as setas: o rosto da sala muda logo. As outras mesas o veem.',
+  looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arraste o ponto, ou mova-o com as setas: o rosto da sala muda logo. Os outros operadores o veem.',
   study: 'Estudo', askFirst: 'Pedir o consentimento', consentText: 'O que se anota, e para quem', consentHint: 'Quem ouve lê isto antes de responder. Sem texto, há uma explicação pronta.', askConsent: 'Pedir consentimento', endStudy: 'Fim do estudo',
   consent: 'Consentimento:', 'consent-none': 'Nenhum estudo em curso.', 'consent-asked': 'Pedido, sem resposta: de quem ouve nada se anota.', 'consent-given': 'Dado: o registro é mantido.', 'consent-declined': 'Negado: de quem ouve nada se anota.',
   sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: '',
@@ -224,14 +231,15 @@ export const operator = {
 
 export const player = {
   title: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som e tempos',
+  start: 'Escreva uma frase e pressione Falar, ou abra um arquivo .fap ou .fapc: aqui aparecem o som e as curvas do rosto, para ouvir, comparar e mudar.',
   plots: 'Onda, espectro, sons e curvas', play: 'Iniciar', pause: 'Pausar', frameBack: 'Um quadro atrás', frameOn: 'Um quadro adiante',
   loop: 'Repetir', frame: 'Quadro', group: 'Grupo de FAPs', curve: 'Curva a editar', value: 'Valor neste quadro',
   editHint: 'Arraste os pontos da curva; um clique duplo põe ou tira um; com Shift desenha-se.', setKey: 'Pôr o ponto', dropKey: 'Tirar o ponto',
   smooth: 'Suavizar', factor: 'Fator', scale: 'Escalar', mirror: 'Espelhar', copyCurve: 'Copiar a curva', pasteCurve: 'Colar', undo: 'Desfazer', redo: 'Refazer',
   save: 'Salvar .fap',
-  gestureTitle: 'Um gesto com nome', gestureHint: 'Leve o quadro ao começo e ao fim do trecho. O arquivo vai na pasta de facciad --gestures; o servidor o salva onde é permitido (--editing).',
+  gestureTitle: 'Salvar como gesto', gestureHint: 'Vá ao primeiro e ao último quadro do gesto. O arquivo vai na pasta de facciad --gestures; o servidor o salva onde é permitido (--editing).',
   stretchFrom: 'Aqui começa', stretchTo: 'Aqui termina', stretchIs: 'Quadros {from}–{to}, {seconds} s', gestureGroups: 'O que se move',
-  gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salvar o gesto', gestureKeep: 'Salvar no servidor', gestureKept: 'O gesto está no servidor: os textos já o podem pedir.', gestureMade: 'O gesto foi salvo.', noGesture: 'O trecho é vazio, curto demais (3 quadros) ou longo demais (10 s).', nothingSpoken: 'Nada foi dito aqui ainda.', opened: '{name}: {n} quadros, {fps} por segundo.',
+  gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salvar o gesto', gestureKeep: 'Salvar no servidor', gestureKept: 'O gesto está no servidor: os textos já o podem pedir.', gestureMade: 'O gesto foi salvo.', noGesture: 'O gesto está vazio, curto demais (3 quadros) ou longo demais (10 s).', nothingSpoken: 'Nada foi dito aqui ainda.', opened: '{name}: {n} quadros, {fps} por segundo.',
   groups: ['', '', 'Mandíbula e lábios internos', 'Olhos', 'Sobrancelhas', 'Bochechas', 'Língua', 'Cabeça', 'Lábios externos', 'Nariz', 'Orelhas'],
   sample: 'A mamãe fala baixinho.',
 };
@@ -240,8 +248,8 @@ export const room = {
   title: 'O rosto da sala', full: 'Tela cheia', answers: 'Respostas', wake: 'Dormindo. Toque para acordar', stopHint: 'Toque na tela para parar',
   offline: 'Sem conexão', idle: 'Pronta', listening: 'Ouvindo', thinking: 'Pensando', speaking: 'Falando', muted: 'Microfone desligado', asleep: 'Dormindo',
   blocked: 'Toque na tela para ouvir a voz', chosen: 'Resposta: {text}', noRoom: 'O endereço deve nomear uma sala: room.html?room=cozinha',
-  consentTitle: 'Podemos tomar notas?', consentWhat: 'É um estudo. Anota-se o que se diz aqui e que respostas a pessoa escolhe.', consentFree: 'Pode dizer que não: tudo funciona igual. Pode mudar de ideia quando quiser. Esta tela não grava voz nem imagem.',
-  consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Estão sendo tomadas notas.', consentStop: 'Parar', declined: 'Tudo bem: nada sobre você é anotado.',
+  consentTitle: 'Podemos tomar notas?', consentWhat: 'É um estudo. Anotamos o que se diz aqui e as respostas que você escolhe.', consentFree: 'Você pode dizer não: tudo funciona igual. Pode mudar de ideia quando quiser. Esta tela não grava voz nem imagem.',
+  consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Estão sendo tomadas notas.', consentStop: 'Parar de anotar', declined: 'Tudo bem: nada sobre você é anotado.',
 };
 
 export const voices = {

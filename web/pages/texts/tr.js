@@ -3,9 +3,10 @@
 
 /** Texts that several pages share. */
 export const shared = {
-  skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
+  skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Sizin yüzünüz',
   libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', examplesPage: 'Örnekler', docsPage: 'Belgeler',
-  morePages: 'Diğer sayfalar', editorPage: 'Düzenleyici',
+  editorPage: 'Düzenleyici', roomPage: 'Oda için ekran',
+  menu: 'Menü', groupSpeak: 'Konuşma', groupRead: 'Okuma', groupHome: 'Ev', groupMake: 'Oluşturma', groupDevelop: 'Geliştirme',
   connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
   face: 'Baş', head: 'Baş: {title}. {credits}', pageLang: 'Bu sayfanın dili', otherLanguages: 'Diğer diller',
   token: 'Erişim kodu', tokenUse: 'Kodu kullan', tokenWhy: 'Sunucunun yöneticisi size bir kod verebilir.',
@@ -56,7 +57,7 @@ export const errors = {
   changed: 'Bu arada başka biri değiştirdi. Yeniden açın ya da başka bir adla kaydedin.',
   'condition-needed': 'Bu adla zaten var.',
   'document-too-long': 'Saklanamayacak kadar uzun.',
-  'shelf-full': 'Sunucu saklayabileceği kadarını saklıyor. Birini silin.',
+  'store-full': 'Sunucu saklayabileceği kadarını saklıyor. Birini silin.',
   'cannot-keep': 'Sunucu saklayamadı.',
   'unknown-room': 'Bu odada kimse yok.',
   'too-many-rooms': 'Sunucuda başka bir oda için yer yok. Daha sonra deneyin.',
@@ -116,6 +117,11 @@ export const errors = {
 };
 
 export const speak = {
+  lead: 'faccia konuşan bir yüzdür: bir metin yazın, dudaklarından da okuyun.', ways: 'Nereden başlamalı',
+  wayRead: 'Okurlar için', wayReadWhat: 'Kitaplar, oyunlar ve şiirler sesli okunur, metin de sesi izler.', wayReadGo: 'Kitaplığı aç',
+  wayHome: 'Ev için', wayHomeWhat: 'Mutfakta konuşan, soran ve dokunulacak yanıtlar gösteren bir ekran.', wayHomeGo: 'Bir ekran kur',
+  wayPage: 'Web siteniz için', wayPageWhat: 'İki satır HTML yüzü bir sayfaya yerleştirir.', wayPageGo: 'Örneklere bak',
+  wayScript: 'Betikler için', wayScriptWhat: 'Bir curl komutu yeter, yüz konuşur.', wayScriptGo: 'Nasıl yapılır',
   title: 'Konuşan bir baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Metnin dili', voice: 'Ses', automatic: 'Otomatik',
   rate: 'Hız', unit: '(dakikada {n} sözcük)', speak: 'Konuş', pause: 'Duraklat', resume: 'Devam et', stop: 'Dur', repeat: 'Tekrarla',
   hint: 'Ctrl + Enter: konuş. Esc: dur.', more: 'Diğer seçenekler', markup: 'Metnin türü', auto: 'Metinden anlaşılır', plain: 'Düz metin',
@@ -128,14 +134,14 @@ export const speak = {
 };
 
 export const avatar = {
-  title: 'Senin yüzün', pictures: 'Fotoğraflar', picturesHint: 'Önden, dudakları kapalı bir fotoğraf; iki fotoğrafla daha iyi olur: cilt için iki yana yarım dönük, biçim için düz bir fon önünde yandan. Fotoğraflar bu bilgisayarda kalır. Sonuç bir yaklaşımdır, aslının aynısı değil: fotoğraftan yüzün önden görülen noktaları ve cilt gelir; saç, kulaklar, boyun, dişler, derinliğin çoğu ve hareketler bizim başlarımızdan birinindir.',
+  title: 'Sizin yüzünüz', pictures: 'Fotoğraflar', picturesHint: 'Önden, dudakları kapalı bir fotoğraf; iki fotoğrafla daha iyi olur: cilt için iki yana yarım dönük, biçim için düz bir fon önünde yandan. Fotoğraflar bu bilgisayarda kalır. Sonuç bir yaklaşımdır, aslının aynısı değil.', picturesMore: 'Sonuç nasıl olur', picturesResult: 'Fotoğraftan yüzün önden görülen noktaları ve cilt gelir; saç, kulaklar, boyun, dişler, derinliğin çoğu ve hareketler bizim başlarımızdan birinindir.',
   turn: 'Başı çevir', turn_front: 'Kameraya dümdüz bakın…', turn_left: 'Şimdi başınızı yavaşça solunuza çevirin…', turn_right: 'Şimdi başınızı yavaşça sağınıza çevirin…',
   turn_on: 'Biraz daha: önden, soldan, sağdan…', turn_few: 'Her yan görülmedi: böyle de olur, ya da yeniden deneyin.',
-  choose: 'Fotoğraf seç', camera: 'Kamera', take: 'Çek', cameraOff: 'Kamerayı kapat', making: 'Oluşturma', like: 'Saç ve giysi',
+  choose: 'Fotoğrafları buraya bırakın ya da seçin', camera: 'Kamera', take: 'Çek', cameraOff: 'Kamerayı kapat', making: 'Oluşturma', like: 'Saç ve giysi',
   eyes: 'Gözler', make: 'Başı oluştur', save: 'Başı indir', text: 'Söylenecek metin', lang: 'Dil', speak: 'Konuş', stop: 'Dur',
   nearest: 'Seçin… (yüzü en yakın: {title})', hairFirst: 'Saçın kime ait olacağını seçin: fotoğraftan tahmin edilmez.', same: 'Aynısı', loading: 'Yüz bulucu yükleniyor…', looking: 'Yüz aranıyor…', working: 'Baş oluşturuluyor…',
   profile: 'Profil olarak alındı: çizgi yüzün nerede bittiğini gösterir. Yanlışsa fotoğrafı kaldırın.', profileLine: 'Profil çizgisi',
-  found: 'Bulundu. Noktalara bakın: fareyle taşınırlar, ya da birini seçip okları kullanın.', point: 'Nokta', up: 'Yukarı', down: 'Aşağı', leftward: 'Sola', rightward: 'Sağa', done: '{seconds} saniyede hazır. Artık konuşabilir.', parted: 'Dudaklar açık: kapalı dudaklarla ağız daha iyi olur.', bearded: 'Koyu sakal çıkarıldı: deride yarım kalırdı.',
+  found: 'Bulundu. Noktalara bakın: fareyle taşınırlar, ya da birini seçip okları kullanın.', point: 'Nokta', up: 'Yukarı', down: 'Aşağı', leftward: 'Sola', rightward: 'Sağa', done: '{seconds} saniyede hazır: bir yaklaşım, aslının aynısı değil. Artık konuşabilir.', parted: 'Dudaklar açık: kapalı dudaklarla ağız daha iyi olur.', bearded: 'Koyu sakal çıkarıldı: deride yarım kalırdı.',
   remove: 'Kaldır', points: 'Yüzün noktaları', picture: 'Fotoğraf {number}', left: '{point}, solda', right: '{point}, sağda',
   no_face: 'Bu fotoğrafta yüz bulunamadı.', several_faces: 'Bu fotoğrafta birden çok yüz var.', too_small: 'Yüz çok küçük.',
   turned: 'Bir fotoğraf yüzü önden göstermeli.', no_picture: 'Bu dosya okunabilir bir fotoğraf değil.', too_large: 'Fotoğraf çok büyük.',
@@ -144,7 +150,7 @@ export const avatar = {
   eyeOuter: 'Göz, dış', eyeInner: 'Göz, iç', lidUpper: 'Üst göz kapağı', lidLower: 'Alt göz kapağı', noseBridge: 'Burun kökü', noseTip: 'Burun ucu',
   noseBase: 'Burun altı', nose: 'Burun kanadı', mouth: 'Ağız köşesi', lipUpper: 'Üst dudak', lipLower: 'Alt dudak',
   lipsInnerUpper: 'Üst dudak, iç', lipsInnerLower: 'Alt dudak, iç', sample: 'Günaydın! Artık kendi yüzümle konuşuyorum.',
-  posing: 'Senin hareketlerin', posingHint: 'Önden, aynı ışıkta başka fotoğraflar, ya da her pozun bir saniye tutulduğu bir video: gülümseme, kaşlar, ünlüler… Dosya adı pozu söyleyebilir (smile.jpg, a.jpg); yoksa tahmin edilir. Bunlar da bu bilgisayarda kalır.',
+  posing: 'Sizin hareketleriniz', posingHint: 'Önden, aynı ışıkta başka fotoğraflar, ya da her pozun bir saniye tutulduğu bir video: gülümseme, kaşlar, ünlüler… Dosya adı pozu söyleyebilir (smile.jpg, a.jpg); yoksa tahmin edilir. Bunlar da bu bilgisayarda kalır.',
   poseFiles: 'Poz fotoğrafları ya da videosu seç', poseCamera: 'Kamera önünde pozlar', pose: 'Poz', pose_choose: 'Pozu seçin', pose_waits: 'Baş oluşturulurken bakılacak.', pose_none: 'Hangi poz olduğu anlaşılmadı: seçin.',
   pose_taken: 'Alındı: pozu %{percent} gösteriyor.', pose_not: 'Uygun değil: {why}', pose_many: 'Çok fazla fotoğraf: en çok {most}.', pose_looking: 'Poza bakılıyor: {number} / {count}…', pose_learning: 'Pozdan öğreniliyor: {number} / {count}…',
   pose_added: 'Pozlar bulundu. Her birinin doğru olduğuna bakın, sonra başı oluşturun.', pose_unfit: 'Uygun olmayanlar: {list}', pose_done: '{seconds} saniyede hazır: {poses} poz, {actions} kendi hareketi. Artık konuşabilir.',
@@ -158,7 +164,7 @@ export const avatar = {
 
 export const editor = {
   title: 'Düzenleyici', text: 'Metin', hint: 'Sözcükleri seçin, onlar için ne geçerli olacağını belirtin. Ctrl + Enter: seçimi dinle. Esc: dur.',
-  kind: 'İşaret', value: 'Hangisi', put: 'Koy', lang: 'Dil', hear: 'Seçimi dinle', hearAll: 'Hepsini dinle', stop: 'Dur',
+  kind: 'İşaret', value: 'Hangisi', put: 'Uygula', lang: 'Dil', hear: 'Seçimi dinle', hearAll: 'Hepsini dinle', stop: 'Dur',
   atOnce: 'Her işareti hemen dinlet', marks: 'İşaretler', remove: 'Kaldır: {kind} {value}, «{words}»', codeTitle: 'İşaretli metin', markup: 'İşaretleme dili',
   save: 'Kaydet', file: 'Metin aç', good: 'Sunucu her şeyi anlıyor.', warned: 'Sunucunun uyarıları: {n}', unsaid: '{markup} şunu söyleyemez: {what}.',
   workName: 'Kitaplıktaki adı', workSave: 'Kitaplığa kaydet', workOpen: 'Kitaplıktan aç', workSaved: '{file} kitaplıkta.',
@@ -202,16 +208,17 @@ export const library = {
 };
 
 export const operator = {
-  title: 'Operatör masası', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
-  followers: 'Odada: {n}', desks: 'Diğer operatörler: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
+  title: 'Operatör', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
+  followers: 'Odada: {n}', observers: 'Diğer operatörler: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
   choices: 'Soru ve yanıtlar', choicesHint: 'Aç mısın? | Evet | Hayır: soru, sonra yanıtlar, | ile ayrılmış', offer: 'Sun', withdraw: 'Geri al',
   lang: 'Dil', mood: 'Duygu', neutral: 'yansız', state: 'İşaret', repeat: 'Tekrarla', slower: 'Daha yavaş', faster: 'Daha hızlı', louder: 'Daha yüksek', softer: 'Daha alçak', globally: 'Bundan sonrası için',
+  keepLog: 'Kaydı sakla', manner: 'Ses, dil ve işaret',
   keys: 'Ctrl + Enter: söyle. Esc: dur. Alanların dışında: R tekrarla, S daha yavaş, L daha yüksek, 1–9 replikler.', queue: 'Bekleyenler', queueHint: 'Sonra söylenecekler burada bekler; hâlâ değiştirilebilir.',
   waits: 'Bekleyen metin', up: 'Öne', down: 'Arkaya', cancel: 'Çıkar', scene: 'Sahne', edit: 'Sahneyi değiştir', sceneText: 'Sahne (JSON veya CSV)', take: 'Al', openFile: 'Dosya aç',
   saveCsv: 'CSV kaydet', saveJson: 'JSON kaydet', sceneHint: 'CSV: sütunlar id, text, variants (| ile ayrılmış), mood, choices (metin > id, | ile ayrılmış), next.', sceneTaken: 'Sahne alındı.',
   sceneName: 'Sunucudaki sahne', fetchScene: 'Aç', keepScene: 'Sakla', dropScene: 'Sil', sceneKept: 'Sahne sunucuda.', sceneDropped: 'Sahne silindi.',
   badScene: 'Sahnede hata var: {place}', logCsv: 'Kayıt CSV', logJson: 'Kayıt JSON', idle: 'hazır', listening: 'dinliyor', thinking: 'düşünüyor', muted: 'mikrofon kapalı', asleep: 'uykuda',
-  looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Öteki masalar da görür.',
+  looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
   study: 'Araştırma', askFirst: 'Onay isteme', consentText: 'Ne yazılıyor, kimin için', consentHint: 'Dinleyen kişi yanıtlamadan önce bunu okur. Metin yoksa hazır bir açıklama gösterilir.', askConsent: 'Onay iste', endStudy: 'Araştırmayı bitir',
   consent: 'Onay:', 'consent-none': 'Süren bir araştırma yok.', 'consent-asked': 'Soruldu, yanıt yok: dinleyenle ilgili hiçbir şey yazılmıyor.', 'consent-given': 'Verildi: kayıt tutuluyor.', 'consent-declined': 'Verilmedi: dinleyenle ilgili hiçbir şey yazılmıyor.',
   sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: '',
@@ -223,15 +230,16 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Söylet', files: '.fap ya da .fapc aç, ses ve sürelerle',
+  title: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Konuş', files: '.fap ya da .fapc aç, ses ve sürelerle',
+  start: 'Bir cümle yazıp Konuş’a basın ya da bir .fap veya .fapc dosyası açın: sesi ve yüzün eğrileri burada görünür; dinleyebilir, karşılaştırabilir, değiştirebilirsiniz.',
   plots: 'Dalga, tayf, sesler ve eğriler', play: 'Başlat', pause: 'Duraklat', frameBack: 'Bir kare geri', frameOn: 'Bir kare ileri',
   loop: 'Yinele', frame: 'Kare', group: 'FAP öbeği', curve: 'Düzenlenecek eğri', value: 'Bu karedeki değer',
   editHint: 'Eğrinin noktaları sürüklenir; çift tıklama bir nokta koyar ya da kaldırır; Shift ile eğri çizilir.', setKey: 'Noktayı koy', dropKey: 'Noktayı kaldır',
   smooth: 'Yumuşat', factor: 'Çarpan', scale: 'Ölçekle', mirror: 'Aynala', copyCurve: 'Eğriyi kopyala', pasteCurve: 'Yapıştır', undo: 'Geri al', redo: 'Yinele',
   save: '.fap kaydet',
-  gestureTitle: 'Adı olan bir jest', gestureHint: 'Kareyi bölümün başına ve sonuna getirin. Dosya facciad --gestures klasörüne konur; izin verilen yerde (--editing) sunucu kaydeder.',
-  stretchFrom: 'Burada başlar', stretchTo: 'Burada biter', stretchIs: 'Kareler {from}–{to}, {seconds} s', gestureGroups: 'Ne kımıldar',
-  gestureName: 'Ad (a–z, 0–9, -)', gestureSave: 'Jesti kaydet', gestureKeep: 'Sunucuya kaydet', gestureKept: 'Jest sunucuda: metinler onu hemen isteyebilir.', gestureMade: 'Jest kaydedildi.', noGesture: 'Bölüm boş, çok kısa (3 kare) ya da çok uzun (10 s).', nothingSpoken: 'Burada henüz bir şey söylenmedi.', opened: '{name}: {n} kare, saniyede {fps}.',
+  gestureTitle: 'Jest olarak kaydet', gestureHint: 'Jestin ilk ve son karesine gidin. Dosya facciad --gestures klasörüne konur; izin verilen yerde (--editing) sunucu kaydeder.',
+  stretchFrom: 'Burada başlar', stretchTo: 'Burada biter', stretchIs: 'Kareler {from}–{to}, {seconds} s', gestureGroups: 'Ne hareket eder',
+  gestureName: 'Ad (a–z, 0–9, -)', gestureSave: 'Jesti kaydet', gestureKeep: 'Sunucuya kaydet', gestureKept: 'Jest sunucuda: metinler onu hemen isteyebilir.', gestureMade: 'Jest kaydedildi.', noGesture: 'Jest boş, çok kısa (3 kare) ya da çok uzun (10 s).', nothingSpoken: 'Burada henüz bir şey söylenmedi.', opened: '{name}: {n} kare, saniyede {fps}.',
   groups: ['', '', 'Çene ve iç dudaklar', 'Gözler', 'Kaşlar', 'Yanaklar', 'Dil', 'Baş', 'Dış dudaklar', 'Burun', 'Kulaklar'],
   sample: 'Annem yavaşça konuşuyor.',
 };

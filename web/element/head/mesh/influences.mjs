@@ -133,7 +133,7 @@ export function influencesOf(part, drive) {
   return { normals: normals.rest, moves, turns };
 }
 
-/** In the place of the number of head turns: the vertex makes all of them wholly, so that one matrix does. */
+/** Stored instead of the number of head turns when the vertex follows all of them fully, so that one matrix suffices. */
 export const WHOLE_HEAD = 63;
 
 /**

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Finds the triangles that are visible while a head faces the viewer. The rest (skin under hair and cloth, hair behind hair,
 // the back of the teeth) costs as much as what is seen where no graphics processor draws: the colour of a point is worked out
-// before its depth is asked for.
+// before its depth is read.
 import { faceValues } from '../../face/face-mixer.mjs';
 import { across, scan } from '../shading/occlusion.mjs';
 

@@ -26,7 +26,7 @@ const isObject = (value) => typeof value === 'object' && value !== null && !Arra
 function checkPoints(points, at, width, what, fits) {
   if (!isObject(points)) throw new ModelError(at, 'must be an object of feature points');
   for (const [name, value] of Object.entries(points)) {
-    if (!isFeaturePoint(name)) throw new ModelError(`${at}.${name}`, 'there is no such feature point: 2.1 to 11.6, as ISO/IEC 14496-2 numbers them');
+    if (!isFeaturePoint(name)) throw new ModelError(`${at}.${name}`, 'unknown feature point: 2.1 to 11.6, as numbered by ISO/IEC 14496-2');
     if (!Array.isArray(value) || value.length !== width || !value.every(fits)) throw new ModelError(`${at}.${name}`, `must be ${what}`);
   }
   return Object.keys(points).length;
@@ -42,7 +42,7 @@ export function checkCalibration(calibration, prefix = '') {
   const inPicture = (value) => Number.isFinite(value) && value >= 0 && value <= 1;
   if (textureCoord !== undefined) {
     checkPoints(textureCoord, `${prefix}textureCoord`, 2, 'two numbers from 0 to 1', inPicture);
-    if (texture === undefined) throw new ModelError(`${prefix}texture`, 'is missing: textureCoord are places on it');
+    if (texture === undefined) throw new ModelError(`${prefix}texture`, 'is missing: textureCoord gives positions on it');
   }
   if (texture === undefined) return;
   if (!isObject(texture)) throw new ModelError(`${prefix}texture`, 'must be an object');
@@ -122,7 +122,7 @@ export function checkModel(json) {
     format: 'text', version: 'number', name: 'text', 'title?': 'text', 'credits?': 'list', fapu: 'object', 'fdp?': 'object',
     'view?': 'object', 'calibration?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
   });
-  if (json.format !== 'faccia-head') throw new ModelError('format', 'this is no head model');
+  if (json.format !== 'faccia-head') throw new ModelError('format', 'this is not a head model');
   if (json.version !== 1) throw new ModelError('version', 'only version 1 is known');
   if (!json.parts.length) throw new ModelError('parts', 'there are none');
   members(json.fapu, 'fapu', Object.fromEntries(FAPU.map((name) => [name, 'positive'])));
