@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Alignment of a recording that differs from its text: consecutive prompts of Debian's asterisk-core-sounds-it, of which the text lacks some and has others.
+// Alignment of a recording that differs from its text: consecutive prompts of Debian's asterisk-core-sounds-it, some missing from the text, and
+// others added to it.
 // Counts sentences of both that are found in the right place, and those of only one side that are reported.
 // node tests/bench/run.mjs align-recovery [PROMPTS, 60] [SEED, 1] [--program FACCIA]
 import { execFileSync } from 'node:child_process';

@@ -3,10 +3,10 @@
  *
  *     baseline PACK.json TIMES...
  *
- * TIMES tell phones (what faccia say --json writes). For each parameter it finds the factor on all extents
- * (theta) and on the degrees (c) with which the curve of the original function comes nearest to the way
- * through all targets that hold (alpha 0.5 and more), each reached where it belongs, with half a cosine
- * between them; at the rate of the files, at half and at double that. What it prints goes into
+ * TIMES are files with phones, as written by faccia say --json. For each parameter it finds the factors on
+ * all extents (theta) and degrees (c) for which the curve of the original function is closest to the path
+ * through all strong targets (alpha 0.5 and more): each reached at its time, with half a cosine between them;
+ * at the rate of the files, at half and at double that rate. The output goes into
  * server/face/engines/targets.c. */
 #include "server/base/buf.h"
 #include "server/base/mem.h"
@@ -50,7 +50,7 @@ static int read_phones(const char *path, double stretch, struct measured_speech 
     return result;
 }
 
-/* The way through the targets that hold. */
+/* The path through the strong targets. */
 static double way(const struct curve *curve, double t) {
     const struct curve_segment *from = NULL, *to = NULL;
     for (size_t i = 0; i < curve->count && !to; i++) {
@@ -68,7 +68,7 @@ static double way(const struct curve *curve, double t) {
     return from->c.T + weight * (to->c.T - from->c.T);
 }
 
-/* Its values from STEP on, every STEP. To be freed. */
+/* Returns its values from STEP on, every STEP. The caller frees them. */
 static double *way_of(const struct curve *raw, double end) {
     double *out = mem_alloc(((size_t)(end / STEP) + 2) * sizeof *out);
     for (size_t n = 1; (double)n * STEP < end; n++)
@@ -103,7 +103,7 @@ int main(int argc, char **argv) {
         fputs("Usage: baseline PACK.json TIMES...\n", stderr);
         return 2;
     }
-    memset(pack->undershoot, 0, sizeof pack->undershoot); /* the original undershoots by itself */
+    memset(pack->undershoot, 0, sizeof pack->undershoot); /* the original function undershoots anyway */
     size_t files = (size_t)(argc - 2) * STRETCHES;
     struct phone_segments *g = mem_alloc(files * sizeof *g);
     for (size_t i = 0; i < files; i++) {

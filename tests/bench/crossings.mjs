@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sound of every language (contexts and syllables, too) in every affect, spoken in both blends, on every head: what goes through what.
-// Hours for all of it: --minutes ends the search of each head then, and says how many poses, taken from all over, it came to.
+// Intersections of meshes for every sound of every language (contexts and syllables too) in every affect, in both blends, on every head.
+// The full search takes hours. --minutes limits the time for each head, and reports how many poses, sampled evenly, were checked.
 // FACCIA_BUILD=build node tests/bench/run.mjs crossings [--apart 0.25] [--minutes N] [--affects joy,anger] [HEAD]...
 import fs from 'node:fs';
 import path from 'node:path';

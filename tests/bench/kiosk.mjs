@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Accelerated hours of a room's page: sentences, questions, moods, sleep, a connection cut every hour; and what the browser holds after each hour
+// Accelerated hours of a room's page: sentences, questions, moods, sleep, a connection cut every hour. Reports the browser's memory after each hour
 // and a garbage collection: heap, DOM nodes, listeners, audio nodes, timers.
 // Usage: node tests/bench/run.mjs kiosk [--hours 8] [--says 6] (sentences in an hour) [--webgl]
 import { parseArgs } from 'node:util';

@@ -67,7 +67,7 @@ for (const q of queries) {
 console.log(`${count} searches over HTTP, one after the other: ${quantiles(times)}`);
 console.log(`of the processor, all of the daemon's threads, whatever ran beside: ${quantiles(costs)}`);
 
-// passages by id, from any work and section; then speaking them, beside speaking their text, in turns
+// requests passages by id, from any work and section; then speaks them, and for comparison their text, in turns
 const shelf = (await (await daemon.get('/v1/library?limit=1000')).json()).works;
 const places = [];
 for (let i = 0; places.length < count; i++) {

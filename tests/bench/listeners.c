@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many WebSocket listeners (RFC 6455), for broadcast.mjs and cluster-rooms.mjs, in as many processes as their
- * descriptors want. Usage: listeners PORT[,PORT]... PATH COUNT [RECORD]; they take turns with the ports.
- * Prints "ready" when all are connected and have heard nothing for half a second; then counts what each hears
- * from the event "begin" to the event "end" of an utterance, prints what came as one line of JSON, and ends
- * with its standard input. The late column is how much later than the first listener of all a listener got a
- * message. RECORD gets the messages of the first listener: ms from the first on (u32), opcode (u8), size
- * (u32), bytes. */
+/* Many WebSocket listeners (RFC 6455), for broadcast.mjs and cluster-rooms.mjs, in as many processes as the
+ * descriptor limit requires. Usage: listeners PORT[,PORT]... PATH COUNT [RECORD]; they take turns with the
+ * ports. Prints "ready" when all are connected and have heard nothing for half a second; then counts messages
+ * of each from the event "begin" to the event "end" of an utterance, prints the counts as one line of JSON,
+ * and exits when its standard input ends. The late column is how much later than the first listener of all a
+ * listener got a message. RECORD gets the messages of the first listener: ms from the first on (u32), opcode
+ * (u8), size (u32), bytes. */
 #include "client.h"
 #include <poll.h>
 #include <signal.h>

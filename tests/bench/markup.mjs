@@ -10,11 +10,12 @@ import { needProgram } from './need.mjs';
 const MEGABYTES = 4;
 const words = 'La mamma parla piano mentre il vento soffia forte sopra le case bianche del porto e nessuno risponde perché è tardi'.split(' ');
 const text = (n, from) => Array.from({ length: n }, (_, i) => words[(from + i * 7) % words.length]).join(' ');
+const sentence = (n, from) => text(n, from).replace(/^./, (letter) => letter.toUpperCase());
 const documents = {
   ssml: ['<speak version="1.1" xml:lang="it">\n', (i) => `<p><s>${text(9, i)}, <prosody rate="slow" pitch="+10%">${text(5, i + 1)}</prosody> ${text(6, i)}.</s> ${text(12, i)} <break time="300ms"/> ${text(8, i)}. <emphasis level="strong">${text(2, i)}</emphasis> ${text(9, i)}?</p>\n`, '</speak>\n'],
   apml: ['<apml xml:lang="it">\n', (i) => `<performative type="inform"><theme affect="joy">${text(6, i)} <emphasis x-pitchaccent="Hstar">${text(1, i)}</emphasis><boundary type="LH"/></theme> <rheme certainty="certain">${text(9, i)}.<boundary type="LL"/></rheme></performative>\n`, '</apml>\n'],
   jsml: ['<jsml>\n', (i) => `<SENT>${text(6, i)} <HAPPY WEIGHT="0.3">${text(2, i)}</HAPPY>, ${text(9, i)} <BREAK MSECS="200"/> ${text(4, i)}.</SENT>\n`, '</jsml>\n'],
-  'prose in ssml': ['<speak xml:lang="it">\n', (i) => `<p>${Array.from({ length: 8 }, (_, k) => `${text(12, i + k)}.`).join(' ')}</p>\n`, '</speak>\n'],
+  'prose in ssml': ['<speak xml:lang="it">\n', (i) => `<p>${Array.from({ length: 8 }, (_, k) => `${sentence(12, i + k)}.`).join(' ')}</p>\n`, '</speak>\n'],
 };
 
 const program = needProgram('markup');

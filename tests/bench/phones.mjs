@@ -19,8 +19,8 @@ const VOICES = ['espeak:it', 'espeak:it+f2', 'espeak:pt-br', 'espeak:tr', 'espea
 const LANG = { it: 'it', lp: 'it', pc: 'it', slt: 'en', kal: 'en', 'pt-br': 'pt-BR', tr: 'tr', 'en-us': 'en' };
 const STEP = 0.001; // s
 const NEAR = 0.06; // s: an event farther away belongs to another boundary
-const LEAST = 6, ENOUGH = 8; // ms, number of boundaries: smaller corrections, or those from fewer, are not made,
-const WORTH = 0.9; // nor those that leave more than this share of the error in cross-validation
+const LEAST = 6, ENOUGH = 8; // ms, number of boundaries: omits smaller corrections, those from fewer boundaries,
+const WORTH = 0.9; // and those that leave more than this share of the error in cross-validation
 
 // First and last letters of phones by class; the table uses the same names.
 const { sounds } = JSON.parse(fs.readFileSync(path.join(root, 'models/boundaries.json')));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of tests/readings, read by others as they stand: espeak-ng, Festival (Italian and English) and the front end of Kokoro (English).
-// A text counts as read right when its phones are those that the same engine makes of the right words. Stress, spaces and pauses do not count.
+// Runs the tables of tests/readings through other software: espeak-ng, Festival (Italian and English) and the front end of kokoro-js (English).
+// A text is correct if its phones equal those that the same engine generates from the correct words, ignoring stress, spaces and pauses.
 // Usage: node tests/bench/run.mjs readings-others [TEXTS OF EACH LANGUAGE]
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -25,7 +25,7 @@ function espeak(lang, texts) {
   return texts.map((text) => execFileSync('espeak-ng', ['-q', '--ipa', '-v', voice, '--stdin'], { input: text, encoding: 'utf8' }));
 }
 
-/** Festival's modules from text to segments, for all texts in one process. A text that stops it has no phones. */
+/** Festival's modules from text to segments, for all texts in one process. A text that aborts it has no phones. */
 function festival(lang, texts) {
   const voice = { it: 'voice_lp_diphone', en: 'voice_kal_diphone' }[lang];
   const quoted = (text) => `"${text.replace(/[’‘]/g, "'").replace(/[\\"]/g, ' ').replace(/[^\x20-\xFF]/g, ' ')}"`;
@@ -42,7 +42,7 @@ ${texts.map((text) => `(unwind-protect (phones_of ${quoted(text)}) nil)\n(format
   return texts.map((_, i) => found[i] ?? '');
 }
 
-/** The text's phonemes as kokoro-js hands them to its model, of which nothing is needed here. */
+/** Phonemes of a text as kokoro-js passes them to its model, which is not loaded here. */
 async function kokoro(texts) {
   const modules = path.join(folder, 'node_modules');
   for (const name of ['kokoro-js', 'phonemizer']) {

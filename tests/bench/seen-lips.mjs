@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, consonants narrower); pictures
-// of it as the page draws them, swaying, are watched by `faccia head lips`, the curves compared with the FAPs that were played; and with --fit a pack is
-// fitted to some sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
-// the place of the film.
-// node tests/bench/run.mjs seen-lips [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]; pictures are kept in build/seen-lips. Lines are
-// those of a whole picture that shows 27 cm of height; with --crf they go through x264.
-// The scale is from the distance of the pupils, or with --iris from the iris.
+// Accuracy of lip tracking in films. One of our heads speaks sentences with different habits (vowels 1.5 times as open, consonants narrower); pictures
+// of it as drawn by the page, swaying, are analysed by `faccia head lips`, and the curves are compared with the played FAPs. With --fit, a pack is
+// fitted to some sentences, and its prediction of the others is compared with the film and with the played FAPs. With --markers, eight markers on
+// the face replace the film.
+// node tests/bench/run.mjs seen-lips [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]
+// Keeps the pictures in build/seen-lips. --lines is the height of a whole picture that shows 27 cm; --crf compresses with x264. The scale comes from
+// the distance of the pupils, or with --iris from the iris.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';

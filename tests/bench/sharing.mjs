@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Data shared by heads and its savings: in transfers, if a second head omitted what came with the first; in the browser's memory, which stores equal
+// Data shared by heads and its savings: in transfers, if a second head omitted the data of the first; in the browser's memory, which stores equal
 // data once. FACCIA_BUILD=build node tests/bench/run.mjs sharing
 import fs from 'node:fs';
 import path from 'node:path';

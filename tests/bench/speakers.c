@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many speakers in one process, each on a stream of its own, for speakers.mjs. Usage:
- * speakers PORT COUNT SPREAD WARM SECONDS PATH < TEXTS. Has each speak a line of its standard input, the
- * first at once and the last after SPREAD seconds; prints "warm" WARM seconds after that, counts for SECONDS,
- * and prints what came as one line of JSON. A media chunk is late when it comes after the first one of its
- * utterance by more than its time stamp; one that has not come by then is late, too. The delay is counted
- * from the time at which the lead allows a chunk to leave. */
+/* Many speakers in one process, each on a separate stream, for speakers.mjs. Usage: speakers PORT COUNT
+ * SPREAD WARM SECONDS PATH < TEXTS. Has each speak a line of its standard input, the first at once and the
+ * last after SPREAD seconds; prints "warm" WARM seconds after that, counts for SECONDS, and prints the counts
+ * as one line of JSON. A media chunk is late when it comes after the first one of its utterance by more than
+ * its time stamp; a missing one counts as late, too. The delay is counted from the time at which the lead
+ * allows a chunk to leave. */
 #include "client.h"
 #include "protocol/compact.h"
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What it costs to stretch a recording: processor time as a part of the sound's, at each speed, in stretches
- * of ten seconds. bench_tempo_cost SOUND */
+/* Cost of time-stretching a recording: CPU time relative to the sound's duration, at each speed, in pieces of
+ * ten seconds. Usage: bench_tempo_cost SOUND */
 #include "server/base/mem.h"
 #include "server/library/align/sound_file.h"
 #include "server/plugins/recording/tempo.h"

@@ -28,7 +28,7 @@ async function open(address, options = {}) {
   return page;
 }
 
-test('/docs leads to /docs/, which is served with the policy of pages', async () => {
+test('redirects /docs to /docs/ and serves it with the policy of pages', async () => {
   const moved = await fetch(`${daemon.url}/docs`, { redirect: 'manual' });
   assert.equal(moved.status, 308);
   assert.equal(moved.headers.get('location'), 'docs/');
@@ -41,7 +41,7 @@ test('/docs leads to /docs/, which is served with the policy of pages', async ()
 });
 
 for (const address of ['/docs/', '/docs/start/page.html', '/docs/protocol/websocket.html', '/docs/protocol/openapi.html', '/docs/research/'])
-  test(`${address} is drawn without a violation`, async () => {
+  test(`draws ${address} without violating the content security policy`, async () => {
     const page = await open(address);
     await page.screenshot({ path: path.join(artefacts, `docs${address.replace(/\W+/g, '-')}.png`) });
     assert.ok((await page.locator('#VPContent').innerText()).length > 200);
@@ -49,14 +49,14 @@ for (const address of ['/docs/', '/docs/start/page.html', '/docs/protocol/websoc
     await page.close();
   });
 
-test('code is coloured by classes', async () => {
+test('colours code through classes', async () => {
   const page = await open('/docs/start/page.html');
   const colours = await page.locator('.language-html span[class^=c]').evaluateAll((spans) => new Set(spans.map((span) => getComputedStyle(span).color)).size);
   assert.ok(colours >= 3, `${colours} colours`);
   await page.close();
 });
 
-test('a reader goes from page to page, and to the face', async () => {
+test('lets a reader move from page to page and to the face', async () => {
   const page = await open('/docs/start/');
   await page.locator('main').getByRole('link', { name: 'On a page' }).first().click();
   await page.waitForURL(/\/docs\/start\/page\.html$/);
@@ -67,7 +67,7 @@ test('a reader goes from page to page, and to the face', async () => {
   await page.close();
 });
 
-test('the search finds what a page says', async () => {
+test('finds the words of a page by search', async () => {
   const page = await open('/docs/');
   await page.keyboard.press('Control+k');
   await page.locator('.VPLocalSearchBox input').fill('lookahead');
@@ -76,7 +76,7 @@ test('the search finds what a page says', async () => {
   await page.close();
 });
 
-test('a face in the documentation speaks', async () => {
+test('lets a face in the documentation speak', async () => {
   const page = await open('/docs/start/page.html');
   await page.evaluate(() => {
     window.ended = new Promise((resolve) => document.addEventListener('end', ({ detail }) => resolve(detail.reason), { capture: true, once: true }));

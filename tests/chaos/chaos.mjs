@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// See run.sh. Speakers ask for more than is spoken, half of them with `again`; listeners come in at any daemon, and come back elsewhere
+// See run.sh. Speakers request more than can be spoken, half of them with `again`; listeners join at any daemon, and rejoin elsewhere
 // when theirs goes.
 import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -19,7 +19,7 @@ import { faultsOf } from './faults.mjs';
 import { SlowRoad } from './slow-road.mjs';
 import { waysOf } from './ways.mjs';
 
-// run.sh makes the network and the disk, if the machine lets it
+// run.sh creates the network and the disk, if the machine allows it
 if (!process.env.FACCIA_CHAOS_PLACE) {
   const run = spawn('sh', [path.join(import.meta.dirname, 'run.sh'), ...process.argv.slice(2)], { stdio: 'inherit' });
   process.exit((await once(run, 'exit'))[0] ?? 1);
@@ -34,7 +34,7 @@ if ([minutes, speakers, listeners, seed].some((number) => !(number >= 0))) {
 const DAEMONS = 4, WORKERS = 2, SUSPECT_MS = 30000, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
 const TEXTS = ['Buongiorno.', 'Il vento porta via le foglie del viale.', 'Uno, due. E tre.', 'La mamma parla piano.'];
 const disk = process.env.FACCIA_CHAOS_DISK || null;
-const logs = process.env.FACCIA_CHAOS_LOGS; // a folder, for what the daemons log
+const logs = process.env.FACCIA_CHAOS_LOGS; // a folder for the daemons' logs
 const chance = new Chance(seed);
 const checker = new Checker();
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-chaos-'));
@@ -68,7 +68,7 @@ world.daemons = await Promise.all(Array.from({ length: DAEMONS }, (_, at) => wor
 world.workers = await Promise.all(Array.from({ length: WORKERS }, world.startWorker));
 
 const roomOf = (i) => `room-${i % ROOMS}`;
-/** A connection to any daemon that is there; NULL when it could not be made. */
+/** Connects to a running daemon; null if that fails. */
 async function enter(room, query) {
   const { port, process: child } = world.daemons[chance.below(DAEMONS)];
   if (child.exitCode !== null || child.signalCode) return null;
@@ -78,7 +78,7 @@ async function enter(room, query) {
   return { socket, closed, port };
 }
 
-/** Its connection is as long as its daemon lives; it tells nobody when that is frozen, and nobody gives up by itself. */
+/** The connection lasts until its daemon dies. It does not notice a frozen daemon, and clients do not give up by themselves. */
 async function speak(i) {
   const room = roomOf(i);
   for (let number = 0; !over; ) {
@@ -87,7 +87,7 @@ async function speak(i) {
       await sleep(200);
       continue;
     }
-    const waiting = new Map(), mine = new Set(); // mine: asked by this connection, another of which hears the room's ends, too
+    const waiting = new Map(), mine = new Set(); // mine: requested on this connection; another connection of the speaker also receives the room's end events
     speaking.add(way);
     let joined = false, wake = () => {};
     way.socket.on('message', (data, binary) => {
@@ -125,13 +125,13 @@ async function speak(i) {
   }
 }
 
-/** Which connections stand at the daemon's end, too: "its port, the other one". What tells the other end of the end may get lost. */
+/** Connections that the daemon also considers open, as "local port, remote port": the packet that closes one may be lost. */
 function standing() {
   const lines = execFileSync('ss', ['-Htn', 'state', 'established'], { maxBuffer: 1 << 26 }).toString().trim().split('\n');
   return new Set(lines.map((line) => line.trim().split(/\s+/).slice(-2).map((end) => end.split(':').at(-1)).join(' ')));
 }
 
-/** Whoever waits for long, at a daemon that has dropped the connection, is told. */
+/** Closes long-waiting connections that their daemon has dropped already. */
 function drop() {
   if (![...checker.waiting.values()].some((since) => since < Date.now() - SUSPECT_MS)) return;
   const stand = standing();
@@ -169,7 +169,7 @@ await sleep(5000);
 const busy = new Set();
 while (Date.now() < until) {
   const name = chance.of(Object.keys(faults));
-  // not the same twice at once, so that each is put right
+  // never the same fault twice at once, so that each gets repaired
   const kind = name.split(' ')[1] === 'daemon' || name.split(' ')[1] === 'worker' ? name.split(' ')[1] : name.includes('Redis') ? 'Redis' : name;
   if (!busy.has(kind)) {
     busy.add(kind);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Knows what was asked and what was heard, and tells which promises were broken:
-// - every `speak` has exactly one `end`, told to who asked, as long as its connection stands;
-// - nothing is heard twice: what begins anew has been told to (`warning` `room-away`), and nothing begins after its end;
-// - order: what one speaker asked for begins in that order; what two listeners of a room both hear, they hear in the same order (what was
-//   cut, and comes again, where it comes again);
-// - no gap in media that was not told.
+// Compares requests with received messages, and reports broken guarantees:
+// - every `speak` has exactly one `end`, sent to its client while that is connected;
+// - nothing is heard twice: a restart is announced (`warning` `room-away`), and nothing begins after its end;
+// - order: the requests of one speaker begin in order; two listeners of a room hear common utterances in the same order (of a repeated one,
+//   the repetition counts);
+// - no unreported gap in the media.
 
 const PROMISES = ['no end', 'two ends', 'heard twice', 'out of order', 'another order', 'a gap', 'nonsense'];
 
@@ -14,12 +14,12 @@ export class Checker {
     this.examples = [];
     this.from = Date.now();
     this.asked = new Map(); // id -> what became of it
-    this.waiting = new Map(); // id -> since when, of what has no end yet
-    this.pairs = new Map(); // 'room a b' of what followed each other
+    this.waiting = new Map(); // id -> start time of requests without an end
+    this.pairs = new Map(); // 'room a b': b followed a
     this.heard = { begins: 0, chunks: 0, ends: 0, again: 0, late: 0 };
   }
 
-  /** heard: lines of what came before, which are shown with the first few. */
+  /** heard: preceding messages, which are shown with the first few. */
   break(promise, what, heard = []) {
     this.broken[promise]++;
     if (this.broken[promise] <= 6) this.examples.push(`${promise}: ${what}`, ...(this.broken[promise] <= 2 ? heard : []));
@@ -39,7 +39,7 @@ export class Checker {
     if (asked.ends.length === 2) this.break('two ends', `${id} ${JSON.stringify(asked)}`);
   }
 
-  /** The connection by which it was asked is gone. */
+  /** The connection of the request was lost. */
   lose(id) {
     const asked = this.asked.get(id);
     if (asked && !asked.ends.length) asked.lost = true;
@@ -62,7 +62,7 @@ export class Checker {
   }
 }
 
-/** Who hears a room, by one connection. */
+/** A listener of a room: one connection. */
 export class Ear {
   constructor(checker, room, name) {
     Object.assign(this, { checker, room, name, heard: false, known: new Map(), numbers: new Map(), last: new Map(), previous: null, lines: [] });
@@ -80,7 +80,7 @@ export class Ear {
     const { checker } = this;
     if ((message.utterance !== undefined || message.code) && !['word', 'sentence'].includes(message.type)) this.#keep(`${message.type} ${message.utterance} ${message.id} ${message.reason ?? message.code ?? ''}`);
     if (message.type === 'begin') this.#begin(message);
-    // a listener that took its media too slowly is told that some were left out, of whatever was on its way
+    // a listener that reads too slowly learns that some of its pending media were dropped
     if (message.type === 'warning' && message.code === 'skipped' && message.utterance === undefined) for (const it of this.numbers.values()) it.next = null;
     const it = this.numbers.get(message.utterance);
     if (!it) return;
@@ -105,7 +105,7 @@ export class Ear {
     const before = this.known.get(id);
     if (before && (before.ended || !before.again)) this.#break('heard twice', `${id}, ${before.ended ? 'ended' : 'not ended'}`);
     if (before) checker.heard.again++;
-    // who comes in hears media from when the home knows of it: at a daemon where nobody wanted such media, a way there and back later
+    // a new listener gets media from when the leader knows of it: one round trip later at a daemon without listeners of that format
     const it = { id, rate, next: this.heard ? 0 : null, ended: false, again: false };
     this.known.set(id, it);
     this.numbers.set(utterance, it);
@@ -120,14 +120,14 @@ export class Ear {
     this.previous = before ? null : id;
   }
 
-  /** A media chunk's beginning and length. */
+  /** Start and length of a media chunk. */
   media(utterance, start, samples) {
     this.checker.heard.chunks++;
     const it = this.numbers.get(utterance);
     this.heard = true;
     if (!it || !utterance) return;
     if (it.ended) this.#break('nonsense', `media of ${it.id} (${utterance}) after its end`);
-    // who came in the middle, or was moved on, goes on from where it is
+    // a late joiner, or one that skipped media, continues from the current position
     if (it.next === null) this.checker.heard.late++;
     else if (start !== it.next) this.#break('a gap', `${it.id}: ${start} after ${it.next}`);
     it.next = start + samples;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A clock on the wall that somebody steps, to be preloaded: FACCIA_CLOCK_FILE holds 8 bytes, by how many
- * seconds it is ahead; FACCIA_CLOCK_OF is the one command that has it, not what that starts. What durations
- * are measured by (CLOCK_MONOTONIC) goes on as it is. libfaketime cannot be had under a Redis with jemalloc,
- * which asks for the time before any library is ready. */
+/* A steppable wall clock, to be preloaded. FACCIA_CLOCK_FILE contains 8 bytes: the seconds by which the clock
+ * is ahead. It applies only to the command FACCIA_CLOCK_OF, not to its children. CLOCK_MONOTONIC, which
+ * measures durations, is unaffected. libfaketime does not work with a Redis that uses jemalloc, which reads
+ * the time before any library is initialised. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What goes wrong, one thing after the other or several at once; each is put right again.
+// The faults, injected one after the other or several at once; each is repaired afterwards.
 import fs from 'node:fs';
 import path from 'node:path';
 import { setTimeout as sleep } from 'node:timers/promises';
@@ -65,7 +65,7 @@ export function faultsOf(world, chance) {
   else if (tbf) faults['the network narrow'] = () => forAWhile(tbf(between(4, 40)));
   if (loss) faults['packets to and from Redis lost'] = () => forAWhile(loss(between(5, 50)));
   if (world.clocks) {
-    // as an operator or NTP sets them, by moments or by an hour, back and forth; and right again
+    // as an operator or NTP steps them, by moments or by an hour, back and forth; then corrects them
     const step = async (name) => {
       const seconds = chance.of([2, 5, 30, 3600]) * chance.of([1, -1]);
       world.clocks.step(name, seconds);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The way to Redis, which can be made slow: what comes leaves so many ms later, in its order; with Infinity not before that
+// A proxy to Redis that can be slowed down: data leaves that many ms later, in order; with Infinity not until the delay
 // is over.
 import net from 'node:net';
 
@@ -20,7 +20,7 @@ export class SlowRoad {
   }
 
   #carry(from, to) {
-    // timers that are due at once come in any order
+    // timers that are due together fire in any order
     const waiting = [];
     const leave = () => {
       while (waiting.length && this.delay !== Infinity && waiting[0].due <= performance.now()) waiting.shift().act();

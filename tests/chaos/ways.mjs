@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What this machine lets be done to packets, in the network that run.sh has made for this program alone. Nothing outside is touched.
+// Packet faults that this machine supports, in the private network that run.sh created for this program. Nothing outside is affected.
 import { spawnSync } from 'node:child_process';
 
 const runs = (program, ...words) => spawnSync(program, words, { stdio: 'ignore' }).status === 0;
 const qdisc = (verb, ...words) => runs('tc', 'qdisc', verb, 'dev', 'lo', 'root', ...words);
 
-/** Which of netem, tbf and loss there are; each is a function that sets something going and gives back what ends it. */
+/** The available ones of netem, tbf and loss; each is a function that starts a fault and returns a function that ends it. */
 export function waysOf(port) {
   if (process.env.FACCIA_CHAOS_OWN_NETWORK !== '1') return {};
   const ways = {};
@@ -15,7 +15,7 @@ export function waysOf(port) {
   };
   if (qdisc('replace', 'netem', 'delay', '0ms')) ways.netem = (ms, percent) => queue('netem', 'delay', `${ms}ms`, '20ms', 'loss', `${percent}%`);
   qdisc('del');
-  // what does not fit waits up to 200 ms, and is lost
+  // excess packets wait up to 200 ms and are then dropped
   if (qdisc('replace', 'tbf', 'rate', '1gbit', 'burst', '200kb', 'latency', '200ms')) ways.tbf = (mbit) => queue('tbf', 'rate', `${mbit}mbit`, 'burst', '200kb', 'latency', '200ms');
   qdisc('del');
   const rule = (verb, side, percent) =>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the readers say of files: on each line of standard input a kind and a path, on each line of standard
- * output "ok", or code, place and message with tabs between them. */
+/* Runs the readers on files: each line of standard input has a kind and a path; each line of standard output
+ * is "ok", or code, position and message separated by tabs. */
 #include "server/api/heads.h"
 #include "server/base/mem.h"
 #include "server/daemon/settings_internal.h"

@@ -47,7 +47,7 @@ const speaks = async (stream, id = 'x') => {
   return end.reason === 'done' || (await stream.wait({ type: 'error', id })).code;
 };
 
-test('without a token one may look, not speak', async () => {
+test('without a token, clients may look but not speak', async () => {
   const stream = await daemon.stream();
   assert.equal(await speaks(stream), 'token-needed');
   stream.send({ type: 'ping', id: 1 });
@@ -59,7 +59,7 @@ test('without a token one may look, not speak', async () => {
   for (const address of ['/', '/healthz', '/v1/voices', '/v1/models']) assert.equal((await daemon.get(address)).status, 200);
 });
 
-test('the token in a header, the address, or the first message', async () => {
+test('accepts the token in a header, the address, or the first message', async () => {
   const good = token();
   for (const stream of [await daemon.stream('', bearer(good)), await daemon.stream(`?token=${good}`)])
     assert.equal(await speaks(stream), true);
@@ -72,7 +72,7 @@ test('the token in a header, the address, or the first message', async () => {
   assert.equal(response.status, 200);
 });
 
-test('a token among the sub-protocols, as a browser can send it', async () => {
+test('accepts a token among the sub-protocols, as a browser can send it', async () => {
   const hall = token(['--room', 'hall']);
   const url = `ws://127.0.0.1:${daemon.port}/v1/stream?room=hall&audio=pcm&fap=plain`;
   const stream = await Stream.open(url, {}, ['faccia.v1', `token.${hall}`]);
@@ -88,7 +88,7 @@ test('a token among the sub-protocols, as a browser can send it', async () => {
   assert.equal((await daemon.get('/v1/speech?lang=it', { method: 'POST', body: 'Sì.', ...bearer(token()) })).status, 200);
 });
 
-test('forged, damaged, expired and lesser tokens', async () => {
+test('rejects forged, damaged, expired and insufficient tokens', async () => {
   const cases = [
     [token([], otherFile), 'bad-token'],
     [token().slice(0, -3), 'bad-token'],
@@ -112,7 +112,7 @@ test('forged, damaged, expired and lesser tokens', async () => {
   await stream.close();
 });
 
-test('metrics are for operators', async () => {
+test('reserves metrics for operators', async () => {
   assert.equal((await daemon.get('/metrics')).status, 401);
   assert.equal((await daemon.get('/metrics', bearer(token()))).status, 403);
   const response = await daemon.get('/metrics', bearer(token(['--rights', 'operate'])));
@@ -127,7 +127,7 @@ test('metrics are for operators', async () => {
   assert.equal(new Set(text.match(/^# TYPE \w+/gm)).size, text.match(/^# TYPE/gm).length, 'each type is told once');
 });
 
-test('pages from elsewhere', async () => {
+test('accepts API requests from pages of listed origins only', async () => {
   const foreign = { origin: 'https://evil.example' };
   const listed = { origin: 'https://portal.example' };
   await assert.rejects(daemon.stream('', { headers: foreign }), /403/);
@@ -147,7 +147,7 @@ test('pages from elsewhere', async () => {
   assert.equal(script.headers['access-control-allow-origin'], '*', 'what all may have');
 });
 
-test('without a list, pages of this machine alone', async () => {
+test('without a list, accepts pages of this machine only', async () => {
   const open = await Daemon.start();
   for (const [origin, allowed] of [['http://localhost:5173', true], ['http://127.0.0.1', true], ['https://evil.example', false], ['null', false]]) {
     const opened = open.stream('', { headers: { origin } });
@@ -160,7 +160,7 @@ test('without a list, pages of this machine alone', async () => {
   assert.equal((await open.stop()).code, 0);
 });
 
-test('limits for an address and for a subject', async () => {
+test('limits each address and each subject', async () => {
   const tight = await Daemon.start(['--max-per-address', '2', '--max-requests', '3', '--secret-file', secretFile]);
   const first = await tight.stream('', bearer(token()));
   const second = await tight.stream('', bearer(token()));

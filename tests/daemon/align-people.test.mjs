@@ -17,7 +17,7 @@ const faccia = path.join(ordinary, 'server/cli/faccia');
 const all = prompts();
 const named = (...names) => names.map((name) => all.find((p) => p.name === name));
 
-test('a person: phones lie at the closures that can be heard', () => {
+test('aligns stops of a human recording with its audible closures', () => {
   const found = named('agent-alreadyon', 'agent-incorrect', 'agent-newlocation', 'agent-pass', 'all-circuits-busy-now', 'check-number-dial-again').flatMap((prompt) => {
     const phones = alignedPhones(faccia, prompt, folder);
     assert.ok(phones, prompt.name);
@@ -35,7 +35,7 @@ for (const [what, read, unread] of [
   ['one is read that is not in the text', story.toSpliced(4, 0, other), -1],
   ['one is read twice', story.toSpliced(3, 0, story[3]), -1],
 ])
-  test(`${what}: the others keep their times`, () => {
+  test(`${what}: the other words keep their times`, () => {
     const made = madeOf(read);
     fs.writeFileSync(file('x.wav'), made.wav);
     const lines = story.map((p) => p.text.replace(/[.!?]*\s*$/, '.'));
@@ -51,7 +51,7 @@ for (const [what, read, unread] of [
       if (i === unread) {
         assert.ok(known.length <= own.length / 4, `${prompt.name} is not read, but ${known.length} of ${own.length} words are found`);
         assert.ok(own.some((w) => w.confidence === 0));
-        assert.match(String(stderr), new RegExp(`x\\.txt:${i + 1}:\\d+: is not read`));
+        assert.match(String(stderr), new RegExp(`x\\.txt:${i + 1}:\\d+: not in the recording`));
       } else if (places.some((p) => known.length && Math.abs(known[0].start - p.start) < 0.4 && Math.abs(known.at(-1).end - p.end) < 0.4)) good++;
     });
     const wanted = story.length - (unread < 0 ? 0 : 1);

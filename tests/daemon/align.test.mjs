@@ -67,6 +67,27 @@ const noise = (samples, loudness, seed = 1) => {
 };
 const wordStarts = ({ json }) => Object.fromEntries(json.words.map((w) => [w.byte_start, w.start]));
 
+const ipaOf = ({ json }) => json.phones.map(({ ipa }) => ipa).join('');
+
+test('aligns numbers, abbreviations and words of a lexicon as they are read', () => {
+  const text = 'Il Sig. Zyx pagò € 3,50 a QTX il 26 novembre.';
+  const read = 'Il signor Zaccaria della Ponte pagò tre euro e cinquanta a palla il ventisei novembre.';
+  const lexicon = write('names.pls', `<lexicon version="1.0" xmlns="http://www.w3.org/2005/01/pronunciation-lexicon" alphabet="ipa" xml:lang="it">
+<lexeme><grapheme>Zyx</grapheme><alias>Zaccaria della Ponte</alias></lexeme><lexeme><grapheme>QTX</grapheme><phoneme>ˈpalla</phoneme></lexeme></lexicon>`);
+  const truth = recorded('espeak:it', 'it', read);
+  const wanted = aligned(truth.path, read);
+  const found = aligned(truth.path, text, { more: ['--lexicon', lexicon] });
+  assert.equal(ipaOf(found), ipaOf(wanted));
+  const [own, other] = [found, wanted].map(({ json }) => json.words.map((word) => word.text));
+  assert.deepEqual(own.slice(0, 4), ['Il', 'Sig', 'Zyx', 'pagò']);
+  const start = ({ json }, word) => json.words.find((one) => one.text === word).start;
+  for (const [a, b] of [['pagò', 'pagò'], ['novembre', 'novembre'], ['26', 'ventisei'], ['QTX', 'palla']]) {
+    assert.ok(own.includes(a) && other.includes(b), `${own}`);
+    assert.ok(Math.abs(start(found, a) - start(wanted, b)) < 0.05, `${a}: ${start(found, a)}, not ${start(wanted, b)}`);
+  }
+  assert.notEqual(ipaOf(aligned(truth.path, text)), ipaOf(wanted), 'without the lexicon');
+});
+
 for (const [lang, text, voices] of cases([['it', manzoni, ['lp', 'pc']]], [['en', austen, ['slt', 'kal']]]))
   test(`known voices in ${lang}: half of the phones begin within 20 ms, nine in ten within 50 ms`, () => {
     let within = 0, all = 0;
@@ -85,7 +106,7 @@ for (const [lang, text, voices] of cases([['it', manzoni, ['lp', 'pc']]], [['en'
 
 const short = 'La mamma prepara il pane, e il bambino mangia una mela. Il sole tramonta presto d\'inverno.\nPippo beve il tè dopo pranzo! Dove abita la signora Bianchi?\n';
 
-test('noise and silence at the ends, and long pauses between sentences', () => {
+test('tolerates noise and silence at the ends, and long pauses between sentences', () => {
   const truth = recorded('festival:pc', 'it', short);
   const { pcm, rate } = truth;
   const quiet = (seconds) => noise(seconds * rate, 20);
@@ -106,7 +127,7 @@ test('noise and silence at the ends, and long pauses between sentences', () => {
 
 // Sentences of "Sense and Sensibility", read for LibriVox; from Debian's pocketsphinx-testdata.
 const people = '/usr/share/pocketsphinx/test/data/librivox';
-test('people who read: vowels are louder than stops, pauses are silent, all is covered', () => {
+test('human readers: vowels are louder than stops, pauses are silent, and all words are covered', () => {
   const lines = fs.readFileSync(path.join(people, 'transcription'), 'utf8').trim().split('\n');
   const loudness = { vowel: [], closure: [], pause: [] };
   assert.equal(lines.length, 5);
@@ -138,7 +159,7 @@ test('people who read: vowels are louder than stops, pauses are silent, all is c
   assert.ok(vowel > closure + 10 && vowel > pause + 15, `${vowel} dB, closures ${closure} dB, pauses ${pause} dB`);
 });
 
-test('a second channel that is the first one inverted, and files whose recorder died', () => {
+test('aligns files whose second channel is inverted or whose recorder crashed', () => {
   const truth = recorded('festival:pc', 'it', short), { pcm, rate } = truth;
   const both = Int16Array.from({ length: 2 * pcm.length }, (_, i) => (i % 2 ? -1 : 1) * pcm[i >> 1]);
   const first = words(aligned(truth.path, short, { from: ordinary }));
@@ -154,7 +175,7 @@ test('a second channel that is the first one inverted, and files whose recorder 
   }
 });
 
-test('beside noise no word that is sure begins a second off', () => {
+test('in noise, no word marked reliable begins more than a second off', () => {
   for (const voice of ['pc']) {
     const truth = recorded(`festival:${voice}`, 'it', short), { pcm, rate } = truth;
     const at = truth.json.words.find((w) => w.text === 'Pippo').start, cut = Math.round((at - 0.02) * rate);
@@ -188,7 +209,7 @@ And post o'er land and ocean without rest;
 They also serve who only stand and wait.
 `;
 
-test('a slow reader of a sonnet who pauses after each line, beside a hiss: all fourteen lines are found', () => {
+test('finds all fourteen lines of a slow sonnet with pauses and hiss', () => {
   const said = say(['-l', 'en', '-v', 'espeak:en-us', '-r', '90'], sonnet, {}, ordinary);
   assert.equal(said.status, 0, said.stderr);
   const { pcm, rate } = said, real = wordStarts(said), pause = new Int16Array(Math.round(0.7 * rate));
@@ -198,14 +219,14 @@ test('a slow reader of a sonnet who pauses after each line, beside a hiss: all f
   const hiss = noise(sound.length, 100, 7);
   sound.forEach((x, i) => (sound[i] = Math.max(-32768, Math.min(32767, x + hiss[i]))));
   const found = aligned(wav('sonnet.wav', sound, rate), sonnet, { lang: 'en', from: ordinary }), starts = wordStarts(found);
-  assert.doesNotMatch(found.stderr, /is not read/);
+  assert.doesNotMatch(found.stderr, /not in the recording/);
   bytes.forEach((byte, i) => {
     const expected = real[byte] + i * pause.length / rate;
     assert.ok(Math.abs(starts[byte] - expected) < 0.3, `line ${i + 1} at ${starts[byte]}, not ${expected}`);
   });
 });
 
-test('the wrong transcript is named with its place and time; of one that goes wrong later, what is not read', () => {
+test('reports a wrong transcript with position and time; where a text diverges later, only the unread part', () => {
   const italian = recorded('festival:pc', 'it', manzoni);
   const wrong = align(italian.path, austen, { lang: 'en', from: ordinary });
   assert.equal(wrong.status, 1);
@@ -216,40 +237,40 @@ test('the wrong transcript is named with its place and time; of one that goes wr
   const [first] = manzoni.split('\n');
   const half = align(italian.path, `${first}\n\n${first.split(' ').reverse().join(' ')}\n${austen}`, { from: ordinary });
   assert.equal(half.status, 0, half.stderr);
-  assert.match(half.stderr, /warning: .*transcript\.txt:4:\d+: is not read: "However little/);
+  assert.match(half.stderr, /warning: .*transcript\.txt:4:\d+: not in the recording: "However little/);
   for (const { byte_start, start, end, confidence } of half.json.sentences)
     assert.equal(byte_start < Buffer.byteLength(first), end > start && confidence > 0.3, `${byte_start}: ${start} to ${end}, ${confidence}`);
 });
 
-test('a text that goes on after the recording, and a recording that goes on after the text', () => {
+test('aligns a text longer than the recording, and a recording longer than the text', () => {
   const truth = recorded('festival:pc', 'it', manzoni);
   const part = wav('part.wav', truth.pcm.subarray(0, 20 * truth.rate), truth.rate);
   const more = align(part, manzoni, { from: ordinary });
   assert.equal(more.status, 0, more.stderr);
-  assert.match(more.stderr, /transcript\.txt:3:\d+: is not read: /);
+  assert.match(more.stderr, /transcript\.txt:3:\d+: not in the recording: /);
   const until = truth.json.words.find((w) => w.start > 17).byte_start;
   for (const { byte_start, byte_end, start, end } of more.json.sentences)
     if (byte_end < until || byte_start > until + 200) assert.equal(end > start, byte_start < until, `${byte_start}`);
   const less = aligned(truth.path, `${manzoni.slice(0, manzoni.indexOf('vien,'))}vien.`, { from: ordinary });
-  assert.match(less.stderr, /the recording goes on for \d+ s after its text/);
+  assert.match(less.stderr, /the recording continues for \d+ s after its text/);
 });
 
-test('bad usage and files that are none', () => {
+test('reports wrong usage and invalid files', () => {
   const sound = recorded('festival:pc', 'it', short).path;
   const text = write('ok.txt', short);
   for (const [args, status, message] of [
     [[sound], 2, /--text or a --timing/],
     [[], 2, /one sound/],
     [[sound, '--text', text, '--gender', 'x'], 2, /gender/],
-    [[sound, '--text', text, '-l', 'xx'], 1, /no voice to align to speaks 'xx'/],
-    [[sound, '--text', text, '-e', 'xx'], 2, /no engine 'xx'/],
+    [[sound, '--text', text, '-l', 'xx'], 1, /no voice to align with speaks 'xx'/],
+    [[sound, '--text', text, '-e', 'xx'], 2, /unknown engine 'xx'/],
     [[sound, '--text', text, '--fps', '0'], 2, /fps/],
     [[sound, '--text', file('none')], 1, /none: No such file/],
     [[file('none.wav'), '--text', text], 1, /none\.wav: .*No such file/],
     [[text, '--text', text], 1, /ok\.txt: /],
     [[sound, '--text', write('bytes.txt', Buffer.from([65, 0xff]))], 1, /byte 1: the text is not UTF-8/],
     [[sound, '--text', write('empty.txt', ' \n… —')], 1, /no words/],
-    [[sound, '--timing', write('broken.TextGrid', 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 1\n"IntervalTier" "a" 0 1 2\n0 1 "x"\n')], 1, /broken\.TextGrid:\d+:1: wanted is the next interval/],
+    [[sound, '--timing', write('broken.TextGrid', 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 1\n"IntervalTier" "a" 0 1 2\n0 1 "x"\n')], 1, /broken\.TextGrid:\d+:1: expected the next interval/],
     [[sound, '--text', text, '--json', '/nowhere/x'], 1, /nowhere/],
   ]) {
     const result = run(['align', ...args]);
@@ -258,7 +279,7 @@ test('bad usage and files that are none', () => {
   }
 });
 
-test('face and sound come with the times; kinds of sound files', further, () => {
+test('writes face and sound with the times; reads several sound formats', further, () => {
   const truth = recorded('festival:pc', 'it', short);
   const first = aligned(truth.path, short, { more: ['--fap', file('a.fap'), '--wav', file('a.wav')] });
   assert.deepEqual(fs.readFileSync(file('a.wav')), fs.readFileSync(truth.path));
@@ -274,7 +295,7 @@ test('face and sound come with the times; kinds of sound files', further, () => 
   }
 });
 
-test('a chapter of eleven minutes, in the memory of a short one', further, async () => {
+test('aligns a chapter of eleven minutes in the memory of a short one', further, async () => {
   const sentences = manzoni.replaceAll('\n', ' ').split(/(?<=[,;.:]) /).filter((s) => s.length > 10);
   let text = '', seed = 7;
   while (text.length < 10800) {
@@ -311,7 +332,7 @@ test('a chapter of eleven minutes, in the memory of a short one', further, async
   assert.ok(e.median < 20 && e.within50 > 0.9, JSON.stringify(e));
 });
 
-test('times from files, with the words found in the sound', () => {
+test('combines times from files with words found in the sound', () => {
   const truth = recorded('festival:pc', 'it', short);
   const names = write('names.json', JSON.stringify({ A: 'a', pau: '' }));
   const list = truth.json.phones;
@@ -337,7 +358,7 @@ test('times from files, with the words found in the sound', () => {
   assert.match(foreign.stderr, /\d+ of the \d+ words of the times are not in the text/);
 });
 
-test('a TextGrid with words needs no text: its tiers are found by their names, or told', () => {
+test('a TextGrid with words needs no text: tiers are found by name or by option', () => {
   const truth = recorded('festival:pc', 'it', short);
   const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const tier = (name, list) => `"IntervalTier"\n${quoted(name)}\n0\n${truth.json.duration}\n${list.length}\n${list.map(({ start, end, text, ipa }) => `${start}\n${end}\n${quoted(text ?? ipa)}`).join('\n')}\n`;
@@ -359,7 +380,7 @@ test('a TextGrid with words needs no text: its tiers are found by their names, o
   check(two, '--tier', 'two', '--word-tier', 'one');
   const unknown = run(['align', truth.path, '--timing', two]);
   assert.equal(unknown.status, 1);
-  assert.match(unknown.stderr, /none of the tiers is named "phones": tell which of "one", "two"/);
+  assert.match(unknown.stderr, /no tier is named "phones": choose one of "one", "two"/);
 });
 
 // Seconds: a generous deadline for slow machines.
@@ -367,7 +388,7 @@ const PATIENCE = '300';
 const patience = ['--deadline-base', PATIENCE];
 const library = (name, config = {}) => ({ FACCIA_DEADLINE_BASE: PATIENCE, FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), seconds: 300, ...config } })) });
 
-test('a folder of recordings: voices, sentences, the whole text, what is not in it', () => {
+test('aligns a folder of recordings: voices, sentences, the whole text, missing passages', () => {
   const truth = recorded('festival:lp', 'it', manzoni), english = recorded('festival:kal', 'en', austen);
   fs.mkdirSync(file('shelf'), { recursive: true });
   fs.copyFileSync(truth.path, file('shelf/promessi.wav'));
@@ -411,7 +432,7 @@ test('a folder of recordings: voices, sentences, the whole text, what is not in 
   assert.match(alien.stderr, /it has no word "Zucchine"/);
 });
 
-test('kept alignments: others\' are found out, a folder for them, user\'s own', further, () => {
+test('stored alignments: rejects those of other recordings, uses a cache folder, prefers the user\'s own', further, () => {
   const truth = recorded('festival:pc', 'it', short);
   fs.mkdirSync(file('kept/cache'), { recursive: true });
   fs.copyFileSync(truth.path, file('kept/a.wav'));
@@ -445,7 +466,7 @@ for (const [name, config, message] of [
   ['an unknown setting', { folders: 'x' }, /folders: unknown setting/],
   ['a number that is none', { folder: '/tmp', pause: 'long' }, /pause: must be a number/],
 ])
-  test(`a configuration with ${name}`, () => {
+  test(`reads a configuration with ${name}`, () => {
     const { status, stderr, stdout } = run(['voices', '-l', 'it'], build, { FACCIA_VOICE_CONFIG: write('wrong.json', JSON.stringify({ recording: config })) });
     assert.equal(status, 0);
     assert.match(stdout, /espeak:it/);
@@ -453,7 +474,7 @@ for (const [name, config, message] of [
     else assert.equal(stderr, '');
   });
 
-test('a recording streams like any speech, sentence after sentence', async (t) => {
+test('streams a recording like any speech, sentence by sentence', async (t) => {
   const truth = recorded('festival:pc', 'it', short);
   fs.mkdirSync(file('stream'), { recursive: true });
   fs.copyFileSync(truth.path, file('stream/a.wav'));
@@ -503,7 +524,7 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('the same words twice are two places of the recording, in spite of the cache', further, async (t) => {
+test('maps repeated words to two places of the recording, in spite of the cache', further, async (t) => {
   const text = 'La mamma prepara il pane. Il sole tramonta presto. La mamma prepara il pane. Dove abita la signora?';
   const truth = recorded('festival:pc', 'it', text);
   const hiss = noise(truth.pcm.length, 40), pcm = truth.pcm.map((x, i) => x + hiss[i]);
@@ -532,7 +553,7 @@ test('the same words twice are two places of the recording, in spite of the cach
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('programs that do not tell their times are aligned', further, () => {
+test('aligns programs that do not report times', further, () => {
   const script = write('speaks', '#!/bin/sh\nespeak-ng -v it+f2 --stdout -- "$1"\n');
   fs.chmodSync(script, 0o755);
   const config = (lang) => ({ FACCIA_VOICE_CONFIG: write('command.json', JSON.stringify({ command: { voices: [{ id: 'x', lang, argv: [script, '{text}'] }] } })) });
@@ -547,5 +568,5 @@ test('programs that do not tell their times are aligned', further, () => {
   assert.ok(e.median <= 20 && e.within50 >= 0.9, JSON.stringify(e));
   const unknown = say(['-v', 'command:x', '-l', 'it'], text, config('xx'));
   assert.equal(unknown.status, 0);
-  assert.match(unknown.stderr, /the mouth stays closed: no voice to align to speaks 'xx'/);
+  assert.match(unknown.stderr, /the mouth stays closed: no voice to align with speaks 'xx'/);
 });

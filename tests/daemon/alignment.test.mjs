@@ -69,7 +69,7 @@ after(() => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('one after the other, behind everybody else and within its share; killed with the daemon, nothing is left of it', async () => {
+test('aligns recordings one by one at low priority within their share, and leaves nothing after the daemon ends', async () => {
   daemon = await Daemon.start(options(1), {}, { voices: false });
   const all = await eventually(async () => { const now = await list(); return now.alignment.aligning && now; }, 'the first recording');
   assert.deepEqual(all.alignment, { waiting: 2, aligning: 1, aligned: 0, stale: 0, failed: 0, work: 'a-lungo', share: all.alignment.share });
@@ -93,14 +93,14 @@ test('one after the other, behind everybody else and within its share; killed wi
   assert.ok(!fs.existsSync(path.join(kept, 'a-lungo.alignment.json')));
 });
 
-test('begun again; what is not read and what is not written is told by passages, what fails with its reason', async () => {
+test('resumes alignment; lists passages missing from the recording or the text; gives the reason of each failure', async () => {
   const before = fs.readdirSync(works).sort();
   fs.writeFileSync(path.join(kept, 'a-lungo.timing.json.1.part'), '{');
   daemon = await Daemon.start(options(100), {}, { voices: false });
   const rotto = await until('rotto', 'failed');
   assert.deepEqual([rotto.file, rotto.voice], ['rotto.wav', 'recording:rotto']);
   assert.match(rotto.why, /^rotto\.wav: /);
-  assert.match(daemon.log, /warning: library: rotto\.wav cannot be aligned: rotto\.wav: /);
+  await daemon.logged(/warning: library: cannot align rotto\.wav: rotto\.wav: /);
   const long = await until('a-lungo', 'aligned');
   assert.deepEqual([long.missing, long.unread, long.unwritten], [0, [], []]);
   const detto = await until('detto', 'aligned');
@@ -117,13 +117,13 @@ test('begun again; what is not read and what is not written is told by passages,
   await stop();
 });
 
-test('what is known is not found again; another text or sound is; what is only touched is not', async () => {
+test('reuses known alignments; realigns after a change of text or sound, but not of the date', async () => {
   const times = path.join(kept, 'detto.timing.json');
   const made = fs.statSync(times).mtimeMs;
   daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/daemon/facciad') }); // the rest takes minutes with the sanitizers
   const known = await eventually(async () => { const now = await list(); return now.alignment.aligned === 2 && now.alignment; }, 'what is known');
   assert.deepEqual([known.failed, known.waiting], [1, 0]);
-  assert.doesNotMatch(daemon.log, /is being aligned/);
+  assert.doesNotMatch(daemon.log, /aligning /);
   const asked = async (passage, words) => {
     const spoken = await (await daemon.get(`/v1/speech?passage=${passage}&voice=recording&format=json`)).json();
     assert.deepEqual([spoken.voice, spoken.words?.slice(0, words.length).map(({ text }) => text)], ['recording:detto', words], JSON.stringify(spoken).slice(0, 300));
@@ -132,7 +132,7 @@ test('what is known is not found again; another text or sound is; what is only t
 
   const now = new Date();
   fs.utimesSync(path.join(works, 'detto.wav'), now, now);
-  await daemon.logged(/detto\.wav is being aligned/);
+  await daemon.logged(/aligning detto\.wav/);
   await until('detto', 'aligned');
   assert.equal(fs.statSync(times).mtimeMs, made, 'the same sound has the same times');
 
@@ -152,7 +152,7 @@ test('what is known is not found again; another text or sound is; what is only t
   await stop();
 });
 
-test('times that lie beside a recording are taken as they are: a TextGrid', async () => {
+test('uses a TextGrid next to a recording without aligning it', async () => {
   const at = (ending) => path.join(works, `griglia.${ending}`);
   put('griglia.md', work(`${MONTE}\n\n${NOTTE}`));
   execFileSync(path.join(ordinary, 'server/cli/faccia'), ['say', '--lang', 'it', '--wav', at('wav'), '--textgrid', at('TextGrid'), '--json', path.join(folder, 'griglia.json'), `${MONTE} ${NOTTE}`]);
@@ -163,10 +163,24 @@ test('times that lie beside a recording are taken as they are: a TextGrid', asyn
   assert.equal(words.length, 11);
   for (const [i, { start, text }] of words.entries())
     assert.ok(text === said[i].text && Math.abs(start - words[0].start - (said[i].start - said[0].start)) < 0.02, `${text} ${start}, ${said[i].text} ${said[i].start}`);
-  assert.doesNotMatch(daemon.log, /griglia\.wav is being aligned/);
+  assert.doesNotMatch(daemon.log, /aligning griglia\.wav/);
   fs.writeFileSync(at('TextGrid'), 'this is no grid');
   const answer = await daemon.get('/v1/speech?passage=griglia:1:p2&voice=recording&format=json');
   assert.ok(answer.status >= 400);
   assert.match(await answer.text(), /griglia\.TextGrid:1:1/);
+  await stop();
+});
+
+test('aligns a recording as the lexicon of its work and the number rules read its text', async () => {
+  const phones = (name) => JSON.parse(fs.readFileSync(path.join(kept, `${name}.timing.json`))).phones.map(({ ipa }) => ipa).join('');
+  const read = 'Canta la vecchia signora del porto per ventisei minuti.';
+  put('nomi.md', work('Canta Zyx per 26 min.'));
+  put('nomi.pls', `<lexicon version="1.0" xmlns="http://www.w3.org/2005/01/pronunciation-lexicon" alphabet="ipa" xml:lang="it">
+<lexeme><grapheme>Zyx</grapheme><alias>la vecchia signora del porto</alias></lexeme></lexicon>`);
+  put('parole.md', work(read));
+  for (const name of ['nomi', 'parole']) say(name, read);
+  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/daemon/facciad') });
+  for (const name of ['nomi', 'parole']) assert.equal((await until(name, 'aligned')).missing, 0);
+  assert.equal(phones('nomi'), phones('parole'));
   await stop();
 });

@@ -33,7 +33,7 @@ async function run(options, { input, url = daemon.url, env = {} } = {}) {
 }
 const kitchen = ['--room', 'kitchen', '--lang', 'it'];
 
-test('it is accepted at once, and waits until it is heard where that is wanted', async () => {
+test('accepts an announcement at once; --wait waits until it is heard', async () => {
   assert.deepEqual(await run([...kitchen, 'La cena', 'è pronta.']), { status: 0, stderr: '' });
   const { id } = await kiosk.wait({ type: 'begin' });
   assert.deepEqual((await kiosk.wait({ type: 'sentence', id })).text, 'La cena è pronta.');
@@ -43,17 +43,17 @@ test('it is accepted at once, and waits until it is heard where that is wanted',
   assert.ok(kiosk.messages.some((m) => m.type === 'end' && m.reason === 'done'), 'it was heard before');
 });
 
-test('a listener is needed: status 3, at once or when what was held is given up', async () => {
-  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'])).status, 0); // held until somebody joins
+test('exits with status 3 without a listener: at once, or when a held announcement expires', async () => {
+  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'])).status, 0); // held until a listener joins
   const given = await run(['--room', 'cellar', '--lang', 'it', '--wait', 'Ciao.']);
   assert.equal(given.status, 3);
-  assert.match(given.stderr, /nobody came/);
+  assert.match(given.stderr, /no listener joined/);
   const own = await Daemon.start();
   assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'], { url: own.url })).status, 3);
   assert.equal((await own.stop()).code, 0);
 });
 
-test('one that is cut says so, one that is to be quiet does not speak', async () => {
+test('reports an interrupted announcement; --if-quiet does not interrupt other speech', async () => {
   kiosk.messages.length = 0;
   const waits = run([...kitchen, '--wait', '--priority', 'background', 'Una storia che nessuno ascolterà fino alla fine, perché qualcosa la interrompe molto prima. '.repeat(20)]);
   await kiosk.wait({ type: 'begin' });
@@ -62,7 +62,7 @@ test('one that is cut says so, one that is to be quiet does not speak', async ()
   assert.equal((await waits).status, 5);
 });
 
-test('what is wrong is told', async () => {
+test('reports invalid input', async () => {
   assert.equal((await run([])).status, 2);
   assert.equal((await run(['--help'])).status, 0);
   assert.equal((await run(['--nothing', 'x'])).status, 2);
@@ -88,11 +88,11 @@ test('what is wrong is told', async () => {
   assert.match(gone.stderr, /connect/i);
 });
 
-test('where every browser there blocks the sound it was not heard: status 6, until one plays it', async () => {
+test('exits with status 6, unheard, while every browser blocks the sound, and succeeds once one plays it', async () => {
   kiosk.send({ type: 'media', blocked: true });
   const blocked = await run([...kitchen, '--wait', 'Ciao.']);
   assert.equal(blocked.status, 6);
-  assert.match(blocked.stderr, /touches/);
+  assert.match(blocked.stderr, /clicks or taps/);
   const other = await daemon.stream('?lang=it&room=kitchen');
   await other.wait({ type: 'joined' });
   assert.equal((await run([...kitchen, '--wait', 'Ciao.'])).status, 0, 'another one hears it');
@@ -103,7 +103,7 @@ test('where every browser there blocks the sound it was not heard: status 6, unt
   assert.equal((await run([...kitchen, '--wait', 'Ciao.'])).status, 0);
 });
 
-test('a token is shown to a daemon that wants one', async () => {
+test('sends a token to a daemon that requires one', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const [secret, token] = ['secret', 'token'].map((name) => path.join(folder, name));
   fs.writeFileSync(secret, `${'s'.repeat(40)}\n`, { mode: 0o600 });

@@ -35,7 +35,7 @@ test('GET, POST of text and POST of JSON speak the same', async () => {
   assert.equal((await asked('/v1/speech', json({ format: 'json', text: marked, markup: 'plain' }))).marks.length, 0);
 });
 
-test('no text writes an arrow into a cue of WebVTT', async () => {
+test('removes arrows from the cues of WebVTT', async () => {
   for (const text of ['<speak xml:lang="it">Uno --> due &amp; tre.</speak>', 'Uno --> due & tre.']) {
     const cues = (await bytes(`/v1/speech?format=vtt&lang=it&text=${encodeURIComponent(text)}`)).toString().split('\n').filter((line) => /[a-z]/.test(line));
     assert.match(cues.join(' ').replace(/<[\d:.]+>/g, ''), /^Uno --&gt; due &amp; tre\.$/);
@@ -57,12 +57,12 @@ const wrong = [
   ['a type that there is not', '/v1/speech', { method: 'POST', body: 'a', headers: { 'content-type': 'application/jsonp' } }, { status: 415, code: 'unsupported-media-type' }],
 ];
 for (const [what, address, options, pattern] of wrong)
-  test(`${what}: ${pattern.code}`, async () => {
+  test(`rejects ${what}: ${pattern.code}`, async () => {
     const answer = await asked(address, options);
     for (const [key, value] of Object.entries(pattern)) assert.equal(answer[key], value, JSON.stringify(answer));
   });
 
-test('a JSON body over the limit is 413, and so is its text', async () => {
+test('answers 413 to a JSON body over the limit, and to its text', async () => {
   const own = await Daemon.start(['--max-text', '100', '--max-message', '300']);
   assert.deepEqual((({ status, code }) => [status, code])(await asked('/v1/speech', json({ text: 'a'.repeat(400) }), own)), [413, 'message-too-long']);
   assert.deepEqual((({ status, code, field }) => [status, code, field])(await asked('/v1/speech', json({ text: 'a'.repeat(150) }), own)), [413, 'text-too-long', 'text']);
@@ -78,7 +78,7 @@ const has = (warnings, wanted) => {
 };
 const headerOf = (response) => JSON.parse(`[${response.headers.get('faccia-warning')}]`);
 
-test('members that nobody knows are warned of, in the way of each format', async () => {
+test('unknown members cause a warning in every format', async () => {
   const query = 'lang=it&rat=200&text=Ciao';
   const timing = await asked(`/v1/speech?${query}&format=json`);
   assert.match(has(timing.warnings, unknown).message, /no member 'rat'; near: rate/);
@@ -93,7 +93,7 @@ test('members that nobody knows are warned of, in the way of each format', async
   const read = await daemon.get(`/v1/speech?${query}`, { headers: { origin: 'http://localhost:5173' } });
   assert.equal(read.headers.get('access-control-expose-headers'), 'etag, faccia-warning');
   await read.arrayBuffer();
-  // known parameters get no warning, and then there is no warning header
+  // known parameters cause no warning, and then the warning header is absent
   const clean = await daemon.get('/v1/speech?lang=it&format=wav&seed=1&life=1&text=Ciao');
   assert.equal(clean.headers.get('faccia-warning'), null);
   await clean.arrayBuffer();
@@ -109,7 +109,7 @@ test('members that nobody knows are warned of, in the way of each format', async
   await refused.arrayBuffer();
 });
 
-test('a header carries them whatever is in them, and not for ever', async () => {
+test('the warning header escapes any content, and is bounded', async () => {
   const names = ['città', 'a"b\\c', 'x\r\nset-cookie: y', ...Array.from({ length: 50 }, (_, i) => `n${i}`)];
   const response = await daemon.get(`/v1/voices?${names.map((name) => `${encodeURIComponent(name)}=1`).join('&')}`);
   assert.equal(response.status, 200);
@@ -120,7 +120,7 @@ test('a header carries them whatever is in them, and not for ever', async () => 
   await response.arrayBuffer();
 });
 
-test("the address of a WebSocket, too", async () => {
+test('warns of unknown parameters in the address of a WebSocket', async () => {
   const stream = await daemon.stream('?lang=it&rom=hall&token=x&volume=2');
   const { message } = await stream.wait({ type: 'warning', code: 'unknown-member', field: 'rom' });
   assert.match(message, /near: room/);
@@ -130,7 +130,7 @@ test("the address of a WebSocket, too", async () => {
   await stream.close();
 });
 
-test('what may have been meant', async () => {
+test('suggests a similar name for an unknown one', async () => {
   const stream = await daemon.stream();
   const cases = [
     [{ type: 'speek' }, /near: speak/],
@@ -164,7 +164,7 @@ test('what may have been meant', async () => {
   assert.match((await asked('/v1/speech?format=waw&text=a')).message, /near: wav/);
 });
 
-test('say tells how many listen; where nobody does, it is accepted and lost', async () => {
+test('say reports the number of listeners; without any, the request is accepted and dropped', async () => {
   const nobody = await asked('/v1/say?room=empty&lang=it', plain('Buongiorno.'));
   assert.deepEqual(nobody, { status: 202, type: 'accepted', room: 'empty', listeners: 0 });
   const [one, two] = [await daemon.stream('?room=hall'), await daemon.stream('?room=hall')];
@@ -182,7 +182,7 @@ test('say tells how many listen; where nobody does, it is accepted and lost', as
   await Promise.all([one, two, late].map((stream) => stream.close()));
 });
 
-test('--hold keeps it for who comes in time, in its order, and not without end', async () => {
+test('--hold keeps speech for late listeners, in order and for a limited time', async () => {
   const own = await Daemon.start(['--hold', '60', '--max-queue', '3']);
   const say = (room, text, id) => asked(`/v1/say?room=${room}&lang=it&id=${id}`, plain(text), own);
   assert.deepEqual(await say('hall', 'Uno.', 'a'), { status: 202, type: 'accepted', room: 'hall', listeners: 0, held: 60 });
@@ -210,7 +210,7 @@ test('--hold keeps it for who comes in time, in its order, and not without end',
   assert.equal((await own.stop()).code, 0);
 });
 
-test('what is held too long is forgotten', async () => {
+test('drops speech that was held too long', async () => {
   const own = await Daemon.start(['--hold', '1']);
   assert.equal((await asked('/v1/say?room=hall&lang=it', plain('Presto!'), own)).held, 1);
   await new Promise((resolve) => setTimeout(resolve, 1100)); // the hold time under test

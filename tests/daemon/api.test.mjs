@@ -62,7 +62,7 @@ const operations = Object.keys(openapi.paths).flatMap((address) =>
 // documents served unchanged
 const documents = Object.keys(openapi.paths).filter((address) => /^\/v1\/\w+\.json$/.test(address));
 
-test('the routes of the daemon are the paths of the document', async () => {
+test('the routes of the daemon are the paths of the OpenAPI document', async () => {
   const routes = [...read('server/api/routes.c').matchAll(/^ {4}\{\.path = "(\/[^"]+)"/gm)].map(([, address]) => address);
   routes.push('/v1/rooms'); // in the table of routes only by name, for the commands below it
   assert.ok(routes.length > 10);
@@ -78,7 +78,7 @@ test('the routes of the daemon are the paths of the document', async () => {
   }
 });
 
-test('the documents are served as they are, with all that they refer to', async () => {
+test('serves the documents unchanged, with everything they refer to', async () => {
   for (const name of ['openapi.json', 'asyncapi.json', 'schema/client.json', 'schema/server.json', 'schema/head-model.json', 'schema/timed.json', 'schema/pictures.json', 'schema/scene.json',
     'schema/library.json', 'schema/avatar-map.json']) {
     const response = await daemon.get(`/v1/${name}`);
@@ -90,9 +90,9 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/library/reports': { word: 'calmo', lang: 'it' }, '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
+const BODIES = { '/v1/audio/speech': { input: 'Sì.' }, '/v1/library/reports': { word: 'calmo', lang: 'it' }, '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
 for (const { address, method, operation } of operations) {
-  test(`${method} ${address} answers as described`, async () => {
+  test(`answers ${method} ${address} as documented`, async () => {
     const room = await daemon.stream('?room=api');
     await room.wait({ type: 'joined' });
     const { models } = await room.wait({ type: 'hello' });
@@ -121,7 +121,7 @@ for (const { address, method, operation } of operations) {
   });
   for (const { name, schema } of parameters(operation).filter((p) => p.in === 'query' && method === 'POST' && p.name !== 'room'))
     if (schema.enum || schema.minimum !== undefined || schema.type === 'boolean')
-      test(`${method} ${address} knows ${name}`, async () => {
+      test(`${method} ${address} accepts ${name}`, async () => {
         const room = await daemon.stream('?room=api');
         await room.wait({ type: 'joined' });
         const options = { method, body: 'Sì.', headers: { 'content-type': 'text/plain' } };
@@ -147,7 +147,7 @@ const types = (side) =>
     return message.name;
   });
 
-test('the messages of the document are those of the schemas and of the daemon', () => {
+test('the AsyncAPI document lists the messages of the schemas and of the daemon', () => {
   const known = [...read('server/api/commands.c').match(/commands\[\] = \{([^;]+)\};/)[1].matchAll(/\{"(\w+)"/g)].map(([, type]) => type);
   assert.deepEqual(types('client').sort(), known.sort());
   for (const side of ['client', 'server']) {
@@ -159,16 +159,16 @@ test('the messages of the document are those of the schemas and of the daemon', 
     for (const message of operation.messages) assert.ok(at(asyncapi, at(asyncapi, message)));
 });
 
-test('the daemon takes each message of the client, and sends each of the server', async () => {
+test('the daemon accepts each client message and sends each server message', async () => {
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
     choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 } };
   const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
-  const desk = await daemon.stream(); // observers are notified of each other (desks)
+  const desk = await daemon.stream(); // observers are notified of each other (observers)
   desk.send({ type: 'join', room: 'api', watch: true });
-  await desk.wait({ type: 'desks' });
+  await desk.wait({ type: 'observers' });
   const mix = [{ name: 'joy' }];
   for (const type of order) {
     if (type === 'leave') await stream.wait({ type: 'end', reason: 'done' });

@@ -52,7 +52,7 @@ const cases = [
 ];
 for (const [name, message, expected] of cases) test(name, () => refuses(message, expected));
 
-test('invalid UTF-8 in a text frame is told, and ends the connection (RFC 6455, 8.1)', async () => {
+test('reports invalid UTF-8 in a text frame and closes the connection (RFC 6455, 8.1)', async () => {
   for (const [bytes, byte] of [[[0x63, 0x69, 0xc3, 0x28], 2], [Buffer.from('{"type":"speak","text":"\xff"}', 'latin1'), 24]]) {
     const stream = await daemon.stream();
     stream.socket.send(Buffer.from(bytes), { binary: false });
@@ -61,7 +61,7 @@ test('invalid UTF-8 in a text frame is told, and ends the connection (RFC 6455, 
   }
 });
 
-test('every refused speak has its one end', async () => {
+test('every refused speak has exactly one end', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'x', text: 'a', lang: 'xx' });
   const end = await stream.wait({ type: 'end', id: 'x' });
@@ -70,7 +70,7 @@ test('every refused speak has its one end', async () => {
   await stream.close();
 });
 
-test('a full queue is told', async () => {
+test('reports a full queue', async () => {
   const stream = await daemon.stream();
   for (let i = 0; i < 34; i++) stream.send({ type: 'speak', lang: 'it', text: 'Una frase che dura un poco.' });
   const error = await stream.wait({ type: 'error', code: 'queue-full' });
@@ -80,13 +80,13 @@ test('a full queue is told', async () => {
   await stream.close();
 });
 
-test('a bad default in the address is told', async () => {
+test('reports an invalid default in the address', async () => {
   const stream = await daemon.stream('?rate=fast');
   await stream.wait({ type: 'error', code: 'bad-field', field: 'rate' });
   await stream.close();
 });
 
-test('HTTP: unknown addresses, methods, types, formats', async () => {
+test('HTTP: reports unknown addresses, methods, types and formats', async () => {
   const check = async (address, options, status, code) => {
     const response = await daemon.get(address, options);
     assert.equal(response.status, status, address);
@@ -111,14 +111,14 @@ test('HTTP: unknown addresses, methods, types, formats', async () => {
   await check('/v1/speech', post('a'.repeat(100001)), 413, 'text-too-long');
 });
 
-test('OPTIONS names the methods', async () => {
+test('OPTIONS lists the methods', async () => {
   const response = await daemon.get('/v1/speech', { method: 'OPTIONS' });
   assert.equal(response.status, 204);
   assert.equal(response.headers.get('allow'), 'GET, HEAD, POST, OPTIONS');
   assert.equal((await daemon.get('/v1/say', { method: 'OPTIONS' })).headers.get('allow'), 'POST, OPTIONS');
 });
 
-test('a WebSocket at another address is refused', async () => {
+test('rejects a WebSocket at another address', async () => {
   await assert.rejects(daemon.stream('').then(() => import('ws')).then(({ default: WebSocket }) => new Promise((resolve, reject) => {
     new WebSocket(`ws://127.0.0.1:${daemon.port}/elsewhere`).on('open', resolve).on('error', reject);
   })));
@@ -135,7 +135,7 @@ function raw(bytes) {
   });
 }
 
-test('garbage on the port harms nobody', async () => {
+test('survives garbage on the port', async () => {
   const other = await daemon.stream();
   const upgrade = 'GET /v1/stream HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
   const hostile = [
@@ -156,7 +156,7 @@ test('garbage on the port harms nobody', async () => {
   await other.close();
 });
 
-test('a client that vanishes while it is spoken to costs nothing', async () => {
+test('a client that vanishes while it is spoken to leaks nothing', async () => {
   for (let i = 0; i < 30; i++) {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', lang: 'it', text: 'Una frase dopo l’altra. '.repeat(20) });

@@ -18,7 +18,7 @@ const say = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), [...ar
 const said = (...args) => ({ ...JSON.parse(say(...args).stdout), face: fs.readFileSync(fap, 'utf8') });
 const rule = (ms) => JSON.stringify({ sounds: { vowel: 'aeo', p: 'p' }, voices: { 'espeak:it': [{ before: 'vowel', after: 'p', ms }], 'espeak:tr': [{ before: 'p', after: 'vowel', ms: -20 }] } });
 
-test('the table of a voice moves its boundaries, the words at them and the face, and nothing else', () => {
+test('the boundary table of a voice moves its boundaries, their words and the face, and nothing else', () => {
   table(rule(15));
   const own = said('--boundaries', 'own'), heard = said();
   const p = own.phones.findIndex(({ ipa }) => ipa === 'p');
@@ -37,7 +37,7 @@ test('the table of a voice moves its boundaries, the words at them and the face,
   assert.deepEqual(said(), own, 'no table, no correction');
 });
 
-test('a broken table is refused with its place', () => {
+test('rejects a broken table with its position', () => {
   table(rule(61));
   const { status, stderr } = say();
   assert.equal(status, 1, stderr);

@@ -23,7 +23,7 @@ const counts = async (daemon) => {
   return ['hit', 'miss'].map((result) => Number(metrics.match(new RegExp(`^faccia_cache_total\\{result="${result}"\\} (.*)$`, 'm'))[1]));
 };
 
-test('the same sentence is the same sound, to the sample, with its words in their new places', async () => {
+test('reuses the sound of the same sentence to the sample, with its words in their new positions', async () => {
   const daemon = await Daemon.start();
   const first = await say(daemon);
   const [hits, misses] = await counts(daemon);
@@ -45,7 +45,7 @@ test('the same sentence is the same sound, to the sample, with its words in thei
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('without a cache every sentence is spoken', async () => {
+test('without a cache generates every sentence again', async () => {
   const daemon = await Daemon.start(['--cache', '0']);
   await say(daemon);
   await say(daemon);
@@ -53,7 +53,7 @@ test('without a cache every sentence is spoken', async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('on disk it outlives the process, also one that was killed; a damaged file does no harm', async () => {
+test('the disk cache survives the process, even when killed; a damaged file does no harm', async () => {
   const file = path.join(folder, 'cache');
   const options = ['--cache', '0', '--cache-file', file];
   let daemon = await Daemon.start(options);
@@ -79,7 +79,7 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('works of the library are spoken ahead by a voice, within a bound; who asks for them has them from the cache', async () => {
+test('prerenders works of the library with one voice within a limit, and serves requests from the cache', async () => {
   const works = path.join(folder, 'works');
   fs.mkdirSync(works);
   const paragraphs = (word) => Array.from({ length: 6 }, (_, i) => `${word} numero ${i + 1} torna a casa. Il vento porta l'odore del mare.`).join('\n\n');
@@ -108,11 +108,11 @@ test('works of the library are spoken ahead by a voice, within a bound; who asks
   assert.ok(full.bytes >= 1 << 20 && full.bytes < 1.5 * 2 ** 20 && full.done < full.of, JSON.stringify(full));
   assert.equal((await daemon.stop()).code, 0);
   daemon = await Daemon.start([...options, '--library-ahead', 'espeak:nobody']);
-  await daemon.logged(/nothing is prerendered: --library-ahead: .*nobody/);
+  await daemon.logged(/prerendering is off: --library-ahead: .*nobody/);
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('a file that is something else stays as it is, and the start names the option', async () => {
+test('leaves a file that is not a cache unchanged, and refuses to start, naming the option', async () => {
   const file = path.join(folder, 'letter');
   fs.writeFileSync(file, 'Dear Anna,\n');
   await assert.rejects(Daemon.start(['--cache-file', file]), /--cache-file: .*letter is not a sentence cache/);

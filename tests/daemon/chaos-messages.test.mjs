@@ -151,9 +151,9 @@ const folder = mkdtempSync(path.join(tmpdir(), 'faccia-chaos-'));
 copyFileSync(path.join(root, 'protocol/vectors/fap/all-faps.fap'), path.join(folder, 'all.fap'));
 after(() => rmSync(folder, { recursive: true }));
 
-test(`all doors open, seed ${seed}`, () => chaos(seconds * 0.7));
+test(`survives random messages with all interfaces open, seed ${seed}`, () => chaos(seconds * 0.7));
 
-test(`tokens and small limits, seed ${seed}`, async () => {
+test(`survives random messages with tokens and small limits, seed ${seed}`, async () => {
   const secrets = path.join(folder, 'secrets');
   writeFileSync(secrets, 'a secret that is long enough for the daemon\n', { mode: 0o600 });
   const { stdout } = spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna', '--rights', 'listen,speak'], { encoding: 'utf8' });

@@ -14,7 +14,7 @@ after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
 const say = (args, input) => faccia(['say', ...args], { input });
 
-test('writes sound, face and timing that belong together', () => {
+test('writes consistent sound, face and timing', () => {
   const names = { wav: file('a.wav'), fap: file('a.fap'), json: file('a.json') };
   const { status, stderr } = say(['--lang', 'it', '--fps', '30', '--wav', names.wav, '--fap', names.fap, '--json', names.json, 'La mamma', 'parla piano. Ciao!']);
   assert.equal(status, 0, stderr);
@@ -37,7 +37,7 @@ test('writes sound, face and timing that belong together', () => {
   assert.deepEqual(json.words.map((w) => w.text), ['La', 'mamma', 'parla', 'piano', 'Ciao']);
 });
 
-test('settings come from a file, the environment and options, as those of the daemon do', () => {
+test('reads settings from a file, the environment and options, as the daemon does', () => {
   const config = path.join(folder, 'settings.json');
   const broken = path.join(folder, 'broken.json');
   fs.writeFileSync(config, JSON.stringify({ listen: { port: -5 }, speech: { lang: 'tr' }, voices: { sandbox: 'off' } }));
@@ -61,7 +61,7 @@ test('settings come from a file, the environment and options, as those of the da
   assert.match(nowhere.stderr, /no language pack in '\/nowhere\/speech' \(bad-speech-pack\)/);
 });
 
-test('the limits of voices are those of the environment', () => {
+test('takes the limits of voices from the environment', () => {
   const { status, stderr } = faccia(['say', 'Ciao.'], { env: { FACCIA_DEADLINE_BASE: 'soon' } });
   assert.equal(status, 2);
   assert.match(stderr, /FACCIA_DEADLINE_BASE: 'soon' is not a number from 0.1 to 3600/);
@@ -70,7 +70,7 @@ test('the limits of voices are those of the environment', () => {
   assert.equal(faccia(['say', 'Ciao.'], { env: { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_PROCESSOR: '' } }).status, 0);
 });
 
-test('standard streams', () => {
+test('reads and writes standard streams', () => {
   const { status, bytes } = say(['--wav', '-', '-'], 'Ciao.');
   assert.equal(status, 0);
   assert.equal(bytes.toString('latin1', 0, 4), 'RIFF');
@@ -88,18 +88,18 @@ for (const [lang, text] of [['it', 'Buongiorno.'], ['pt-BR', 'Bom dia, coração
     assert.deepEqual(json.warnings, []);
   });
 
-test('a voice by its id, with a language of its own', () => {
+test('selects a voice by its id, in another language', () => {
   const json = JSON.parse(say(['--voice', 'espeak:en-gb', 'Hello.']).stdout);
   assert.equal(json.voice, 'espeak:en-gb');
   assert.equal(json.lang, 'en');
 });
 
-test('rate and fps are honoured', () => {
+test('applies rate and fps', () => {
   const duration = (args) => JSON.parse(say([...args, 'Una frase come tante altre, né lunga né corta.']).stdout).duration;
   assert.ok(duration(['--rate', '100']) > 1.5 * duration(['--rate', '250']));
 });
 
-test('markup, its warnings, and how it is to be shown', () => {
+test('reads markup, prints its warnings, and applies the blend', () => {
   const { stdout, stderr, status } = say(['--lang', 'it', '--life', '0.5', '--blend', 'weighted', '<speak>Uno\n <bark/><mark name="qui"/>due.</speak>']);
   assert.equal(status, 0);
   assert.match(stderr, /warning: 2:2: /);
@@ -107,7 +107,7 @@ test('markup, its warnings, and how it is to be shown', () => {
   assert.deepEqual(JSON.parse(say(['--lang', 'it', '--markup', 'plain', 'Uno <mark name="qui"/>']).stdout).marks, []);
 });
 
-test('the help names each option that protocol/messages.json declares, and completion knows their words', () => {
+test('the help lists each option that protocol/messages.json declares, and completion offers their values', () => {
   const { members } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json'))).client.speak;
   const { stdout } = say(['--help']);
   const options = Object.keys(members).filter((name) => members[name].option);
@@ -142,19 +142,19 @@ const wrong = [
   [[' '], 1, /nothing to speak/],
 ];
 for (const [args, code, message] of wrong)
-  test(`say ${args.join(' ')}: exit ${code}`, () => {
+  test(`say ${args.join(' ')}: exits with ${code}`, () => {
     const { status, stderr } = say(args, '');
     assert.match(stderr, message);
     assert.equal(status, code);
   });
 
-test('bytes that are no UTF-8 are named', () => {
+test('reports invalid UTF-8 with its byte', () => {
   const { status, stderr } = say(['-'], Buffer.from([0x61, 0x62, 0xff]));
   assert.equal(status, 1);
   assert.match(stderr, /byte 2: the text is not UTF-8/);
 });
 
-test('a timed transcription becomes a face without a voice', () => {
+test('turns a timed transcription into a face without a voice', () => {
   fs.writeFileSync(file('timed.txt'), "0: 680 ##\n1: 1048 nn\n2: 3464 'a~\n3: 5686 uu\n4: 89546 ##\n5: 95270\n");
   const { status, stdout } = faccia(['timed', file('timed.txt')]);
   assert.equal(status, 0);
@@ -167,7 +167,7 @@ test('a timed transcription becomes a face without a voice', () => {
   assert.match(wrong.stderr, /wrong\.txt:2:1: unknown symbol qq/);
 });
 
-test('commands, help and lists', () => {
+test('prints commands, help and lists', () => {
   assert.equal(faccia([]).status, 2);
   assert.equal(faccia(['sing']).status, 2);
   for (const args of [['--help'], ['say', '--help'], ['voices', '--help'], ['models', '--help'], ['timed', '--help'], ['--version']]) {

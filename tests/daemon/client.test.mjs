@@ -32,7 +32,7 @@ async function all(utterance) {
   return events;
 }
 
-test('what is said comes in order: words, sound and frames, and its end', async () => {
+test('delivers speech in order: words, sound, frames, end', async () => {
   const client = await open();
   assert.equal(client.hello.protocol, 1);
   const events = await all(client.speak('La mamma parla piano.', { lang: 'it' }));
@@ -46,7 +46,7 @@ test('what is said comes in order: words, sound and frames, and its end', async 
   client.close();
 });
 
-test('as Opus and compact frames the same face comes, in a fraction of the bytes', async () => {
+test('Opus and compact frames carry the same face in a fraction of the bytes', async () => {
   const client = await open({ audio: 'opus', fap: 'fapc', events: 'packed' });
   const events = await all(client.speak('La mamma parla piano.', { lang: 'it' }));
   assert.deepEqual(events.filter(({ type }) => type === 'word').map(({ text }) => text), ['La', 'mamma', 'parla', 'piano']);
@@ -56,7 +56,7 @@ test('as Opus and compact frames the same face comes, in a fraction of the bytes
   client.close();
 });
 
-test('text as it is written, cancelled, refused; two at once are told apart', async () => {
+test('speaks open text; reports cancelled and refused utterances; distinguishes two at once', async () => {
   const client = await open();
   const written = client.open({ lang: 'it' });
   const words = all(written);
@@ -73,7 +73,7 @@ test('text as it is written, cancelled, refused; two at once are told apart', as
   client.close();
 });
 
-test('what somebody says himself comes back with a face', async () => {
+test('returns a live voice with a face', async () => {
   const client = await open(), said = client.voice({ rate: 16000, lang: 'it' }), events = all(said);
   for (let i = 0; i < 25; i++) assert.ok(said.sound(new Int16Array(320).fill(i)));
   said.close();
@@ -84,7 +84,7 @@ test('what somebody says himself comes back with a face', async () => {
   client.close();
 });
 
-test('who listens in a room hears what others say there', async () => {
+test('a listener in a room hears what others say there', async () => {
   const [listener, speaker] = await Promise.all([open({ room: 'sala' }), open({ room: 'sala' })]);
   const heard = new Promise((resolve) => listener.addEventListener('message', ({ detail }) => detail.type === 'word' && resolve(detail.text)));
   const media = new Promise((resolve) => listener.addEventListener('media', ({ detail }) => resolve(detail)));
@@ -95,7 +95,7 @@ test('who listens in a room hears what others say there', async () => {
   for (const client of [listener, speaker]) client.close();
 });
 
-test('no server is told; a lost one ends what was being said, and is come back to', async () => {
+test('reports a missing server; a lost one ends current speech and is reconnected to', async () => {
   await assert.rejects(connect('http://127.0.0.1:9', { WebSocket }), /no faccia server answers/);
   await assert.rejects(connect(daemon.url, { WebSocket, signal: AbortSignal.abort(new Error('enough')) }), /enough/);
   const own = await Daemon.start();
@@ -113,7 +113,7 @@ test('no server is told; a lost one ends what was being said, and is come back t
   await again.stop();
 });
 
-test('the client of Python: the same, in one file with types', async () => {
+test('the Python client does the same, in one typed file', async () => {
   const home = path.join(root, 'web/client/python');
   const env = { ...process.env, PYTHONPATH: home, PYTHONDONTWRITEBYTECODE: '1' };
   const { stdout } = await promisify(execFile)('/usr/bin/python3', [path.join(import.meta.dirname, 'client.py'), daemon.url, path.join(root, 'protocol/vectors/chunks.json')], { env });
@@ -128,7 +128,7 @@ test('the client of Python: the same, in one file with types', async () => {
   assert.equal(status, 0, said);
 });
 
-test('the package is in order, and its types say what may be said and what comes', async () => {
+test('the package is complete, and its types cover all messages', async () => {
   assert.deepEqual((await publint({ pkgDir: installed, strict: true })).messages, []);
   const attw = path.join(root, 'tests/node_modules/.bin/attw');
   const { status, stdout, stderr } = spawnSync(attw, ['--pack', installed, '--profile', 'esm-only'], { encoding: 'utf8' });

@@ -100,7 +100,7 @@ after(async () => {
 });
 
 for (const [what, query] of cases([['Opus with packed events', '&audio=opus&fap=fapc&events=packed']], [['PCM', '&audio=pcm&fap=plain']]))
-  test(`listeners at three daemons hear the same bytes, each once, in order: ${what}`, async () => {
+  test(`listeners at three daemons get the same bytes, each once, in order: ${what}`, async () => {
     const room = `same-${query.length}`;
     const listeners = [await first(daemons[0], room, query)];
     for (const daemon of daemons) while (listeners.filter((listener) => listener.daemon === daemon).length < 2) listeners.push(await Listener.open(daemon, room, query));
@@ -117,7 +117,7 @@ for (const [what, query] of cases([['Opus with packed events', '&audio=opus&fap=
     for (const listener of listeners) listener.close();
   });
 
-test('who joins late is told what goes on, wherever it comes in', async () => {
+test('a late listener gets the current state, at any daemon', async () => {
   const room = 'late';
   const [one, two] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room)];
   await followed(room, 2);
@@ -151,7 +151,7 @@ test('who joins late is told what goes on, wherever it comes in', async () => {
   for (const listener of [one, two, ...late]) listener.close();
 });
 
-test('what is asked of a room at any daemon is done, and what is wrong is answered there', async () => {
+test('room commands work at any daemon, and errors are answered there', async () => {
   const room = 'asked';
   const [one, two, three] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];
   await followed(room, 3);
@@ -183,7 +183,7 @@ test('what is asked of a room at any daemon is done, and what is wrong is answer
   await eventually(() => !redis.cli('keys', `faccia:lease:*`), 'all leases to be given up');
 });
 
-test('of those who come at once one speaks, and all hear it once', async () => {
+test('of simultaneous speakers one speaks first, and all are heard once', async () => {
   const rooms = Array.from({ length: 8 }, (_, i) => `at-once-${i}`);
   const all = await Promise.all(rooms.map((room) => Promise.all(daemons.map((daemon) => Listener.open(daemon, room)))));
   await Promise.all(
@@ -199,7 +199,7 @@ test('of those who come at once one speaks, and all hear it once', async () => {
   for (const listener of all.flat()) listener.close();
 });
 
-test('what is said to nobody waits for who comes, wherever that is', async () => {
+test('speech for an empty room waits for the first listener at any daemon', async () => {
   const room = 'held';
   assert.equal((await post(daemons[1], `/v1/say?room=${room}&lang=it&id=one`, 'Uno.')).held, 60);
   assert.equal((await post(daemons[2], `/v1/say?room=${room}&lang=it&id=two`, 'Due.')).held, 60);
@@ -208,7 +208,7 @@ test('what is said to nobody waits for who comes, wherever that is', async () =>
   listener.close();
 });
 
-test('the lexicon of a room holds wherever it is asked for, and goes along when another daemon takes the room', async () => {
+test('the lexicon of a room applies at every daemon, and moves with the leader', async () => {
   const room = 'lexicon';
   const leaving = await start();
   const one = await first(leaving, room);
@@ -240,7 +240,7 @@ test('the lexicon of a room holds wherever it is asked for, and goes along when 
   for (const listener of [two, late]) listener.close();
 });
 
-test('a daemon that stops leaves its rooms to the others at once', async () => {
+test('a stopping daemon hands its rooms to the others at once', async () => {
   const fourth = await start();
   const room = 'left';
   const there = await first(fourth, room);
@@ -255,7 +255,7 @@ test('a daemon that stops leaves its rooms to the others at once', async () => {
   there.close();
 });
 
-test('a home that dies while it speaks: the listeners are told, and another daemon speaks on', async () => {
+test('when a leader dies while speaking, listeners get an error and another daemon continues', async () => {
   const fourth = await start();
   const room = 'killed';
   const there = await first(fourth, room);
@@ -293,7 +293,7 @@ for (const [how, signal] of [
   ['dies', 'SIGKILL'],
   ['stands still', 'SIGSTOP'],
 ])
-  test(`what was asked to be spoken again, is, when the home ${how}: in its order, with one end`, async () => {
+  test(`repeats a pending command when the leader ${how}: in order, with one end`, async () => {
     const fourth = await start();
     const room = `again-${signal}`;
     const there = await first(fourth, room);
@@ -340,7 +340,7 @@ for (const [how, signal] of [
     for (const listener of [there, ...others]) listener.close();
   });
 
-test('a daemon that loses Redis for a moment hears nothing anew that was told to have failed', async () => {
+test('a daemon that loses Redis for a moment does not replay speech reported as failed', async () => {
   const room = 'blink';
   const listeners = [];
   for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
@@ -371,7 +371,7 @@ test('a daemon that loses Redis for a moment hears nothing anew that was told to
 });
 
 for (const next of cases(['the daemon that asked for it'], ['that daemon']))
-  test(`a daemon that was alone when it told an utterance to have failed does not hear it from the next home, ${next}`, async () => {
+  test(`an isolated daemon that reported an utterance as failed does not get it from the next leader, ${next}`, async () => {
     const room = `known ${next.length}`.replace(' ', '-');
     const road = await SlowRoad.open(redis.port);
     const [home, alone] = [await start(), await start(road.url)];
@@ -414,7 +414,7 @@ for (const next of cases(['the daemon that asked for it'], ['that daemon']))
     await end(alone, 'SIGTERM');
   });
 
-test('a home that stood still and wakes cannot speak into the room', async () => {
+test('a leader that was frozen cannot speak into the room when it resumes', async () => {
   const room = 'frozen';
   const [there, one, two] = [await first(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];
   await followed(room, 3);
@@ -444,7 +444,7 @@ test('a home that stood still and wakes cannot speak into the room', async () =>
   for (const listener of [one, two, there]) listener.close();
 });
 
-test('without Redis each daemon speaks for its own, and they heal', async () => {
+test('without Redis each daemon speaks to its own listeners; afterwards they reunite', async () => {
   const room = 'split';
   const listeners = [];
   for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
@@ -457,7 +457,7 @@ test('without Redis each daemon speaks for its own, and they heal', async () => 
   for (const listener of others) await listener.heard({ type: 'end', id: 'through', reason: 'failed' });
   await mine.heard({ type: 'end', id: 'through', reason: 'done' });
   for (const daemon of daemons) await up(daemon, 'away');
-  assert.equal(await home.metric('faccia_cluster_rooms{home="alone"}'), 1);
+  assert.equal(await home.metric('faccia_cluster_rooms{role="unshared"}'), 1);
   others[0].send({ type: 'speak', id: 'own', text: 'Uno.' });
   await others[0].heard({ type: 'end', id: 'own', reason: 'done' });
   assert.ok(!others[1].find({ id: 'own' }) && !mine.find({ id: 'own' }));
@@ -482,7 +482,7 @@ test('without Redis each daemon speaks for its own, and they heal', async () => 
   for (const listener of listeners) listener.close();
 });
 
-test('a Redis that forgets everything, or stands still, costs one utterance at most', async () => {
+test('a Redis that loses its data, or hangs, costs at most one utterance', async () => {
   const room = 'forgot';
   const listeners = [];
   for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
@@ -509,15 +509,15 @@ test('a Redis that forgets everything, or stands still, costs one utterance at m
   for (const listener of listeners) listener.close();
 });
 
-test('what is no message of another daemon is passed over', async () => {
+test('ignores invalid messages between daemons', async () => {
   const listener = await Listener.open(daemons[0], 'nonsense');
   const { token } = await homeOf('nonsense');
   const channels = redis.cli('pubsub', 'channels', 'faccia:to:*').split('\n');
   assert.equal(channels.length, daemons.length);
-  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":4,"kind":"here","room":"nonsense"}\n'];
-  for (const kind of ['here', 'recap', 'text', 'media', 'gone', 'order', 'answer', 'what'])
-    for (const rest of ['{}', '{"from":"x","wants":[[9,9,9,1],[0],7],"idle":{"life":-1},"visit":7,"begin":true}', `{"token":${token},"event":"begin","line":99,"as":3}`, '{"order":{"type":"speak","request":{"text":7}},"number":1,"status":200,"from":"x"}', `{"token":${token},"order":7,"was":-1,"visit":4294967296,"speaks":-7,"past":true,"number":1,"answer":{"utterance":99},"from":"x"}`])
-      heads.push(`${JSON.stringify({ v: 4, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
+  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":5,"kind":"here","room":"nonsense"}\n'];
+  for (const kind of ['here', 'recap', 'text', 'media', 'gone', 'command', 'answer', 'what'])
+    for (const rest of ['{}', '{"from":"x","wants":[[9,9,9,1],[0],7],"idle":{"life":-1},"visit":7,"begin":true}', `{"token":${token},"event":"begin","line":99,"as":3}`, '{"command":{"type":"speak","request":{"text":7}},"number":1,"status":200,"from":"x"}', `{"token":${token},"command":7,"was":-1,"visit":4294967296,"speaks":-7,"past":true,"number":1,"answer":{"utterance":99},"from":"x"}`])
+      heads.push(`${JSON.stringify({ v: 5, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
   for (const channel of channels) for (const head of heads) redis.cli('publish', channel, head);
   listener.send({ type: 'speak', id: 'still', text: 'Uno.' });
   await listener.heard({ type: 'end', id: 'still', reason: 'done' });

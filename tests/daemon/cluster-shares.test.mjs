@@ -66,7 +66,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('what a subject asks in a minute counts at all daemons', async () => {
+test('counts the requests of a subject per minute across all daemons', async () => {
   for (const who of [as('anna'), as('anna again')]) { // the second subject, in case the minute ends during the first
     const minute = Math.floor(redis.cli('time').split('\n')[0] / 60);
     const asked = async (daemon) => (await status(daemon, who, '/v1/stop?room=empty', 'POST')) !== 'too-many-requests';
@@ -86,7 +86,7 @@ test('what a subject asks in a minute counts at all daemons', async () => {
   assert.fail('two minutes ended');
 });
 
-test('what a subject has open counts at all daemons, until it is closed, or its daemon dies', async () => {
+test('counts the connections of a subject across all daemons, until they close or their daemon dies', async () => {
   const carla = as('carla');
   const open = await streams(a, carla);
   await eventually(async () => (await status(b, carla)) === 'too-many-per-address', 'the others to know');
@@ -100,25 +100,25 @@ test('what a subject has open counts at all daemons, until it is closed, or its 
   for (const daemon of [a, b]) await eventually(async () => (await status(daemon, carla)) === 'well', 'the dead to be forgotten');
 });
 
-test('a daemon that starts later knows what is open; without Redis each counts its own, with it all count again', async () => {
+test('a new daemon counts the open connections; without Redis each counts its own, afterwards all count together again', async () => {
   const elio = as('elio');
   await streams(a, elio);
   const c = await start('c');
   await eventually(async () => (await status(c, elio)) === 'too-many-per-address', 'the new one to know');
   redis.stop();
   for (const daemon of [a, b, c]) await health(daemon, 'away');
-  await c.logged(/cluster: .*\(counts\): .*; this daemon goes on by itself/); // each connection to Redis reports separately
-  await eventually(async () => (await metric(c, 'faccia_board_up')) === 0, 'the metric');
+  await c.logged(/cluster: .*\(counts\): .*; continuing without the cluster/); // each connection to Redis reports separately
+  await eventually(async () => (await metric(c, 'faccia_presence_up')) === 0, 'the metric');
   assert.equal(await status(c, elio), 'well');
   assert.equal(await status(a, elio), 'too-many-per-address');
   redis.again();
   for (const daemon of [a, b, c]) await health(daemon, 'up');
   for (const daemon of [b, c]) await eventually(async () => (await status(daemon, elio)) === 'too-many-per-address', 'all to know again');
-  assert.equal(await metric(c, 'faccia_board_up'), 1);
+  assert.equal(await metric(c, 'faccia_presence_up'), 1);
   await stop(c);
 });
 
-test('a secret that one daemon gives up counts no more at any, nor at one that starts later', async () => {
+test('a secret dropped by one daemon is revoked on every daemon, including later ones', async () => {
   const old = as('fabio', second);
   const stream = await b.stream('?room=hall', old);
   assert.equal(await status(b, old), 'well');
@@ -127,7 +127,7 @@ test('a secret that one daemon gives up counts no more at any, nor at one that s
   await stream.wait({ type: 'error', code: 'revoked-token' });
   assert.equal(await status(b, old), 'bad-token');
   assert.equal(await status(a, old), 'bad-token');
-  assert.match(b.log, /1 of the 2 secrets of the token file count no more/);
+  assert.match(b.log, /1 of the 2 secrets in the secret file are revoked/);
   const late = async (name) => {
     const daemon = await start(name);
     await eventually(async () => (await status(daemon, old)) === 'bad-token', 'the new one to know');
@@ -145,24 +145,24 @@ test('a secret that one daemon gives up counts no more at any, nor at one that s
   await late('after it was away');
   // not even after its settings are reloaded
   b.process.kill('SIGHUP');
-  await b.logged(/settings read anew/);
+  await b.logged(/settings reloaded/);
   assert.equal(await status(b, old), 'bad-token');
 });
 
-test('a daemon with other limits is told of', async () => {
+test('reports a daemon with different limits', async () => {
   const c = await start('c', '--max-requests', '7');
-  for (const [daemon, count] of [[a, 1], [c, 2]]) await eventually(async () => (await metric(daemon, 'faccia_cluster_otherwise')) === count, 'it to be seen');
-  assert.match(a.log, /a daemon has other settings than this one: .*max-requests 7; here: .*max-requests 60/);
+  for (const [daemon, count] of [[a, 1], [c, 2]]) await eventually(async () => (await metric(daemon, 'faccia_cluster_mismatched')) === count, 'it to be seen');
+  assert.match(a.log, /a daemon has different settings: .*max-requests 7; this daemon: .*max-requests 60/);
   await stop(c);
-  await eventually(async () => (await metric(a, 'faccia_cluster_otherwise')) === 0, 'it to be forgotten');
+  await eventually(async () => (await metric(a, 'faccia_cluster_mismatched')) === 0, 'it to be forgotten');
 });
 
-test('nonsense on the board is passed over, and what one daemon says of another hurts nobody', async () => {
+test('ignores invalid presence data, and one daemon cannot harm another with it', async () => {
   const ghost = 'f'.repeat(32);
   const PUT = `redis.call('HSET', KEYS[1] .. ':notes:' .. ARGV[1], ARGV[2], ARGV[3])
     redis.call('ZADD', KEYS[1] .. ':changes', redis.call('INCR', KEYS[1] .. ':count'), ARGV[1] .. ' ' .. ARGV[2])`;
-  const put = (who, name, text) => redis.cli('eval', PUT, '1', 'faccia:board', who, name, text);
-  redis.cli('zadd', 'faccia:board', String(Date.now() + 60000), ghost);
+  const put = (who, name, text) => redis.cli('eval', PUT, '1', 'faccia:presence', who, name, text);
+  redis.cli('zadd', 'faccia:presence', String(Date.now() + 60000), ghost);
   const notes = { limits: 'x'.repeat(500), 'use s gina': '9 9', 'use s': '-1 -1 -1', 'use s hugo': '99999999999 0 0', ['n'.repeat(500)]: 'x', '': '' };
   for (const [name, text] of Object.entries(notes)) put(ghost, name, text);
   put('*', 'secret nobody has it', '');
@@ -171,16 +171,16 @@ test('nonsense on the board is passed over, and what one daemon says of another 
   await eventually(async () => (await status(b, as('ivo'))) === 'too-many-per-address', 'what came after it to be seen');
   assert.equal(await status(b, as('gina')), 'well');
   await health(b, 'up');
-  redis.cli('zadd', 'faccia:board', '1', ghost);
+  redis.cli('zadd', 'faccia:presence', '1', ghost);
   await eventually(async () => (await status(b, as('ivo'))) === 'well', 'the ghost to go');
 });
 
-test('daemons without end that say they follow a room are left out', async () => {
+test('limits the number of daemons that follow a room', async () => {
   await b.stream('?room=many', as('ada'));
   const lease = await eventually(() => redis.cli('get', 'faccia:lease:room:many'), 'somebody to have the room');
-  const CROWD = `for i = 1, 600 do redis.call('PUBLISH', ARGV[1], string.format('{"v":4,"kind":"here","room":"many","from":"ghost%d","visit":1}\\n', i)) end`;
+  const CROWD = `for i = 1, 600 do redis.call('PUBLISH', ARGV[1], string.format('{"v":5,"kind":"here","room":"many","from":"ghost%d","visit":1}\\n', i)) end`;
   redis.cli('eval', CROWD, '0', `faccia:to:${lease.split(' ')[0]}`);
-  await eventually(() => b.log.includes('room many: 256 daemons follow; further ones are left out'), 'the limit');
+  await eventually(() => b.log.includes('room many: 256 daemons follow; ignoring the rest'), 'the limit');
   await health(b, 'up');
   assert.equal(b.log.match(/room many: the daemon ghost\S* follows$/gm).length, 256);
 });

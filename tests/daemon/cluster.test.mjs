@@ -43,7 +43,7 @@ after(async () => {
 /** Keys of the sentences in Redis, or [] while one is claimed. */
 const sentences = () => (redis.names('*making').length ? [] : redis.names('*speech'));
 
-test('what one daemon has spoken no other speaks again, and it is the same', async () => {
+test('reuses a sentence spoken by another daemon, unchanged', async () => {
   const text = 'La mamma parla piano con Beppe.';
   const first = await say(one, text);
   await eventually(() => sentences().length === 1, 'the sentence in Redis');
@@ -56,7 +56,7 @@ test('what one daemon has spoken no other speaks again, and it is the same', asy
   assert.ok(left > 167 * 3600 && left <= 168 * 3600, `${left} s`);
 });
 
-test('who asks for the same at once waits for the one who makes it', async () => {
+test('simultaneous requests for a sentence wait for the one daemon that generates it', async () => {
   const before = lines();
   const answers = await Promise.all([one, two, one, two].map((daemon) => say(daemon, 'Una frase cara.', 'command:slow')));
   assert.equal(new Set(answers).size, 1);
@@ -64,7 +64,7 @@ test('who asks for the same at once waits for the one who makes it', async () =>
   assert.ok((await counted(one, 'waited')) + (await counted(two, 'waited')) >= 1);
 });
 
-test('a maker that dies costs nobody the sentence', async () => {
+test('speaks the sentence even when the generating daemon dies', async () => {
   const third = await start();
   await is(third, 'up');
   const before = lines();
@@ -78,7 +78,7 @@ test('a maker that dies costs nobody the sentence', async () => {
   assert.equal(lines(), before + 2);
 });
 
-test('who gives up leaves it to the next', async () => {
+test('a daemon that gives up leaves the sentence to the next', async () => {
   const before = lines();
   const stream = await one.stream();
   stream.send({ type: 'speak', id: 'a', lang: 'it', voice: 'command:slow', text: 'Una frase lasciata.' });
@@ -92,7 +92,7 @@ test('who gives up leaves it to the next', async () => {
   await stream.close();
 });
 
-test('values that are none are spoken anew', async () => {
+test('generates a sentence again when its cached value is invalid', async () => {
   const text = 'Una frase guasta.';
   await eventually(() => !redis.names('*making').length, 'what was spoken before to be there');
   redis.cli('flushdb');
@@ -104,23 +104,23 @@ test('values that are none are spoken anew', async () => {
   assert.equal(await counted(two, 'miss'), misses + 1);
 });
 
-test('a Redis that takes no more is told of once, and costs nobody anything', async () => {
+test('reports a full Redis once, and continues', async () => {
   redis.cli('config', 'set', 'maxmemory-policy', 'noeviction');
   redis.cli('config', 'set', 'maxmemory', '1mb');
   for (const text of ['Primo senza posto.', 'Secondo senza posto.']) assert.match(await say(one, text), /"duration"/);
-  await one.logged(/a sentence is not taken: OOM/);
+  await one.logged(/refused a sentence: OOM/);
   assert.match(await say(one, 'Terzo senza posto.'), /"duration"/);
   await eventually(() => !redis.names('*making').length, 'the claims to be left');
-  assert.equal(one.log.match(/is not taken/g).length, 1);
+  assert.equal(one.log.match(/refused a sentence/g).length, 1);
   redis.cli('config', 'set', 'maxmemory', '0');
-  assert.ok(!one.log.includes('this daemon goes on by itself'));
+  assert.ok(!one.log.includes('continuing without the cluster'));
 });
 
-test('a Redis that stands still, dies and comes back: nobody waits for it, and it is told', async () => {
+test('waits for no Redis that hangs, dies and returns, and logs it', async () => {
   redis.process.kill('SIGSTOP');
   assert.match(await say(one, 'Redis sta fermo.'), /"duration"/);
   await is(one, 'away');
-  await one.logged(/cluster: localhost:\d+: it does not answer; this daemon goes on by itself/);
+  await one.logged(/cluster: localhost:\d+: it does not answer; continuing without the cluster/);
   assert.ok(!one.log.includes(PASSWORD) && !one.log.includes(encodeURIComponent(PASSWORD)));
   redis.process.kill('SIGCONT');
   await is(one, 'up');
@@ -135,7 +135,7 @@ test('a Redis that stands still, dies and comes back: nobody waits for it, and i
   assert.equal(await say(two, text), first);
 });
 
-test('a Redis that lets nobody in, and one that does not speak Redis, are told; speech goes on', async () => {
+test('reports a Redis that refuses the login, and a server that is not Redis; speech continues', async () => {
   const liar = net.createServer((socket) => socket.on('error', () => {}).on('data', () => socket.write('HTTP/1.0 400 nonsense\r\n\r\n$5\r\n')));
   await new Promise((resolve) => liar.listen(0, '127.0.0.1', resolve));
   const cases = [
@@ -156,6 +156,6 @@ test('a Redis that lets nobody in, and one that does not speak Redis, are told; 
   liar.close();
 });
 
-test('an address that is none is refused at the start', async () => {
-  await assert.rejects(start('localhost:6379'), /--cluster: no address of Redis: redis:\/\//);
+test('refuses to start with an invalid address', async () => {
+  await assert.rejects(start('localhost:6379'), /--cluster: it has no address of Redis: must be redis:\/\//);
 });

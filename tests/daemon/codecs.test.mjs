@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { CompactReader, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../protocol/compact.mjs';
-import { fapcStep } from '../../protocol/fapc.mjs';
+import { fapcStep } from '../../protocol/fapc/fapc.mjs';
 import { Daemon, framesOf } from '../lib/daemon.mjs';
 
 let daemon;
@@ -22,7 +22,7 @@ const hear = async (room, ways) => {
   return streams;
 };
 
-test('coded and plain FAPs are the same within half a step, at the same times', async () => {
+test('coded and plain FAPs agree within half a step, at the same times', async () => {
   const [coded, plain] = await hear('same', ['audio=opus&fap=fapc', 'audio=pcm&fap=plain']);
   const a = framesOf(coded.chunks);
   const b = framesOf(plain.chunks);
@@ -34,7 +34,7 @@ test('coded and plain FAPs are the same within half a step, at the same times', 
   });
 });
 
-test('the Opus packets cover the utterance without a gap, and belong to the frames beside them', async () => {
+test('the Opus packets cover the utterance without a gap, in step with the frames', async () => {
   const [coded, plain] = await hear('cover', ['audio=opus&fap=fapc', 'audio=pcm&fap=plain']);
   const seconds = plain.chunks.reduce((sum, chunk) => sum + chunk.samples / chunk.sampleRate, 0);
   let packets = 0;
@@ -50,7 +50,7 @@ test('the Opus packets cover the utterance without a gap, and belong to the fram
   assert.ok(covered >= seconds - 0.001 && covered < seconds + 0.045, `${covered} of ${seconds}`);
 });
 
-test('few bits', async () => {
+test('audio needs under 26 kbit/s, and everything else under 3.5 kbit/s', async () => {
   const [coded] = await hear('few', ['audio=opus&fap=fapc']);
   const seconds = coded.chunks.reduce((sum, chunk) => sum + chunk.samples / chunk.sampleRate, 0);
   const kilobits = (bytes) => (bytes * 8) / seconds / 1000;
@@ -60,7 +60,7 @@ test('few bits', async () => {
   assert.ok(kilobits(all - audio) < 3.5, `${kilobits(all - audio)} kbit/s of all else`);
 });
 
-test('as many bits of Opus as somebody asks for', async () => {
+test('the Opus bit rate follows the request', async () => {
   const ways = ['kilobits=8', 'kilobits=12', '', 'kilobits=32'].map((way) => `audio=opus&fap=fapc&${way}`);
   const sizes = (await hear('bits', ways)).map(({ chunks }) => chunks.flatMap((chunk) => chunk.audio ?? []).reduce((sum, packet) => sum + packet.length + 1, 0));
   for (let i = 1; i < sizes.length; i++) assert.ok(sizes[i] > 1.15 * sizes[i - 1], `${sizes}`);
@@ -73,7 +73,7 @@ test('as many bits of Opus as somebody asks for', async () => {
   await stream.close();
 });
 
-test('a late listener can read what it gets', async () => {
+test('a late listener can decode the stream', async () => {
   const first = await daemon.stream(`${DEFAULT}&room=late`);
   first.send({ type: 'speak', id: 's', lang: 'it', text });
   await first.until(() => first.chunks.length > 15);
@@ -91,7 +91,7 @@ test('a late listener can read what it gets', async () => {
   await late.close();
 });
 
-test('a stop leaves nothing of the old utterance in the next', async () => {
+test('after a stop, the next utterance contains nothing of the old one', async () => {
   const stream = await daemon.stream(DEFAULT);
   stream.send({ type: 'speak', id: 'a', lang: 'it', text });
   await stream.until(() => stream.chunks.length > 5);
@@ -104,7 +104,7 @@ test('a stop leaves nothing of the old utterance in the next', async () => {
   await stream.close();
 });
 
-test('what does not go together is refused', async () => {
+test('refuses incompatible codecs', async () => {
   const stream = await daemon.stream('?audio=opus&fap=plain');
   await stream.wait({ type: 'error', code: 'unknown-codec', field: 'fap' });
   stream.send({ type: 'media', audio: 'pcm', fap: 'fapc' });
@@ -114,7 +114,7 @@ test('what does not go together is refused', async () => {
   await stream.close();
 });
 
-test('damaged compact chunks are refused with their place, or lack their frames; none breaks the reader', async () => {
+test('rejects damaged compact chunks with their position, or drops their frames; the reader survives', async () => {
   const { default: WebSocket } = await import('ws');
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream`);
   const raw = [];

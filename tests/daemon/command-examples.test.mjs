@@ -76,14 +76,14 @@ for (const [id, lang, text] of [['espeak', 'it', italian], ['flite', 'en', engli
     closes(env, lang, id, text);
   });
   if (id === 'wave') continue;
-  test(`${id} speaks as fast as is asked for`, () => {
+  test(`${id} speaks at the requested rate`, () => {
     const env = configured(exampleOf(id));
     const [slow, fast] = ['100', '250'].map((rate) => speaks(env, lang, id, text, '--rate', rate).json.duration);
     assert.ok(slow > 1.8 * fast, `${slow} s and ${fast} s`);
   });
 }
 
-test('MaryTTS: its sound, the times of its phones, words', async () => {
+test('MaryTTS: returns sound, phone times and words', async () => {
   const example = exampleOf('mary');
   const [{ times }] = JSON.parse(example).command.voices;
   const port = await serve('marytts', { names: times.names });
@@ -107,7 +107,7 @@ test('MaryTTS: its sound, the times of its phones, words', async () => {
   closes(env, 'it', 'mary', italian);
 });
 
-test('MaryTTS: a server that refuses, or is not there', async () => {
+test('MaryTTS: reports a server that refuses or is missing', async () => {
   const example = exampleOf('mary');
   const port = await serve('marytts', { names: {} });
   const other = configured(example.replaceAll('localhost:59125', `localhost:${port}`).replaceAll('istc-lucia-hsmm', 'nobody'));
@@ -144,7 +144,7 @@ const withPiper = () => {
   return { PATH: `${folder}:${process.env.PATH}` };
 };
 
-test('Piper: samples from standard output', () => {
+test('Piper: reads samples from standard output', () => {
   const env = { ...configured(exampleOf('piper')), ...withPiper() };
   const spoken = speaks(env, 'it', 'piper', italian);
   assert.equal(spoken.rate, 22050);
@@ -154,7 +154,7 @@ test('Piper: samples from standard output', () => {
   closes(env, 'it', 'piper', italian);
 });
 
-test('Piper: a file', () => {
+test('Piper: reads a file', () => {
   const example = JSON.parse(exampleOf('piper'));
   const [{ raw: _, ...voice }] = example.command.voices;
   voice.argv = [...voice.argv.filter((word) => word !== '--output_raw'), '--output_file', '{output}'];
@@ -167,7 +167,7 @@ const wyoming = async (change = (text) => text) => {
   return configured(change(exampleOf('wyoming').replace('"10200"', `"${port}"`)));
 };
 
-test('a Wyoming server', async () => {
+test('speaks through a Wyoming server', async () => {
   const env = await wyoming();
   const spoken = speaks(env, 'it', 'wyoming', italian);
   assert.equal(spoken.rate, 22050);
@@ -186,13 +186,13 @@ for (const [name, change, message] of [
   ['that is none', (text) => text.replace('"--voice"', '"--speaker", "babble", "--voice"'), /JSONDecodeError/],
   ['that is not there', (text) => text.replace(/"localhost", "\d+"/, '"localhost", "1"'), /Connection refused/],
 ])
-  test(`a Wyoming server ${name}`, async () => {
+  test(`reports a Wyoming server ${name}`, async () => {
     const { status, stderr } = say(['-l', 'it', '-v', 'command:wyoming'], 'Ciao.', await wyoming(change));
     assert.equal(status, 1);
     assert.match(stderr, message);
   });
 
-test('times that run past the sound are not believed', () => {
+test('discards times that run past the sound', () => {
   const voice = { id: 'x', lang: 'it', argv: ['espeak-ng', '-v', 'it', '--stdout', '--', '{text}'], times: { format: 'lab', argv: ['printf', '#\\n9 125 p\\n19 125 a\\n'] } };
   const spoken = say(['-l', 'it', '-v', 'command:x'], italian, configured(JSON.stringify({ command: { voices: [voice] } })));
   assert.equal(spoken.status, 0, spoken.stderr);
@@ -201,7 +201,7 @@ test('times that run past the sound are not believed', () => {
   assert.deepEqual(words(spoken), said(italian));
 });
 
-test('short sentences move the lips, too', () => {
+test('moves the lips in short sentences', () => {
   const list = austen.replace(/[^\p{L} ]/gu, '').split(/\s+/).filter(Boolean);
   const text = Array.from({ length: 20 }, (_, i) => `${list.slice(4 * i, 4 * i + 4).join(' ')}.`).join('\n\n');
   const { json } = speaks(configured(exampleOf('flite')), 'en', 'flite', text);
@@ -209,7 +209,7 @@ test('short sentences move the lips, too', () => {
   for (const phone of json.phones) assert.ok(phone.ipa || phone.end - phone.start < 1, `the mouth is closed at ${phone.start}`);
 });
 
-test('sound that is far too short for its text leaves the mouth closed', () => {
+test('leaves the mouth closed when the sound is far too short for its text', () => {
   const voice = { id: 'x', lang: 'it', raw: 16000, argv: ['printf', '%1000s%.0s', '', '{text}'] };
   const spoken = say(['-l', 'it', '-v', 'command:x'], italian, configured(JSON.stringify({ command: { voices: [voice] } })));
   assert.equal(spoken.status, 0, spoken.stderr);
@@ -221,7 +221,7 @@ test('sound that is far too short for its text leaves the mouth closed', () => {
 const plain = (text) => text.normalize('NFD').replace(/[\p{M}"]/gu, '').replace(/Mrs?\./g, 'Mister').replace(/[;:.] *(\w)/g, (_, first) => `. ${first.toUpperCase()}`);
 
 for (const [voice, lang, gender, text] of cases([['lp', 'it', 'female', manzoni]], [['pc', 'it', 'male', manzoni], ['kal', 'en', 'male', austen]]))
-  test(`alignment finds the phones of Festival's ${voice} where it says that they are`, () => {
+  test(`alignment finds the phones of Festival's ${voice} at their reported times`, () => {
     const names = JSON.parse(fs.readFileSync(path.join(root, 'server/plugins/festival/festival.json'))).languages[lang].phones;
     const unknown = { id: 'unknown', lang, gender, feed: true, argv: ['text2wave', '-eval', `(voice_${voice}_diphone)`] };
     const told = { ...unknown, id: 'told', times: { format: 'lab', names },

@@ -32,7 +32,7 @@ const speaks = (voice, text) => {
 };
 const length = (said) => said.pcm.length / said.rate;
 
-test('espeak-ng writes to standard output, with the rate that is asked for', () => {
+test('reads espeak-ng from standard output, at the requested rate', () => {
   const voice = { id: 'e', argv: ['espeak-ng', '-v', 'it', '-s', '{rate}', '--stdout', '--', '{text}'] };
   const said = speaks(voice, '-La mamma $(mamma x) parla; piano.');
   assert.equal(said.rate, 22050);
@@ -46,13 +46,13 @@ test('espeak-ng writes to standard output, with the rate that is asked for', () 
   assert.deepEqual(plain.pcm.slice(0, 1000), new Int16Array(stdout.buffer.slice(stdout.byteOffset + 44, stdout.byteOffset + 44 + 2000)));
 });
 
-test('text2wave reads standard input', () => {
+test('writes text2wave\'s text to its standard input', () => {
   const said = speaks({ id: 't', lang: 'en', feed: true, argv: ['text2wave', '-eval', '(voice_kal_diphone)'] }, 'Good morning.');
   assert.equal(said.rate, 16000);
   assert.ok(loudest(said) > 3000);
 });
 
-test('a file, in any format, and raw samples', () => {
+test('reads a file in any format, and raw samples', () => {
   const file = speaks({ id: 'f', sound: 'file', argv: ['espeak-ng', '-v', 'it', '-w', '{output}', '{text}'] }, 'Ciao, mamma.');
   assert.ok(length(file) > 0.5);
   const raw = script('raw', 'espeak-ng -v it --stdout "$1" | tail -c +45');
@@ -66,7 +66,7 @@ const timed = (format, times, more = {}) => ({
   times: { format, ...more.times },
 });
 
-test('phone times, in all formats', () => {
+test('reads phone times in all formats', () => {
   const names = { tS: 'tʃ', a1: 'a', o: 'o', pau: '' };
   const lab = speaks(timed('lab', 'signal x\nnfields 1\n#\n0.1 125 pau\n0.2 125 tS\n0.25 125 a1\n0.4 125 o', { times: { names } }), 'Ciao.');
   assert.equal(phones(lab), '_ tʃ a o _');
@@ -89,7 +89,7 @@ test('phone times, in all formats', () => {
   assert.equal(own.json.phones[1].stress, 2);
 });
 
-test('times from a second program, and names that the table lacks', () => {
+test('reads times from a second program, and names that the table lacks', () => {
   const voice = { id: 'd', sound: 'stdout', argv: ['espeak-ng', '-v', 'it', '--stdout', '{text}'],
     times: { format: 'lab', argv: ['printf', '#\\n0.2 125 a\\n0.4 125 Q\\n'], names: { a: 'a' } } };
   const said = speak(voice, 'Ciao.');
@@ -130,7 +130,7 @@ const mistakes = [
   [{ command: { voices: [{ id: 'a', lang: 'it', argv: ['a', '{text}'] }, { id: 'a', lang: 'it', argv: ['a', '{text}'] }] } }, /voices\[1\]\.id: another voice has it/],
 ];
 for (const [config, message] of mistakes)
-  test(`a mistake in the configuration is named: ${message.source}`, () => {
+  test(`names a mistake in the configuration: ${message.source}`, () => {
     const file = path.join(folder, 'mistake.json');
     fs.writeFileSync(file, JSON.stringify(config));
     const { status, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['voices', '-l', 'it'], { env: { ...process.env, FACCIA_VOICE_CONFIG: file } });
@@ -150,7 +150,7 @@ for (const [text, message] of [['{', /bad\.json/], ['[]', /an object/], ['{"espe
     }
   });
 
-test('a stop ends the program and what it has started', async (t) => {
+test('a stop ends the program and its children', async (t) => {
   const pids = path.join(folder, 'pids');
   const waits = script('waits', `sleep 1000 & echo $! $$ >${pids}; wait`);
   const daemon = await Daemon.start(['--voice-config', configure({ id: 'w', argv: [waits, '{text}'] }).FACCIA_VOICE_CONFIG]);

@@ -58,13 +58,13 @@ const cases = {
 };
 const DONE = { stop: 'stopped', pause: 'paused', resume: 'resumed' };
 
-test('each command of the table is declared, and known here', () => {
+test('each command of the table is declared, and covered here', () => {
   assert.ok(rows.length > 20);
   assert.deepEqual(rows.map(({ name }) => name).sort(), Object.keys(declared).sort());
   assert.deepEqual(Object.keys(cases).sort(), rows.filter(({ own }) => !own).map(({ name }) => name).sort());
 });
 
-test('each does over HTTP what it does over a stream', async () => {
+test('every command works over HTTP and over a stream', async () => {
   for (const way of ['http', 'stream']) {
     const listener = await enter(way), other = await enter(way);
     for (const [type, [members, told]] of Object.entries(cases)) {
@@ -77,7 +77,7 @@ test('each does over HTTP what it does over a stream', async () => {
   }
 });
 
-test('what is spoken to nobody is kept, over this way as over /v1/say; anything else needs somebody', async () => {
+test('holds speech for an empty room, as /v1/say does; other commands need a listener', async () => {
   assert.deepEqual(await give('empty', { type: 'speak', id: 'kept', text: 'Chi c’è?' }), { status: 202, type: 'accepted', room: 'empty', listeners: 0, held: 60 });
   for (const type of Object.keys(cases).filter((each) => each !== 'speak'))
     assert.deepEqual((({ status, code, field }) => [status, code, field])(await give('empty', { type, ...cases[type][0] })), [404, 'unknown-room', 'room'], type);
@@ -86,7 +86,7 @@ test('what is spoken to nobody is kept, over this way as over /v1/say; anything 
   await late.close();
 });
 
-test('what is refused says why', async () => {
+test('refusals state the reason', async () => {
   const there = await enter('here');
   for (const { name } of rows.filter(({ own }) => own)) assert.deepEqual((({ status, code }) => [status, code])(await give('here', { type: name })), [400, 'unknown-type'], name);
   const near = await give('here', { type: 'sepak', text: 'Ciao.' });
@@ -118,7 +118,7 @@ test('what is refused says why', async () => {
   await there.close();
 });
 
-test('each wants its right, in its room', async () => {
+test('each command requires its right, in its room', async () => {
   const right = (rights, room = 'e') => bearer(sign({ secret, claims: { sub: 'nonna', room, rights } }));
   const there = await enter('e', guarded, right('listen speak'));
   const heard = async (message, options) => (await give('e', message, { from: guarded, ...options })).code;

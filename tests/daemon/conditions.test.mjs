@@ -21,7 +21,7 @@ const programs = ['daemon', 'cli', 'library', 'bridges', 'voice'].flatMap((part)
 });
 const shell = (command, file) => spawnSync('bash', ['-c', command, 'bash', file], { encoding: 'utf8', timeout: 60000, env: { ...process.env, LD_BIND_NOW: '' } });
 
-test('each main begins with the start-up routine, and nothing sets its signals besides', () => {
+test('each main begins with the start-up routine, and nothing else sets its signals', () => {
   const mains = fs.readdirSync(sources, { recursive: true }).filter((file) => file.endsWith('.c')).map((file) => [file, fs.readFileSync(path.join(sources, file), 'utf8')]);
   const begun = mains.filter(([, text]) => /^int main\(/m.test(text));
   assert.ok(begun.length >= 11 && programs.length >= 10, `${begun.length} ${programs.length}`);
@@ -30,7 +30,7 @@ test('each main begins with the start-up routine, and nothing sets its signals b
 });
 
 for (const file of programs) {
-  test(`${path.basename(file)}: no signal ends it`, () => {
+  test(`${path.basename(file)}: survives closed descriptors and a file size limit without a signal`, () => {
     for (const [what, command] of Object.entries({
       'a pipe that nobody reads': '"$1" --help > >(exec <&-; sleep 0.2) 2>&1; exit $?',
       'standard input closed': '"$1" --help <&- >/dev/null 2>&1',
@@ -62,7 +62,7 @@ test('long-running programs: standard descriptors are open, no signal is blocked
   }
 });
 
-test('an index that reaches the limit of files is told; the daemon goes on', async () => {
+test('reports an index that reaches the file size limit; the daemon continues', async () => {
   const works = path.join(folder, 'works');
   fs.mkdirSync(works);
   fs.writeFileSync(path.join(works, 'b.txt'), Array.from({ length: 20000 }, (_, i) => `amore parola numero ${i} che parla piano`).join('\n\n'));

@@ -46,7 +46,7 @@ const open = async (query = '') => {
 /** A sentence of three seconds, far longer than the lead of sent media. */
 const sentence = (name) => `Questa frase si chiama ${name} e dura ${'molto '.repeat(43)}poco.`;
 
-test('replace forgets all, interrupt cuts one, queue waits', async () => {
+test('replace drops all speech, interrupt cuts one utterance, queue waits', async () => {
   const stream = await open();
   for (const id of ['a', 'b', 'c']) stream.speak(id, sentence(id));
   await stream.wait({ type: 'word', id: 'a' });
@@ -65,7 +65,7 @@ test('replace forgets all, interrupt cuts one, queue waits', async () => {
   await stream.close();
 });
 
-test('an interruption that cannot be spoken interrupts nothing; an unknown mode is refused', async () => {
+test('a failing interruption interrupts nothing; an unknown mode is refused', async () => {
   const stream = await open();
   stream.speak('a', sentence('a'));
   stream.speak('x', '', { mode: 'interrupt' });
@@ -78,7 +78,7 @@ test('an interruption that cannot be spoken interrupts nothing; an unknown mode 
   await stream.close();
 });
 
-test('stop before the synthesis, between sentences, inside a word; of all that waits', async () => {
+test('stops before the synthesis, between sentences, inside a word, and everything queued', async () => {
   const stream = await open();
   // the voice hangs on this sentence: it speaks again only if its worker was cancelled
   stream.speak('before', 'hang.');
@@ -106,7 +106,7 @@ test('stop before the synthesis, between sentences, inside a word; of all that w
   await stream.close();
 });
 
-test('2000 pairs of speak and stop leave nothing behind', async () => {
+test('2000 pairs of speak and stop leak nothing', async () => {
   const stream = await open();
   const memory = () => Number(fs.readFileSync(`/proc/${puppet.process.pid}/statm`, 'utf8').split(' ')[1]);
   let early;
@@ -125,7 +125,7 @@ test('2000 pairs of speak and stop leave nothing behind', async () => {
   await stream.close();
 });
 
-test('a pause holds the clock; what comes after it follows to the sample', async () => {
+test('a pause stops the clock; later speech follows to the sample', async () => {
   const stream = await open();
   stream.send({ type: 'idle', on: true, seed: 1 });
   stream.speak('a', sentence('uno').repeat(2));
@@ -152,7 +152,7 @@ test('a pause holds the clock; what comes after it follows to the sample', async
   await stream.close();
 });
 
-test('Opus packets are counted on through a pause in which the face lives on', async () => {
+test('numbers Opus packets continuously through a pause with an idling face', async () => {
   const stream = await daemon.stream('?audio=opus&fap=fapc');
   stream.send({ type: 'idle', on: true });
   stream.send({ type: 'speak', text: sentence('uno'), lang: 'it' });
@@ -168,7 +168,7 @@ test('Opus packets are counted on through a pause in which the face lives on', a
   await stream.close();
 });
 
-test('what is asked for in a pause waits; stop, replace and interrupt end it', async () => {
+test('speech requested during a pause waits; stop, replace and interrupt end the pause', async () => {
   const stream = await open();
   stream.send({ type: 'pause' });
   assert.equal((await stream.wait({ type: 'paused' })).utterance, undefined);
@@ -202,7 +202,7 @@ const marked = document(
 );
 
 for (const [name, mark, expected] of [['forwards', 'tre', 'il'], ['backwards', 'due', 'La']])
-  test(`a jump ${name}, to the mark itself`, async () => {
+  test(`jumps ${name}, to the exact mark`, async () => {
     const stream = await open();
     stream.speak('a', marked, { markup: 'ssml' });
     await stream.wait({ type: 'word', id: 'a', text: name === 'forwards' ? 'Comincia' : 'terza' });
@@ -223,7 +223,7 @@ for (const [name, mark, expected] of [['forwards', 'tre', 'il'], ['backwards', '
     await stream.close();
   });
 
-test('a jump in a pause, before the beginning, and again and again', async () => {
+test('jumps in a pause, before the beginning, and repeatedly', async () => {
   const stream = await open();
   stream.send({ type: 'jump', mark: 'due' });
   await stream.wait({ type: 'error', code: 'not-speaking' });
@@ -256,7 +256,7 @@ test('a jump in a pause, before the beginning, and again and again', async () =>
   await stream.close();
 });
 
-test('another rate, from the next sentence on, and for what waits', async () => {
+test('a new rate applies from the next sentence, and to queued speech', async () => {
   const stream = await daemon.stream();
   const text = 'Questa è la prima frase, e non è corta. Detta adagio. Detta adagio.';
   const durations = (id) => about(stream, id, 'sentence').map((m) => m.duration);
@@ -280,7 +280,7 @@ test('another rate, from the next sentence on, and for what waits', async () => 
   await stream.close();
 });
 
-test('phones, when they are asked for: they cover what is spoken', async () => {
+test('requested phones cover the speech', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'a', lang: 'it', text: 'La mamma.' });
   await stream.wait({ type: 'end', id: 'a' });
@@ -299,7 +299,7 @@ test('phones, when they are asked for: they cover what is spoken', async () => {
   await stream.close();
 });
 
-test('a worker that dies in the middle costs its sentence', async () => {
+test('a worker that dies mid-sentence costs that sentence', async () => {
   const stream = await open();
   stream.speak('a', `${sentence('uno')}\n\ncrash adesso.\n\n${sentence('tre')}`);
   await stream.wait({ type: 'error', id: 'a', code: 'voice-crashed' });
@@ -309,7 +309,7 @@ test('a worker that dies in the middle costs its sentence', async () => {
   await stream.close();
 });
 
-test('in a room: all hear it, who may not speak directs nothing', async () => {
+test('in a room everyone hears it; controlling needs the right to speak', async () => {
   const [a, b] = [await open('?room=control'), await open('?room=control')];
   a.speak('a', marked, { markup: 'ssml' });
   await b.wait({ type: 'word', id: 'a' });

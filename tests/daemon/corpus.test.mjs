@@ -74,7 +74,7 @@ async function answer(message) {
   return stream.messages.slice(from, stream.messages.indexOf(pong)).find((m) => m.type === 'error');
 }
 
-test('what is broken in the corpus is refused by the schema and by the daemon, at the same place', async () => {
+test('the schema and the daemon reject invalid documents of the corpus at the same position', async () => {
   for (const entry of corpus('client')) {
     const error = await answer(entry.message), places = refused(entry.message), what = `${entry.name}: ${JSON.stringify(error)}; the schema: ${places}`;
     assert.ok(error?.code && error.message, what);
@@ -85,14 +85,14 @@ test('what is broken in the corpus is refused by the schema and by the daemon, a
   }
 });
 
-test('each message that is declared is among them', () => {
+test('the corpus contains each declared message', () => {
   const { client: declared } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json')));
   const seldom = ['calibrate', 'lexicon']; // more than 12 at once are too many: tests/daemon/notices.test.mjs
   assert.deepEqual([...messages.map(({ type }) => type), ...seldom].sort(), Object.keys(declared).sort());
 });
 
 for (const message of messages)
-  test(`${message.type}: schema and daemon agree wherever it is damaged`, async () => {
+  test(`${message.type}: schema and daemon agree on every damage`, async () => {
     const right = await answer(message);
     assert.deepEqual(refused(message), []);
     assert.ok(!right || right.code in readerOnly, JSON.stringify(right));

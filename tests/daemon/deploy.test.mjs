@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What server/packaging has for clusters: each metric that an alert or the dashboard asks for is one that a daemon has, and the
-// containers of the Kubernetes manifests start with their own arguments and answer their own probes.
+// Checks server/packaging for clusters: the daemon exports each metric that an alert or the dashboard uses, and the containers of the
+// Kubernetes manifests start with their arguments and answer their probes.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -43,7 +43,7 @@ async function series() {
   });
 }
 
-test('alerts and dashboard ask for metrics that there are', async () => {
+test('alerts and dashboard use existing metrics', async () => {
   const known = await series();
   const asked = [
     ...parseYaml(read('alerts.yaml')).groups.flatMap(({ rules }) => rules.map(({ alert, expr }) => [alert, expr])),
@@ -66,7 +66,7 @@ test('alerts and dashboard ask for metrics that there are', async () => {
   }
 });
 
-test('the daemon of the manifest starts, answers its probes, and has no more rights than it needs', async () => {
+test('the daemon of the manifest starts, answers its probes, and has only the rights it needs', async () => {
   const { startupProbe, livenessProbe, readinessProbe, ports } = container('facciad');
   for (const { httpGet } of [startupProbe, livenessProbe, readinessProbe]) {
     assert.equal(httpGet.port, ports[0].name);
@@ -92,7 +92,7 @@ test('the worker of the manifest speaks for it', async () => {
   assert.equal((await worker.stop()).code, 0);
 });
 
-test('what belongs together has one name', () => {
+test('related objects have the same name', () => {
   for (const { kind, metadata, spec } of manifests) {
     if (kind === 'Deployment') assert.deepEqual(spec.selector.matchLabels, spec.template.metadata.labels, metadata.name);
     if (kind === 'HorizontalPodAutoscaler') assert.ok(named('Deployment', spec.scaleTargetRef.name), metadata.name);

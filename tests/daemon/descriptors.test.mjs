@@ -30,16 +30,16 @@ const speaks = async (stream, id) => {
   assert.equal((await stream.wait({ type: 'end', id })).reason, 'done');
 };
 
-test('the limit is raised to what the connections need', async (t) => {
+test('raises the descriptor limit to fit the connections', async (t) => {
   const daemon = await start(t, '256:20000', '--max-connections', '5000');
   assert.ok(softLimit(daemon.process.pid) >= 5050, `${softLimit(daemon.process.pid)}`);
   assert.doesNotMatch(daemon.log, /too few/);
   assert.match(fs.readFileSync(path.join(root, 'server/daemon/facciad.service.in'), 'utf8'), /^LimitNOFILE=\d+$/m);
 });
 
-test('where it may not be raised there are fewer connections, it is said, and a worker can still be started', async (t) => {
+test('where it cannot be raised, allows fewer connections, logs it, and leaves room for a worker', async (t) => {
   const daemon = await start(t, '200:200');
-  const [, said] = await daemon.logged(/200 descriptors are too few for 1000 connections: (\d+) are the limit/);
+  const [, said] = await daemon.logged(/200 file descriptors are too few for 1000 connections: the limit is now (\d+)/);
   const stream = await daemon.stream();
   assert.equal((await stream.wait({ type: 'hello' })).limits.connections, Number(said));
   const crowd = await Promise.all(Array.from({ length: 220 }, () => Raw.open(daemon.port)));
@@ -53,7 +53,7 @@ test('where it may not be raised there are fewer connections, it is said, and a 
   assert.doesNotMatch(daemon.log, /no connection can be taken/, 'descriptors are never used up by connections');
 });
 
-test('above the limit of connections the operator is answered, others are told', async (t) => {
+test('above the connection limit still answers the operator, and refuses others', async (t) => {
   const daemon = await start(t, '4096:4096', '--max-connections', '20');
   const crowd = await Promise.all(Array.from({ length: 20 }, () => Raw.open(daemon.port)));
   t.after(() => crowd.forEach((raw) => raw.close()));
@@ -68,7 +68,7 @@ test('above the limit of connections the operator is answered, others are told',
   await crowd[0].end();
 });
 
-test('without a descriptor left: accepting pauses, health is answered, and it goes on when there are some', async (t) => {
+test('without free descriptors pauses accepting, answers health checks, and resumes', async (t) => {
   const daemon = await start(t, '4096:4096');
   const { pid } = daemon.process;
   const stream = await daemon.stream();

@@ -63,6 +63,7 @@ test('commands that are not run here name the test that runs them', () => {
       continue;
     }
     const source = fs.readFileSync(path.join(root, named), 'utf8') + fs.readFileSync(path.join(root, 'tests/run.sh'), 'utf8');
+    if (source.includes(`guide('${path.basename(page)}')`)) continue; // it runs the blocks of the page as they stand there
     for (const word of code.match(/[\w-]+\.(?:sh|mjs)\b|Containerfile|\bexport\b/g)) assert.ok(source.includes(word), `${named} has nothing of ${word}`);
   }
 });

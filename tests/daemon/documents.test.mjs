@@ -16,7 +16,7 @@ const check = (args, input) => {
 const documents = fs.readdirSync(folder).filter((name) => /\.(xml|txt)$/.test(name));
 
 for (const name of documents)
-  test(`${name} is read as it should be`, () => {
+  test(`reads ${name} as expected`, () => {
     const { status, stdout, stderr } = check(['--score', '-'], fs.readFileSync(path.join(folder, name)));
     assert.equal(stderr, '');
     assert.equal(stdout, fs.readFileSync(path.join(folder, `${name}.expected`), 'utf8'));
@@ -27,7 +27,7 @@ for (const name of documents)
 
 test('every element and every value has its document', () => {
   const all = documents.map((name) => fs.readFileSync(path.join(folder, name), 'latin1').toLowerCase()).join('\n');
-  const source = ['apml', 'jsml', 'ssml', 'emotionml', 'bml'].map((name) => fs.readFileSync(path.join(root, `server/markup/${name}.c`), 'utf8')).join('\n');
+  const source = ['apml', 'jsml', 'ssml', 'emotionml', 'bml'].map((name) => fs.readFileSync(path.join(root, `server/markup/languages/${name}.c`), 'utf8')).join('\n');
   const elements = [...source.matchAll(/(?:\.name = |(?:EMOTIONML_\w+|FUNCTION|UNSHOWN)\()"([^"]+)"/g)].map((m) => m[1]);
   assert.ok(elements.length > 60);
   for (const element of elements.filter((e) => !['apml', 'jsml', 'ssml', 'emotionml'].includes(e)))
@@ -46,7 +46,7 @@ test('names the file, and fails when one of several has an error', () => {
   assert.match(none.stderr, /^faccia: .*nowhere\.xml: No such file/);
 });
 
-test('reads as the markup that is asked for', () => {
+test('reads as the requested markup', () => {
   assert.match(check(['--score', '--markup', 'plain', '-'], '<speak>a</speak>').stdout, /"<speak>a<\/speak>"/);
   assert.match(check(['--score', '-m', 'jsml', '-'], 'iki <HAPPY>üç</HAPPY>').stdout, /"iki "[^]*cue affect joy 1-2/);
   assert.equal(check(['--markup', 'rtf', '-'], '').status, 2);

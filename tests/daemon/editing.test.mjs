@@ -35,7 +35,7 @@ async function ask(method, address, { body, token = editor, to = daemon, ...head
 const put = (address, body, headers) => ask('PUT', address, { body, ...headers });
 const found = async (q) => (await ask('GET', `/v1/library/search?q=${q}`)).results;
 
-test('a marked-up text goes into the library, is found there, changed and removed', async () => {
+test('saves a marked-up text in the library, finds, changes and removes it', async () => {
   const address = '/v1/library/files/sogno.it.ssml';
   const first = await put(address, '<speak xml:lang="it">Un sogno di zafferano.</speak>');
   assert.deepEqual([first.status, first.name], [201, 'sogno.it.ssml']);
@@ -54,7 +54,7 @@ test('a marked-up text goes into the library, is found there, changed and remove
   assert.deepEqual(fs.readdirSync(works), []);
 });
 
-test('what could not be read is not kept: it is said where it is wrong', async () => {
+test('rejects an unreadable document with its position', async () => {
   for (const [name, body, place] of [
     ['a.ssml', '<speak>\nUna <p>riga</speak>', { code: 'bad-work', line: 2 }],
     ['a.xml', '<TEI><text><body>\n<p>Poi <hi>no</p></body></text></TEI>', { code: 'bad-work', line: 2, column: 16 }],
@@ -74,7 +74,7 @@ test('what could not be read is not kept: it is said where it is wrong', async (
   assert.deepEqual(fs.readdirSync(works), []);
 });
 
-test('a gesture goes into its folder, can be asked for at once, and the next start has it', async () => {
+test('makes a saved gesture available at once, and after a restart', async () => {
   const mine = wink.replace('"wink"', '"my-wink"');
   assert.equal((await put('/v1/gestures/my-wink', mine)).status, 201);
   for (const [body, place] of [
@@ -121,7 +121,7 @@ test('a gesture goes into its folder, can be asked for at once, and the next sta
   assert.ok(warnings.some(({ message }) => message.includes('my-wink')), JSON.stringify(warnings));
 });
 
-test('who may not operate changes nothing', async () => {
+test('requires the right to operate for every change', async () => {
   for (const [token, code] of [[null, 'token-needed'], [speaker, 'forbidden']])
     for (const [method, address] of [['PUT', '/v1/gestures/a'], ['DELETE', '/v1/gestures/a'], ['PUT', '/v1/library/files/a.md'], ['DELETE', '/v1/library/files/a.md']])
       assert.equal((await ask(method, address, { token, body: method === 'PUT' ? wink : undefined })).code, code);

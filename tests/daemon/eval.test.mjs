@@ -48,7 +48,7 @@ for (const [lang, text] of Object.entries(texts))
     assert.deepEqual(all.rows.find((row) => row.engine === 'dominance'), report.rows[0]);
   });
 
-test('the table, and a picture that can be drawn', () => {
+test('prints the table, and draws a valid SVG', () => {
   fs.writeFileSync(file('text'), texts.it);
   const table = faccia(['eval', '--engine', 'dominance', '--rates', '100,300', '-'], { input: texts.it });
   assert.equal(table.status, 0, table.stderr);
@@ -63,7 +63,7 @@ test('the table, and a picture that can be drawn', () => {
   assert.equal(faccia(['eval', '--rates', '120', '--svg', '-', 'Ah.']).status, 0, 'one rate, one word, no closure');
 });
 
-test('a text without any contact has nothing to close', () => {
+test('reports that a text without any contact has nothing to close', () => {
   const { rows } = json(['eval', '--rates', '120', '--json', '-', 'Ieri.']);
   assert.equal(rows[0].lips_seen, null);
   assert.equal(rows[0].teeth_held, null);
@@ -115,7 +115,7 @@ test('the same seed makes the same noise', () => {
   assert.notDeepEqual(make('three', '2'), first);
 });
 
-test('who is seen: the head, pictures, films of a real speaker with their own sound', further, () => {
+test('shows the head, pictures, or films of a real speaker with their own sound', further, () => {
   const set = { lang: 'it', carrier: 'Dice: {item}.', snrs: [0, -6], items: [{ name: 'mamma', text: 'mamma' }], page: {} };
   fs.writeFileSync(file('set.json'), JSON.stringify(set));
   fs.mkdirSync(file('films'));
@@ -157,7 +157,7 @@ test('who is seen: the head, pictures, films of a real speaker with their own so
   words('{"mamma": {"start": 400, "end": 900}}');
   const behind = make(`video:${file('films')}`);
   assert.equal(behind.status, 1);
-  assert.match(behind.stderr, /mamma\.wav: the word of words\.json lies behind its end/);
+  assert.match(behind.stderr, /mamma\.wav: the word's time in words\.json is after its end/);
   fs.rmSync(file('films/mamma.webm'));
   refused(`video:${file('films')}`, 1, /no film of 'mamma'/);
 });
@@ -167,7 +167,7 @@ const means = `snr,mode,mean,variance,n
 -12,a+a,0.5944,0.0136,41
 -12,v+a,0.6396,0.0145,41
 `;
-test('the analysis of a printed table', () => {
+test('analyses a printed table', () => {
   const { status, stdout, stderr } = faccia(['anova', '--means', '-'], { input: means });
   assert.equal(status, 0, stderr);
   const f = (hypothesis) => Number(stdout.match(new RegExp(`^ *-12 +${hypothesis.replaceAll('+', '\\+')} +\\d+ +\\d+ +([\\d.]+)`, 'm'))[1]);
@@ -177,7 +177,7 @@ test('the analysis of a printed table', () => {
   assert.match(stdout, /a\+a = v\+a .* 0\.0\d\d\d$/m);
 });
 
-test('the analysis of answers', () => {
+test('analyses answers', () => {
   const lines = ['listener,mode,snr,correct'];
   for (let listener = 0; listener < 4; listener++)
     for (const [mode, right] of [['audio', 2 + (listener % 2)], ['face', 7 - (listener % 2)]])
@@ -192,7 +192,7 @@ const wrong = [
   [['eval'], 2, /no text/],
   [['eval', '--rates', '80,', 'a'], 2, /--rates: must be/],
   [['eval', '--rates', '30', 'a'], 2, /--rates: must be/],
-  [['eval', '--engine', 'steam', 'a'], 2, /engine: no engine 'steam'/],
+  [['eval', '--engine', 'steam', 'a'], 2, /engine: unknown engine 'steam'/],
   [['eval', '--lang', 'xx', 'a'], 2, /no language 'xx'/],
   [['eval', '--fps', '0', 'a'], 2, /--fps: must be a number/],
   [['eval', '--nothing'], 2, /Try 'faccia eval --help'/],
@@ -201,32 +201,32 @@ const wrong = [
   [['eval', '--rates', '200', '--json', '/nowhere/a', 'a'], 1, /\/nowhere\/a: No such file/],
   [['eval', '--rates', '200', '--svg', '/dev/full', 'a'], 1, /\/dev\/full: No space left/],
   [['eval', ' '], 1, /nothing to speak/],
-  [['stimuli'], 2, /no folder: give --out/],
+  [['stimuli'], 2, /no output folder: give --out/],
   [['stimuli', '--out', folder, 'a'], 2, /unexpected 'a'/],
-  [['stimuli', '--out', folder, '--engine', 'steam'], 2, /no engine 'steam'/],
+  [['stimuli', '--out', folder, '--engine', 'steam'], 2, /unknown engine 'steam'/],
   [['stimuli', '--out', folder, '--voice', 'nobody'], 2, /voice/],
   [['stimuli', '--out', '/dev/null/kit'], 1, /\/dev\/null\/kit.*: Not a directory/],
   [['stimuli', '--out', folder, '--set', '/nowhere/set'], 1, /\/nowhere\/set: unable to open/],
   [['stimuli', '--nothing'], 2, /Try 'faccia stimuli --help'/],
   [['anova'], 2, /no results/],
   [['anova', '--csv', '/nowhere/a'], 1, /\/nowhere\/a: No such file/],
-  [['anova', '--csv', '/dev/null'], 1, /\/dev\/null:1:1: there is nothing in it/],
+  [['anova', '--csv', '/dev/null'], 1, /\/dev\/null:1:1: it is empty/],
   [['anova', '--means', '/dev/null', '--csv', '/dev/null'], 1, /\/dev\/null:1:1/],
   [['anova', 'a'], 2, /unexpected 'a'/],
 ];
 for (const [args, code, message] of wrong)
-  test(`${args.join(' ')}: exit ${code}`, () => {
+  test(`${args.join(' ')}: exits with ${code}`, () => {
     const { status, stderr } = faccia(args);
     assert.match(stderr, message);
     assert.equal(status, code);
   });
 
-test('sets that are not as they must be', () => {
+test('rejects invalid sets', () => {
   const good = { lang: 'it', carrier: '{item}.', snrs: [0], items: [{ name: 'mamma', text: 'mamma' }], page: {} };
   for (const [change, message] of [
     [{ carrier: 'Dice.' }, /carrier: must be a sentence/],
     [{ items: [{ name: '../up', text: 'a' }] }, /items\[0\]: needs a text/],
-    [{ items: [...good.items, ...good.items] }, /items\[1\]: the name 'mamma' was there before/],
+    [{ items: [...good.items, ...good.items] }, /items\[1\]: the name 'mamma' occurs twice/],
     [{ items: [] }, /items: there are none/],
     [{ snrs: ['loud'] }, /snrs\[0\]: must be a number/],
     [{ carrier: '{item}. Ciao.' }, /carrier: must be one sentence/],
@@ -240,7 +240,7 @@ test('sets that are not as they must be', () => {
   assert.match(faccia(['stimuli', '--out', file('bad'), '--set', file('bad.json')]).stderr, /bad\.json: 2:\d+: /);
 });
 
-test('the commands and their help', () => {
+test('prints the commands and their help', () => {
   for (const command of ['eval', 'stimuli', 'anova']) {
     const { status, stdout } = faccia([command, '--help']);
     assert.equal(status, 0);

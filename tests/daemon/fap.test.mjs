@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { FapcDecoder } from '../../protocol/fapc.mjs';
+import { FapcDecoder } from '../../protocol/fapc/fapc.mjs';
 import { faccia } from '../lib/command.mjs';
 import { Daemon, ordinary, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
@@ -43,7 +43,7 @@ function packets(bytes) {
   return list;
 }
 
-test('every file of the test vectors is read as they say, or refused at its line and column', () => {
+test('reads every file of the test vectors as specified, or rejects it at its line and column', () => {
   const cases = JSON.parse(fs.readFileSync(path.join(vectors, 'fap.json'), 'utf8'));
   assert.ok(cases.length > 40);
   for (const { file: name, error, version, name: title, fps, frames, note } of cases) {
@@ -74,7 +74,7 @@ test('every file of the test vectors is read as they say, or refused at its line
   }
 });
 
-test('info counts, measures and prices', () => {
+test('info counts, measures and reports the coded size', () => {
   const { stdout } = done('info', file('moving.fap'));
   assert.match(stdout, /^duration +24\.000 s$/m);
   assert.match(stdout, /^ *3 +open_jaw +600 +0 +600 +\d+\.\d$/m);
@@ -85,7 +85,7 @@ test('info counts, measures and prices', () => {
   assert.equal(coarse.toFixed(2), ((done('encode', file('moving.fap')).bytes.length * 8) / 1000 / 24).toFixed(2));
 });
 
-test('convert reads and writes at another rate', () => {
+test('convert changes the frame rate', () => {
   const original = parseFap(fs.readFileSync(file('moving.fap'), 'utf8'));
   done('convert', '--fps', '50', '--name', 'twice as many', file('moving.fap'), file('twice.fap'));
   const text = fs.readFileSync(file('twice.fap'), 'utf8');
@@ -97,7 +97,7 @@ test('convert reads and writes at another rate', () => {
   assert.equal(parseFap(done('convert', '--fps', '10', file('moving.fap')).stdout).frames.length, 240);
 });
 
-test('a coded file lets readers begin every 10 s, and comes back as near as its quality says', () => {
+test('a coded file lets readers start every 10 s, and decodes with the accuracy of its quality', () => {
   const coded = done('encode', file('moving.fap')).bytes;
   assert.equal(coded.readUInt32LE(4), 2500);
   const list = packets(coded);
@@ -120,7 +120,7 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
   frames.forEach((frame, k) => assert.equal(frame.values[3] ?? frame[3], back.frames[k][3]));
 });
 
-test('damage is told with its byte', () => {
+test('reports damage with its byte', () => {
   const coded = done('encode', file('moving.fap')).bytes;
   const refused = (bytes, pattern) => {
     const { status, stderr } = faccia(['fap', 'info', '-'], { input: bytes });
@@ -145,7 +145,7 @@ test('damage is told with its byte', () => {
   }
 });
 
-test('plot draws what is asked for, or what moves most', () => {
+test('plot draws the requested FAPs, by default those that move most', () => {
   done('plot', file('moving.fap'), file('most.svg'));
   const svg = fs.readFileSync(file('most.svg'), 'utf8');
   for (const name of ['3 open_jaw', '4 lower_t_midlip', '48 head_pitch']) assert.ok(svg.includes(name), name);
@@ -153,7 +153,7 @@ test('plot draws what is asked for, or what moves most', () => {
   const one = done('plot', '--fap', 'open_jaw,5', '--from', '1', '--to', '2', file('moving.fap')).stdout;
   assert.ok(one.includes('3 open_jaw') && one.includes('5 raise_b_midlip') && !one.includes('48 '));
   for (const [args, pattern] of [
-    [['--fap', 'nose'], /--fap: 'nose' is no FAP/], [['--fap', '1'], /--fap: '1'/], [['--from', 'x'], /--from: 'x'/],
+    [['--fap', 'nose'], /--fap: 'nose' is not a low-level FAP/], [['--fap', '1'], /--fap: '1'/], [['--from', 'x'], /--from: 'x'/],
     [['--from', '100'], /nothing between/],
   ]) {
     const { status, stderr } = fap('plot', ...args, file('moving.fap'));
@@ -162,9 +162,9 @@ test('plot draws what is asked for, or what moves most', () => {
   }
 });
 
-test('asked wrongly', () => {
+test('reports wrong usage', () => {
   for (const [args, pattern] of [
-    [[], /Usage/], [['nonsense'], /no command 'nonsense'/], [['info'], /no file/], [['encode'], /Usage/],
+    [[], /Usage/], [['nonsense'], /unknown command 'nonsense'/], [['info'], /no file/], [['encode'], /Usage/],
     [['encode', '--quality', '32', file('moving.fap')], /--quality: '32'/], [['convert', '--fps', '0', file('moving.fap')], /--fps: '0'/],
   ]) {
     const { status, stderr } = fap(...args);
@@ -179,7 +179,7 @@ test('asked wrongly', () => {
   }
 });
 
-test('speech leaves as .fapc from the command line and the daemon, the same values that encode makes of its .fap', async () => {
+test('command line and daemon write speech as .fapc, with the same values that encode makes of its .fap', async () => {
   const said = faccia(['say', '-l', 'it', '--fap', file('say.fap'), '--fapc', file('say.fapc'), 'La mamma parla piano. Poi tace.']);
   assert.equal(said.status, 0, said.stderr);
   const coded = fs.readFileSync(file('say.fapc'));

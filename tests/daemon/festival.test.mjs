@@ -53,7 +53,7 @@ const italian = (text, ...more) => {
   return said;
 };
 
-test('accents, apostrophes, numbers and symbols are read', () => {
+test('reads accents, apostrophes, numbers and symbols', () => {
   assert.equal(phones(italian('Perché è così?')), '_ p e r k e ɛ k o s i _');
   assert.equal(phones(italian('Perche\u0301 e\u0300 cosi\u0300?')), '_ p e r k e ɛ k o s i _', 'accents as characters of their own');
   assert.equal(phones(italian('L’amica, un po’.')), '_ l a m i k a _ u n p o _');
@@ -61,7 +61,7 @@ test('accents, apostrophes, numbers and symbols are read', () => {
   assert.equal(phones(italian('dice «sì»')), phones(italian('dice "sì"')));
 });
 
-test('what Festival cannot read or dies of is read in plainer form, or told', () => {
+test('reads text that Festival cannot read, or crashes on, in a simpler form, or reports it', () => {
   assert.deepEqual(words(italian('Il 1º giorno.')), ['Il', '1º', 'giorno']);
   assert.equal(phones(italian('È.')), '_ ɛ _');
   assert.deepEqual(words(italian('Čapek, Øre, naïve, Straße.')), ['Čapek', 'Øre', 'naïve', 'Straße']);
@@ -75,14 +75,14 @@ test('what Festival cannot read or dies of is read in plainer form, or told', ()
     assert.notEqual(say(['-l', 'it', '-v', 'festival:lp'], text).status, 139);
 });
 
-test('text is no program for Festival', () => {
+test('passes text to Festival as text, never as Scheme', () => {
   const mark = path.join(folder, 'mark');
   const said = italian(`Uno ") (system "touch ${mark}") (" due \\" tre \\\\ quattro ') (quit) fine.`);
   assert.ok(!fs.existsSync(mark));
   assert.ok(words(said).includes('due') && words(said).includes('fine'));
 });
 
-test('rate, pitch and volume', () => {
+test('applies rate, pitch and volume', () => {
   const plain = italian('La mamma parla piano.');
   const slow = italian('La mamma parla piano.', '--rate', '95');
   assert.ok(slow.json.duration > 1.7 * plain.json.duration, `${slow.json.duration} ${plain.json.duration}`);
@@ -114,7 +114,7 @@ function pitchOf({ pcm, rate }) {
   return list.sort((a, b) => a - b)[list.length >> 1];
 }
 
-test('emotions change rate and pitch by what the table of expressions says', () => {
+test('emotions change rate and pitch as the table of expressions says', () => {
   const { affect } = JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json')));
   const speak = (voice, name) => {
     const said = say(['-l', 'it', '-v', voice], `<apml><performative type="inform"><rheme${name ? ` affect="${name}"` : ''}>Il postino arriva tardi oggi, con una lunga lettera da Roma.</rheme></performative></apml>`);
@@ -134,7 +134,7 @@ test('emotions change rate and pitch by what the table of expressions says', () 
   }
 });
 
-test('a long sentence goes through in pieces', () => {
+test('splits a long sentence into pieces', () => {
   const text = 'una parola dopo l’altra e ancora un’altra, '.repeat(60);
   const said = italian(text);
   assert.equal(said.stderr, '');
@@ -187,7 +187,7 @@ for (const [what, code] of [['dies', 'voice-failed'], ['hangs', 'voice-timeout']
     assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   });
 
-test('a Festival that was killed while idle is not missed, and a stop reaches it', async (t) => {
+test('restarts a Festival killed while idle, and a stop reaches it', async (t) => {
   const daemon = await Daemon.start();
   t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
   const stream = await daemon.stream();
@@ -212,7 +212,7 @@ test('a Festival that was killed while idle is not missed, and a stop reaches it
   assert.deepEqual(festivals(daemon.process.pid), []);
 });
 
-test('without Festival the daemon says so and serves', async (t) => {
+test('serves without Festival, and says so', async (t) => {
   const config = path.join(folder, 'none.json');
   fs.writeFileSync(config, JSON.stringify({ festival: { program: '/nowhere/festival' } }));
   const daemon = await Daemon.start(['--voice-config', config]);

@@ -28,7 +28,7 @@ fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'v', lang: '
 const say = (...args) => faccia(['say', '-l', 'it', '-v', 'command:v', ...args], { FACCIA_VOICE_CONFIG: config });
 const kinds = ['wav', 'fap', 'fapc', 'ogg', 'ndjson', 'json', 'arkit', 'arkit-ndjson', 'visemes', 'vtt', 'textgrid'];
 
-test('a speech that fails leaves no file, and what was there before', () => {
+test('a failing speech leaves no file, and keeps an earlier one', () => {
   const at = fresh();
   fs.writeFileSync(at('a.wav'), 'what was there');
   const { status, stderr } = say(...kinds.flatMap((kind) => [`--${kind}`, at(`a.${kind}`)]), 'Tutto guasto.');
@@ -37,14 +37,14 @@ test('a speech that fails leaves no file, and what was there before', () => {
   assert.equal(fs.readFileSync(at('a.wav'), 'utf8'), 'what was there');
 });
 
-test('wrong usage after files were opened leaves none', () => {
+test('wrong usage leaves no files behind', () => {
   const at = fresh();
   assert.equal(say('--wav', at('a.wav'), '--fap', '-', '--json', '-', 'Sì.').status, 2);
   assert.equal(say('--wav', at('a.wav'), '--fap', '/nowhere/a.fap', 'Sì.').status, 1);
   assert.deepEqual(fs.readdirSync(at('')), []);
 });
 
-test('a sentence that fails costs that sentence, not the file', () => {
+test('a failing sentence costs that sentence, not the file', () => {
   const at = fresh();
   assert.equal(say('--wav', at('a.wav'), 'Tutto bene. Tutto guasto.').status, 1);
   assert.deepEqual(fs.readdirSync(at('')), ['a.wav']);
@@ -52,7 +52,7 @@ test('a sentence that fails costs that sentence, not the file', () => {
   assert.equal(wav.readUInt32LE(40), wav.length - 44, 'its length is true');
 });
 
-test('one that cannot be written does not spoil the others', () => {
+test('a file that cannot be written does not affect the others', () => {
   const at = fresh();
   const { status, stderr } = say('--wav', at('a.wav'), '--ndjson', '/dev/full', 'Sì.');
   assert.equal(status, 1);
@@ -61,7 +61,7 @@ test('one that cannot be written does not spoil the others', () => {
   assert.ok(fs.statSync('/dev/full').isCharacterDevice());
 });
 
-test('one that is killed leaves nothing', async () => {
+test('a killed export leaves nothing behind', async () => {
   const at = fresh();
   const child = spawn(program, ['say', '--wav', at('a.wav'), '--fap', at('a.fap'), '--file', '-'], { stdio: ['pipe', 'ignore', 'ignore'] });
   child.stdin.end('Una frase lunga, che non finisce mai. '.repeat(2000));
@@ -76,7 +76,7 @@ test('one that is killed leaves nothing', async () => {
   assert.deepEqual(fs.readdirSync(at('')), []);
 });
 
-test('modes, links, folders, pipes', async () => {
+test('handles modes, links, folders and pipes', async () => {
   const at = fresh();
   const well = (to) => assert.equal(faccia(['say', '--wav', to, 'Sì.']).status, 0);
   well(at('new.wav'));
@@ -104,7 +104,7 @@ test('modes, links, folders, pipes', async () => {
   assert.deepEqual(fs.readdirSync(at('')).sort(), ['folder', 'link.wav', 'new.wav', 'own.wav', 'pipe']);
 });
 
-test('the other commands write so, too', () => {
+test('the other commands write files the same way', () => {
   const at = fresh();
   const before = 'what was there';
   for (const name of ['x.svg', 'x.json', 'x.fap', 'x.wav']) fs.writeFileSync(at(name), before);

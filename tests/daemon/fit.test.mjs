@@ -42,7 +42,7 @@ const recordWord = (word, seed) => record(word, `${word}.`, seed);
 
 const SENTENCES = ['La barca scivolò sul mare piatto e calmo.', 'Due gatti dormono sopra la sedia.', 'Non vedono che nebbia dopo la cena.', 'Sul prato fiorisce una rosa gialla.'];
 
-test('one sentence of somebody who opens vowels more and whose jaw is lower in consonants: the others are foretold better, at any scale', () => {
+test('one sentence of a speaker with wider vowels and a lower jaw improves the prediction of the others, at any scale', () => {
   const { groups, phones } = JSON.parse(fs.readFileSync(path.join(root, 'models/speech/it.json')));
   const pack = { tag: 'it-x-true', name: 'vero', inherits: 'it', sources: ['test'], voices: ['espeak:it'], abbreviations: [], phones: {} };
   for (const [ipa, { sampa, group }] of Object.entries(phones))
@@ -69,12 +69,24 @@ test('one sentence of somebody who opens vowels more and whose jaw is lower in c
     assert.equal(JSON.parse(faccia(['say', '--lang', lang, 'Ana.'], { env: { FACCIA_MODELS: models } }).stdout).lang, 'it', 'who does not ask for it does not get it');
 });
 
-test('somebody who speaks as the pack does: nothing is changed, and it is said', () => {
-  const file = record('same', SENTENCES[1], 5, { scale: 1.4 });
+/** Replaces the lips that are drawn, which divide the opening by their shape, by the engine's own parameters. */
+function asTheEngine(file, scale) {
+  const times = file.replace(/csv$/, 'phones.csv');
+  const { status, stdout, stderr } = faccia(['eval', '--curve-table', '-', '-e', 'dominance', '--contacts', 'engine', '--recording', file, '--phones', times]);
+  assert.equal(status, 0, stderr);
+  const curves = { LI: new Map(), EM: new Map() };
+  for (const row of stdout.trim().split('\n').slice(1).map((line) => line.split(','))) curves[row[3]]?.set(Number(row[4]).toFixed(2), Number(row[6]));
+  const noise = (k, step) => 0.2 * Math.sin(k * step); // mm
+  fs.writeFileSync(file, `time,LI,EM\n${[...curves.LI.keys()].map((time, k) => [time, scale * curves.LI.get(time) + noise(k, 11), scale * curves.EM.get(time) + noise(k, 13)].join(',')).join('\n')}\n`);
+  return file;
+}
+
+test('changes nothing for a speaker like the pack, and says so', () => {
+  const file = asTheEngine(record('same', SENTENCES[1], 5), 1.4);
   const { status, stdout, stderr } = faccia(['fit', '--first', '2', '--then', '5', '--compare', file]);
   assert.equal(status, 0, stderr);
   for (const name of ['LI', 'EM'])
-    assert.match(stderr, new RegExp(`^${name}: unfitted .*; kept as it was: held-out gain below one standard error; the speaker's scale 1\\.[34]\\d$`, 'm'));
+    assert.match(stderr, new RegExp(`^${name}: unfitted .*; kept unchanged: the held-out gain is below one standard error; speaker scale 1\\.[34]\\d$`, 'm'));
   assert.deepEqual(JSON.parse(stdout).phones, {});
   const scaled = faccia(['fit', '--first', '2', '--then', '5', '--own', file]);
   const { a } = JSON.parse(scaled.stdout).phones;
@@ -84,7 +96,7 @@ test('somebody who speaks as the pack does: nothing is changed, and it is said',
   assert.ok(ratio > 1.25 && ratio < 1.55, `${ratio}`);
 });
 
-test('what was not seen does not count, whatever stands there: by the frame, and by the parameter', () => {
+test('ignores values marked as unseen, by frame and by parameter', () => {
   const lines = fs.readFileSync(record('seen', SENTENCES[0], 9), 'utf8').trim().split('\n').slice(1).map((line) => line.split(',').map(Number));
   const middle = (t) => t > 0.5 && t < 0.9;
   const fit = (name, heading, row) => {
@@ -113,7 +125,7 @@ test('what was not seen does not count, whatever stands there: by the frame, and
   assert.match(wrong.stderr, /unseen\.csv: 2:1: EM_confidence: 'sure' is not a number/);
 });
 
-test('curves and phones in every form that is read, in one command: the same pack', () => {
+test('reads curves and phones in every form in one command, with the same result', () => {
   const at = (name) => path.join(folder, name);
   const phones = [['', '', 0, 0.2], ['ɑː', 'A:', 0.2, 0.35, 'AA1'], ['p', 'p', 0.35, 0.45, 'P'], ['iː', 'i:', 0.45, 0.6, 'IY0'], ['tʃ', 'tS', 0.6, 0.7, 'CH'], ['', '', 0.7, 0.9]];
   const stressed = (ipa, mark) => (ipa === 'ɑː' || ipa === 'A:' ? mark : '') + ipa;
@@ -161,7 +173,7 @@ test('curves and phones in every form that is read, in one command: the same pac
   for (const [context, { T }] of Object.entries(LI)) assert.ok(Math.abs(T - packs[0]['ɑ'].targets.LI[context].T) < 0.1, context);
 });
 
-test('a TextGrid with X-SAMPA, markers for columns, and a recording to test on, in one command', () => {
+test('reads a TextGrid with X-SAMPA, markers as columns, and a test recording, in one command', () => {
   const [one, two] = ['apa', 'ala'].map((word, i) => recordWord(word, i + 20));
   for (const file of [one, two]) {
     const name = file.slice(0, -4);
@@ -176,13 +188,59 @@ test('a TextGrid with X-SAMPA, markers for columns, and a recording to test on, 
   }
   const { status, stdout, stderr } = faccia(['fit', '--first', '2', '--then', '3', '--test', two, one]);
   assert.equal(status, 0, stderr);
-  assert.match(stderr, /^LI: unfitted [\d.]+ mm, fitted [\d.]+; held out: unfitted [\d.]+, fitted [\d.]+; (?:strength [\d.]+ mm, |kept as it was: )/m);
+  assert.match(stderr, /^LI: unfitted [\d.]+ mm, fitted [\d.]+; held out: unfitted [\d.]+, fitted [\d.]+; (?:strength [\d.]+ mm, |kept unchanged: )/m);
   assert.match(stderr, /^EM, test recordings: unfitted [\d.]+ mm, fitted [\d.]+ mm; each at its own scale: /m);
   const targets = Object.values(JSON.parse(stdout).phones).flatMap((phone) => Object.values(phone.targets ?? {})).flatMap((contexts) => Object.values(contexts));
   for (const { T } of targets) assert.ok(T >= -3 && T <= 30, `${T} mm is no mouth's`);
 });
 
-test('what is wrong with a recording is named', () => {
+/** Points of the paths of a colour in a chart, in the units of its first pair of axes, whose numbers stand beside them. */
+function drawn(svg, colour, attribute = 'stroke') {
+  const ticks = (pattern) => [...svg.matchAll(pattern)].map(([, at, value]) => [Number(at), Number(value)]);
+  const [y0, y1] = ticks(/<text x="51\.0" y="([\d.]+)" font-size="10" text-anchor="end" fill="#444444">(-?[\d.]+)</g);
+  const [x0, x1] = ticks(/<text x="([\d.]+)" y="[\d.]+" font-size="10" text-anchor="middle" fill="#444444">([\d.]+)</g);
+  const linear = ([p, a], [q, b], off) => (at) => a + ((at + off - p) * (b - a)) / (q - p);
+  const [x, y] = [linear(x0, x1, 0), linear(y0, y1, 3.5)]; // numbers stand 3.5 below their line
+  return [...svg.matchAll(new RegExp(`<path d="M([^"hvZ]+)Z?"[^>]* ${attribute}="${colour}"`, 'g'))].map(([, path]) => path.split('L').map((point) => point.split(' ').map(Number)).map(([px, py]) => [x(px), y(py)]));
+}
+const rms = (list) => Math.sqrt(list.reduce((sum, v) => sum + v * v, 0) / list.length);
+
+test('the charts show the numbers: recorded mean and deviation, fitted curve and its error, dominances of which one is 1 at its target', () => {
+  const takes = [31, 47, 90].map((seed) => record(`plot${seed}`, 'apa.', seed));
+  const plots = path.join(folder, 'plots');
+  const { status, stderr } = faccia(['fit', '--own', '--strength', '1', '--first', '1', '--then', '2', '--output', path.join(folder, 'plot.json'), '--plot', plots, ...takes]);
+  assert.equal(status, 0, stderr);
+  assert.deepEqual(fs.readdirSync(plots).sort(), ['EM.svg', 'LI.svg']);
+  const beside = stderr.match(/^lips and jaw: fitted ([\d.]+) mm, the mean of 2 parameters; below 0\.3 mm in Leone's fits to one sequence at a time$/m);
+  const fitted = [...stderr.matchAll(/^(?:LI|EM): unfitted [\d.]+ mm, fitted ([\d.]+);/gm)].map(([, mm]) => Number(mm));
+  assert.ok(Math.abs(Number(beside[1]) - (fitted[0] + fitted[1]) / 2) < 0.0011, stderr);
+  const values = takes.map((file) => fs.readFileSync(file, 'utf8').trim().split('\n').slice(1).map((line) => line.split(',').map(Number)));
+  for (const [name, column] of [['LI', 1], ['EM', 2]]) {
+    const svg = fs.readFileSync(path.join(plots, `${name}.svg`), 'utf8');
+    const [, before, after] = stderr.match(new RegExp(`^${name}, drawn: unfitted ([\\d.]+) mm, fitted ([\\d.]+) mm: `, 'm')).map(Number);
+    const [recorded] = drawn(svg, '#0072b2').filter((line) => line.length > 20);
+    const mean = recorded.map(([t]) => values.reduce((sum, rows) => sum + rows[Math.round(t * 100)][column], 0) / 3);
+    assert.ok(recorded.every(([, mm], i) => Math.abs(mm - mean[i]) < 0.03), `${name}: the mean of what was recorded`);
+    const [band] = drawn(svg, '#d9e8f5', 'fill');
+    const deviations = recorded.map(([t, mm]) => Math.sqrt(values.reduce((sum, rows) => sum + (rows[Math.round(t * 100)][column] - mm) ** 2, 0) / 2));
+    assert.equal(band.length, 2 * recorded.length);
+    assert.ok(recorded.every(([, mm], i) => Math.abs(band[i][1] - mm - deviations[i]) < 0.05 && Math.abs(mm - band.at(-1 - i)[1] - deviations[i]) < 0.05), `${name}: its standard deviation`);
+    for (const [colour, error] of [['#666666', before], ['#d55e00', after]]) {
+      const [curve] = drawn(svg, colour).filter((line) => line.length > 20);
+      const at = new Map(recorded.map(([t, mm]) => [t.toFixed(2), mm]));
+      assert.ok(Math.abs(rms(curve.map(([t, mm]) => mm - at.get(t.toFixed(2)))) - error) < 0.02, `${name}: ${error} mm is what is drawn`);
+      assert.ok(svg.includes(`${error.toFixed(3)} mm`));
+    }
+    const dominances = [...drawn(svg, '#009e73'), ...drawn(svg, '#cc79a7')].filter((line) => line.length > 3);
+    assert.ok(dominances.length >= 3, 'a, p and a at least');
+    assert.ok(svg.includes('3 repetitions') && svg.includes('>p</text>'));
+  }
+  const one = faccia(['fit', '--strength', '1', '--first', '1', '--then', '1', '--plot', takes[0], takes[0]]);
+  assert.equal(one.status, 1);
+  assert.match(one.stderr, /--plot: cannot make the folder .*plot31\.csv/);
+});
+
+test('names the error in a recording', () => {
   const bad = path.join(folder, 'bad.csv');
   fs.writeFileSync(bad, 'time,LI\n0,0\n0.01,x\n');
   fs.writeFileSync(path.join(folder, 'bad.phones.csv'), 'start,end,ipa\n0,0.01,_\n');
@@ -190,7 +248,7 @@ test('what is wrong with a recording is named', () => {
   assert.equal(status, 1);
   assert.match(stderr, /bad/);
   assert.equal(faccia(['fit', '--strength', '0', bad]).status, 2);
-  assert.match(faccia(['fit', '--first', '1.5', bad]).stderr, /--first: must be a whole number from 1 to 1000/);
+  assert.match(faccia(['fit', '--first', '1.5', bad]).stderr, /--first: must be an integer from 1 to 1000/);
   assert.equal(faccia(['fit']).status, 2);
   assert.match(faccia(['fit', '--nothing']).stderr, /Try 'faccia fit --help'/);
   assert.equal(faccia(['fit', '--help']).status, 0);

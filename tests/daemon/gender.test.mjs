@@ -17,7 +17,7 @@ after(async () => assert.equal((await daemon.stop()).code, 0));
 const spoken = async (query) => (await daemon.get(`/v1/speech?text=Ciao&format=json&${query}`)).json();
 const genderOf = (id) => voices.find((voice) => voice.id === id)?.gender;
 
-test('a gender chooses among the voices of the language, a name counts for more', async () => {
+test('a gender selects among the voices of the language; a name takes precedence', async () => {
   for (const gender of ['female', 'male']) {
     if (!voices.some((voice) => /^en/.test(voice.lang) && voice.gender === gender)) continue;
     const { voice } = await spoken(`lang=en&gender=${gender}`);
@@ -33,10 +33,10 @@ test('faccia voices --model lists the voices that suit a head', () => {
   assert.ok(list.length && list.every(({ gender }) => gender === 'male'));
   const none = spawnSync(faccia, ['voices', '--model', 'nobody'], { encoding: 'utf8' });
   assert.equal(none.status, 1);
-  assert.match(none.stderr, /no head model 'nobody'/);
+  assert.match(none.stderr, /unknown head model 'nobody'/);
 });
 
-test('the heads tell who they are, the default first, and have their posters', async () => {
+test('the heads state their gender, the default first, and have posters', async () => {
   const { models } = await (await daemon.get('/v1/models')).json();
   assert.equal(models[0].name, 'mara');
   for (const { name, about, voice, poster } of models) {

@@ -21,7 +21,7 @@ const gesture = (more) => ({ format: 'faccia-gesture', version: 1, name: 'gape',
 const put = (name, value) => fs.writeFileSync(path.join(own, name), typeof value === 'string' ? value : JSON.stringify(value));
 const most = ({ frames }, fap) => Math.max(...frames.map((frame) => frame[fap]));
 
-test('every markup asks for a gesture, over words or at a point, and she makes it', () => {
+test('every markup can request a gesture, over words or at a point, and it is shown', () => {
   for (const text of [
     '<speak xml:lang="it" xmlns:faccia="https://faccia.invalid/gesture">La mamma <faccia:gesture name="wink"/>parla piano.</speak>',
     '<jsml>La <gesture name="wink">mamma</gesture> parla piano.</jsml>',
@@ -35,13 +35,13 @@ test('every markup asks for a gesture, over words or at a point, and she makes i
   assert.ok(most(face('<speak>La mamma <gesture name="wink" intensity="0.5"/>parla piano.</speak>'), 19) < 700);
 });
 
-test('what signals there are count as gestures, and what nobody knows is said with line and column', () => {
+test('known signals act as gestures; unknown ones are reported with line and column', () => {
   const text = '<speak>Ciao,\n  <gesture name="nod"/> mamma <gesture name="winc"/>\n bella <gesture/></speak>';
   const { stdout } = run(text, 'check', '-');
-  assert.deepEqual(stdout.trim().split('\n'), ["-:2:31: warning: no gesture 'winc': not shown; near: wink", '-:3:8: warning: a gesture has a name']);
+  assert.deepEqual(stdout.trim().split('\n'), ["-:2:31: warning: unknown gesture 'winc': not shown; near: wink", '-:3:8: warning: a gesture needs a name']);
 });
 
-test('an own gesture: it wins over one of the same name, and lips that must close do so', () => {
+test('a custom gesture overrides the built-in one of the same name, and lips still close where they must', () => {
   put('wink.json', gesture({ name: 'wink', curves: { close_t_r_eyelid: [0, 300, 1000, 1000, 1000, 300, 0, 0] }, blend: { in: 0.08, out: 0.08 } }));
   put('gape.json', gesture({ curves: { open_jaw: Array(60).fill(1000), lower_t_midlip: Array(60).fill(-500), raise_b_midlip: Array(60).fill(-500) }, mouth: { lips: 1, corners: 1 } }));
   const right = face('<speak>La mamma <gesture name="wink"/>parla piano.</speak>', '--gestures', own);
@@ -56,7 +56,7 @@ test('an own gesture: it wins over one of the same name, and lips that must clos
   for (const run of closures) assert.ok(run.some((k) => gap(gaping.frames[k]) <= 0), `${run}: ${run.map((k) => gap(gaping.frames[k]))}`);
 });
 
-test('a bad file is named with its place, and nothing starts', () => {
+test('reports a bad file with its position, and does not start', () => {
   for (const [value, message] of [
     ['{"format": "faccia-gesture",\n "version": }', /bad\.json: .*2/],
     [gesture({ curves: { open_jaw: [0, 'wide', 0] } }), /bad\.json: curves\.open_jaw\[1\]/],

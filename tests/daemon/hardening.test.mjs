@@ -25,7 +25,7 @@ const files = built(path.join(ordinary, 'server'));
 const read = (file, ...options) => execFileSync('readelf', ['-W', ...options, file], { encoding: 'utf8', maxBuffer: 1 << 26 });
 const x86 = process.arch === 'x64';
 
-test('the daemon, its workers, the bridges and the plugins are there', () => {
+test('builds the daemon, its workers, the bridges and the plugins', () => {
   const names = files.map((file) => path.basename(file));
   for (const name of ['facciad', 'faccia', 'faccia-say', 'faccia-worker']) assert.ok(names.includes(name), `${name} among ${names}`);
   assert.ok(files.some((file) => file.endsWith('.so')), 'plugins');
@@ -41,7 +41,7 @@ for (const file of files)
     if (x86) assert.ok(fs.readFileSync(file).includes(Buffer.from('f30f1efa', 'hex')), 'endbr64 (CET): the linker drops the note of it where, as in Debian 12, the C library has none');
   });
 
-test('the programs guard their stacks and check what they copy', () => {
+test('the programs have stack protection and checked copies', () => {
   const symbols = files.map((file) => [path.basename(file), read(file, '--dyn-syms')]);
   for (const [name, text] of symbols.filter(([each]) => /^(facciad?|faccia-(?!.*\.so))/.test(each))) {
     assert.match(text, /__stack_chk_fail/, name);
@@ -49,7 +49,7 @@ test('the programs guard their stacks and check what they copy', () => {
   }
 });
 
-test('every file of C is compiled so', () => {
+test('compiles every C file with these flags', () => {
   const commands = JSON.parse(fs.readFileSync(path.join(ordinary, 'compile_commands.json'), 'utf8')).filter(({ file }) => file.includes('server/') && file.endsWith('.c'));
   assert.ok(commands.length > 100);
   const flags = ['-fstack-protector-strong', '-fstack-clash-protection', '-D_FORTIFY_SOURCE=', ...(x86 ? ['-fcf-protection=full'] : [])];

@@ -17,7 +17,7 @@ const fetched = async (address, from = daemon, options = {}) => {
 };
 const pages = ['/', '/voices.html', '/emotion.html', '/avatar.html'];
 
-test('pages run what comes from here, and nothing that is written into them', async () => {
+test('the policy of pages allows only their own scripts and no inline code', async () => {
   for (const page of pages) {
     const response = await fetched(page);
     const directives = policy(response);
@@ -36,7 +36,7 @@ test('pages run what comes from here, and nothing that is written into them', as
   }
 });
 
-test('every answer: no guessing of types, no referrer, nothing loaded', async () => {
+test('every response forbids type sniffing, referrers and loading', async () => {
   const answers = ['/', '/talking-head.js', '/v1/models/mara', '/v1/voices', '/healthz', '/nowhere', '/metrics', '/v1/speech?text=Ciao', '/v1/openapi.json', '/v1/stream'];
   for (const address of answers) {
     const { headers } = await fetched(address);
@@ -47,7 +47,7 @@ test('every answer: no guessing of types, no referrer, nothing loaded', async ()
   }
 });
 
-test('scripts and heads may be embedded anywhere, answers of the API may not', async () => {
+test('allows scripts and heads to be embedded anywhere, but not API responses', async () => {
   for (const address of ['/talking-head.js', '/page.css', '/v1/models/mara'])
     assert.equal((await fetched(address)).headers.get('cross-origin-resource-policy'), 'cross-origin', address);
   for (const address of ['/v1/voices', '/v1/speech?text=Ciao', '/healthz'])
@@ -59,7 +59,7 @@ test('scripts and heads may be embedded anywhere, answers of the API may not', a
   assert.equal(again.headers.get('cross-origin-resource-policy'), 'cross-origin');
 });
 
-test('--embed lets pages be framed by those that it names', async () => {
+test('--embed allows the named sites to frame pages', async () => {
   const own = await Daemon.start(['--embed', 'https://portal.example', '--embed', 'https://*.school.example', '--embed', "https://x.example; script-src 'unsafe-inline'"]);
   const response = await fetched('/', own);
   const directives = policy(response);

@@ -50,7 +50,7 @@ for (const [what, of] of [['silence', () => 0], ['its mean alone', () => 0.4], [
     assert.deepEqual(phones.map((p) => p.class), ['silence']);
   });
 
-test('after speech the lips go to rest', () => {
+test('the lips rest after speech', () => {
   const { samples, rate } = read(spoken.wav);
   const long = new Int16Array(samples.length + 2 * rate);
   long.set(samples);
@@ -79,7 +79,7 @@ function modelsWith(change) {
   return models;
 }
 
-test('in music the lips rest after a second, and who speaks then is shown', further, () => {
+test('in music the lips rest after a second, and later speech is shown', further, () => {
   const alone = heard([sound('music.wav', 12, 16000, 1, band)]).frames, resting = alone.slice(25).filter((f) => gap(f) === 0).length;
   assert.ok(resting >= 0.9 * (alone.length - 25), `${resting} of ${alone.length - 25} frames at rest`);
   // the network's speech detector keeps the mouth closed: with its bias (last in the file) at the maximum it does not
@@ -92,7 +92,7 @@ test('in music the lips rest after a second, and who speaks then is shown', furt
   assert.ok(found.found >= without.found - 3, `${found.found} of ${found.said}, ${without.found} without music before`);
 });
 
-test('clipped to nothing but its signs, it still gives a face of the right length, within bounds', () => {
+test('sound reduced to its signs still gives a face of the right length, within bounds', () => {
   const { frames } = heard([sound('loud.wav', 2, 22050, 1, (t) => 9 * Math.sin(900 * t) * Math.sin(9 * t))]);
   assert.equal(frames.length, 50);
   assert.ok(frames.every((f) => Object.values(f.faps).every((x) => Math.abs(x) < 2000)));
@@ -103,7 +103,7 @@ function read(wav) {
   return { rate: data.readUInt32LE(24), samples: new Int16Array(data.buffer.slice(data.byteOffset + 44)) };
 }
 
-test('8 to 96 kHz, one and eight channels: the closures are the same', further, () => {
+test('closes at the same times from 8 to 96 kHz and with one and eight channels', further, () => {
   const { rate, samples } = read(spoken.wav);
   const at = (t) => {
     const x = t * rate, i = Math.min(samples.length - 2, Math.floor(x));
@@ -118,7 +118,7 @@ test('8 to 96 kHz, one and eight channels: the closures are the same', further, 
   }
 });
 
-test('one piece or many, a file or standard input: the same to the last bit', () => {
+test('gives the same result to the last bit in one piece or many, from a file or standard input', () => {
   const { rate, samples } = read(spoken.wav);
   const whole = hear(['--ndjson', '-', spoken.wav]).stdout, raw = Buffer.from(samples.buffer);
   assert.ok(whole.length > 10000);
@@ -128,7 +128,7 @@ test('one piece or many, a file or standard input: the same to the last bit', ()
   assert.equal(String(slow.stdout), whole);
 });
 
-test('files: as many frames as the sound is long, sounds that touch', () => {
+test('files: as many frames as the sound is long, with contacts', () => {
   const { status, stderr } = hear(['--fps', '30', '--fap', file('a.fap'), '--json', file('a.json'), spoken.wav]);
   assert.equal(status, 0, stderr);
   const { rate, samples } = read(spoken.wav), seconds = samples.length / rate;
@@ -143,7 +143,7 @@ test('files: as many frames as the sound is long, sounds that touch', () => {
 });
 
 for (const ms of cases([0, 120], [40, 80]))
-  test(`a voice that it was not trained on: most /p b m/ are closed, ${ms} ms after`, () => {
+  test(`an unseen voice: most /p b m/ close, ${ms} ms after`, () => {
     const { frames, phones } = heard(['--fps', '50', '--lookahead', String(ms), spoken.wav]);
     const found = compared('closed', spoken.phones, phones), lucky = [-0.3, -0.2, 0.2, 0.3].map((shift) => compared('closed', spoken.phones, phones, { shift }));
     const chance = lucky.reduce((sum, x) => sum + x.found, 0) / lucky.reduce((sum, x) => sum + x.said, 0);
@@ -157,7 +157,7 @@ for (const ms of cases([0, 120], [40, 80]))
     assert.ok(open.filter((p) => frames.some((f) => f.time >= p.start && f.time <= p.end && gap(f) > 30)).length >= 0.8 * open.length);
   });
 
-test('the mouth is the network\'s own, unless an engine is named, which makes it of the same sounds', () => {
+test('uses the network\'s own mouth, or a named engine on the same sounds', () => {
   const [own, named, engine] = [[], ['-e', 'network'], ['-e', 'dominance']].map((args) => heard([...args, spoken.wav]));
   assert.deepEqual(named, own);
   assert.deepEqual(engine.phones, own.phones);
@@ -166,7 +166,7 @@ test('the mouth is the network\'s own, unless an engine is named, which makes it
   for (const of of [gap, wide]) assert.ok(between(of) > 0.5 && between(of) < 0.99, `${between(of)}`);
 });
 
-test('say --voice-file: a recording in place of a text', () => {
+test('say --voice-file takes a recording instead of a text', () => {
   const { status, stdout } = faccia(['say', '-l', 'it', '--fps', '30', '--voice-file', spoken.wav, '--json', '-']);
   assert.equal(status, 0);
   assert.equal(stdout, hear(['-l', 'it', '--fps', '30', '--json', '-', spoken.wav]).stdout);
@@ -181,7 +181,7 @@ test('say --voice-file: a recording in place of a text', () => {
   }
 });
 
-test('a language that nobody has a pack for has the general lips, and they are named', () => {
+test('uses and names the general lips for a language without a pack', () => {
   const { status, stdout, stderr } = hear(['-l', 'x"', '--json', '-', sound('rest.wav', 0.5, 16000, 1, () => 0)]);
   assert.equal(status, 0, stderr);
   assert.equal(JSON.parse(stdout).lang, 'und');
@@ -192,21 +192,21 @@ fs.writeFileSync(file('none.wav'), wavOf(new Int16Array(0), 16000));
 fs.writeFileSync(file('text.wav'), 'no sound');
 for (const [what, args, status, message] of [
   ['an empty file', ['empty.wav'], 1, /empty\.wav: /],
-  ['no samples', ['none.wav'], 1, /none\.wav: there is no sound in it/],
+  ['no samples', ['none.wav'], 1, /none\.wav: contains no sound/],
   ['a text', ['text.wav'], 1, /text\.wav: /],
   ['nothing there', ['nowhere.wav'], 1, /nowhere\.wav: /],
   ['too slow', ['slow.wav'], 1, /4000 samples a second; 8000 to 96000/],
   ['too many channels', ['many.wav'], 1, /9 channels; at most 8/],
   ['a lookahead that it has not', ['--lookahead', '50', 'rest.wav'], 2, /lookahead: there is no lookahead of 50 ms/],
-  ['an engine that is none', ['--engine', 'x', 'rest.wav'], 2, /engine: no engine 'x'/],
+  ['an engine that is none', ['--engine', 'x', 'rest.wav'], 2, /engine: unknown engine 'x'/],
   ['standard input without a rate', ['-'], 2, /--raw and - belong together/],
   ['a rate with a file', ['--raw', '16000', 'rest.wav'], 2, /--raw and - belong together/],
-  ['a rate out of range', ['--raw', '7000', '-'], 2, /--raw: must be a whole number from 8000 to 96000/],
+  ['a rate out of range', ['--raw', '7000', '-'], 2, /--raw: must be an integer from 8000 to 96000/],
   ['two files to standard output', ['--fap', '-', '--json', '-', 'rest.wav'], 1, /only one file can go to standard output/],
-  ['no sound', [], 2, /one sound is needed/],
-  ['with its text', ['--text', 'a.txt', 'rest.wav'], 2, /'a\.txt' is not used here: with a text 'faccia align SOUND --text FILE'/],
+  ['no sound', [], 2, /exactly one sound file is needed/],
+  ['with its text', ['--text', 'a.txt', 'rest.wav'], 2, /'a\.txt' is not used here: with a transcript, use 'faccia align SOUND --text FILE'/],
 ])
-  test(`${what}: told, and nothing is written`, () => {
+  test(`${what}: reports it and writes nothing`, () => {
     sound('rest.wav', 0.2, 16000, 1, () => 0);
     sound('slow.wav', 0.2, 4000, 1, () => 0);
     sound('many.wav', 0.2, 16000, 9, () => 0);
@@ -217,7 +217,7 @@ for (const [what, args, status, message] of [
     assert.equal(result.stdout, '');
   });
 
-test('a file that was cut gives the face of what there is', () => {
+test('a truncated file gives the face of its beginning', () => {
   const data = fs.readFileSync(spoken.wav);
   fs.writeFileSync(file('cut.wav'), data.subarray(0, data.length / 2 - 1));
   const { frames } = heard([file('cut.wav')]);
@@ -225,9 +225,9 @@ test('a file that was cut gives the face of what there is', () => {
   assert.ok(Math.abs(frames.length - 25 * seconds) < 2, `${frames.length}`);
 });
 
-test('a broken network is told', () => {
+test('reports a broken network', () => {
   const models = modelsWith(() => Buffer.from('FACHEAR2'));
   const { status, stderr } = faccia(['--models', models, 'hear', spoken.wav]);
   assert.equal(status, 1);
-  assert.match(stderr, /network\.bin: this is no network that hears/);
+  assert.match(stderr, /network\.bin: this is not a lip recogniser's network/);
 });

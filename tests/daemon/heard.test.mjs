@@ -49,7 +49,7 @@ function say(content, { lang = 'it', voice = 'espeak:it', options = [] } = {}) {
 const words = (said) => said.words.map((w) => w.text);
 const between = (said, a, b) => said.words[words(said).indexOf(b)].start - said.words[words(said).indexOf(a)].end;
 
-test('a word in another language is spoken by a voice of that language', () => {
+test('a voice of the language speaks a word in another language', () => {
   const said = say('Mi piace il <lang xml:lang="en">rock and roll</lang>, davvero.');
   assert.deepEqual(words(said), ['Mi', 'piace', 'il', 'rock', 'and', 'roll', 'davvero']);
   const rock = said.words[3];
@@ -70,7 +70,7 @@ test('voices of plugins with different sample rates speak one sentence, at the r
   for (let i = 1; i < said.words.length; i++) assert.ok(said.words[i].start >= said.words[i - 1].end - 1e-6);
 });
 
-test('a gender chooses a voice of the language', () => {
+test('a gender selects a voice of the language', () => {
   /** Pitch of the stressed vowel in Hz, by autocorrelation. */
   const pitch = (s) => {
     const vowel = s.phones.find((p) => p.ipa.startsWith('a'));
@@ -89,7 +89,7 @@ test('a gender chooses a voice of the language', () => {
   assert.ok(pitch(she) > 1.4 * pitch(he), `${pitch(she)}, ${pitch(he)} Hz`);
 });
 
-test('unknown voices and languages are warned of at their place, and the usual voice speaks', () => {
+test('warns of unknown voices and languages at their position, and uses the default voice', () => {
   const said = say('Uno <voice name="nobody">due</voice>\n<lang xml:lang="xx">tre</lang>.');
   assert.deepEqual(words(said), ['Uno', 'due', 'tre']);
   assert.match(said.stderr, /warning: 1:\d+: there is no voice "nobody"/);
@@ -102,7 +102,7 @@ test('sentences by voices of different rates follow each other at one rate', () 
   assert.deepEqual(words(said).map((w) => w.replace('.', '')), ['Uno', 'due', 'Tre', 'quattro', 'Cinque']);
 });
 
-test('sounds are heard in their place, the mouth at rest', () => {
+test('plays sounds at their position with the mouth at rest', () => {
   const said = say('Senti <audio src="bell.wav">una campana</audio> adesso.');
   assert.deepEqual(words(said), ['Senti', 'adesso']);
   const gap = between(said, 'Senti', 'adesso');
@@ -114,13 +114,13 @@ test('sounds are heard in their place, the mouth at rest', () => {
 });
 
 for (const [source, why] of [['../secret.wav', 'not a path'], ['/etc/passwd', 'not a path'], ['http://127.0.0.1/x.wav', 'not a path'], ['none.wav', 'no sound'], ['broken.wav', 'cannot be read']])
-  test(`a sound that cannot be had (${source}) is warned of, and its text is spoken`, () => {
+  test(`warns of an unavailable sound (${source}), and speaks its text`, () => {
     const said = say(`Senti <audio src="${source}">una campana</audio> adesso.`);
     assert.deepEqual(words(said), ['Senti', 'una', 'campana', 'adesso']);
     assert.match(said.stderr, new RegExp(`warning: .*${why}`));
   });
 
-test('dates, times and sums are said in words and stay one word of the text each', () => {
+test('reads dates, times and sums as words, each as one word of the text', () => {
   const said = say('Il <say-as interpret-as="date" format="dmy">12/03/2024</say-as> per <say-as interpret-as="currency">12,50 €</say-as>.');
   assert.deepEqual(words(said), ['Il', '12/03/2024', 'per', '12,50 €']);
   const ipa = said.phones.map((p) => p.ipa).join('');
@@ -129,19 +129,19 @@ test('dates, times and sums are said in words and stay one word of the text each
   assert.equal(said.stderr, '');
 });
 
-test('what is not what its author says is read as it stands, with a warning', () => {
+test('reads text that does not match its interpret-as as written, with a warning', () => {
   const said = say('Il <say-as interpret-as="date" format="dmy">31/31/2024</say-as>.');
   assert.match(said.stderr, /warning: 1:\d+: "31\/31\/2024" cannot be read as "date:dmy"/);
   assert.ok(said.words.length >= 2);
 });
 
-test('given phones are spoken, the text stays the text', () => {
+test('speaks given phones and keeps the text', () => {
   const said = say('Un <phoneme alphabet="ipa" ph="ˈkaza">gatto</phoneme> solo.');
   assert.deepEqual(words(said), ['Un', 'gatto', 'solo']);
   assert.match(said.phones.map((p) => p.ipa).join(''), /kaza/);
 });
 
-test('over the network: warnings with their places, then speech; nothing outside the folder of sounds', async () => {
+test('over the network: sends warnings with positions, then speech; plays nothing outside the sound folder', async () => {
   const daemon = await Daemon.start(['--plugins', plugins, '--audio', sounds]);
   const stream = await daemon.stream();
   const speak = async (id, text) => {

@@ -17,7 +17,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 const addresses = ['/', '/healthz', '/talking-head.js', '/v1/voices', '/v1/models/mara', '/v1/rooms', '/v1/openapi.json', '/metrics', '/v1/speech?text=Ciao', '/nowhere'];
 const foreign = ['evil.example', 'evil.example:80', 'localhost.evil.example', '127.0.0.1.evil.example', '[::1].evil.example', '*'];
 
-test('another name gets 421, whatever it asks for', async () => {
+test('answers 421 to an unknown host name at every address', async () => {
   for (const host of foreign)
     for (const address of host === foreign[0] ? addresses : ['/', '/v1/voices']) {
       const { status, text, headers } = await request(daemon.port, { path: address, headers: { host } });
@@ -31,7 +31,7 @@ test('another name gets 421, whatever it asks for', async () => {
     assert.equal((await request(daemon.port, { path: '/v1/speech', method, headers: { host: 'evil.example' } })).status, 421, method);
 });
 
-test('a page that was rebound, whose origin agrees with its host', async () => {
+test('rejects a rebound page whose origin agrees with its host', async () => {
   const headers = { host: `evil.example:${daemon.port}`, origin: `http://evil.example:${daemon.port}` };
   const { status } = await request(daemon.port, { path: '/v1/speech', method: 'POST', headers, body: 'Sì.' });
   assert.equal(status, 421);
@@ -39,7 +39,7 @@ test('a page that was rebound, whose origin agrees with its host', async () => {
   await assert.rejects(daemon.stream('', { headers: { host: 'evil.example' } }), /421/);
 });
 
-test('a daemon for this machine alone: localhost and loopback addresses, and nothing else that leads to it', async () => {
+test('a local daemon accepts localhost and loopback addresses only', async () => {
   const names = ['localhost', `LocalHost:${daemon.port}`, 'localhost.', 'face.localhost', '127.0.0.1', '127.8.9.10:80', '[::1]', `[0:0:0:0:0:0:0:1]:${daemon.port}`];
   for (const host of names) {
     assert.equal((await request(daemon.port, { path: '/healthz', headers: { host } })).status, 200, host);
@@ -54,7 +54,7 @@ test('a daemon for this machine alone: localhost and loopback addresses, and not
   }
 });
 
-test('a daemon for others, with tokens: the machine\'s name and any address in figures', async () => {
+test('a remote daemon with tokens accepts the machine\'s name and any numeric address', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
   fs.writeFileSync(path.join(folder, 'secrets'), 'a secret that is long enough for the daemon\n', { mode: 0o600 });
   const own = await Daemon.start(['--host', '0.0.0.0', '--remote', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
@@ -65,7 +65,7 @@ test('a daemon for others, with tokens: the machine\'s name and any address in f
   fs.rmSync(folder, { recursive: true });
 });
 
-test('a request without a host is from no browser', async () => {
+test('accepts a request without a host, which no browser sends', async () => {
   const socket = net.connect(daemon.port, '127.0.0.1');
   socket.end('GET /healthz HTTP/1.0\r\n\r\n');
   let text = '';
@@ -73,7 +73,7 @@ test('a request without a host is from no browser', async () => {
   assert.match(text, /^HTTP\/1\.[01] 200 /);
 });
 
-test('--host-name names others, one or all; with tokens it is no different', async () => {
+test('--host-name accepts other names, one or several, with tokens too', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
   const secret = 'a secret that is long enough for the daemon';
   fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });
@@ -88,13 +88,13 @@ test('--host-name names others, one or all; with tokens it is no different', asy
   assert.equal(await status('x.face.example'), 421);
   fs.writeFileSync(config, JSON.stringify({ access: { host_names: ['*'] } }));
   own.process.kill('SIGHUP');
-  await own.logged(/settings read anew/);
+  await own.logged(/settings reloaded/);
   assert.equal(await status('evil.example'), 200);
   assert.equal((await own.stop()).code, 0);
   fs.rmSync(folder, { recursive: true });
 });
 
-test('what a page of another site has its browser fetch without an origin', async () => {
+test('rejects cross-site fetches without an origin, except followed links', async () => {
   const embedded = { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'no-cors', 'sec-fetch-dest': 'audio' };
   const get = (address, headers) => request(daemon.port, { path: address, headers });
   for (const address of ['/v1/speech?text=Ciao', '/v1/rooms', '/v1/events?room=x', '/metrics']) {
@@ -120,7 +120,7 @@ test('what a page of another site has its browser fetch without an origin', asyn
   for (const address of ['/talking-head.js', '/v1/models/mara']) assert.equal((await get(address, embedded)).status, 200);
 });
 
-test('what changes something, of a page of another origin, whose body needs no preflight', async () => {
+test('rejects changes from a page of another origin whose body needs no preflight', async () => {
   const origins = ['http://evil.example', 'null', 'http://localhost.evil.example', 'https://127.0.0.1.evil.example'];
   const posts = ['/v1/speech?lang=it', '/v1/say?room=x', '/v1/stop?room=x', '/v1/rooms/x/commands',
     '/v1/play?room=x', '/v1/revoke'];
@@ -136,7 +136,7 @@ test('what changes something, of a page of another origin, whose body needs no p
   for (const origin of origins) await assert.rejects(daemon.stream('', { headers: { origin } }), /403/);
 });
 
-test('a browser that says nothing of the page: an old one, or by a name that it does not trust', async () => {
+test('rejects a browser that sends no Sec-Fetch headers: an old one, or by an untrusted name', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
   const secret = 'a secret that is long enough for the daemon';
   fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });

@@ -4,17 +4,17 @@ import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
+import { bodies, head } from '../lib/malformed.mjs';
 import { ask, Raw } from '../lib/raw.mjs';
 
 let daemon;
 before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-const head = (fields, target = '/v1/speech?lang=it&format=json', version = '1.1') => `POST ${target} HTTP/${version}\r\nHost: localhost\r\nContent-Type: text/plain\r\n${fields}\r\n`;
 const chunked = (...chunks) => head('Transfer-Encoding: chunked\r\n') + chunks.map((chunk) => `${Buffer.byteLength(chunk).toString(16)}\r\n${chunk}\r\n`).join('') + '0\r\n\r\n';
 const healthy = 'GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n';
 
-test('a chunked body is read, however it is cut', async () => {
+test('reads a chunked body, however it is cut', async () => {
   const words = async (bytes) => JSON.parse((await ask(daemon.port, bytes)).body).words.map((w) => w.text);
   assert.deepEqual(await words(chunked('Buon', 'giorno ', 'a tutti.')), ['Buongiorno', 'a', 'tutti']);
   const odd = head('Transfer-Encoding: Chunked\r\n') + '004;name="va;lue"\r\nBuon\r\n6 \r\ngiorno\r\nD\r\n a tutti, sì\r\n0\r\nX-Trailer: nothing\r\n\r\n';
@@ -30,34 +30,8 @@ test('a chunked body is read, however it is cut', async () => {
   await raw.close();
 });
 
-const wrong = [
-  ['both lengths', head('Content-Length: 5\r\nTransfer-Encoding: chunked\r\n') + '0\r\n\r\n', 400, 'bad-length'],
-  ['both, the other way round', head('Transfer-Encoding: chunked\r\nContent-Length: 5\r\n') + '0\r\n\r\n', 400, 'bad-length'],
-  ['differing lengths', head('Content-Length: 5\r\nContent-Length: 6\r\n') + 'abcdef', 400, 'bad-length'],
-  ['the same length twice', head('Content-Length: 5\r\nContent-Length: 5\r\n') + 'abcde', 400, 'bad-length'],
-  ['a list of lengths', head('Content-Length: 5, 5\r\n') + 'abcde', 400, 'bad-length'],
-  ['+5', head('Content-Length: +5\r\n') + 'abcde', 400, 'bad-length'],
-  ['-5', head('Content-Length: -5\r\n') + 'abcde', 400, 'bad-length'],
-  ['5a', head('Content-Length: 5a\r\n') + 'abcde', 400, 'bad-length'],
-  ['0x5', head('Content-Length: 0x5\r\n') + 'abcde', 400, 'bad-length'],
-  ['no number', head('Content-Length: \r\n') + 'abcde', 400, 'bad-length'],
-  ['more than there can be', head('Content-Length: 99999999999999999999\r\n'), 400, 'bad-length'],
-  ['gzip', head('Transfer-Encoding: gzip, chunked\r\n') + '0\r\n\r\n', 501, 'unknown-coding'],
-  ['chunked twice', head('Transfer-Encoding: chunked, chunked\r\n') + '0\r\n\r\n', 501, 'unknown-coding'],
-  ['chunked in two headers', head('Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n') + '0\r\n\r\n', 501, 'unknown-coding'],
-  ['an unknown coding', head('Transfer-Encoding: xchunked\r\n') + '0\r\n\r\n', 501, 'unknown-coding'],
-  ['chunks in HTTP/1.0', head('Transfer-Encoding: chunked\r\n', undefined, '1.0') + '0\r\n\r\n', 400, 'bad-length'],
-  ['a chunk with a sign', head('Transfer-Encoding: chunked\r\n') + '+5\r\nabcde\r\n0\r\n\r\n', 400, 'bad-chunk'],
-  ['a chunk in another notation', head('Transfer-Encoding: chunked\r\n') + '0x5\r\nabcde\r\n0\r\n\r\n', 400, 'bad-chunk'],
-  ['a chunk without a size', head('Transfer-Encoding: chunked\r\n') + '\r\nabcde\r\n0\r\n\r\n', 400, 'bad-chunk'],
-  ['a chunk longer than it says', head('Transfer-Encoding: chunked\r\n') + '5\r\nabcdeXX0\r\n\r\n', 400, 'bad-chunk'],
-  ['a chunk that ends by LF', head('Transfer-Encoding: chunked\r\n') + '5\nabcde\r\n0\r\n\r\n', 400, 'bad-chunk'],
-  ['a chunk larger than any number', head('Transfer-Encoding: chunked\r\n') + 'fffffffffffffffff\r\n', 400, 'bad-chunk'],
-  ['an extension without end', head('Transfer-Encoding: chunked\r\n') + `5;${'x'.repeat(5000)}`, 400, 'bad-chunk'],
-  ['trailers without end', head('Transfer-Encoding: chunked\r\n') + `0\r\n${'X-A: b\r\n'.repeat(2000)}`, 400, 'bad-chunk'],
-];
-for (const [name, bytes, status, code] of wrong)
-  test(`${name}: ${status} ${code}, and closed`, async () => {
+for (const [name, bytes, status, code] of bodies)
+  test(`${name}: answers ${status} ${code} and closes`, async () => {
     const raw = await Raw.open(daemon.port);
     raw.write(bytes + healthy);
     const answer = await raw.answer();
@@ -66,7 +40,7 @@ for (const [name, bytes, status, code] of wrong)
     await raw.close();
   });
 
-test('a body over the limit: 413, chunked or not', async (t) => {
+test('answers 413 to a body over the limit, chunked or not', async (t) => {
   const long = 'a'.repeat(100001);
   for (const bytes of [head(`Content-Length: ${long.length}\r\n`) + long, chunked(...Array(11).fill('a'.repeat(10000)))]) {
     const answer = await ask(daemon.port, bytes);
@@ -82,7 +56,7 @@ test('a body over the limit: 413, chunked or not', async (t) => {
   clearInterval(flood);
 });
 
-test('100-continue: said when the body is wanted, and only then', async () => {
+test('sends 100-continue only when the body is wanted', async () => {
   const fields = 'Content-Length: 3\r\nExpect: 100-continue\r\n';
   const raw = await Raw.open(daemon.port);
   raw.write(head(fields));
@@ -98,7 +72,7 @@ test('100-continue: said when the body is wanted, and only then', async () => {
   assert.equal(curl.stdout, '200');
 });
 
-test('a body that nobody wants is passed over when it is short', async () => {
+test('skips an unwanted body when it is short', async () => {
   const raw = await Raw.open(daemon.port);
   raw.write(head('Content-Length: 1000\r\n', '/v1/voices') + 'x'.repeat(1000) + healthy);
   assert.equal((await raw.answer()).status, 405);
@@ -108,7 +82,7 @@ test('a body that nobody wants is passed over when it is short', async () => {
   await raw.end();
 });
 
-test('limits for each address: idle connections count, and requests count that were made on others', async () => {
+test('limits each address: counts idle connections, and requests made on other connections', async () => {
   const tight = await Daemon.start(['--max-per-address', '4', '--max-requests', '5']);
   const idle = [];
   for (let i = 0; i < 4; i++) {

@@ -7,6 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
+import { get, heads } from '../lib/malformed.mjs';
 import { ask, handshake, Raw, RawSocket } from '../lib/raw.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-strict-'));
@@ -17,11 +18,10 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const get = (target = '/healthz', fields = '') => `GET ${target} HTTP/1.1\r\nHost: localhost\r\n${fields}\r\n`;
 const post = (body, fields = '', target = '/v1/speech?lang=it&format=json') =>
   `POST ${target} HTTP/1.1\r\nHost: localhost\r\nContent-Type: text/plain\r\nContent-Length: ${Buffer.byteLength(body)}\r\n${fields}\r\n${body}`;
 
-test('requests in one segment are answered in their order', async () => {
+test('answers requests in one segment in order', async () => {
   const raw = await Raw.open(daemon.port);
   raw.write(get('/v1/voices') + post('Uno.') + get('/v1/models') + get('/nowhere') + post('Due.') + get('/healthz'));
   const kinds = [];
@@ -39,7 +39,7 @@ test('requests in one segment are answered in their order', async () => {
   assert.equal((await daemon.get('/healthz')).status, 200);
 });
 
-test('SIGTERM ends a daemon that is in the middle of such requests', async () => {
+test('SIGTERM ends a daemon in the middle of such requests', async () => {
   const other = await Daemon.start();
   const raw = await Raw.open(other.port);
   raw.write((post('Una frase.') + get()).repeat(20));
@@ -48,7 +48,7 @@ test('SIGTERM ends a daemon that is in the middle of such requests', async () =>
   await raw.close();
 });
 
-test('one that says nothing more is answered, though it has closed its side', async () => {
+test('answers a client that has closed its sending side', async () => {
   const raw = await Raw.open(daemon.port);
   raw.socket.end(post('Sì.') + get());
   assert.equal((await raw.answer()).status, 200);
@@ -56,7 +56,7 @@ test('one that says nothing more is answered, though it has closed its side', as
   await raw.end();
 });
 
-test('HTTP/2: an offer is passed over, prior knowledge is refused', async () => {
+test('HTTP/2: ignores an upgrade offer and refuses prior knowledge', async () => {
   const curl = (...options) => spawnSync('curl', ['-s', '-o', '/dev/null', '-w', '%{http_code} %{http_version}', ...options, `${daemon.url}/healthz`], { encoding: 'utf8' });
   assert.equal(curl('--http2').stdout, '200 1.1');
   assert.notEqual(curl('--http2-prior-knowledge', '-m', '5').status, 28, 'no time-out');
@@ -64,7 +64,7 @@ test('HTTP/2: an offer is passed over, prior knowledge is refused', async () => 
   assert.deepEqual([preface.status, JSON.parse(preface.body).code, preface.headers.connection], [505, 'unknown-version', 'close']);
 });
 
-test('2000 offers of HTTP/2 leave the daemon open, and the count of its connections true', async () => {
+test('keeps serving and counting correctly after 2000 offers of HTTP/2', async () => {
   const offer = get('/healthz', 'Connection: Upgrade, HTTP2-Settings\r\nUpgrade: h2c\r\nHTTP2-Settings: AAMAAABkAAQAAP__\r\n');
   for (let round = 0; round < 20; round++) {
     const answers = await Promise.all(Array.from({ length: 100 }, () => ask(daemon.port, offer)));
@@ -78,7 +78,7 @@ test('2000 offers of HTTP/2 leave the daemon open, and the count of its connecti
   await stream.close();
 });
 
-test('TLS, and anything else that is not HTTP', async () => {
+test('answers 400 to TLS and to anything else that is not HTTP', async () => {
   const hello = Buffer.from('16030100c8010000c40303', 'hex');
   for (const bytes of [Buffer.concat([hello, Buffer.alloc(200, 7)]), Buffer.alloc(5000, 0xff), Buffer.from('\0'), Buffer.from('SSH-2.0-x\r\n\r\n'), Buffer.from('get / http/1.1\r\n\r\n')]) {
     const answer = await ask(daemon.port, bytes);
@@ -86,37 +86,13 @@ test('TLS, and anything else that is not HTTP', async () => {
   }
 });
 
-const wrong = [
-  ['no host', 'GET /healthz HTTP/1.1\r\n\r\n', 400, 'bad-host'],
-  ['two hosts', get('/healthz', 'Host: y\r\n'), 400, 'bad-host'],
-  ['a host that is none', 'GET /healthz HTTP/1.1\r\nHost: a b\r\n\r\n', 400, 'bad-host'],
-  ['a folded header', get('/healthz', 'X-A: b\r\n c\r\n'), 400, 'bad-header'],
-  ['an empty header that is folded', get('/healthz', 'X-A:\r\n c\r\n'), 400, 'bad-header'],
-  ['a bare CR in a header', get('/healthz', 'X-A: b\rc\r\n'), 400, 'bad-request'],
-  ['a NUL in a header', get('/healthz', 'X-A: b\0c\r\n'), 400, 'bad-request'],
-  ['a space before a colon', get('/healthz', 'X-A : b\r\n'), 400, 'bad-header'],
-  ['a space in a name', get('/healthz', 'X A: b\r\n'), 400, 'bad-header'],
-  ['a line without a colon', get('/healthz', 'nonsense\r\n'), 400, 'bad-request'],
-  ['two spaces in the first line', 'GET  /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 400, 'bad-request'],
-  ['a space in the address', 'GET /a b HTTP/1.1\r\nHost: localhost\r\n\r\n', 400, 'bad-request'],
-  ['a fragment', get('/healthz#a'), 400, 'bad-target'],
-  ['an unknown method', 'BREW /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 501, 'unknown-method'],
-  ['a method that is not taken', 'PATCH /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 405, 'method-not-allowed'],
-  ['CONNECT', 'CONNECT x:80 HTTP/1.1\r\nHost: localhost\r\n\r\n', 405, 'method-not-allowed'],
-  ['HTTP/9.9', 'GET / HTTP/9.9\r\nHost: localhost\r\n\r\n', 505, 'unknown-version'],
-  ['an expectation', get('/healthz', 'Expect: a miracle\r\n'), 417, 'unknown-expectation'],
-  ['a long address', get(`/healthz?x=${'a'.repeat(9000)}`), 414, 'uri-too-long'],
-  ['an address without end', `GET /${'a'.repeat(30000)}`, 414, 'uri-too-long'],
-  ['large headers', get('/healthz', `X-A: ${'b'.repeat(20000)}\r\n`), 431, 'headers-too-large'],
-  ['many headers', get('/healthz', 'X-A: b\r\n'.repeat(200)), 431, 'headers-too-large'],
-];
-for (const [name, bytes, status, code] of wrong)
-  test(`${name}: ${status} ${code}`, async () => {
+for (const [name, bytes, status, code] of heads)
+  test(`${name}: answers ${status} ${code}`, async () => {
     const answer = await ask(daemon.port, bytes);
     assert.deepEqual([answer.status, JSON.parse(answer.body).code], [status, code]);
   });
 
-test('a broken escape is told with its place', async () => {
+test('reports a broken escape with its position', async () => {
   for (const [target, byte] of [['/healthz?room=a%zz', 15], ['/healthz?a=1&b=%2', 15], ['/%', 1], ['/healthz?a%00=1', 10]]) {
     const { status, body } = await ask(daemon.port, get(target));
     const error = JSON.parse(body);
@@ -124,7 +100,7 @@ test('a broken escape is told with its place', async () => {
   }
 });
 
-test('every parameter is decoded, wherever it stands, whatever is before it', async () => {
+test('decodes every parameter at any position', async () => {
   const secrets = path.join(folder, 'secrets');
   fs.writeFileSync(secrets, `${'a secret'.repeat(5)}\n`);
   const guarded = await Daemon.start(['--secret-file', secrets]);
@@ -154,7 +130,7 @@ test('HEAD is GET without the body, on every route', async () => {
   }
 });
 
-test('HTTP/1.0: closed after the answer, unless it is to stay; nothing in chunks', async () => {
+test('HTTP/1.0: closes after the answer unless keep-alive is requested; sends no chunks', async () => {
   const raw = await Raw.open(daemon.port);
   raw.write('GET /healthz HTTP/1.0\r\n\r\n');
   const answer = await raw.answer();
@@ -170,13 +146,13 @@ test('HTTP/1.0: closed after the answer, unless it is to stay; nothing in chunks
   await stays.end();
 });
 
-test('the address may be absolute', async () => {
+test('accepts an absolute address', async () => {
   const answer = await ask(daemon.port, 'GET http://localhost/healthz?x=1 HTTP/1.1\r\nHost: elsewhere\r\n\r\n');
   assert.equal(answer.status, 200);
   assert.equal((await ask(daemon.port, 'GET HTTP://localhost HTTP/1.1\r\nHost: localhost\r\n\r\n')).status, 200);
 });
 
-test('a connection stays, and says when it will not', async () => {
+test('keeps a connection open, and announces when it will not', async () => {
   const raw = await Raw.open(daemon.port);
   raw.write('\r\n' + get());
   assert.equal((await raw.answer()).headers.connection, undefined);
@@ -186,7 +162,7 @@ test('a connection stays, and says when it will not', async () => {
   await raw.end();
 });
 
-test('slow requests end at a deadline, idle connections later', { timeout: 90000 }, async (t) => {
+test('ends slow requests at a deadline, and idle connections later', { timeout: 90000 }, async (t) => {
   const [silent, slowHead, slowBody, steady, idle] = await Promise.all(Array.from({ length: 5 }, () => Raw.open(daemon.port)));
   idle.write(get());
   await idle.answer();
@@ -213,7 +189,7 @@ test('slow requests end at a deadline, idle connections later', { timeout: 90000
   await Promise.all([silent, slowHead, slowBody, steady].map((raw) => raw.close()));
 });
 
-test('clients that reset, half-close, or stop in the middle cost nobody anything', async () => {
+test('clients that reset, half-close, or stop midway affect no others', async () => {
   const texts = [get(), post('Una frase. '.repeat(50)), 'GET / HT', 'POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nab', handshake()];
   for (let i = 0; i < 60; i++) {
     const raw = await Raw.open(daemon.port);

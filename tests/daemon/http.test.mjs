@@ -13,7 +13,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 
 const post = (query, body) => daemon.get(`/v1/speech?${query}`, { method: 'POST', body, headers: { 'content-type': 'text/plain' } });
 
-test('wav: sound that can be played', async () => {
+test('returns playable WAV', async () => {
   const response = await post('lang=it&format=wav', 'Buongiorno a tutti.');
   assert.equal(response.headers.get('content-type'), 'audio/wav');
   const wav = Buffer.from(await response.arrayBuffer());
@@ -24,7 +24,7 @@ test('wav: sound that can be played', async () => {
   assert.ok(samples.some((s) => Math.abs(s) > 3000));
 });
 
-test('sound that is coded for one keeps nobody waiting', async () => {
+test('encoding sound for one client does not delay others', async () => {
   const text = `Una frase ${'assai lunga e senza una virgola '.repeat(20)}.`;
   await (await post('lang=it', text)).arrayBuffer(); // now in the cache
   let coded = 0;
@@ -41,7 +41,7 @@ test('sound that is coded for one keeps nobody waiting', async () => {
   assert.deepEqual(sizes, sizes.map(() => sizes[0]));
 });
 
-test('wav is the default, json and fap fit it', async () => {
+test('returns WAV by default, with matching JSON and FAPs', async () => {
   const text = 'La mamma parla piano. Il papà ascolta.';
   const wav = Buffer.from(await (await post('lang=it', text)).arrayBuffer());
   const json = await (await post('lang=it&format=json', text)).json();
@@ -61,7 +61,7 @@ test('wav is the default, json and fap fit it', async () => {
   assert.equal(lines.filter(Boolean).length, 1 + 2 * Number(header.at(-1)));
 });
 
-test('speech begins before the last sentence is made', async () => {
+test('sends speech before the last sentence is generated', async () => {
   const request = http.request(`${daemon.url}/v1/speech?lang=it`, { method: 'POST', headers: { 'content-type': 'text/plain' } });
   request.end('Una frase come tante. '.repeat(4000));
   const [response] = await once(request, 'response');
@@ -72,7 +72,7 @@ test('speech begins before the last sentence is made', async () => {
   assert.equal((await daemon.get('/healthz')).status, 200);
 });
 
-test('what is asked for by HTTP counts as speech, too', async () => {
+test('counts HTTP requests as speech in the metrics', async () => {
   const seconds = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (.*)$/m)[1]);
   await daemon.left(2); // the aborted request is noticed
   const before = await seconds();
@@ -80,7 +80,7 @@ test('what is asked for by HTTP counts as speech, too', async () => {
   assert.ok(Math.abs((await seconds()) - before - duration) < 0.01);
 });
 
-test('many requests on one connection', async () => {
+test('serves many requests on one connection', async () => {
   const agent = new http.Agent({ keepAlive: true, maxSockets: 1 });
   for (let i = 0; i < 20; i++) {
     const request = http.request(`${daemon.url}/healthz`, { agent });
@@ -112,7 +112,7 @@ async function plain(address, headers) {
   return { status: response.statusCode, headers: response.headers, body: Buffer.concat(pieces) };
 }
 
-test('the model is compressed, has a hash, and is not sent twice', async () => {
+test('compresses and hashes the model, and does not send it twice', async () => {
   const { models } = await (await daemon.get('/v1/models')).json();
   const address = `/v1/models/${models[0].name}`;
   const full = await plain(address, {});
@@ -130,7 +130,7 @@ test('the model is compressed, has a hash, and is not sent twice', async () => {
   assert.match(fixed.headers['cache-control'], /immutable/);
 });
 
-test('the page and its script are served', async () => {
+test('serves the page and its script', async () => {
   const page = await daemon.get('/');
   assert.match(page.headers.get('content-type'), /text\/html/);
   const script = (await page.text()).match(/src="\.?\/?([^"]+\.m?js)"/)[1];
@@ -140,7 +140,7 @@ test('the page and its script are served', async () => {
   assert.equal(await head.text(), '');
 });
 
-test('all four languages and their voices speak', async () => {
+test('speaks in all four languages with all voices', async () => {
   const { voices } = await (await daemon.get('/v1/voices')).json();
   for (const [lang, text] of [['it', 'Ciao.'], ['pt-BR', 'Bom dia.'], ['tr', 'Merhaba.'], ['en', 'Hello.']]) {
     assert.ok(voices.some((v) => v.lang.toLowerCase().startsWith(lang.toLowerCase().slice(0, 2))), lang);

@@ -27,7 +27,7 @@ const within = (option, ...rest) => path.join(installed, options[option], ...res
 
 before(() => run('meson', ['install', '-C', ordinary, '--destdir', stage, '--no-rebuild', '--quiet']));
 
-test('everything lies where Debian expects it', () => {
+test('installs files where Debian expects them', () => {
   const files = [
     ...['facciad', 'faccia'].map((name) => within('bindir', name)),
     ...['faccia-align', 'faccia-reader', 'faccia-voice', 'plugins/espeak.so', 'plugins/command.so', 'plugins/festival.json', 'plugins/wyoming.py'].map((name) => within('libdir', 'faccia', name)),
@@ -81,9 +81,9 @@ async function lives(prefix) {
   assert.deepEqual([...new Set(opened.filter((file) => file.startsWith(`${root}/`) || file.startsWith(`${path.resolve(ordinary)}/`)))], []);
 }
 
-test('the staged tree serves its page and its head, and speaks, without the one that it was built in', () => lives(installed));
+test('the staged tree serves its page and its head, and speaks, without the build tree', () => lives(installed));
 
-test('so does one that was moved, and its faccia', async () => {
+test('a moved tree and its faccia work too', async () => {
   const moved = path.join(folder, 'somewhere else');
   fs.cpSync(installed, moved, { recursive: true });
   await lives(moved);
@@ -99,7 +99,7 @@ test('so does one that was moved, and its faccia', async () => {
 });
 
 const kokoro = fs.existsSync(path.join(ordinary, 'server/plugins/kokoro.so'));
-test('Kokoro has its weights beside it', { skip: kokoro ? false : 'Kokoro is not installed: sh server/run.sh --with kokoro' }, async () => {
+test('finds the weights of Kokoro next to it', { skip: kokoro ? false : 'Kokoro is not installed: sh server/run.sh --with kokoro' }, async () => {
   const beside = within('libdir', 'faccia/plugins/kokoro');
   assert.ok(fs.existsSync(path.join(beside, '.faccia-lock')));
   assert.ok(!fs.existsSync(path.join(beside, 'expo-sherpa-onnx')), 'headers are for the build');
@@ -114,7 +114,7 @@ const write = (name, text) => {
 const pkgConfig = (...args) => run('pkg-config', [`--define-variable=prefix=${installed}`, ...args, 'faccia-voice'], { env: { ...plain, PKG_CONFIG_PATH: within('libdir', 'pkgconfig') } }).trim();
 const cflags = () => pkgConfig('--cflags').split(' ').filter(Boolean);
 
-test('the header stands alone, in C11 and in C++17', () => {
+test('the header compiles alone, in C11 and in C++17', () => {
   const header = fs.readFileSync(within('includedir', 'faccia-voice.h'), 'utf8');
   assert.match(header, /^\/\* SPDX-License-Identifier: MIT \*\//);
   assert.deepEqual([...header.matchAll(/^#include (.*)$/gm)].map(([, name]) => name), ['<stddef.h>', '<stdint.h>']);
@@ -126,7 +126,7 @@ test('the header stands alone, in C11 and in C++17', () => {
   }
 });
 
-test('a voice is built outside of the tree with the installed header alone, and speaks', async () => {
+test('a voice built outside of the tree with only the installed header speaks', async () => {
   const example = path.join(folder, 'example.c');
   fs.copyFileSync(within('datadir', 'doc/faccia/plugins/example.c'), example);
   const plugins = pkgConfig('--variable=plugindir');
@@ -145,7 +145,7 @@ test('a voice is built outside of the tree with the installed header alone, and 
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('a voice of a newer interface is refused with both versions', () => {
+test('rejects a voice of a newer interface, naming both versions', () => {
   const newer = path.join(folder, 'newer');
   fs.mkdirSync(newer);
   const source = '#include <faccia-voice.h>\nconst struct faccia_voice faccia_voice = {FACCIA_VOICE_ABI + 1, sizeof(struct faccia_voice) + 8, "x", "1", "MIT", 0, 0, 0, 0, 0, 0};\n';
@@ -153,5 +153,5 @@ test('a voice of a newer interface is refused with both versions', () => {
   const { status, stderr } = spawnSync(within('bindir', 'faccia'), ['voices'], { encoding: 'utf8', env: { ...plain, FACCIA_PLUGINS: newer } });
   assert.notEqual(status, 0);
   const version = Number(fs.readFileSync(within('includedir', 'faccia-voice.h'), 'utf8').match(/#define FACCIA_VOICE_ABI (\d+)/)[1]);
-  assert.match(stderr, new RegExp(`version ${version + 1} of the voice interface, this program has version ${version}`));
+  assert.match(stderr, new RegExp(`version ${version + 1} of the voice interface; this program has version ${version}`));
 });

@@ -95,7 +95,7 @@ const italian = (text, ...more) => {
   return said;
 };
 
-test('rate and volume', options, () => {
+test('applies rate and volume', options, () => {
   const plain = italian('La mamma parla piano.');
   const slow = italian('La mamma parla piano.', '--rate', '100');
   assert.ok(slow.json.duration > 1.3 * plain.json.duration, `${slow.json.duration} ${plain.json.duration}`);
@@ -104,7 +104,7 @@ test('rate and volume', options, () => {
   assert.ok(Math.abs(loudest(soft) / loudest(plain) - 0.5) < 0.08, `${loudest(soft)} ${loudest(plain)}`);
 });
 
-test('breaks, marks, other languages and nothing to say', options, () => {
+test('reads breaks, marks and other languages, and accepts text without words', options, () => {
   const ssml = '<speak xml:lang="it">Prima <break time="700ms"/> poi <mark name="qui"/> dopo, <lang xml:lang="en">the weather</lang> fine.</speak>';
   const said = italian(ssml);
   assert.deepEqual(words(said), ['Prima', 'poi', 'dopo', 'the', 'weather', 'fine']);
@@ -116,14 +116,14 @@ test('breaks, marks, other languages and nothing to say', options, () => {
   for (const text of ['...', '!?', '« — »', '     ']) assert.ok([0, 1, 2].includes(say(['-l', 'it', '-v', 'kokoro:if_sara'], text).status), text);
 });
 
-test('numbers and what espeak-ng reads as several words', options, () => {
+test('reads numbers and other words that espeak-ng splits as one word', options, () => {
   const said = italian('Nel 1998 costava 1.250,50 €, cioè il 3% in più: scrivi a info@example.org.');
   checkOrder(said);
   assert.equal(words(said)[1], '1998');
   assert.ok(said.json.words[1].end - said.json.words[1].start > 0.8, 'all of the number belongs to it');
 });
 
-test('a long sentence goes through in pieces', options, () => {
+test('splits a long sentence into pieces', options, () => {
   const text = 'una parola dopo l’altra e ancora un’altra '.repeat(8);
   const said = italian(text);
   assert.equal(said.stderr, '');
@@ -149,7 +149,7 @@ test('a stop reaches the model, and the next sentence is spoken', options, async
 
 const built = { skip: fs.existsSync(plugin) ? false : options.skip };
 
-test('without the weights the daemon says what to do and serves', built, async (t) => {
+test('serves without the weights, and says how to install them', built, async (t) => {
   const config = path.join(folder, 'none.json');
   fs.writeFileSync(config, JSON.stringify({ kokoro: { data: '/nowhere' } }));
   const daemon = await Daemon.start(['--voice-config', config]);
@@ -160,7 +160,7 @@ test('without the weights the daemon says what to do and serves', built, async (
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('a mistake in the configuration is named', built, async (t) => {
+test('names a mistake in the configuration', built, async (t) => {
   const config = path.join(folder, 'wrong.json');
   fs.writeFileSync(config, JSON.stringify({ kokoro: { threads: 0 } }));
   const daemon = await Daemon.start(['--voice-config', config]);

@@ -21,7 +21,7 @@ after(async () => {
 });
 const faccia = (args) => spawnSync(path.join(build, 'server/cli/faccia'), args, { maxBuffer: 1 << 28 });
 
-test('there is a sample for each of its languages', async () => {
+test('each of its languages has a sample', async () => {
   const { voices } = await (await daemon.get('/v1/voices')).json();
   const plain = voices.filter((v) => v.plugin === 'espeak' && !v.id.includes('+')).map((v) => v.id.replace('espeak:', ''));
   assert.ok(plain.length > 120, `${plain.length} voices`);
@@ -30,7 +30,7 @@ test('there is a sample for each of its languages', async () => {
 });
 
 for (const [id, text] of Object.entries(samples))
-  test(`${id}: speaks, and every phone has lips`, async () => {
+  test(`${id}: speaks, and every phone has a viseme`, async () => {
     const response = await daemon.get(`/v1/speech?format=json&voice=espeak:${id}`, {
       method: 'POST', body: `${text} 1 2 3 10 21 100`, headers: { 'content-type': 'text/plain' },
     });
@@ -103,7 +103,7 @@ test('openness follows height: French /y ø œ/ and /i e a/', () => {
   assert.ok(gap(rounded[0]) < gap(rounded[1]) && gap(rounded[1]) < gap(rounded[2]), rounded.map(gap).join(' '));
 });
 
-test('names that are not IPA are made so: dots of retroflexes, numbers of tones, letters of X-SAMPA', async () => {
+test('converts names to IPA: dots of retroflexes, numbers of tones, letters of X-SAMPA', async () => {
   for (const [id, text, spoken] of [
     ['cmn-latn-pinyin', '水', /^ʂ w ei$/], ['cmn-latn-pinyin', '很', /^χ ə n$/], ['yue', '三', /^s aa m$/], ['ky', 'чай', /^tʃ ɑ j$/],
   ]) {
@@ -113,7 +113,7 @@ test('names that are not IPA are made so: dots of retroflexes, numbers of tones,
   }
 });
 
-test('a language without a pack can be asked for', async () => {
+test('speaks a language without a pack on request', async () => {
   const stream = await daemon.stream();
   const { languages, more_languages: more } = await stream.wait({ type: 'hello' });
   assert.ok(!languages.some(({ tag }) => tag === 'und'));
@@ -133,7 +133,7 @@ test('a language without a pack can be asked for', async () => {
   await stream.close();
 });
 
-test('the usual language may be one without a pack', async () => {
+test('accepts a language without a pack as the default', async () => {
   const french = await Daemon.start(['--lang', 'fr']);
   const response = await french.get('/v1/speech?format=json', { method: 'POST', body: 'Une pomme.', headers: { 'content-type': 'text/plain' } });
   const { lang, warnings } = await response.json();
@@ -142,7 +142,7 @@ test('the usual language may be one without a pack', async () => {
   assert.deepEqual(warnings, []);
 });
 
-test('languages that follow each other in one text keep their lips', async () => {
+test('languages that alternate in one text keep their own lip shapes', async () => {
   const body = '<speak xml:lang="it">Buongiorno. <lang xml:lang="fr">La rue, le feu, un bruit.</lang> <lang xml:lang="de">Schöne Mädchen.</lang></speak>';
   const response = await daemon.get('/v1/speech?format=json', { method: 'POST', body, headers: { 'content-type': 'application/ssml+xml' } });
   const { phones, warnings } = await response.json();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a lexicon holds: a request, a work and its library, a room, the daemon; who comes first; and what readers report.
+// Scopes of lexicons: a request, a work and its library, a room, the daemon; their precedence; and readers' reports.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -42,10 +42,10 @@ const speech = async (body, headers = editor) => {
   return response.json();
 };
 const ipa = (answer) => (answer.phones ?? []).map((phone) => phone.ipa).join('');
-/** What is heard is the same as these words would be. */
+/** Checks that both sound the same. */
 const heardAs = async (asked, words) => assert.equal(ipa(await speech(asked)), ipa(await speech({ text: words })), JSON.stringify(asked).slice(0, 200));
 
-test('a work has its lexicon, then that of the library, then that of the daemon; a request comes before all', async () => {
+test('applies lexicons in order: request, work, library, daemon', async () => {
   await eventually(async () => ipa(await speech({ passage: 'mare:1' })) === ipa(await speech({ text: 'Opera, opera, libreria, daemon, daemon.' })), 'the lexicons of the library');
   await heardAs({ passage: 'luna:1' }, 'Libreria, libreria, libreria.');
   await heardAs({ text: 'Uno, due, tre.' }, 'Daemon, daemon, daemon.');
@@ -56,7 +56,7 @@ test('a work has its lexicon, then that of the library, then that of the daemon;
   assert.equal(ipa(await speech({ ...own, lexicon: pls({ uno: 'barca', zie: 'barca', sei: 'barca', pane: 'barca' }) })), ipa(await speech(own)));
 });
 
-test('a lexicon in a request comes in the query and over the stream, too, and is bounded', async () => {
+test('accepts a lexicon in the query and over the stream, within a limit', async () => {
   const lexicon = pls({ gatto: 'micio' });
   const byQuery = await (await daemon.get(`/v1/speech?${new URLSearchParams({ format: 'json', lang: 'it', text: 'Ecco il gatto.', lexicon })}`, { headers: editor })).json();
   assert.equal(ipa(byQuery), ipa(await speech({ text: 'Ecco il micio.' })));
@@ -65,7 +65,7 @@ test('a lexicon in a request comes in the query and over the stream, too, and is
   assert.deepEqual([long.code, long.field], ['bad-field', 'lexicon']);
 });
 
-test('what is wrong with a lexicon in a request is told with line and column', async () => {
+test('reports an error in a request\'s lexicon with line and column', async () => {
   const broken = await speech({ text: 'Gatto.', lexicon: '<lexicon xml:lang="it">\n  <lexeme>' });
   assert.deepEqual([broken.type, broken.code, broken.line], ['error', 'bad-lexicon', 2]);
   assert.ok(broken.column >= 1);
@@ -75,10 +75,10 @@ test('what is wrong with a lexicon in a request is told with line and column', a
   const faulty = await speech({ text: 'Ecco il gatto.', lexicon: pls({ gatto: 'micio' }).replace('</lexicon>', '<lexeme><grapheme>x</grapheme></lexeme></lexicon>') });
   assert.equal(ipa(faulty), ipa(await speech({ text: 'Ecco il micio.' })));
   assert.equal(faulty.warnings.length, 1);
-  assert.match(faulty.warnings[0].message, /4:\d+: .*left out/);
+  assert.match(faulty.warnings[0].message, /4:\d+: .*ignored/);
 });
 
-test('a spelling of several words is found though a mark stands before each, and the marks stay in order', async () => {
+test('finds a spelling of several words with a mark before each, and keeps the marks in order', async () => {
   const text = '<speak xml:lang="it"><mark name="a"/>Vedo <mark name="b"/>New <mark name="c"/>York <mark name="d"/>ora.</speak>';
   const answer = await speech({ text, markup: 'ssml', lexicon: pls({ 'New York': 'Nuova Torre' }) });
   assert.equal(ipa(answer), ipa(await speech({ text: 'Vedo Nuova Torre ora.' })));
@@ -88,7 +88,7 @@ test('a spelling of several words is found though a mark stands before each, and
   assert.ok(Math.abs(times[3] - answer.words.find(({ text: word }) => word === 'ora').start) < 0.05, JSON.stringify([times, answer.words]));
 });
 
-test('an emoji that a lexicon has is said, the others are left out as before', async () => {
+test('speaks an emoji that a lexicon contains, and omits the others', async () => {
   const lexicon = pls({ '😀': 'sorriso' });
   await heardAs({ text: 'Ciao 😀 mamma 🎉.', lexicon }, 'Ciao sorriso mamma.');
   const file = path.join(folder, 'emoji.pls');
@@ -101,7 +101,7 @@ const command = async (room, message, headers = editor) => {
   return { status: response.status, ...(await response.json()) };
 };
 
-test('a room has its lexicon, for all that is spoken there from then on, and those who come later are told', async () => {
+test('a lexicon set in a room applies to all later speech there, and is sent to late joiners', async () => {
   const query = `?room=sala&lang=it&token=${editor.authorization.slice(7)}`;
   const listener = await daemon.stream(query);
   await listener.wait({ type: 'joined' });
@@ -138,7 +138,7 @@ test('a room has its lexicon, for all that is spoken there from then on, and tho
 
 const file = (method, name, body, headers = {}) => daemon.get(`/v1/library/files/${name}`, { method, body, headers: { ...editor, ...headers } });
 
-test('an editor saves the lexicon of a work, which is heard at once; a faulty one is refused with its place', async () => {
+test('an editor saves the lexicon of a work, which applies at once; a faulty one is rejected with its position', async () => {
   const saved = await file('PUT', 'luna.pls', pls({ uno: 'corretto' }));
   assert.equal(saved.status, 201);
   await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Corretto, libreria, libreria.' })), 'the corrected word', 20000);
@@ -148,7 +148,7 @@ test('an editor saves the lexicon of a work, which is heard at once; a faulty on
   await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Libreria, libreria, libreria.' })), 'the lexicon to be gone', 20000);
 });
 
-test('a work is exported as it is read aloud', () => {
+test('exports a work as it is read aloud', () => {
   const out = path.join(folder, 'mare.TextGrid');
   const phones = (from) => {
     const { status, stderr } = faccia(['library', 'export', from, 'mare', '--textgrid', out]);
@@ -190,7 +190,7 @@ test('readers report misread words, which an editor sees and dismisses', async (
   assert.equal((await daemon.get(`/v1/library/reports/${first.name}`, { method: 'PUT', body: '{}', headers: editor })).status, 405);
 });
 
-test('a report is checked, and a reader may send only some of them in a minute', async () => {
+test('validates reports, and limits a reader\'s reports per minute', async () => {
   for (const [body, code, field] of [
     ['{', 'bad-json'], [{ lang: 'it' }, 'missing-field', 'word'], [{ word: 'x' }, 'missing-field', 'lang'], [{ word: 'x'.repeat(201), lang: 'it' }, 'bad-field', 'word'],
     [{ word: 'x', lang: '!!' }, 'bad-field', 'lang'], [{ word: 'x', lang: 'it', note: 3 }, 'bad-field', 'note'], [{ word: 'a\0b', lang: 'it' }, 'bad-json'],
@@ -204,7 +204,7 @@ test('a report is checked, and a reader may send only some of them in a minute',
   assert.ok(answers.filter((status) => status === 201).length <= 20, answers.join());
 });
 
-test('where the operator allows it, a report needs no token, and a wrong token is still refused', async () => {
+test('where the operator allows it, a report needs no token, but a wrong token is still refused', async () => {
   const open = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index2'), '--reports', reports, '--open-reports', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
   const send = (headers) => open.get('/v1/library/reports', { method: 'POST', body: '{"word":"aperto","lang":"it"}', headers });
   assert.equal((await send({})).status, 201);

@@ -66,7 +66,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('what a page costs grows with the text, whatever grows in it', async () => {
+test('the cost of a page grows linearly with the text', async () => {
   for (const name of Object.keys(shapes))
     for (const address of ['/library/%/1', '/v1/library/works/%/sections/1', '/v1/library/search?q=amo&work=%&limit=100']) {
       if (name === 'crossed' && address.includes('search')) continue;
@@ -81,7 +81,7 @@ test('marks of a page nest, line by line', async () => {
   assert.match(await (await get('/library/scena/1')).text(), /Vieni <span class="stage">\(piano\)<\/span> <em>qui<\/em>\./);
 });
 
-test('braces in a name leave no field of BibTeX open', async () => {
+test('balances braces in a name in BibTeX', async () => {
   const bib = await (await get('/library/tesi.bib')).text();
   assert.match(bib, /title = \{\{Insiemi \{\\textbraceleft\} aperti e \{\\textbackslash\}chiusi\}\}/);
   let depth = 0; // BibTeX counts escaped braces, too
@@ -92,15 +92,15 @@ test('braces in a name leave no field of BibTeX open', async () => {
   assert.equal(depth, 1, bib);
 });
 
-test('a file whose reading has no end is told, and those behind it are read', async () => {
+test('reports a file that takes too long to read, and reads the following ones', async () => {
   const all = await list();
   const told = all.problems.find(({ file }) => file === 'zz.md');
   // on a busy machine the limit by the clock may come first
-  assert.match(told?.message ?? 'nothing', /its reading took more than \d+ s( of processor time)?, (in its first section|after section 1)/);
+  assert.match(told?.message ?? 'nothing', /the process that reads it took more than \d+ s( of processor time)?, (in its first section|after section 1)/);
   assert.ok(all.works.some(({ id }) => id === 'zzz'));
 });
 
-test('what four clients save and leave holds up nobody, and ends with them', async () => {
+test('saves abandoned by four clients delay no one, and are cleaned up', async () => {
   const leaving = new AbortController();
   const saving = [1, 2, 3, 4].map((i) => fetch(`${daemon.url}/v1/library/files/b${i}.md`, { method: 'PUT', body: hostile.repeat(500000), signal: leaving.signal }));
   const left = Promise.allSettled(saving);
@@ -113,7 +113,7 @@ test('what four clients save and leave holds up nobody, and ends with them', asy
   assert.deepEqual(fs.readdirSync(works).filter((name) => name.startsWith('b')).filter((name) => name.endsWith('.md')), []);
 });
 
-test('a damaged index is begun anew while the daemon runs, and told once', async () => {
+test('rebuilds a damaged index while the daemon runs, and reports it once', async () => {
   for (const name of [index, `${index}-wal`]) { // the log has what is not yet in the file
     const file = fs.openSync(name, 'r+');
     const { size } = fs.fstatSync(file);
@@ -121,14 +121,14 @@ test('a damaged index is begun anew while the daemon runs, and told once', async
     fs.closeSync(file);
   }
   fs.unlinkSync(path.join(works, 'zz.md'));
-  await eventually(async () => { await (await get('/v1/library/search?q=peggio')).text(); return /is damaged or of another version; it is begun anew/.test(daemon.log); }, 'a line in the log', 30000);
+  await eventually(async () => { await (await get('/v1/library/search?q=peggio')).text(); return /is damaged or of another version; rebuilding it/.test(daemon.log); }, 'a line in the log', 30000);
   await ready('the new index');
   const { results } = await (await get('/v1/library/search?q=peggio')).json();
   assert.deepEqual(results.map(({ work }) => work.id), ['zzz']);
-  assert.equal(daemon.log.match(/it is begun anew/g).length, 1);
+  assert.equal(daemon.log.match(/rebuilding it/g).length, 1);
 });
 
-test('SIGTERM is heeded while a file is being read', async () => {
+test('obeys SIGTERM while reading a file', async () => {
   put('again.md', hostile.repeat(500000));
   await eventually(() => readers().length, 'the reading', 30000);
   const started = Date.now();

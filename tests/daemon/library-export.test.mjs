@@ -70,7 +70,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('a book: words with ids, each heard in its time, without a gap; verse as verse; epubcheck finds nothing', () => {
+test('a book: timed words with ids and no gap; verse as verse; epubcheck reports nothing', () => {
   written('segni', '--epub', file('segni.epub'));
   written('mare', '--epub', file('mare.epub'), '--sentences');
   written('o-farol', '--epub', file('farol.epub'), '--silent');
@@ -101,7 +101,7 @@ test('a book: words with ids, each heard in its time, without a gap; verse as ve
   assert.ok(!/[<>]/.test(clock.text));
 });
 
-test('a book is a work again: the library reads what it wrote (speakers and stage directions are paragraphs there)', () => {
+test('reimports an exported book: speakers and stage directions become paragraphs', () => {
   const again = path.join(folder, 'again');
   fs.mkdirSync(again);
   fs.copyFileSync(file('mare.epub'), path.join(again, 'mare.epub'));
@@ -118,7 +118,7 @@ test('book and captions give words the same times', () => {
   assert.ok(spoken.length > 6);
 });
 
-test('the recording beside the work is heard in its place', () => {
+test('uses the recording next to the work', () => {
   written('detto', '--voice', 'recording', '--epub', file('recorded.epub'), '--wav', file('recorded.wav'));
   const [{ clips, marked }] = book('recorded.epub').sections;
   assert.deepEqual(clips.map(([id]) => marked[id]), ['La', 'luna', 'sale', 'sul', 'monte', 'Il', 'gatto', 'dorme', 'vicino', 'al', 'fuoco']);
@@ -129,7 +129,7 @@ test('the recording beside the work is heard in its place', () => {
   assert.ok(!fs.existsSync(file('none.epub')));
 });
 
-test('captions, TextGrid and face of a whole work go together', () => {
+test('exports captions, TextGrid and face of a whole work together', () => {
   written('mare', '--vtt', file('mare.vtt'), '--textgrid', file('mare.TextGrid'), '--fap', file('mare.fap'), '--wav', file('mare.wav'));
   const seconds = (fs.statSync(file('mare.wav')).size - 44) / 2 / 22050;
   const vtt = fs.readFileSync(file('mare.vtt'), 'utf8');
@@ -155,12 +155,12 @@ test('captions, TextGrid and face of a whole work go together', () => {
   assert.equal(Number(fap.match(/^2\.1 faccia 25 (\d+)\n/)[1]), Math.ceil(seconds * 25 - 1e-9));
 });
 
-test('what cannot be written down is said', () => {
+test('reports a failed export', () => {
   for (const [status, said, ...args] of [
     [2, /a folder and a work/, works],
-    [2, /say what is to be written/, works, 'mare'],
-    [2, /say what is to be written/, '--silent', '--vtt', file('x.vtt'), works, 'mare'],
-    [1, /no work 'nothing'/, '--epub', file('x.epub'), works, 'nothing'],
+    [2, /name an output/, works, 'mare'],
+    [2, /name an output/, '--silent', '--vtt', file('x.vtt'), works, 'mare'],
+    [1, /unknown work 'nothing'/, '--epub', file('x.epub'), works, 'nothing'],
     [1, /no voice "nobody"/, '--voice', 'nobody', '--epub', file('x.epub'), works, 'mare'],
     [1, /x\.epub/, '--silent', '--epub', path.join(folder, 'no/where/x.epub'), works, 'mare'],
   ]) {
@@ -171,7 +171,7 @@ test('what cannot be written down is said', () => {
   assert.deepEqual(fs.readdirSync(made).filter((name) => name.startsWith('x')), []);
 });
 
-test('feed, sitemap, citations and descriptions, as others read them', async () => {
+test('serves feed, sitemap, citations and descriptions in their standard forms', async () => {
   daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index')]);
   const get = async (address, type) => {
     const response = await daemon.get(address);

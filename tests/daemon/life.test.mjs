@@ -13,7 +13,7 @@ const env = { ...process.env, FACCIA_MODELS: path.join(build, 'models'), FACCIA_
 const life = (...args) => spawnSync(path.join(build, 'server/cli/faccia'), ['life', ...args], { env, encoding: 'utf8' });
 const figure = (run, name) => Number(run.stdout.match(new RegExp(`^${name} +([\\d.]+)`, 'm'))[1]);
 
-test('idling is measured and written, the same for the same seed', () => {
+test('measures and writes idling, the same for the same seed', () => {
   const dir = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const file = path.join(dir, 'idle.fap');
   const run = life('--seconds', '120', '--seed', '4', '--fap', file);
@@ -30,7 +30,7 @@ test('idling is measured and written, the same for the same seed', () => {
   fs.rmSync(dir, { recursive: true });
 });
 
-test('a question tilts the head, and only a question', () => {
+test('a question tilts the head, and nothing else does', () => {
   const rolls = (text) => parseFap(life('-l', 'it', '--fap', '-', text).stdout).frames.map((f) => f[50] / 1745);
   const told = rolls('Vieni anche tu domani.');
   const apart = (other) => Math.max(...told.map((roll, i) => Math.abs(roll - (other[i] ?? roll))));
@@ -38,13 +38,13 @@ test('a question tilts the head, and only a question', () => {
   assert.ok(apart(rolls('Vieni anche tu domani.')) < 0.2);
 });
 
-test('without strength nothing moves', () => {
+test('nothing moves at strength 0', () => {
   const run = life('--seconds', '10', '--strength', '0', '--fap', '-');
   assert.ok(parseFap(run.stdout).frames.every((f) => Object.values(f).every((v) => !v)));
   assert.match(run.stderr, /blinks\/minute +0\.0/);
 });
 
-test('wrong usage is told', () => {
+test('reports wrong usage', () => {
   for (const args of [['--seconds', '0'], ['--strength', '3'], ['--fps', 'x'], ['--seed', '-1'], ['--lang', 'xx', 'ciao'], ['--what'], ['-f', '/dev/null', 'ciao']]) {
     const run = life(...args);
     assert.equal(run.status, 2, args.join(' '));

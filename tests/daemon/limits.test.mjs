@@ -54,7 +54,7 @@ async function attempts(trick, at = daemon) {
   return Object.fromEntries(warnings.map((w) => w.message.split(': ')));
 }
 
-test('killed while it speaks', () =>
+test('a worker killed while speaking costs its sentence', () =>
   suffer('hang', 'voice-crashed', /^the voice puppet was killed by signal 9$/, {
     meanwhile: async () => {
       const [, pid] = await daemon.logged(/puppet (\d+) hangs/);
@@ -62,27 +62,27 @@ test('killed while it speaks', () =>
     },
   }));
 
-test('hung: nothing comes for the time that the sentence has', () =>
+test('a hung voice is given up after the sentence\'s time limit', () =>
   suffer('hang', 'voice-timeout', /^the voice puppet took too long$/));
 
-test('out of memory', { skip: sanitized && 'the sanitizer takes more than any limit' }, () =>
+test('a worker out of memory costs its sentence', { skip: sanitized && 'the sanitizer takes more than any limit' }, () =>
   suffer('hog', 'voice-crashed', /^the voice puppet was killed by signal 6$/));
 
-test('out of processor time', async () => {
+test('a worker out of processor time costs its sentence', async () => {
   const at = await start('--deadline-base', '100', '--worker-processor', '0.01'); // 1 s
   await suffer('spin', 'voice-crashed', /^the voice puppet took too much processor time$/, { at });
   assert.deepEqual(await at.stop(), { code: 0, signal: null });
 });
 
 // A long text may need that much sound, so the error does not blame the voice.
-test('flood: more sound than a sentence can hold', () => suffer('flood', 'text-too-long', /exceeds the maximum duration/));
+test('limits the sound of a sentence', () => suffer('flood', 'text-too-long', /exceeds the maximum duration/));
 
-test('chatter: more than a sentence can hold', () => suffer('chatter', 'voice-failed', /^the voice puppet reported more/));
+test('limits the events of a sentence', () => suffer('chatter', 'voice-failed', /^the voice puppet reported more/));
 
-test('garbage on the socket', () => suffer('garbage', 'voice-crashed', /sent garbage/));
+test('ends a worker that sends garbage on its socket', () => suffer('garbage', 'voice-crashed', /sent garbage/));
 
 for (const trick of ['backwards', 'beyond'])
-  test(`times that are ${trick} are mended, with a warning`, async () => {
+  test(`repairs times that are ${trick}, with a warning`, async () => {
     const said = await speak(trick);
     let at = 0;
     for (const { start, end } of said.phones) {
@@ -99,19 +99,19 @@ for (const trick of ['backwards', 'beyond'])
     assert.match(said.warnings.map((w) => w.message).join('\n'), trick === 'beyond' ? /after the end of the audio/ : /before the previous one/);
   });
 
-test('the network is refused to a plugin that has not asked for it', { skip: !confined && 'built without libseccomp' }, async () => {
+test('denies network access to a plugin that did not request it', { skip: !confined && 'built without libseccomp' }, async () => {
   const refused = 'Operation not permitted';
   assert.deepEqual(await attempts('dial'), { inet: refused, inet6: refused, packets: refused, netlink: refused, connect: refused });
 });
 
-test('so are programs, and signals to the daemon; threads are not', { skip: !confined && 'built without libseccomp' }, async () => {
+test('denies it programs and signals to the daemon, but allows threads', { skip: !confined && 'built without libseccomp' }, async () => {
   const refused = 'Operation not permitted';
   assert.deepEqual(await attempts('launch'), { spawn: refused, exec: refused, signal: refused, unshare: refused, thread: 'done' });
 });
 
-test('that there is no sandbox is logged', () => assert.equal(/puppet runs without a sandbox/.test(daemon.log), !confined));
+test('logs a missing sandbox', () => assert.equal(/puppet runs without a sandbox/.test(daemon.log), !confined));
 
-test('the operator may do without', async () => {
+test('--sandbox off allows plugins network access', async () => {
   const open = await start('--sandbox', 'off');
   assert.equal((await attempts('dial', open)).inet, 'done');
   assert.deepEqual(await open.stop(), { code: 0, signal: null });

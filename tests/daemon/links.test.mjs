@@ -15,7 +15,7 @@ const gestures = path.join(folder, 'gestures');
 fs.mkdirSync(media);
 fs.mkdirSync(gestures);
 
-test('recordings: files and their sound below the folder only', async () => {
+test('recordings: serves files and their sound below the folder only', async () => {
   const program = path.join(build, 'server/cli/faccia');
   const made = spawnSync(program, ['say', '--lang', 'it', '--fap', path.join(media, 'own.fap'), '--wav', path.join(folder, 'other.wav'), 'Ciao.'], { encoding: 'utf8' });
   assert.equal(made.status, 0, made.stderr);
@@ -35,10 +35,10 @@ test('recordings: files and their sound below the folder only', async () => {
   assert.equal((await daemon.stop()).code, 0, daemon.log);
 });
 
-test('gestures: a link out of the folder is told of, and ends the start', () => {
+test('gestures: reports a link out of the folder, and refuses to start', () => {
   fs.writeFileSync(path.join(folder, 'nod.json'), '{}');
   fs.symlinkSync('../nod.json', path.join(gestures, 'nod.json'));
   const started = spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', '--gestures', gestures], { encoding: 'utf8', timeout: 60000 });
   assert.notEqual(started.status, 0);
-  assert.match(started.stderr, /nod\.json: leads out of the folder of gestures/);
+  assert.match(started.stderr, /nod\.json: leads outside the folder of gestures/);
 });

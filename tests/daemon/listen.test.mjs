@@ -74,7 +74,7 @@ const all = ['127.0.0.1', '10.77.0.1', '[::1]', '[fd77::1]'];
 // link-local addresses vary
 const plain = (addresses) => addresses.map((address) => (/fe80/.test(address) ? 'link' : address)).sort();
 for (const [name, options, bound, reached] of cases)
-  test(`--host ${name}: exactly that`, { skip: refused }, () =>
+  test(`--host ${name}: listens on exactly these addresses`, { skip: refused }, () =>
     listens(options, ({ said, port }) => {
       assert.deepEqual(plain(listed(port)), [...bound].sort(), 'what the kernel lists');
       assert.deepEqual(plain(said), [...bound].sort(), 'what is said');
@@ -82,7 +82,7 @@ for (const [name, options, bound, reached] of cases)
       assert.deepEqual(all.slice(1).filter((host) => host !== '[::1]' && reaches(there, host, port)), reached.there, 'from another one');
     }));
 
-test('others are let in only when that is said, and with tokens', { skip: refused }, () => {
+test('remote clients need --remote and tokens', { skip: refused }, () => {
   for (const host of ['10.77.0.1', 'fd77::1', 'face0', '0.0.0.0', '::', '*', 'nowhere.invalid']) {
     const { status, stderr } = within(here, facciad, '--port', '0', '--host', host);
     assert.deepEqual([status, /--remote/.test(stderr)], [1, true], stderr);
@@ -114,7 +114,7 @@ const passed = async (kind, address, options = [], env = {}) => {
   return { child, ended, log: () => log };
 };
 
-test('a socket that is passed obeys the same rule', async () => {
+test('a passed socket obeys the same rule', async () => {
   for (const [kind, address] of [['AF_INET', '0.0.0.0'], ['AF_INET6', '::']]) {
     const shut = await passed(kind, address);
     assert.deepEqual(await shut.ended, [1, null]);
@@ -132,7 +132,7 @@ test('a socket that is passed obeys the same rule', async () => {
   assert.match(silent.log(), /no socket that listens/);
 });
 
-test('a unix socket that is passed is of this machine', async () => {
+test('treats a passed unix socket as local', async () => {
   const where = path.join(folder, 'socket');
   const { child, ended, log } = await passed('AF_UNIX', where);
   assert.match(log(), /listening on unix:.*socket/);

@@ -81,7 +81,7 @@ patient('the same seed gives the same idle face, another one another', async () 
   assert.notDeepEqual(one, other);
 });
 
-test('life 0 and still keep her from moving', async () => {
+test('life 0 and still keep the head from moving', async () => {
   for (const [query, life] of [['', 0], ['?still=1', 1]]) {
     const stream = await daemon.stream(query);
     stream.send({ type: 'idle', life });
@@ -125,7 +125,7 @@ patient('from idling to speech and back nothing jumps', async () => {
   assert.ok(back.start / 8000 >= begin.idle + end.duration - 0.01);
 });
 
-test('an utterance with a seed of its own is the same whatever was before', async () => {
+test('an utterance with its own seed does not depend on earlier ones', async () => {
   // Compares lids and head. They are only nearly equal: the voice's output varies by some samples, and the head follows it.
   const alive = [...HEAD, 19, 20, 21, 22];
   const face = (chunks) => framesOf(chunks, 1).map(({ values }) => alive.map((n) => values[n]));
@@ -141,7 +141,7 @@ test('an utterance with a seed of its own is the same whatever was before', asyn
   assert.ok(difference(same, other) > 3 * difference(same, face(chunks)), `${difference(same, other)}, ${difference(same, face(chunks))}`);
 });
 
-test('the mood is on the face while she idles and while she speaks, and comes and goes smoothly', async () => {
+test('the mood shows while idle and while speaking, and fades in and out', async () => {
   const { frames, begin } = await listened({}, (stream, part) => {
     if (part === 'idle') stream.send({ type: 'express', mix: [{ name: 'joy', intensity: 1 }], ease: 0.4 });
     if (part === 'speech') stream.send({ type: 'express', mix: [{ name: 'sadness', intensity: 1 }], ease: 0.4 });
@@ -212,7 +212,7 @@ patient('after a stop she idles at once', async () => {
   await stream.close();
 });
 
-test('queued utterances follow each other on one life clock', async () => {
+test('queued utterances share one life clock', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', seed: 4 });
   await idled(stream, 1);
@@ -224,7 +224,7 @@ test('queued utterances follow each other on one life clock', async () => {
   await stream.close();
 });
 
-test('what is wrong in idle and express is told with its field, and changes nothing', async () => {
+test('reports invalid members of idle and express with their field, and changes nothing', async () => {
   const stream = await daemon.stream();
   const joy = { name: 'joy', intensity: 0.5 };
   const wrong = [
@@ -255,7 +255,7 @@ test('what is wrong in idle and express is told with its field, and changes noth
   await stream.close();
 });
 
-test('a thousand changes of mood and of idling leave the stream as it was', async () => {
+test('speaks after a thousand changes of mood and idling', async () => {
   const stream = await daemon.stream();
   for (let i = 0; i < 1000; i++) {
     stream.send({ type: 'express', mix: [{ name: i % 2 ? 'anger' : 'joy', intensity: (i % 10) / 10 }], ease: (i % 7) / 7 });
@@ -267,7 +267,7 @@ test('a thousand changes of mood and of idling leave the stream as it was', asyn
   await stream.close();
 });
 
-test('all expressions are listed, the affects in hello', async () => {
+test('lists all expressions, and the affects in hello', async () => {
   const stream = await daemon.stream();
   const hello = await stream.wait({ type: 'hello' });
   const { expressions } = await (await daemon.get('/v1/expressions')).json();
@@ -284,7 +284,7 @@ test('all expressions are listed, the affects in hello', async () => {
   await stream.close();
 });
 
-test('warnings of markup are events with line and column; begin says what the text is', async () => {
+test('sends markup warnings as events with line and column; begin names the markup', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'a', lang: 'it', text: '<apml>\n<performative type="greet"><rheme affect="joy">Ciao</rheme>\n  <foo/></performative></apml>' });
   await stream.wait({ type: 'end', id: 'a', reason: 'done' });
@@ -303,7 +303,7 @@ test('warnings of markup are events with line and column; begin says what the te
 
 const widest = ({ chunks }, fap) => Math.max(...framesOf(chunks, 1).map(({ values }) => Math.abs(values[fap])));
 
-test('an affect in markup is seen, neither still nor without life spoils or shows it', async () => {
+test('shows an affect of markup with life 0, and hides it when still', async () => {
   const speak = async (options) => {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', lang: 'it', seed: 1, text: '<apml><performative><rheme affect="surprise">Che cosa vedo</rheme></performative></apml>', ...options });
@@ -317,7 +317,7 @@ test('an affect in markup is seen, neither still nor without life spoils or show
   assert.equal(widest(await speak({ still: true }), BROW), 0);
 });
 
-test('the markup of an HTTP request is told by its type, or found', async () => {
+test('takes the markup of an HTTP request from its type, or detects it', async () => {
   const ssml = '<speak>Uno <mark name="m"/>due</speak>';
   const post = async (type, query = '', body = ssml) =>
     daemon.get(`/v1/speech?lang=it&format=json${query}`, { method: 'POST', body: Buffer.from(body), headers: type ? { 'content-type': type } : {} });

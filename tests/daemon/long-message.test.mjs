@@ -11,7 +11,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 // parsing takes a fraction of a second
 const long = (more) => JSON.stringify({ type: 'ping', ...more, much: Array.from({ length: 300000 }, (_, i) => i % 1000) });
 
-test('others are served while a long message is read', async () => {
+test('serves others while it reads a long message', async () => {
   const [talker, other] = await Promise.all([daemon.stream(), daemon.stream()]);
   const text = long({ id: 'long' });
   talker.socket.send(text.slice(0, -1), { fin: false });
@@ -35,7 +35,7 @@ test('others are served while a long message is read', async () => {
   assert.ok(-served > 4, `${-served} were served`);
 });
 
-test('what follows a long message is acted on after it, in its order', async () => {
+test('executes commands after a long message in order', async () => {
   const stream = await daemon.stream();
   const bad = '{"type":"ping","much":[' + '1,'.repeat(50000) + '}';
   stream.socket._socket.cork();
@@ -52,7 +52,7 @@ test('what follows a long message is acted on after it, in its order', async () 
   assert.equal(stream.messages.find((m) => m.code === 'bad-json').byte, bad.length - 1);
 });
 
-test('a close behind a long message is answered after it; a client may go meanwhile', async () => {
+test('answers a close behind a long message afterwards; a client may disconnect meanwhile', async () => {
   const [closes, goes] = await Promise.all([daemon.stream(), daemon.stream()]);
   goes.send(long({ id: 1 }));
   closes.send(long({ id: 1 }));
@@ -64,7 +64,7 @@ test('a close behind a long message is answered after it; a client may go meanwh
   assert.equal((await daemon.get('/healthz')).status, 200);
 });
 
-test('a daemon stops while a long message is read', async () => {
+test('stops while it reads a long message', async () => {
   const own = await Daemon.start(['--max-message', '20000000']);
   const stream = await own.stream();
   stream.send(long({ id: 1 }));
@@ -72,7 +72,7 @@ test('a daemon stops while a long message is read', async () => {
   assert.deepEqual(await own.stop(), { code: 0, signal: null });
 });
 
-test('a long text is spoken as a short one is', async () => {
+test('speaks a long text like a short one', async () => {
   const stream = await daemon.stream('?lang=it');
   stream.send({ type: 'speak', id: 'long', text: 'La mamma parla. '.repeat(5000) });
   stream.send({ type: 'stop' });

@@ -54,7 +54,7 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('what the assistant does is shown', async () => {
+test('shows the state of the assistant', async () => {
   for (const [event, data, state, text] of [
     ['wake_word_detected', undefined, 'listening'], ['listening', undefined, 'listening'], ['stt_text', { text: 'Che tempo fa?' }, 'thinking', 'Che tempo fa?'],
     ['tts_text', { text: 'C’è il sole.' }, 'idle', 'C’è il sole.'], ['tts_finished', undefined, 'idle'], ['muted', { muted: true }, 'muted'], ['idle', undefined, 'muted'],
@@ -66,7 +66,7 @@ test('what the assistant does is shown', async () => {
   assert.ok(!kiosk.messages.some((m) => m.type === 'begin'), 'the assistant is heard itself');
 });
 
-test('where the assistant is silent, the face says its answer', async () => {
+test('the face speaks the answer when the assistant is silent', async () => {
   assistant.tell('volume_changed', { volume: 0 });
   assistant.tell('tts_text', { text: 'Piove a dirotto.' });
   await kiosk.wait({ type: 'sentence', text: 'Piove a dirotto.' });
@@ -82,19 +82,19 @@ test('where the assistant is silent, the face says its answer', async () => {
   assert.ok(!kiosk.messages.slice(from).some((m) => m.type === 'sentence'));
 });
 
-test('what is no event costs nothing, and an assistant that goes is found again', async () => {
+test('ignores invalid events, and reconnects to a lost assistant', async () => {
   for (const wrong of ['raw:x', 'raw:{"event":7}', 'raw:[]', `raw:${'x'.repeat(100000)}`]) assistant.tell(wrong);
   assert.equal((await shows('listening')).state, 'listening');
   const { port } = assistant;
   await assistant.close();
-  await eventually(() => door.text.includes('the assistant is not there'), 'the loss');
+  await eventually(() => door.text.includes('the assistant is unreachable'), 'the loss');
   kiosk.messages.length = 0;
   const other = net.createServer((socket) => (socket.on('error', () => {}).resume(), socket.end('HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n'))).listen(port, '127.0.0.1');
   await eventually(() => door.text.includes('there is no WebSocket'), 'the refusal of what is no WebSocket');
   await new Promise((resolve) => other.close(resolve));
   assistant = await open(port);
-  const found = (from) => eventually(() => door.text.slice(from).includes('the assistant is there'), 'a new connection');
-  await found(door.text.lastIndexOf('is not there'));
+  const found = (from) => eventually(() => door.text.slice(from).includes('connected to the assistant'), 'a new connection');
+  await found(door.text.lastIndexOf('is unreachable'));
   const listens = async () => {
     kiosk.messages.length = 0;
     assistant.tell('listening');
@@ -132,7 +132,7 @@ const frame = (opcode, payload, size = payload.length) => {
 };
 const resident = ({ pid }) => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/proc/${pid}/status`, 'utf8'))[1]);
 
-test('a message that is too long, and what follows it, is not kept; it is tried again, later each time', async () => {
+test('discards messages that are too long and what follows; reconnects with backoff', async () => {
   let sent = 0;
   const server = await strange((socket) => { // ignores the close
     socket.write(frame(1, Buffer.alloc(0), 1 << 30));
@@ -155,12 +155,12 @@ test('a message that is too long, and what follows it, is not kept; it is tried 
   await server.close();
 });
 
-test('a server that goes while it is answered', async () => {
+test('survives a server that disconnects while being answered', async () => {
   const pings = await strange((socket) => {
     for (let i = 0; i < 200; i++) socket.write(frame(9, Buffer.alloc(100)));
     socket.resetAndDestroy();
   });
-  for (const [server, told] of [[pings, /not there/]]) {
+  for (const [server, told] of [[pings, /unreachable/]]) {
     const lva = start('--assistant', server.url, '--url', daemon.url);
     await eventually(() => told.test(lva.text), `${told}; ${lva.text}`);
     await eventually(() => server.came.length >= 2, 'the next try');
@@ -170,7 +170,7 @@ test('a server that goes while it is answered', async () => {
   }
 });
 
-test('a server that goes in the middle of the handshake is tried again, wherever that was', async () => {
+test('retries a server that disconnects at any point of the handshake', async () => {
   const ways = [(socket) => socket.resetAndDestroy(), (socket) => socket.destroy(),
     (socket) => socket.once('data', () => (socket.write('HTTP/1.1 101 Switching'), socket.resetAndDestroy())), (socket) => socket.once('data', () => socket.end('HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\n'))];
   const doors = await Promise.all(ways.map(async (way) => {
@@ -194,7 +194,7 @@ test('a flood of events ends with the last of them', async () => {
   await shows('idle');
 });
 
-test('a voice or a language that the daemon does not know does not silence the face', async () => {
+test('keeps speaking when the voice or language is unknown to the daemon', async () => {
   for (const options of [['--voice', 'nobody:x'], ['--lang', 'xx'], ['--voice', 'nobody:x', '--lang', 'xx']]) {
     const from = kiosk.messages.length;
     const other = start('--assistant', `ws://localhost:${assistant.port}`, '--room', 'kitchen', '--speak', 'always', '--url', daemon.url, ...options);
@@ -205,11 +205,11 @@ test('a voice or a language that the daemon does not know does not silence the f
     await kiosk.wait({ type: 'end', reason: 'done' }, { from });
     other.kill('SIGTERM');
     assert.equal(await other.exited, 0, other.text);
-    assert.match(other.text, /it is said without/);
+    assert.match(other.text, /it is spoken without/);
   }
 });
 
-test('options that are wrong are told', async () => {
+test('reports wrong options', async () => {
   for (const options of [['--assistant', 'http://x'], ['--assistant', 'ws://x'], ['--speak', 'loud'], ['--nothing'], ['x'], ['--url', 'kitchen']]) assert.equal(await start(...options).exited, 2, String(options));
   assert.equal(await start('--help').exited, 0);
 });

@@ -19,7 +19,7 @@ const texts = {
 };
 
 for (const [kind, text] of Object.entries(texts))
-  test(`while a long text is read, others are answered: ${kind}`, async () => {
+  test(`answers others while it reads a long text: ${kind}`, async () => {
     const [speaker, other] = [await daemon.stream('?lang=it'), await daemon.stream('?lang=it')];
     speaker.send({ type: 'speak', id: 'long', text });
     // parsing begins when the message arrives, so this pong comes after its start
@@ -50,7 +50,7 @@ test('utterances keep their order, and each is spoken', async () => {
   await stream.close();
 });
 
-test('it is stopped, replaced and left while it is read', async () => {
+test('stop, replace and disconnection take effect while a text is read', async () => {
   const stream = await daemon.stream('?lang=it');
   const text = texts['SSML with emphases'];
   stream.send({ type: 'speak', id: 'a', text });
@@ -80,7 +80,7 @@ test('it is stopped, replaced and left while it is read', async () => {
   await stream.close();
 });
 
-test('one that cannot be read says so at its place, and the next is spoken', async () => {
+test('reports an unreadable document with its position, and speaks the next', async () => {
   const stream = await daemon.stream('?lang=it');
   const bad = million('<speak>', 'Uno due. ', '\n <b></speak>', 1e6);
   stream.send({ type: 'speak', id: 'first', text: 'Prima.' });
@@ -96,14 +96,14 @@ test('one that cannot be read says so at its place, and the next is spoken', asy
   await stream.close();
 });
 
-test('a long text that is posted is spoken whole', async () => {
+test('speaks a long posted text completely', async () => {
   const text = million('<speak>Uno <mark name="m"/>due.', '<!-- nothing -->', '</speak>', 1e6);
   const json = await (await daemon.get('/v1/speech?lang=it&format=json', { method: 'POST', body: text, headers: { 'content-type': 'application/ssml+xml' } })).json();
   assert.deepEqual(json.words.map((w) => w.text), ['Uno', 'due']);
   assert.equal(json.marks[0].name, 'm');
 });
 
-test('the daemon stops while a text is read', async () => {
+test('the daemon stops while it reads a text', async () => {
   const one = await Daemon.start(['--max-text', '20000000', '--max-message', '20000000']);
   const stream = await one.stream('?lang=it');
   for (let i = 0; i < 6; i++) stream.send({ type: 'speak', text: texts.APML });

@@ -23,7 +23,7 @@ async function speak(request) {
   return stream;
 }
 
-test('a posted document is spoken by its media type', async () => {
+test('selects the markup of a posted document by its media type', async () => {
   const text = '<speak xml:lang="it">Ecco: <mark name="qui"/>la <emphasis>mamma</emphasis> &amp; basta.</speak>';
   for (const type of ['application/ssml+xml', 'application/xml', 'application/x-www-form-urlencoded']) {
     const json = await (await post('lang=it', type, text)).json();
@@ -35,14 +35,14 @@ test('a posted document is spoken by its media type', async () => {
   assert.ok(plain.words.length > 6, 'plain text is what it is');
 });
 
-test('places are those of the UTF-8 form of a document in another encoding', async () => {
+test('reports positions in the UTF-8 form of a document in another encoding', async () => {
   const text = '<?xml version="1.0" encoding="ISO-8859-9"?><SENT>Işık, günaydın.</SENT>';
   const bytes = Buffer.from(text.replace(/ş/g, 'þ').replace(/ı/g, 'ý'), 'latin1');
   const json = await (await post('lang=tr', 'application/jsml+xml', bytes)).json();
   assert.deepEqual(json.words.map((w) => w.text), ['Işık', 'günaydın']);
 });
 
-test('the root tells the language where the request does not', async () => {
+test('the root element sets the language unless the request does', async () => {
   const text = '<speak xml:lang="tr">Merhaba.</speak>';
   assert.equal((await (await post('', 'application/ssml+xml', text)).json()).lang, 'tr');
   assert.equal((await (await post('lang=it', 'application/ssml+xml', text)).json()).lang, 'it');
@@ -57,7 +57,7 @@ test('a stream sends warnings with line and column before the first sentence', a
   assert.deepEqual(messages.filter((m) => m.type === 'word').map((m) => m.text), ['Uno', 'due']);
 });
 
-test('a document that names a weight is shown by weights', async () => {
+test('blends by weights in a document that contains one', async () => {
   const faps = async (weight, query = '') => {
     const text = `<SENT>Bugün <HAPPY${weight}>çok güzel</HAPPY> bir gün.</SENT>`;
     const response = await daemon.get(`/v1/speech?format=fap&lang=tr&life=0&${query}`, { method: 'POST', body: text, headers: { 'content-type': 'application/jsml+xml' } });
@@ -73,7 +73,7 @@ test('a document that names a weight is shown by weights', async () => {
   assert.deepEqual(await faps(''), await faps('', 'blend=regions'), 'without a weight by regions');
 });
 
-test('a weight that is not acted on is warned of, with its place', async () => {
+test('warns of an unused weight, with its position', async () => {
   const text = '<SENT>Bugün\n <HAPPY WEIGHT="0.9">çok güzel</HAPPY> bir <SAD>gün</SAD>.</SENT>';
   const places = async (blend) => (await speak({ lang: 'tr', markup: 'jsml', text, blend })).messages.filter((m) => m.type === 'warning').map(({ code, line, column }) => [code, line, column]);
   assert.deepEqual(await places('regions'), [['ignored', 2, 2]]);
@@ -81,13 +81,13 @@ test('a weight that is not acted on is warned of, with its place', async () => {
   assert.deepEqual(await places('auto'), []);
 });
 
-test('a document may be typed as it is', async () => {
+test('detects the markup of a document sent without a type', async () => {
   const { messages, end } = await speak('<SENT><SURPRISED>merhaba</SURPRISED>, benim adım erdem</SENT>');
   assert.equal(end.reason, 'done');
   assert.deepEqual(messages.filter((m) => m.type === 'word').map((m) => m.text), ['merhaba', 'benim', 'adım', 'erdem']);
 });
 
-test('bad documents are refused with their place, and the next one is spoken', async () => {
+test('rejects bad documents with their position, and speaks the next one', async () => {
   const stream = await daemon.stream();
   for (const name of fs.readdirSync(folder).filter((n) => /^bad-.*\.xml$/.test(n))) {
     const from = stream.messages.length;
@@ -108,7 +108,7 @@ test('bad documents are refused with their place, and the next one is spoken', a
   await stream.close();
 });
 
-test('of BML and FML speech alone is read aloud, never a number of theirs', async () => {
+test('reads only the speech of BML and FML, never their numbers', async () => {
   const words = async (name) => (await (await post('lang=it', 'application/xml', fs.readFileSync(path.join(folder, name)))).json()).words.map((w) => w.text);
   assert.deepEqual(await words('bml-semaine.xml'), ['One', 'two', 'three']);
   assert.deepEqual(await words('fml-alone.xml'), ['Only', 'a', 'text']);
@@ -117,7 +117,7 @@ test('of BML and FML speech alone is read aloud, never a number of theirs', asyn
   assert.deepEqual(json.words.map((w) => w.text), ['Uno']);
 });
 
-test('what BML asks the head for is shown at its time: at a second, and at a sync point', async () => {
+test('shows a BML head movement at its time: at a second, and at a sync point', async () => {
   const speech = '<speech id="s"><text>Uno due tre. Quattro cinque sei <sync id="x"/>sette otto nove dieci undici.</text></speech>';
   const pitch = async (behaviours) => {
     const text = `<bml>${speech}${behaviours}</bml>`;
@@ -137,7 +137,7 @@ test('what BML asks the head for is shown at its time: at a second, and at a syn
   assert.ok(synced.at(0, from - 0.1) < 1000);
 });
 
-test('every document of ours can be spoken', async () => {
+test('speaks every document of our own', async () => {
   for (const name of ['apml-dialogue', 'apml-breaks-its-dtd', 'jsml-05', 'ssml-emotionml', 'ssml-audio', 'ssml-inside-words', 'emotionml-alone', 'entities', 'bad-billion-laughs', 'unknown-everything', 'bml-speech', 'bml-description', 'bml-times', 'fml-apml', 'apml-semaine']) {
     const response = await post('', 'application/xml', fs.readFileSync(path.join(folder, `${name}.xml`)));
     assert.equal(response.status, 200, name);

@@ -10,7 +10,7 @@ const sanitized = fs.readFileSync(path.join(build, 'server/daemon/facciad')).inc
 const skip = sanitized && 'the sanitizer has an allocator of its own, which keeps what was freed; tests/run.sh runs it in the ordinary build, too ("limits")';
 const CONNECTIONS = 40, MB = 1 << 20;
 
-test('memory is given back', { skip }, async (t) => {
+test('returns memory to the system', { skip }, async (t) => {
   const daemon = await Daemon.start(['--max-rooms', '300', '--max-message', String(2 * MB), '--max-text', String(2 * MB), '--open-seconds', '60']);
   const resident = () => Number(fs.readFileSync(`/proc/${daemon.process.pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]) / 1024; // MB
   const modest = await daemon.stream('?room=modest');

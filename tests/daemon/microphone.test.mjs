@@ -72,7 +72,7 @@ async function begins(act) {
   return { child, begin, ended: kiosk.wait({ type: 'end', id: begin.id }, { from, milliseconds: 20000 }) };
 }
 
-test('a file is heard in the room, as fast as it is spoken, and its /p b m/ are closed', async () => {
+test('plays a file in the room in real time, and closes its /p b m/', async () => {
   const { child, begin, ended } = await begins(() => start(['--lang', 'es', file('es.wav')]));
   const end = await ended, exit = await child.exited;
   assert.deepEqual(told(exit), well);
@@ -86,7 +86,7 @@ test('a file is heard in the room, as fast as it is spoken, and its /p b m/ are 
   assert.ok(frames.filter((f) => gap(f) > 50).length > 5, 'and it opens');
 });
 
-test('a pipe, in whatever pieces, of two channels; and a file as standard input', async () => {
+test('reads a pipe in pieces of any size with two channels, and a file as standard input', async () => {
   const both = Buffer.alloc(2 * spoken.raw.length);
   for (let i = 0; i < spoken.samples.length; i++) (both.writeInt16LE(spoken.samples[i], 4 * i), both.writeInt16LE(spoken.samples[i], 4 * i + 2));
   const pour = async (stdin) => {
@@ -117,7 +117,7 @@ test('a pipe, in whatever pieces, of two channels; and a file as standard input'
   }
 });
 
-test('sound without an end goes as fast as it is spoken, and little of it is kept; Ctrl-C ends it well', async () => {
+test('sends endless sound in real time with little buffering; Ctrl-C ends it cleanly', async () => {
   const zero = fs.openSync('/dev/zero');
   const { child, ended } = await begins(() => start(['--raw', '96000,8', '-'], { stdin: zero }));
   fs.closeSync(zero);
@@ -132,7 +132,7 @@ test('sound without an end goes as fast as it is spoken, and little of it is kep
   assert.ok(resident < 200000, `${resident} kB`);
 });
 
-test('a microphone that says nothing more is ended by Ctrl-C, too', async () => {
+test('Ctrl-C ends a silent microphone too', async () => {
   const { child, ended } = await begins(() => {
     const silent = start(['--raw', String(spoken.rate), '-']);
     silent.stdin.write(spoken.raw.subarray(0, spoken.rate));
@@ -144,7 +144,7 @@ test('a microphone that says nothing more is ended by Ctrl-C, too', async () => 
   assert.deepEqual(told(await child.exited), well);
 });
 
-test('a daemon that does not read holds it, and it goes on after that', async () => {
+test('waits for a daemon that does not read, and continues afterwards', async () => {
   const zero = fs.openSync('/dev/zero');
   const { child, ended } = await begins(() => start(['--raw', '96000,8', '-'], { stdin: zero }));
   fs.closeSync(zero);
@@ -159,7 +159,7 @@ test('a daemon that does not read holds it, and it goes on after that', async ()
   assert.equal((await child.exited).status, 0);
 });
 
-test('it waits for its turn, or cuts, or does not speak; what is more urgent cuts it', async () => {
+test('waits for its turn, interrupts, or does not speak; a higher priority interrupts it', async () => {
   const from = kiosk.messages.length;
   kiosk.send({ type: 'speak', id: 'first', lang: 'it', text: 'Una frase che dura un poco, perché qualcuno aspetta.' });
   await kiosk.wait({ type: 'begin', id: 'first' });
@@ -179,7 +179,7 @@ test('it waits for its turn, or cuts, or does not speak; what is more urgent cut
   assert.deepEqual(told(await cuts.child.exited), well);
 });
 
-test('a daemon that goes is told of, and one that is not there, or no daemon', async () => {
+test('reports a lost daemon, a missing one, and a server that is not faccia', async () => {
   const own = await Daemon.start();
   const child = start(['--raw', '16000', '-'], { url: own.url });
   child.stdin.write(Buffer.alloc(16000));
@@ -187,7 +187,7 @@ test('a daemon that goes is told of, and one that is not there, or no daemon', a
   await sleep(300);
   own.process.kill('SIGKILL');
   await own.exited;
-  assert.deepEqual(told(await child.exited), { status: 1, stderr: 'faccia-live: the daemon is gone\n' });
+  assert.deepEqual(told(await child.exited), { status: 1, stderr: 'faccia-live: the daemon closed the connection\n' });
   const gone = await run([file('es.wav')], { url: own.url });
   assert.equal(gone.status, 1);
   assert.match(gone.stderr, /connect/i);
@@ -195,7 +195,7 @@ test('a daemon that goes is told of, and one that is not there, or no daemon', a
   await once(odd, 'listening');
   const other = await run([file('es.wav')], { url: `http://127.0.0.1:${odd.address().port}` });
   assert.equal(other.status, 1);
-  assert.match(other.stderr, /no stream of a daemon/);
+  assert.match(other.stderr, /not a faccia daemon's stream/);
   odd.close();
   const late = net.createServer((socket) => {
     socket.on('error', () => {}).write('HTTP/1.1 503 Service Unavailable\r\n\r\n');
@@ -207,7 +207,7 @@ test('a daemon that goes is told of, and one that is not there, or no daemon', a
   late.close();
 });
 
-test('without the right token it is refused, and told so', async () => {
+test('reports a rejected token', async () => {
   const secret = 's'.repeat(40);
   fs.writeFileSync(file('secret'), `${secret}\n`, { mode: 0o600 });
   const own = await Daemon.start(['--secret-file', file('secret')]);
@@ -225,10 +225,10 @@ for (const [what, options, status, message] of [
   ['nothing', [], 2, /^Usage/],
   ['two sounds', ['a', 'b'], 2, /^Usage/],
   ['an unknown option', ['--nothing', 'x'], 2, /--help/],
-  ['a rate out of range', ['--raw', '7999', '-'], 2, /'7999' is no rate/],
-  ['no number', ['--raw', '16k', '-'], 2, /'16k' is no rate/],
-  ['nine channels', ['--raw', '16000,9', '-'], 2, /'16000,9' is no rate/],
-  ['a lookahead that it has not', ['--lookahead', '50', 'x'], 2, /'50' is no lookahead/],
+  ['a rate out of range', ['--raw', '7999', '-'], 2, /'7999' is not a rate/],
+  ['no number', ['--raw', '16k', '-'], 2, /'16k' is not a rate/],
+  ['nine channels', ['--raw', '16000,9', '-'], 2, /'16000,9' is not a rate/],
+  ['a lookahead that it has not', ['--lookahead', '50', 'x'], 2, /'50' is not a lookahead/],
   ['a pipe without a rate', ['-'], 1, /--raw 16000/],
   ['a pipe with nothing in it', ['--raw', '16000', '-'], 1, /sound/],
   ['no such file', ['nowhere.wav'], 1, /nowhere\.wav/],
@@ -237,15 +237,15 @@ for (const [what, options, status, message] of [
   ['no such room', ['--room', 'no spaces', file('es.wav')], 1, /letters, digits/],
   ['no such engine', ['--engine', 'x', file('es.wav')], 1, /'?x'?/],
   ['no such priority', ['--priority', 'high', file('es.wav')], 1, /background, chat, alarm/],
-  ['no address', ['--url', 'kitchen', file('es.wav')], 1, /kitchen: it is no address/],
+  ['no address', ['--url', 'kitchen', file('es.wav')], 1, /kitchen: not a daemon's address/],
 ])
-  test(`${what}: told`, async () => {
+  test(`${what}: reports it`, async () => {
     const exit = await run(options);
     assert.equal(exit.status, status, exit.stderr);
     assert.match(exit.stderr, message);
   });
 
-test('it tells what it does, and its version', async () => {
+test('prints its help and version', async () => {
   for (const [option, text] of [['--help', /arecord .* \| faccia-live/], ['--version', /^faccia-live \d/]]) {
     const { status, stdout } = spawnSync(program, [option], { encoding: 'utf8' });
     assert.equal(status, 0);

@@ -34,7 +34,7 @@ for (const [lang, engine] of [['it', 'dominance'], ['pt-BR', 'dominance'], ['pt-
     assert.deepEqual(shut, []);
   });
 
-test('without the layer of contacts they do not', async () => {
+test('with contacts off, lips miss some closures or vowels', async () => {
   const part = await look(voiced(sentences.it.slice(0, 4).join('\n'), 'anger'), 'it', 'dominance', 'weighted', 'off');
   assert.ok(part.misses.length > 0 || part.gaps.some(({ mm }) => mm < 3));
 });
@@ -47,7 +47,7 @@ const BEGINNINGS = {
 const EMOTIONS = [null, 'anger', 'happiness', 'sadness', 'surprise', 'disgust'];
 
 for (const [lang, own] of [['it', []], ['pt-BR', ['context']], ['tr', ['syllable']], ['en', []]])
-  test(`${lang}: a sentence that begins with the lips shows them closed while that is heard, in every expression, engine and blend`, async () => {
+  test(`${lang}: lips are closed in time at an initial bilabial, in every expression, engine and blend`, async () => {
     const query = `lang=${lang}&rate=320&contacts=on`;
     const open = [];
     for (const emotion of EMOTIONS) { // each emotion also changes the voice

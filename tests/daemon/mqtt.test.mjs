@@ -87,7 +87,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('what is published is said, its words and its end are told', async () => {
+test('speaks a published text, and publishes its words and end', async () => {
   await publish('faccia/kitchen/say', 'La cena è pronta.');
   await kiosk.wait({ type: 'sentence', text: 'La cena è pronta.' });
   await saidOn('faccia/kitchen/now/state', 'speaking');
@@ -98,7 +98,7 @@ test('what is published is said, its words and its end are told', async () => {
   await saidOn('faccia/kitchen/said', '{"id":"a","reason":"done"}');
 });
 
-test('nothing is said twice: the same id, and what the broker has kept', async () => {
+test('speaks nothing twice: repeated ids, retained messages', async () => {
   await publish('faccia/kitchen/say', { id: 'once', text: 'Una volta.', lang: 'it' });
   await publish('faccia/kitchen/say', { id: 'once', text: 'Una volta.', lang: 'it' });
   await publish('faccia/kitchen/say', { id: 'next', text: 'Poi.', lang: 'it' });
@@ -107,7 +107,7 @@ test('nothing is said twice: the same id, and what the broker has kept', async (
   assert.equal(lines().filter((l) => l.topic === 'faccia/kitchen/said' && l.payload.includes('"once"')).length, 1);
 });
 
-test('an empty room, a wrong voice, a mute are told', async () => {
+test('reports an empty room, an unknown voice and a muted room', async () => {
   await publish('faccia/hall/say', { id: 'h', text: 'C’è nessuno?', lang: 'it' });
   await saidOn('faccia/hall/said', (p) => JSON.parse(p).reason === 'unheard');
   await publish('faccia/kitchen/say', { id: 'v', text: 'Ciao.', voice: 'nobody:x' });
@@ -135,7 +135,7 @@ test('presence puts the face to sleep and wakes it', async () => {
   await saidOn('faccia/kitchen/now/presence', 'ON', lines().findLastIndex((l) => l.topic.endsWith('now/presence') && l.payload === 'OFF'));
 });
 
-test('states, moods, choices and what was chosen', async () => {
+test('publishes states, moods, choices and the selected answer', async () => {
   await publish('faccia/kitchen/state', 'listening');
   await kiosk.wait({ type: 'state', state: 'listening' });
   await saidOn('faccia/kitchen/now/state', 'listening');
@@ -149,7 +149,7 @@ test('states, moods, choices and what was chosen', async () => {
   assert.deepEqual([chosen.event_type, chosen.choice, chosen.text], ['chosen', 1, 'Non ancora']);
 });
 
-test('Home Assistant finds a device with all that the room does, again when it starts', async () => {
+test('Home Assistant discovers a device with all functions of the room, also after its restart', async () => {
   const from = lines().length;
   await publish('homeassistant/status', 'online');
   const { payload } = await saidOn('homeassistant/device/faccia_kitchen/config', undefined, from);
@@ -166,17 +166,17 @@ test('Home Assistant finds a device with all that the room does, again when it s
   await kiosk.wait({ type: 'sentence', text: 'Detto da casa.' });
 });
 
-test('a voice that is not there is refused, and she goes on speaking', async () => {
+test('refuses an unknown voice, and continues speaking', async () => {
   const from = lines().length;
   await publish('faccia/kitchen/voice', 'nobody:x');
   const { payload } = await saidOn('faccia/kitchen/refused', undefined, from);
-  assert.deepEqual(JSON.parse(payload), { command: 'voice', message: 'there is no voice "nobody:x"' });
+  assert.deepEqual(JSON.parse(payload), { command: 'voice', message: 'unknown voice "nobody:x"' });
   assert.equal((await saidOn('faccia/kitchen/now/voice', undefined, from)).payload, 'espeak:it', 'what shows the choice shows the old one');
   await publish('faccia/kitchen/say', { id: 'voiced', text: 'Parlo ancora.' });
   await saidOn('faccia/kitchen/said', '{"id":"voiced","reason":"done"}');
 });
 
-test('each say has its said, whatever is in it', async () => {
+test('publishes exactly one said for every say, whatever it contains', async () => {
   for (const [payload, message] of [['{{ states("sensor.x") }}', /JSON/], ['{"text":', /JSON/], [{ text: 7 }, /string/], [' ', /./], ['{}', /./]]) {
     const from = lines().length;
     await publish('faccia/kitchen/say', payload);
@@ -193,7 +193,7 @@ test('each say has its said, whatever is in it', async () => {
   }
 });
 
-test('what is no text is refused with its reason', async () => {
+test('rejects an invalid text with its reason', async () => {
   for (const [command, payload] of [['express', '[{"name":'], ['express', 'nonsense'], ['state', 'dancing'], ['choices', '{}'], ['choices', '{{ x }}'], ['presence', 'perhaps']]) {
     const from = lines().length;
     await publish(`faccia/kitchen/${command}`, payload);
@@ -206,7 +206,7 @@ test('what is no text is refused with its reason', async () => {
   assert.ok(!lines().some((l) => l.topic === 'faccia/kitchen/now/mood' && l.payload.includes('nonsense')), 'a mood that was not taken is not shown');
 });
 
-test('Home Assistant’s text: its state keeps to 255 characters, and a longer text is said', async () => {
+test('Home Assistant’s text: limits its state to 255 characters, and speaks a longer text', async () => {
   const { cmps } = JSON.parse((await saidOn('homeassistant/device/faccia_kitchen/config')).payload);
   assert.deepEqual([cmps.text.min, cmps.text.max, cmps.text.value_template, cmps.words.value_template], [0, 255, '{{ value[:255] }}', '{{ value[:255] }}']);
   for (const part of [cmps.voice, cmps.mood]) assert.ok(part.value_template, 'a state that is one of the options, or None');
@@ -217,14 +217,14 @@ test('Home Assistant’s text: its state keeps to 255 characters, and a longer t
   await publish('faccia/kitchen/stop', '');
 });
 
-test('Rhasspy’s hermes: said in the room of its site, and told when it is finished', async () => {
+test('Rhasspy’s hermes: speaks in the room of its site, with a message at the end', async () => {
   await publish('hermes/tts/say', { text: 'Ciao da Hermes.', lang: 'it', id: 'r1', siteId: 'kitchen', sessionId: 's' });
   await kiosk.wait({ type: 'sentence', id: 'r1' });
   const finished = JSON.parse((await saidOn('hermes/tts/sayFinished')).payload);
   assert.deepEqual(finished, { id: 'r1', siteId: 'kitchen', sessionId: 's' });
 });
 
-test('what is no message costs nothing', async () => {
+test('ignores invalid messages', async () => {
   for (const [command, payload] of [['say', '{"text":'], ['say', '{"text":7}'], ['say', ' '], ['express', '[{"name":'], ['express', 'nonsense'], ['choices', '{}'], ['state', 'dancing'], ['presence', 'perhaps'], ['dance', 'x'], ['say', '{"id":["a"],"text":"Sì."}']])
     await publish(`faccia/kitchen/${command}`, payload);
   await publish('hermes/tts/say', 'x');
@@ -232,7 +232,7 @@ test('what is no message costs nothing', async () => {
   await saidOn('faccia/kitchen/said', '{"id":"still","reason":"done"}');
 });
 
-test('the broker goes and comes: what was retained is there again, and she speaks', async () => {
+test('restores retained topics and speech when the broker restarts', async () => {
   await stop(broker);
   await eventually(() => bridge.text.includes('the broker has gone'), 'the loss of the broker');
   await startBroker();
@@ -244,7 +244,7 @@ test('the broker goes and comes: what was retained is there again, and she speak
   await saidOn('faccia/kitchen/said', '{"id":"back","reason":"done"}');
 });
 
-test('the daemon goes in the middle of a word: it is told, and what comes meanwhile is said when it is back', async () => {
+test('reports a restart of the daemon inside a word, and speaks later texts afterwards', async () => {
   const own = String(await freePort());
   const first = await Daemon.start(['--port', own]);
   const listener = await first.stream('?lang=it&room=attic');
@@ -268,7 +268,7 @@ test('the daemon goes in the middle of a word: it is told, and what comes meanwh
 const bridgeOf = (room, broker, options = [], env = {}) =>
   start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', room, '--client', room, '--base', room, '--discovery', 'none', '--broker', `127.0.0.1:${broker}`, '--url', daemon.url, ...options], env);
 
-test('TLS and a password: who has both is let in, and whoever lacks one says so', async () => {
+test('TLS and a password: requires both, and reports a missing one', async () => {
   const ca = (name) => ['--ca-file', path.join(folder, `${name}.crt`), '--user', 'casa'];
   const secret = { FACCIA_MQTT_PASSWORD: 'una parola segreta' };
   const safe = bridgeOf('safe', safePort, ca('ca'), secret);
@@ -290,7 +290,7 @@ test('TLS and a password: who has both is let in, and whoever lacks one says so'
   await stop(told);
 });
 
-test('a broker that lies, or stops in the middle of a frame, is left and tried again', async () => {
+test('disconnects from a broker that sends invalid data or stops inside a frame, and retries', async () => {
   const lies = [
     Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff]), // not a packet
     Buffer.from([0x20, 0x02, 0x00]), // half of a CONNACK
@@ -314,7 +314,7 @@ test('a broker that lies, or stops in the middle of a frame, is left and tried a
   assert.equal(await stop(patient), 0, patient.text);
 });
 
-test('options that are wrong are told', async () => {
+test('reports wrong options', async () => {
   const run = (...options) => start(path.join(build, 'server/bridges/faccia-mqtt'), options);
   for (const options of [['--room', 'no spaces'], ['--broker', 'x:0'], ['--base', 'a/#'], ['--nothing'], ['x']]) assert.equal(await run(...options).exited, 2, String(options));
   assert.equal(await run('--url', 'kitchen').exited, 1);

@@ -30,7 +30,7 @@ const enter = async (room, { from = daemon, query = '', options = {} } = {}) => 
 const offer = { type: 'choices', id: 'q', question: 'Ha fame?', choices: ['Sì', 'No', 'Più tardi'] };
 const post = (address, body, from = daemon, options = {}) => from.get(address, { method: 'POST', body, ...options });
 
-test('all in the room are told, who comes later too, until somebody has chosen', async () => {
+test('asks everyone in the room, late joiners too, until someone has chosen', async () => {
   const operator = await enter('a'), packed = await enter('a', { query: '&events=packed' }), elsewhere = await enter('b');
   operator.send(offer);
   operator.send({ type: 'state', state: 'listening', text: 'mmh' });
@@ -63,7 +63,7 @@ test('all in the room are told, who comes later too, until somebody has chosen',
   for (const stream of [operator, packed, late, last, elsewhere]) await stream.close();
 });
 
-test('a state brings its mood, is told while she speaks, and on a stream of one’s own', async () => {
+test('a state sets its mood, is announced during speech, and works on a private stream', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 's', lang: 'it', text: 'Una frase che dura un poco, perché qualcosa accada intanto.' });
   await stream.wait({ type: 'word', id: 's' });
@@ -76,7 +76,7 @@ test('a state brings its mood, is told while she speaks, and on a stream of one�
   await stream.close();
 });
 
-test('what is wrong has its place, and changes nothing', async () => {
+test('errors name their field, and change nothing', async () => {
   const stream = await enter('c');
   stream.send(offer);
   await stream.wait({ type: 'choices' });
@@ -105,7 +105,7 @@ test('what is wrong has its place, and changes nothing', async () => {
   await stream.close();
 });
 
-test('whether somebody consents is asked by who directs, answered by who listens, and told to who comes later', async () => {
+test('consent is requested by an operator, answered by listeners, and sent to late joiners', async () => {
   const claims = (rights, sub) => bearer(sign({ secret, claims: { sub, room: 'c', rights } }));
   const desk = await guarded.stream('', claims('listen speak', 'anna')), kiosk = await enter('c', { from: guarded, options: claims('listen', 'kitchen') });
   desk.send({ type: 'join', room: 'c', watch: true, as: 'somebody else' });
@@ -148,10 +148,10 @@ test('whether somebody consents is asked by who directs, answered by who listens
   for (const stream of [desk, kiosk, late, last]) await stream.close();
 });
 
-test('who looks on is told of others who do, by name; listeners are not', async () => {
+test('observers see other observers by name, but not listeners', async () => {
   const claims = (rights, sub) => bearer(sign({ secret, claims: { sub, room: 'n', rights } }));
   const listener = await enter('n', { from: guarded, options: claims('listen', 'kitchen') });
-  const names = (stream, wanted, count = wanted.length) => stream.wait((m) => m.type === 'desks' && m.count === count && m.desks.map(({ name, speaks }) => `${name} ${speaks}`).join() === wanted.join(), { from: stream.seen ?? 0 });
+  const names = (stream, wanted, count = wanted.length) => stream.wait((m) => m.type === 'observers' && m.count === count && m.observers.map(({ name, speaks }) => `${name} ${speaks}`).join() === wanted.join(), { from: stream.seen ?? 0 });
   const watch = async (options, as) => {
     const stream = await guarded.stream('', options);
     stream.send({ type: 'join', room: 'n', watch: true, ...(as ? { as } : {}) });
@@ -166,7 +166,7 @@ test('who looks on is told of others who do, by name; listeners are not', async 
   anna.send({ type: 'join', room: 'n' }); // to listen
   anna.send({ type: 'ping', id: 'p' });
   await anna.wait({ type: 'pong' });
-  assert.ok(!listener.messages.some((m) => m.type === 'desks'));
+  assert.ok(!listener.messages.some((m) => m.type === 'observers'));
   const sit = async (i) => {
     const stream = await daemon.stream();
     stream.send({ type: 'join', room: 'o', watch: true, as: `tavolo ${i}` });
@@ -175,19 +175,19 @@ test('who looks on is told of others who do, by name; listeners are not', async 
   };
   const first = await sit(0); // the earliest are listed
   const rest = await Promise.all(Array.from({ length: 39 }, (_, i) => sit(i + 1)));
-  const { desks } = await first.wait({ type: 'desks', count: 40 });
-  assert.equal(desks.length, 32);
+  const { observers } = await first.wait({ type: 'observers', count: 40 });
+  assert.equal(observers.length, 32);
   for (const as of ['x'.repeat(65), 7, 'a\u0000b']) {
     const since = first.messages.length;
     first.send({ type: 'join', room: 'o', watch: true, as });
     await first.wait({ type: 'error', code: 'bad-field', field: 'as' }, { from: since });
   }
   first.send({ type: 'join', room: 'o', watch: true, as: 'Zoë' });
-  await rest[0].wait((m) => m.type === 'desks' && m.desks.some(({ name }) => name === 'Zoë'));
+  await rest[0].wait((m) => m.type === 'observers' && m.observers.some(({ name }) => name === 'Zoë'));
   for (const stream of [listener, anna, first, ...rest]) await stream.close();
 });
 
-test('a mood is told in its room, by whom, and to who comes later; not on a stream of one’s own', async () => {
+test('announces a mood with its author in its room, also to late joiners; not on a private stream', async () => {
   const desk = await daemon.stream(), listener = await enter('m');
   desk.send({ type: 'express', mix: [{ name: 'joy' }] });
   desk.send({ type: 'join', room: 'm', watch: true, as: 'Anna' });
@@ -210,7 +210,7 @@ test('a mood is told in its room, by whom, and to who comes later; not on a stre
   for (const stream of [desk, listener, late, last]) await stream.close();
 });
 
-test('over HTTP, and as lines', async () => {
+test('works over HTTP and the text protocol', async () => {
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?room=d`, ['faccia.text.v1']), lines = [];
   socket.on('message', (line) => lines.push(String(line)));
   const line = (pattern) => eventually(() => lines.some((each) => pattern.test(each)), String(pattern));
@@ -236,7 +236,7 @@ test('over HTTP, and as lines', async () => {
   socket.close();
 });
 
-test('who may listen may choose; who may speak may offer', async () => {
+test('listeners may choose; speakers may offer', async () => {
   const right = (rights, sub) => ({ from: guarded, options: bearer(sign({ secret, claims: { sub, room: 'e', rights } })) });
   const operator = await enter('e', right('listen speak', 'operator')), listener = await enter('e', right('listen', 'nonna'));
   listener.send(offer);
@@ -280,7 +280,7 @@ function headOfWebp(width, height) {
 
 const texture = { type: 'image/png', data: headOfPng(2048, 2048) };
 
-test('feature points are told to all in the room, and to who comes later, until others are', async () => {
+test('sends feature points to everyone in the room, and to late joiners, until replaced', async () => {
   const operator = await enter('f'), elsewhere = await enter('g'), own = await daemon.stream();
   operator.send({ type: 'calibrate', featurePointsCoord: points, textureCoord: { '8.3': [0, 1] }, texture, more: 1 });
   const told = { type: 'calibrated', stream: 'f', featurePointsCoord: points, textureCoord: { '8.3': [0, 1] }, texture };
@@ -307,7 +307,7 @@ test('feature points are told to all in the room, and to who comes later, until 
   for (const stream of [operator, elsewhere, own, late, later, last]) await stream.close();
 });
 
-test('points that are none have their field, and nothing is told', async () => {
+test('reports invalid points with their field, and does not forward them', async () => {
   const stream = await enter('h');
   const good = { featurePointsCoord: points };
   const cases = [
@@ -344,7 +344,7 @@ test('points that are none have their field, and nothing is told', async () => {
   await stream.close();
 });
 
-test('a flood of calibrations reaches nobody: most are refused, and one that comes later is taken', async () => {
+test('refuses most of a flood of calibrations without sending them on, and accepts a later one', async () => {
   const sender = await enter('flood'), listener = await enter('flood');
   for (let i = 0; i < 500; i++) sender.send({ type: 'calibrate', featurePointsCoord: points });
   sender.send({ type: 'ping', id: 'all' });
@@ -366,7 +366,7 @@ test('a flood of calibrations reaches nobody: most are refused, and one that com
   for (const stream of [sender, listener]) await stream.close();
 });
 
-test('a flood of anything that a room is told of is bounded, and costs nobody else a word', async () => {
+test('limits the rate of room commands; a flood delays no one else', async () => {
   const sender = await enter('told'), other = await enter('told'), watcher = await daemon.stream('?audio=none&fap=none');
   watcher.send({ type: 'join', room: 'told', watch: true, as: 'watcher' });
   await watcher.wait({ type: 'joined' });
@@ -374,7 +374,7 @@ test('a flood of anything that a room is told of is bounded, and costs nobody el
     stated: [{ type: 'state', state: 'thinking' }, 'state'],
     expressed: [{ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] }, 'expressed'],
     asked: [{ type: 'choices', choices: ['a', 'b'] }, 'choices'],
-    rejoined: [{ type: 'join', room: 'told', watch: true, as: 'x' }, 'desks'],
+    rejoined: [{ type: 'join', room: 'told', watch: true, as: 'x' }, 'observers'],
   };
   for (const [name, [message, type]] of Object.entries(floods)) {
     const from = sender.messages.length, before = watcher.messages.length;
@@ -392,7 +392,7 @@ test('a flood of anything that a room is told of is bounded, and costs nobody el
   for (const stream of [sender, other, watcher]) await stream.close();
 });
 
-test('who may only listen gives nobody another face', async () => {
+test('listeners cannot change the face of others', async () => {
   const right = (rights) => ({ from: guarded, options: bearer(sign({ secret, claims: { sub: 'x', room: 'i', rights } })) });
   const listener = await enter('i', right('listen'));
   listener.send({ type: 'calibrate', featurePointsCoord: points });

@@ -48,7 +48,7 @@ const valid = (stream) => {
   for (const { arrived, ...message } of stream.messages) assert.equal(violations('server', message), null, `${arrived} ${JSON.stringify(message)}`);
 };
 
-test('what is written token by token is spoken as one utterance, in four languages', async () => {
+test('speaks text written token by token as one utterance, in four languages', async () => {
   await Promise.all(
     Object.entries(texts).map(async ([lang, text], i) => {
       const stream = await daemon.stream();
@@ -79,7 +79,7 @@ test('what is written token by token is spoken as one utterance, in four languag
   );
 });
 
-test('she begins before the text ends, and is silent where it is awaited', async () => {
+test('begins before the text ends, and is silent while waiting for more', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Prima frase. Se' });
   await stream.wait({ type: 'word', id: 'a', text: 'frase' });
@@ -106,7 +106,7 @@ test('she begins before the text ends, and is silent where it is awaited', async
   await stream.close();
 });
 
-test('what seems to have ended is spoken ahead; a wrong guess is never heard', async () => {
+test('speaks a probable sentence end speculatively; a wrong guess is never heard', async () => {
   const asked = () => daemon.metric('faccia_sentences_asked_total');
   const speaks = async (id, parts) => {
     const stream = await daemon.stream();
@@ -152,7 +152,7 @@ test('what seems to have ended is spoken ahead; a wrong guess is never heard', a
   await stream.close();
 });
 
-test('markup comes in pieces, half a tag too; what is broken has its place', async () => {
+test('accepts markup in pieces, even half a tag; errors have their position', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'a', open: true });
   for (const text of ['<spe', 'ak xml:lang="en">One. <pro', 'sody rate="slow">Two. <mark na', 'me="m"/>Three.</prosody></speak>', ' ']) stream.send({ type: 'text', id: 'a', text });
@@ -174,7 +174,7 @@ test('markup comes in pieces, half a tag too; what is broken has its place', asy
   await stream.close();
 });
 
-test('a text that nobody closes is taken as it is, with a warning', async () => {
+test('closes an abandoned open text after a timeout, with a warning', async () => {
   const [writer, listener] = await Promise.all([daemon.stream('?room=cucina'), daemon.stream('?room=cucina')]);
   writer.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Il treno per' });
   assert.equal((await writer.wait({ type: 'warning', id: 'a' })).code, 'unfinished');
@@ -191,7 +191,7 @@ test('a text that nobody closes is taken as it is, with a warning', async () => 
   await listener.close();
 });
 
-test('utterances are cancelled by their id, whether they speak or wait', async () => {
+test('cancels utterances by their id, whether they speak or wait', async () => {
   const stream = await daemon.stream();
   const ends = () => stream.messages.filter((m) => m.type === 'end').map((m) => `${m.id} ${m.reason}`);
   stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Questa frase non finisce. ' });
@@ -211,7 +211,7 @@ test('utterances are cancelled by their id, whether they speak or wait', async (
   await stream.close();
 });
 
-test('limits and mistakes are told, and cost nobody else anything', async () => {
+test('reports limits and mistakes, which affect no one else', async () => {
   const stream = await daemon.stream();
   const refused = async (message, code, field) => {
     const from = stream.messages.length;
@@ -260,7 +260,7 @@ function post(address) {
   return request;
 }
 
-test('the same over HTTP: the sound of a body goes back while it is written', async () => {
+test('over HTTP: sends the sound of a body while it is written', async () => {
   const whole = Buffer.from(await (await daemon.get('/v1/speech?lang=it', { method: 'POST', body: 'Prima frase. E la seconda.' })).arrayBuffer());
   const request = http.request(`${daemon.url}/v1/speech?open=1&lang=it`, { method: 'POST', headers: { 'transfer-encoding': 'chunked' } });
   const answered = new Promise((resolve) => request.on('response', resolve));
@@ -283,7 +283,7 @@ test('the same over HTTP: the sound of a body goes back while it is written', as
   left.destroy(); // the daemon must not be affected
 });
 
-test('the same over HTTP: a body is spoken in a room while it is written', async () => {
+test('over HTTP: speaks a body in a room while it is written', async () => {
   const listener = await daemon.stream('?room=sala');
   const request = post('/v1/say?room=sala&open=1&id=h&lang=it');
   request.write('Prima fra');

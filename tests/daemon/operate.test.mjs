@@ -13,7 +13,7 @@ const facciad = (args) => {
   return { status, stdout: String(stdout), stderr: String(stderr) };
 };
 
-test('help and version', () => {
+test('prints help and version', () => {
   const { status, stdout } = facciad(['--help']);
   assert.equal(status, 0);
   assert.match(stdout, /--remote/);
@@ -27,7 +27,7 @@ const refusals = [
   [['--port', '70000'], 2, /--port: '70000' is not a whole number from 0 to 65535/],
   [['--port', 'x'], 2, /--port/],
   [['--workers', '0'], 2, /--workers/],
-  [['--lang', 'xx', '--port', '0'], 1, /no language 'xx'/],
+  [['--lang', 'xx', '--port', '0'], 1, /unknown language 'xx'/],
   [['--models', '/nowhere', '--port', '0'], 1, /\/nowhere/],
   [['--plugins', '/nowhere', '--port', '0'], 1, /\/nowhere/],
   [['--media', '/nowhere'], 2, /--media: '\/nowhere' is not a folder/],
@@ -35,13 +35,13 @@ const refusals = [
   [['extra'], 2, /unexpected 'extra'/],
 ];
 for (const [args, code, message] of refusals)
-  test(`facciad ${args.join(' ')}: exit ${code}`, () => {
+  test(`facciad ${args.join(' ')}: exits with ${code}`, () => {
     const { status, stderr } = facciad(args);
     assert.match(stderr, message);
     assert.equal(status, code);
   });
 
-test('a port that is taken is told', async () => {
+test('reports a port in use', async () => {
   const daemon = await Daemon.start();
   const { status, stderr } = facciad(['--port', String(daemon.port)]);
   assert.equal(status, 1);
@@ -49,13 +49,13 @@ test('a port that is taken is told', async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('other machines are let in when it is said', async () => {
+test('--remote admits other machines', async () => {
   const daemon = await Daemon.start(['--host', '0.0.0.0', '--remote', '--secret-file', file('secret', 'x'.repeat(32))]);
   assert.equal((await daemon.get('/healthz')).status, 200);
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('SIGTERM ends it while it speaks, and leaves no process behind', async () => {
+test('SIGTERM during speech ends it and leaves no process behind', async () => {
   const daemon = await Daemon.start();
   const stream = await daemon.stream();
   stream.send({ type: 'speak', lang: 'it', text: 'Una frase lunga, che non finisce mai. '.repeat(50) });
@@ -68,7 +68,7 @@ test('SIGTERM ends it while it speaks, and leaves no process behind', async () =
   }
 });
 
-test('connections beyond the limit are refused, those within it live on', async () => {
+test('refuses connections beyond the limit, and keeps those within it', async () => {
   const daemon = await Daemon.start(['--max-connections', '5']);
   const streams = [];
   for (let i = 0; i < 5; i++) streams.push(await daemon.stream());
@@ -81,7 +81,7 @@ test('connections beyond the limit are refused, those within it live on', async 
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('a thousand connections that come and go leave nothing', async () => {
+test('a thousand short connections leak nothing', async () => {
   const daemon = await Daemon.start();
   for (let i = 0; i < 50; i++) {
     const streams = await Promise.all(Array.from({ length: 20 }, () => daemon.stream()));
@@ -91,7 +91,7 @@ test('a thousand connections that come and go leave nothing', async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('a reader that stands still holds nobody up, and is let go', async () => {
+test('disconnects a listener that stops reading, which delays no one', async () => {
   const daemon = await Daemon.start();
   const [stuck, other] = await Promise.all([daemon.stream(), daemon.stream()]);
   stuck.socket._socket.pause();
@@ -114,7 +114,7 @@ const file = (name, content) => {
   return where;
 };
 
-test('settings: the file, then the environment, then the options', () => {
+test('settings: options override the environment, which overrides the file', () => {
   const config = file('a.json', { limits: { text_bytes: 1000, queue: 5, connections: 7 }, access: { origins: ['https://a.example'] } });
   const { status, stdout } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--print-config', '--config', config, '--max-connections', '9'], {
     encoding: 'utf8',
@@ -130,7 +130,7 @@ test('settings: the file, then the environment, then the options', () => {
   assert.deepEqual(JSON.parse(again.stdout), JSON.parse(stdout));
 });
 
-test('every option stands in the help with its member, and every member in the printed settings', () => {
+test('the help lists every option with its member, and the printed settings every member', () => {
   const help = facciad(['--help']).stdout;
   const printed = JSON.parse(facciad(['--print-config']).stdout);
   const members = [...help.matchAll(/\[(\w+)\.(\w+)\]$/gm)].map(([, group, name]) => `${group}.${name}`);
@@ -143,7 +143,7 @@ test('every option stands in the help with its member, and every member in the p
 const wrongFiles = [
   ['{"limits": {"text_bytes": "many"}}', /limits\.text_bytes: must be a number from 1 to 104857600/],
   ['{"limits": {"text_bytes": 1.5}}', /limits\.text_bytes: '1\.5' is not a whole number/],
-  ['{"limits": {"text_byte": 1}}', /limits\.text_byte: there is no such setting; near: limits\.text_bytes/],
+  ['{"limits": {"text_byte": 1}}', /limits\.text_byte: unknown setting; near: limits\.text_bytes/],
   ['{"limits": 3}', /limits: must be an object/],
   ['{"listen": {"remote": 1}}', /listen\.remote: must be true or false/],
   ['{"access": {"origins": "x"}}', /access\.origins: must be a list/],
@@ -154,20 +154,20 @@ const wrongFiles = [
   ['[]', /must be an object/],
 ];
 for (const [content, message] of wrongFiles)
-  test(`settings ${JSON.stringify(content)} are refused`, () => {
+  test(`rejects settings ${JSON.stringify(content)}`, () => {
     const { status, stderr } = facciad(['--port', '0', '--config', file('wrong.json', content)]);
     assert.equal(status, 2);
     assert.match(stderr, message);
   });
 
-test('a file that is not there, and a wrong variable', () => {
+test('reports a missing file and a wrong variable', () => {
   assert.match(facciad(['--config', '/nowhere.json']).stderr, /\/nowhere\.json/);
   const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), [], { encoding: 'utf8', env: { ...process.env, FACCIA_PORT: 'x' } });
   assert.equal(status, 2);
   assert.match(stderr, /FACCIA_PORT: 'x'/);
 });
 
-test('SIGHUP: new limits count, wrong ones leave the old in force', async () => {
+test('SIGHUP applies new limits, and keeps the old ones if they are wrong', async () => {
   const config = file('live.json', { limits: { text_bytes: 10 } });
   const daemon = await Daemon.start(['--config', config]);
   const stream = await daemon.stream();
@@ -178,19 +178,19 @@ test('SIGHUP: new limits count, wrong ones leave the old in force', async () => 
   assert.equal(await says('a'), 'failed');
   file('live.json', { limits: { text_bytes: 100 } });
   daemon.process.kill('SIGHUP');
-  await daemon.logged(/settings read anew/);
+  await daemon.logged(/settings reloaded/);
   assert.equal(await says('b'), 'done');
   file('live.json', '{');
   daemon.process.kill('SIGHUP');
-  await daemon.logged(/settings stay as they were/);
+  await daemon.logged(/keeping the current settings/);
   assert.equal(await says('c'), 'done');
   file('live.json', { limits: { text_bytes: 100 }, voices: { workers: 3 } });
   daemon.process.kill('SIGHUP');
-  await daemon.logged(/wait for a restart/);
+  await daemon.logged(/take effect after a restart/);
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('SIGTERM lets speech end, takes nothing new, and says goodbye', async () => {
+test('SIGTERM lets speech finish, refuses new requests, and closes streams properly', async () => {
   const daemon = await Daemon.start(['--stop-seconds', '60']);
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'last', lang: 'it', text: 'Questa frase si sente fino alla fine.' });
@@ -204,7 +204,7 @@ test('SIGTERM lets speech end, takes nothing new, and says goodbye', async () =>
   assert.deepEqual(await daemon.exited, { code: 0, signal: null });
 });
 
-test('SIGTERM cuts what is too long, and a second one does not wait', async () => {
+test('SIGTERM cuts long speech, and a second one does not wait', async () => {
   const long = { type: 'speak', lang: 'it', text: 'Una frase lunga, che non finisce mai. '.repeat(50) };
   for (const [seconds, times] of [['1', 1], ['3600', 2]]) {
     const daemon = await Daemon.start(['--stop-seconds', seconds]);
@@ -219,7 +219,7 @@ test('SIGTERM cuts what is too long, and a second one does not wait', async () =
   }
 });
 
-test('log lines as JSON', async () => {
+test('writes log lines as JSON', async () => {
   const daemon = await Daemon.start(['--log', 'json']).catch((error) => error);
   assert.ok(daemon instanceof Daemon, String(daemon));
   assert.equal((await daemon.stop()).code, 0);
@@ -228,7 +228,7 @@ test('log lines as JSON', async () => {
   assert.ok(lines.every((line) => /^\d{4}-.*Z$/.test(line.time) && line.pid > 0));
 });
 
-test('as a service: the socket is given, and what happens is told', async () => {
+test('as a systemd service: inherits the socket, and reports its state', async () => {
   // like systemd: listens, passes the socket as descriptor 3, and receives notifications
   const script = `
 import os, socket, subprocess, sys, urllib.request, signal

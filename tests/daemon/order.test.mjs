@@ -38,7 +38,7 @@ function check(heard, utterance) {
   return { words, until, end: of.at(-1) };
 }
 
-test('events come before the media in which they begin, the end after all', async () => {
+test('sends events before the media in which they begin, and the end after everything', async () => {
   const ways = ['audio=opus&fap=fapc', 'audio=opus&fap=fapc&kilobits=12', 'audio=pcm&fap=plain', 'audio=pcm&fap=fapc', 'audio=none&fap=fapc'];
   const all = await Promise.all(ways.flatMap((way) => ['', '&room=hall'].map((room) => listen(way + room))));
   // all members of the room join before one of them speaks
@@ -53,7 +53,7 @@ test('events come before the media in which they begin, the end after all', asyn
   }));
 });
 
-test('stopped again and again: each has its end, and nothing after it', async () => {
+test('stopped repeatedly, sends one end for each utterance and nothing after it', async () => {
   const { stream, heard } = await listen('audio=opus&fap=fapc');
   for (let i = 1; i <= 12; i++) {
     stream.send({ type: 'speak', id: String(i), text });

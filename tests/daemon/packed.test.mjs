@@ -17,7 +17,7 @@ const INSIDE = ['sentence', 'word', 'mark', 'phone'];
 const essence = ({ packed: _, arrived: _a, stream: _s, id: _i, ...message }) => message;
 const inside = (stream) => stream.messages.filter(({ type }) => INSIDE.includes(type));
 
-test('packed events say what the texts say, in the chunks in which they begin', async () => {
+test('packed events equal the text events, in the chunks in which they begin', async () => {
   const packed = await daemon.stream(`?room=both&${PACKED}`);
   const plain = await daemon.stream('?room=both&audio=opus&fap=fapc');
   packed.send(speak);
@@ -32,7 +32,7 @@ test('packed events say what the texts say, in the chunks in which they begin', 
   await Promise.all([packed.close(), plain.close()]);
 });
 
-test('who enters a room later is told as text what was said, and the rest in chunks', async () => {
+test('a late joiner gets earlier events as text, and later ones in chunks', async () => {
   const first = await daemon.stream(`?room=late&${PACKED}`);
   first.send(speak);
   await first.until(() => first.messages.filter(({ type }) => type === 'word').length > 3);
@@ -47,7 +47,7 @@ test('who enters a room later is told as text what was said, and the rest in chu
   await Promise.all([first.close(), late.close()]);
 });
 
-test('without compact chunks they are texts, and the form can be changed', async () => {
+test('without compact chunks, sends events as text; a client can change the form', async () => {
   const stream = await daemon.stream('?audio=pcm&fap=plain&events=packed');
   const say = async (id) => {
     const from = stream.messages.length;

@@ -60,7 +60,7 @@ after(async () => {
 
 const samples = (chunks) => chunks.flatMap((c) => Array.from(c.audio ?? new Int16Array(c.samples)));
 
-test('a recording with 69 flags in a line, or a bare number of frames above them, plays like any other, and says what was ignored', async () => {
+test('a recording with 69 flags per line, or only a number of frames above them, plays like any other, with a note', async () => {
   const stream = await daemon.stream('?lang=it');
   stream.send({ type: 'play', id: 'g', name: 'greta' });
   stream.send({ type: 'play', id: 'b', name: 'bare' });
@@ -75,7 +75,7 @@ test('a recording with 69 flags in a line, or a bare number of frames above them
   await stream.close();
 });
 
-test('a recording comes as it is, to the sample and the value, and waits its turn', async () => {
+test('a recording plays unchanged, to the sample and the value, in its turn', async () => {
   const stream = await daemon.stream('?lang=it');
   stream.send({ type: 'speak', id: 's', text: 'Prima.' });
   stream.send({ type: 'play', id: 'p', name: 'both' });
@@ -99,7 +99,7 @@ test('a recording comes as it is, to the sample and the value, and waits its tur
   await stream.close();
 });
 
-test('it is paused, interrupted and stopped like speech', async () => {
+test('pauses, interrupts and stops it like speech', async () => {
   const stream = await daemon.stream('?lang=it');
   stream.send({ type: 'play', id: 'a', name: 'both' });
   await stream.until(() => stream.chunks.length > 2);
@@ -141,7 +141,7 @@ for (const [name, expected] of [
   ['noise', { code: 'bad-sound' }],
   ['large', { code: 'media-too-large' }],
 ])
-  test(`refused: ${String(name).slice(0, 20)}`, async () => {
+  test(`rejects ${String(name).slice(0, 20)}`, async () => {
     const stream = await daemon.stream();
     stream.send({ type: 'play', id: 'x', name });
     await stream.wait({ type: 'error', id: 'x', ...expected });
@@ -149,7 +149,7 @@ for (const [name, expected] of [
     await stream.close();
   });
 
-test('the folder is listed, by the names that can be played', async () => {
+test('lists the folder by playable names', async () => {
   const { media: list } = await (await daemon.get('/v1/media')).json();
   const names = ['bad', 'bare', 'both', 'fast', 'greta', 'high', 'large', 'mute', 'noise', 'set', 'visemes'];
   assert.deepEqual(list, names.map((name) => ({ name, sound: ['both', 'noise'].includes(name) })));
@@ -158,7 +158,7 @@ test('the folder is listed, by the names that can be played', async () => {
   assert.equal(await head.text(), '');
 });
 
-test('a client that asks for the list and leaves costs nothing', async () => {
+test('a client that requests the list and disconnects leaks nothing', async () => {
   const { hostname, port } = new URL(daemon.url);
   const gone = Array.from({ length: 200 }, () => new Promise((resolve) => {
     const socket = net.connect(Number(port), hostname, () => socket.write('GET /v1/media HTTP/1.1\r\nHost: localhost\r\n\r\n', () => socket.resetAndDestroy()));
@@ -169,7 +169,7 @@ test('a client that asks for the list and leaves costs nothing', async () => {
   assert.ok(lists.every(({ media: list }) => list.length === 11));
 });
 
-test('visemes and expressions of a recording (FAP 1 and 2) come as they are', async () => {
+test('keeps visemes and expressions of a recording (FAP 1 and 2)', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'play', name: 'high' });
   await stream.wait({ type: 'end', reason: 'done' });
@@ -183,7 +183,7 @@ test('visemes and expressions of a recording (FAP 1 and 2) come as they are', as
   await stream.close();
 });
 
-test('visemes and expressions move the face of a recording that moves it by nothing else', async () => {
+test('visemes and expressions move the face where a recording has no other FAPs', async () => {
   const [open, corner] = [3, 59];
   const stream = await daemon.stream();
   stream.send({ type: 'play', name: 'visemes' });
@@ -214,7 +214,7 @@ const upload = (query, parts) => {
   return daemon.get(`/v1/play?${query}`, { method: 'POST', body: form });
 };
 
-test('uploaded, from memory; what is no recording is told in the room', async () => {
+test('uploads play from memory; invalid ones are reported in the room', async () => {
   const room = await daemon.stream('?room=cinema');
   await room.wait({ type: 'joined' });
   assert.equal((await upload('room=cinema&id=u', { fap: fap(20), sound: wav(16000, 16000, 1) })).status, 202);
@@ -248,7 +248,7 @@ const decoding = () => fs.readdirSync('/proc').filter((pid) => {
   }
 }).map(Number);
 
-test('sound is decoded in a process of its own: what kills that costs the rest of the sound', async () => {
+test('decodes sound in a separate process, whose death costs only the rest of the sound', async () => {
   const room = await daemon.stream('?room=killed');
   await room.wait({ type: 'joined' });
   assert.equal((await upload('room=killed&id=k', { fap: fap(150), sound: wav(80000, 8000, 1) })).status, 202);
@@ -258,7 +258,7 @@ test('sound is decoded in a process of its own: what kills that costs the rest o
   process.kill(process_, 'SIGABRT');
   const warning = await room.wait({ type: 'warning', id: 'k' });
   assert.equal(warning.code, 'bad-sound');
-  assert.match(warning.message, /^the sound is not whole: its reading ended its process, by signal 6/);
+  assert.match(warning.message, /^the sound is not whole: the process that reads it ended its process, by signal 6/);
   assert.equal((await room.wait({ type: 'end', id: 'k' })).reason, 'done');
   assert.deepEqual(room.chunks.flatMap((c) => c.frames).map((f) => f[3]).slice(0, 150), Array.from({ length: 150 }, (_, k) => k));
   // after a stop none is left
@@ -270,7 +270,7 @@ test('sound is decoded in a process of its own: what kills that costs the rest o
   await room.close();
 });
 
-test('forms that are broken in all ways', async () => {
+test('survives malformed forms', async () => {
   const room = await daemon.stream('?room=forms');
   await room.wait({ type: 'joined' });
   const whole = `--b\r\nContent-Disposition: form-data; name="fap"; filename="x"\r\n\r\n${fap(2)}\r\n--b--\r\n`;
@@ -286,7 +286,7 @@ test('forms that are broken in all ways', async () => {
   await room.close();
 });
 
-test('on the command line: the same, in other forms', () => {
+test('plays on the command line too, in other formats', () => {
   const out = (name) => path.join(folder, name);
   const { status, stdout, stderr } = faccia('play', file('both.fap'), '--wav', out('o.wav'), '--ogg', out('o.ogg'), '--fap', out('o.fap'), '--ndjson', '-');
   assert.equal(status, 0, stderr);
@@ -317,7 +317,7 @@ function pages(data) {
   return list;
 }
 
-test('Opus in Ogg: as long as the wav, and the sound of it', async () => {
+test('Opus in Ogg: same duration as the WAV, and same sound', async () => {
   const post = async (format) => Buffer.from(await (await daemon.get(`/v1/speech?lang=it&format=${format}`, { method: 'POST', body: 'La mamma parla. Poi tace.' })).arrayBuffer());
   const [sound, ogg] = [await post('wav'), await post('ogg')];
   const list = pages(ogg);
@@ -333,7 +333,7 @@ test('Opus in Ogg: as long as the wav, and the sound of it', async () => {
   assert.ok(ogg.length < sound.length / 5, `${ogg.length} of ${sound.length}`);
 });
 
-test('ndjson: every line as it is made, in order, frames and events together', async () => {
+test('ndjson: writes every line as soon as it is ready, frames and events in order', async () => {
   const response = await daemon.get('/v1/speech?lang=it&format=ndjson&still=1', { method: 'POST', body: 'La mamma parla. Poi tace. Poi ride. Poi dorme. E sogna.' });
   assert.equal(response.headers.get('content-type'), 'application/x-ndjson');
   const lines = (await response.text()).trim().split('\n').map((line) => JSON.parse(line));

@@ -28,7 +28,7 @@ const text = `<speak>La mamma parla piano con Beppe, e poi dorme davvero. <mark 
 const SENTENCES = 4;
 const spokenSo = (stream, id, count) => stream.until(() => stream.messages.filter((m) => m.type === 'sentence' && m.id === id).length >= count);
 
-test('jumps back and forth, and pauses, are played from what was spoken', async () => {
+test('jumps back and forth, and pauses, replay spoken audio', async () => {
   const stream = await daemon.stream('?audio=pcm&fap=plain');
   stream.send({ type: 'idle', seed: 2 });
   const count = await askedBy(async () => {
@@ -57,7 +57,7 @@ test('jumps back and forth, and pauses, are played from what was spoken', async 
   await stream.close();
 });
 
-test('what waits stays spoken when somebody else comes first', async () => {
+test('queued speech stays rendered when something else is spoken first', async () => {
   const stream = await daemon.stream('?audio=pcm&fap=plain');
   stream.send({ type: 'idle', seed: 2 });
   const before = await asked();
@@ -76,7 +76,7 @@ test('what waits stays spoken when somebody else comes first', async () => {
   await stream.close();
 });
 
-test('another rate is another speech; the same rate is not', async () => {
+test('a different rate generates speech again; the same rate does not', async () => {
   const stream = await daemon.stream('?audio=pcm&fap=plain');
   const speak = (id) => stream.send({ type: 'speak', id, lang: 'it', rate: 150, markup: 'ssml', text });
   assert.equal(
@@ -100,7 +100,7 @@ test('another rate is another speech; the same rate is not', async () => {
   await stream.close();
 });
 
-test('another life, seed or mood is played at once, and speaks nothing', async () => {
+test('a new life, seed or mood applies at once without generating speech again', async () => {
   const stream = await daemon.stream('?audio=pcm&fap=plain');
   stream.send({ type: 'idle', seed: 2 });
   const count = await askedBy(async () => {

@@ -31,7 +31,7 @@ const begun = (id, more) => {
   return stream.wait({ type: 'begin', id });
 };
 
-test('an alarm cuts what is said, and stands before what waits', async () => {
+test('an alarm interrupts current speech, and precedes queued speech', async () => {
   const lines = await during(async () => {
     await begun('talk');
     speak('later');
@@ -44,7 +44,7 @@ test('an alarm cuts what is said, and stands before what waits', async () => {
 });
 
 for (const mode of ['replace', 'interrupt'])
-  test(`${mode} neither cuts nor forgets an alarm`, async () => {
+  test(`${mode} neither cuts nor drops an alarm`, async () => {
     const lines = await during(async () => {
       await begun('fire', { priority: 'alarm' });
       speak('smoke', { priority: 'alarm' });
@@ -56,7 +56,7 @@ for (const mode of ['replace', 'interrupt'])
     assert.equal(lines.includes('talk stopped'), mode === 'replace');
   });
 
-test('an alarm is heard in a pause', async () => {
+test('plays an alarm during a pause', async () => {
   const lines = await during(async () => {
     await begun('talk');
     stream.send({ type: 'pause' });
@@ -67,7 +67,7 @@ test('an alarm is heard in a pause', async () => {
   assert.deepEqual(lines, ['talk begins', 'talk stopped', 'fire begins', 'fire done']);
 });
 
-test('where the queue is full the last of a lower priority gives way, or what comes is refused', async () => {
+test('a full queue drops the last utterance of a lower priority, or refuses the new one', async () => {
   const lines = await during(async () => {
     await begun('fire', { priority: 'alarm' });
     for (const id of ['a', 'g', 'h']) speak(id);
@@ -82,7 +82,7 @@ test('where the queue is full the last of a lower priority gives way, or what co
   assert.deepEqual(lines, ['fire begins', 'c stopped', 'b stopped', 'f failed', 'd stopped', 'fire done', 'a begins', 'a done', 'g begins', 'g done', 'h begins', 'h done', 'e begins', 'e done']);
 });
 
-test('what is of the same topic takes the place of what waits, not of what is said', async () => {
+test('a topic replaces queued speech of that topic, not current speech', async () => {
   const lines = await during(async () => {
     await begun('one', { topic: 'timer' });
     speak('two', { topic: 'timer' });
@@ -92,7 +92,7 @@ test('what is of the same topic takes the place of what waits, not of what is sa
   assert.deepEqual(lines, ['one begins', 'two stopped', 'one done', 'else begins', 'else done', 'three begins', 'three done']);
 });
 
-test('quiet speaks where nothing is said, and is refused elsewhere, over HTTP with 409', async () => {
+test('quiet speaks only in silence, and is otherwise refused, over HTTP with 409', async () => {
   const lines = await during(async () => {
     speak('first', { mode: 'quiet', text: long });
     await stream.wait({ type: 'begin', id: 'first' });
@@ -109,7 +109,7 @@ test('quiet speaks where nothing is said, and is refused elsewhere, over HTTP wi
   await room.close();
 });
 
-test('what is wrong is told', async () => {
+test('reports invalid values', async () => {
   stream.messages.length = 0;
   speak('x', { priority: 'highest' });
   assert.match((await stream.wait({ type: 'error', id: 'x', field: 'priority' })).message, /background, chat, alarm/);
@@ -120,7 +120,7 @@ test('what is wrong is told', async () => {
   assert.equal((await daemon.get('/v1/events?room=hall&watch=perhaps')).status, 400);
 });
 
-test('who looks on is no listener: what is held waits for one, alarms first, and is given up with a word', async () => {
+test('an observer is not a listener: held speech waits for one, alarms first, and expires with a message', async () => {
   const own = await Daemon.start(['--hold', '2']);
   const say = async (id, query = '') => (await own.get(`/v1/say?room=hall&lang=it&id=${id}${query}`, { method: 'POST', body: 'Sì.' })).json();
   const desk = await own.stream('?lang=it&room=hall&watch=1');

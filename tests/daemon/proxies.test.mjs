@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two daemons behind nginx, and behind HAProxy, with the files of server/packaging and TLS: all of a room is at one daemon, whoever comes and however;
-// when that daemon is gone, the room goes on at the other.
+// Two daemons behind nginx, and behind HAProxy, with the files of server/packaging and TLS: all clients of a room reach one daemon; when
+// that daemon stops, the room continues at the other.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -73,7 +73,7 @@ const say = (port, room, text) => {
 const roomsOf = async (daemon) => (await (await daemon.get('/v1/rooms')).json()).rooms.filter(({ listeners }) => listeners).map(({ name }) => name);
 
 for (const [name, command] of Object.entries(proxies))
-  test(`${name}: a room is at one daemon, for faces that join and for those whose address names it; it outlives that daemon`, async () => {
+  test(`${name}: routes all clients of a room to one daemon, and to another when it dies`, async () => {
     const port = await free();
     const proxy = spawn(...command(port), { stdio: ['ignore', 'ignore', 'pipe'] });
     const exited = once(proxy, 'exit');

@@ -15,7 +15,7 @@ let daemon;
 before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-test('there are examples', () => {
+test('finds the examples', () => {
   assert.ok(examples('stream').length >= 6);
   assert.ok(examples('http').length >= 5);
 });

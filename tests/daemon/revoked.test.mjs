@@ -36,9 +36,9 @@ const revoke = async (daemon, body, by = master) => {
 };
 const faccia = (...words) => spawnSync(path.join(build, 'server/cli/faccia'), ['token', ...words], { encoding: 'utf8' });
 const hup = async (daemon) => {
-  const before = daemon.log.split('settings read anew').length;
+  const before = daemon.log.split('settings reloaded').length;
   daemon.process.kill('SIGHUP');
-  await eventually(() => daemon.log.split('settings read anew').length > before, 'the settings to be read');
+  await eventually(() => daemon.log.split('settings reloaded').length > before, 'the settings to be read');
 };
 
 let daemon;
@@ -48,7 +48,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('what `faccia token` makes can be taken back by what it prints for it, and nothing else is', async () => {
+test('the revocation printed for a token revokes that token only', async () => {
   const [one, other] = ['one', 'other'].map(() => ({ text: faccia('--secret-file', secrets, '--subject', 'anna').stdout.trim() }));
   const { jti, iat, exp } = JSON.parse(Buffer.from(one.text.split('.')[1], 'base64url'));
   assert.match(jti, /^[0-9a-f]{32}$/);
@@ -78,7 +78,7 @@ test('what `faccia token` makes can be taken back by what it prints for it, and 
   assert.equal(await code(daemon, one), 'revoked-token');
 });
 
-test('all of a subject that was issued up to a time', async () => {
+test('revokes all tokens of a subject issued up to a time', async () => {
   const [old, dateless, young] = [{ iat: now() - 60 }, { iat: undefined }, { iat: now() + 20 }].map((more) => make({ sub: 'Bruno B.', ...more }));
   const line = faccia('--revoke-subject', 'Bruno B.', '--expires', '1d').stdout;
   assert.match(line, /^subject \d+ \d+ Bruno B\.\n$/);
@@ -88,7 +88,7 @@ test('all of a subject that was issued up to a time', async () => {
   assert.equal(await code(daemon, make({ sub: 'Bruno' })), 'well');
 });
 
-test('over HTTP: a token, an id, a subject; who asks may be the one', async () => {
+test('over HTTP: revokes a token, an id, a subject; the requesting token may be one of them', async () => {
   const [one, two, three, self] = [make(), make(), make({ sub: 'carla' }), make({ sub: 'dora' })];
   assert.deepEqual(await revoke(daemon, { token: one.text }), { type: 'revoked', exp: JSON.parse(Buffer.from(one.text.split('.')[1], 'base64url')).exp });
   assert.equal((await revoke(daemon, { jti: two.jti, exp: now() + 600 })).type, 'revoked');
@@ -100,7 +100,7 @@ test('over HTTP: a token, an id, a subject; who asks may be the one', async () =
   assert.equal(await revoke(daemon, { token: make().text }, make({ room: 'hall' })), '403 forbidden');
 });
 
-test('what cannot be taken back is told', async () => {
+test('reports what cannot be revoked', async () => {
   const cases = [
     ['{', '400 bad-json'], ['[]', '400 missing-field token'], ['{}', '400 missing-field token'], ['{"token":7}', '400 missing-field token'],
     [{ token: 'x' }, '400 bad-field token'], [{ token: sign({ secret: `${secret}.`, claims: { jti: 'x' } }) }, '400 bad-field token'], [{ token: sign({ secret }) }, '400 bad-field token'],
@@ -114,19 +114,19 @@ test('what cannot be taken back is told', async () => {
     file('revoked', '# fine', line);
     const log = daemon.log.length;
     daemon.process.kill('SIGHUP');
-    await eventually(() => /revoked:2:1|must be 'token UNTIL JTI'[^]*settings stay as they were/.test(daemon.log.slice(log)), line);
+    await eventually(() => /revoked:2:1|must be 'token UNTIL JTI'[^]*keeping the current settings/.test(daemon.log.slice(log)), line);
   }
   fs.chmodSync(path.join(folder, 'revoked'), 0o666);
   const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', '--revoked-file', path.join(folder, 'revoked')], { encoding: 'utf8', timeout: 20000 });
   assert.equal(status, 1);
-  assert.match(stderr, /revoked: others than its owner may write it/);
+  assert.match(stderr, /revoked: users other than its owner can write it/);
   fs.chmodSync(path.join(folder, 'revoked'), 0o600);
   file('revoked', '');
   for (const words of [['--revoke', 'x'], ['--secret-file', secrets], ['--revoke-subject', 'x', '--subject', 'y']]) assert.equal(faccia(...words).status, 2);
   assert.match(faccia('--secret-file', secrets, '--revoke', sign({ secret })).stderr, /has no 'jti'/);
 });
 
-test('more than are kept: those that end first make room, and the rest stays', async () => {
+test('a full list drops the revocations that expire first', async () => {
   const lines = Array.from({ length: 4000 }, (_, i) => `token ${now() + 10000 + i} many ${i}`);
   file('revoked', ...lines, `token ${now() + 99999} the last`);
   await hup(daemon);
@@ -137,7 +137,7 @@ test('more than are kept: those that end first make room, and the rest stays', a
   file('revoked', '');
 });
 
-test('of all daemons of a cluster: those that are there, those that start later, and until it has expired', async () => {
+test('across a cluster: revokes at all daemons, including later ones, until the token expires', async () => {
   const redis = await Redis.start();
   const daemons = new Set();
   const start = async (...more) => {
@@ -175,13 +175,13 @@ test('of all daemons of a cluster: those that are there, those that start later,
     redis.cli('flushall');
     await late();
     // Redis drops expired entries, too; malformed entries do no harm
-    const kept = Number(redis.cli('zcard', 'faccia:board:marks'));
+    const kept = Number(redis.cli('zcard', 'faccia:presence:marks'));
     await revoke(a, { jti: 'short', exp: now() + 3 });
-    await eventually(() => Number(redis.cli('zcard', 'faccia:board:marks')) === kept + 1, 'it to be written up');
-    await eventually(() => Number(redis.cli('zcard', 'faccia:board:marks')) === kept, 'it to be forgotten');
-    assert.equal(redis.cli('zscore', 'faccia:board:ends', 'short').trim(), '');
-    const PUT = `redis.call('ZADD', 'faccia:board:marks', 1, ARGV[1]) redis.call('ZADD', 'faccia:board:ends', ARGV[2], ARGV[1])
-      redis.call('ZADD', 'faccia:board:changes', redis.call('INCR', 'faccia:board:count'), '* ' .. ARGV[1])`;
+    await eventually(() => Number(redis.cli('zcard', 'faccia:presence:marks')) === kept + 1, 'it to be written up');
+    await eventually(() => Number(redis.cli('zcard', 'faccia:presence:marks')) === kept, 'it to be forgotten');
+    assert.equal(redis.cli('zscore', 'faccia:presence:ends', 'short').trim(), '');
+    const PUT = `redis.call('ZADD', 'faccia:presence:marks', 1, ARGV[1]) redis.call('ZADD', 'faccia:presence:ends', ARGV[2], ARGV[1])
+      redis.call('ZADD', 'faccia:presence:changes', redis.call('INCR', 'faccia:presence:count'), '* ' .. ARGV[1])`;
     for (const [name, until] of [['token', '1e300'], ['token x', '9e15'], [`token t${'0'.repeat(32)} -5 9`, '9e15'], [`token s${'0'.repeat(32)} 5 5 5`, '1e300'], [`token ${'t'.repeat(90)} 5 5`, '9e15']])
       redis.cli('eval', PUT, '0', name, until);
     const last = make();

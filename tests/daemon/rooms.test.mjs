@@ -23,7 +23,7 @@ const enter = async (room, daemonOf = daemon, options = {}) => {
   return stream;
 };
 
-test('what one says, all hear, to the byte; nobody elsewhere does', async () => {
+test('a room’s speech reaches all its listeners, identical to the byte, and no one else', async () => {
   const [speaker, ...listeners] = await Promise.all([1, 2, 3, 4].map(() => enter('hall')));
   const elsewhere = await enter('cellar');
   const alone = await daemon.stream();
@@ -44,7 +44,7 @@ test('what one says, all hear, to the byte; nobody elsewhere does', async () => 
   for (const stream of [speaker, ...listeners, elsewhere, alone]) await stream.close();
 });
 
-test('who comes late hears what is going on, from where it is', async () => {
+test('a late joiner hears current speech from its current position', async () => {
   const speaker = await enter('late');
   speaker.send({ type: 'speak', id: 's', lang: 'it', text });
   const second = await speaker.wait((m) => m.type === 'sentence' && m.start > 0);
@@ -65,7 +65,7 @@ test('who comes late hears what is going on, from where it is', async () => {
   await speaker.close();
 });
 
-test('rooms are made by entering, listed, left, and gone with the last', async () => {
+test('creates rooms on entering, lists them, and removes them with the last member', async () => {
   const rooms = async () => (await (await daemon.get('/v1/rooms')).json()).rooms.filter((room) => room.name.startsWith('made'));
   const stream = await daemon.stream();
   stream.send({ type: 'join', room: 'made' });
@@ -89,7 +89,7 @@ test('rooms are made by entering, listed, left, and gone with the last', async (
   await stream.close();
 });
 
-test('the number of rooms is bounded', async () => {
+test('limits the number of rooms', async () => {
   const small = await Daemon.start(['--max-rooms', '2']);
   const kept = [await enter('a', small), await enter('b', small)];
   const third = await small.stream('?room=c');
@@ -100,7 +100,7 @@ test('the number of rooms is bounded', async () => {
   assert.equal((await small.stop()).code, 0);
 });
 
-test('idling in a room: for members that want it, as long as one does', async () => {
+test('idling in a room reaches members that want it, and lasts while one does', async () => {
   const [a, b] = [await enter('quiet'), await enter('quiet')];
   a.send({ type: 'idle', on: true, seed: 3 });
   await a.until(() => a.chunks.filter((c) => c.utterance === 0).length > 3);
@@ -113,7 +113,7 @@ test('idling in a room: for members that want it, as long as one does', async ()
   await b.close();
 });
 
-test('what media are wanted, each as he likes; unknown codecs are refused', async () => {
+test('each listener selects its media; unknown codecs are refused', async () => {
   const all = await enter('codecs');
   const faces = await daemon.stream('?room=codecs&audio=none&fap=plain');
   const sounds = await daemon.stream('?room=codecs&audio=pcm&fap=none');
@@ -130,7 +130,7 @@ test('what media are wanted, each as he likes; unknown codecs are refused', asyn
   for (const stream of [all, faces, sounds, texts]) await stream.close();
 });
 
-test('events for the shell, as they come', async () => {
+test('prints room events for shell scripts, as they happen', async () => {
   const room = await enter('shell');
   const response = await daemon.get('/v1/events?room=shell');
   assert.equal(response.headers.get('content-type'), 'text/event-stream');
@@ -149,7 +149,7 @@ test('events for the shell, as they come', async () => {
   assert.equal((await daemon.get('/v1/events')).status, 400);
 });
 
-test('a word from the shell into a room', async () => {
+test('speaks a word from the shell in a room', async () => {
   const room = await enter('kitchen');
   const say = (query, body) => daemon.get(`/v1/say?${query}`, { method: 'POST', body });
   assert.deepEqual((await say('room=kitchen&lang=it', 'A tavola!')).status, 202);
@@ -165,7 +165,7 @@ test('a word from the shell into a room', async () => {
   await room.close();
 });
 
-test('a member that reads nothing is moved on, and holds nobody up', async () => {
+test('a member that stops reading skips media, and delays no one', async () => {
   const small = await Daemon.start(['--send-bytes', '20000', '--send-bytes-max', '1000000', '--stall-seconds', '60']);
   const speaker = await enter('slow', small);
   const slow = await enter('slow', small);
@@ -181,7 +181,7 @@ test('a member that reads nothing is moved on, and holds nobody up', async () =>
   assert.equal((await small.stop()).code, 0);
 });
 
-test('with tokens: listeners listen, speakers speak, each in his room', async () => {
+test('with tokens: listeners listen, speakers speak, each in its room', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-rooms-'));
   const secrets = path.join(folder, 'secrets');
   fs.writeFileSync(secrets, 'x'.repeat(40));
@@ -213,7 +213,7 @@ test('with tokens: listeners listen, speakers speak, each in his room', async ()
   fs.rmSync(folder, { recursive: true });
 });
 
-test('1000 connections that come and go leave nothing behind', async () => {
+test('1000 short connections leak nothing', async () => {
   const busy = await Daemon.start(['--max-connections', '2000']);
   for (let round = 0; round < 10; round++) {
     const sockets = await Promise.all(

@@ -35,7 +35,7 @@ async function ask(method, name = '', { body, token = operator, ...headers } = {
 }
 const put = (name, body, headers) => ask('PUT', name, { body, ...headers });
 
-test('a scene is kept, read, changed, listed and removed', async () => {
+test('stores, reads, changes, lists and removes a scene', async () => {
   assert.deepEqual((await ask('GET')).json, { scenes: [] });
   const first = await put('pranzo', scene());
   assert.equal(first.status, 201);
@@ -56,7 +56,7 @@ test('a scene is kept, read, changed, listed and removed', async () => {
   assert.equal((await ask('DELETE', 'pranzo')).code, 'unknown-scene');
 });
 
-test('of many who have seen the same, one saves; the others are told', async () => {
+test('of several clients that saw the same version, one saves; the others get a conflict', async () => {
   const { etag } = await put('sera', scene());
   const all = await Promise.all(Array.from({ length: 12 }, (_, i) => put('sera', scene(`Numero ${i}.`), { 'if-match': etag })));
   assert.deepEqual(all.map(({ status }) => status).sort(), [200, ...Array(11).fill(412)]);
@@ -93,7 +93,7 @@ const wrong = [
   [scene('x'.repeat(20000)), 'document-too-long', undefined],
   [`${'['.repeat(9000)}`, 'bad-json', undefined],
 ];
-test('what is no scene is refused, with its place, and changes nothing', async () => {
+test('rejects an invalid scene with its position, and changes nothing', async () => {
   const { etag } = await put('ieri', scene());
   for (const [body, code, field] of wrong) {
     const refused = await put('ieri', body, { 'if-match': etag });
@@ -104,7 +104,7 @@ test('what is no scene is refused, with its place, and changes nothing', async (
   assert.equal((await ask('DELETE', 'ieri', { 'if-match': etag })).status, 200);
 });
 
-test('names stay in the folder', async () => {
+test('rejects names that lead out of the folder', async () => {
   fs.writeFileSync(path.join(folder, 'outside.json'), scene('Fuori.'));
   for (const name of ['..%2Foutside', '%2e%2e%2foutside', '.hidden', 'caff%C3%A8', 'a%20b', 'x'.repeat(65), 'a%2Fb', '%5c..%5coutside'])
     for (const method of ['GET', 'PUT', 'DELETE']) {
@@ -116,9 +116,9 @@ test('names stay in the folder', async () => {
   assert.equal((await ask('POST')).status, 405);
 });
 
-test('bounded: as many as may be kept; a folder that cannot be written', async () => {
+test('limits the number of scenes; reports a folder that cannot be written', async () => {
   for (const name of ['a', 'b', 'c', 'd']) assert.equal((await put(name, scene())).status, 201);
-  assert.deepEqual(await put('e', scene()).then(({ status, code }) => [status, code]), [507, 'shelf-full']);
+  assert.deepEqual(await put('e', scene()).then(({ status, code }) => [status, code]), [507, 'store-full']);
   assert.equal((await put('d', scene('Altro.'), { 'if-match': '*' })).status, 200);
   fs.renameSync(kept, `${kept}-away`);
   assert.deepEqual(await put('d', scene(), { 'if-match': '*' }).then(({ status, code }) => [status, code]), [500, 'cannot-keep']);
@@ -127,7 +127,7 @@ test('bounded: as many as may be kept; a folder that cannot be written', async (
   for (const name of ['a', 'b', 'c', 'd']) assert.equal((await ask('DELETE', name, { 'if-match': '*' })).status, 200);
 });
 
-test('rights: who operates changes them, who speaks reads them, others do not', async () => {
+test('rights: operators change scenes, speakers read them, others do neither', async () => {
   await put('turno', scene());
   const who = (claims) => sign({ secret, claims });
   const rights = async (token) => [
@@ -141,7 +141,7 @@ test('rights: who operates changes them, who speaks reads them, others do not', 
   assert.equal((await put('turno', scene(), { 'if-match': '*', origin: 'https://elsewhere.example' })).code, 'forbidden-origin');
 });
 
-test('who hangs up in the middle of a body leaves what is there as it was', async () => {
+test('a client that disconnects inside a body leaves the old version unchanged', async () => {
   const before = await ask('GET', 'turno');
   for (const part of ['', scene().slice(0, 9)]) {
     const socket = net.connect(daemon.port, '127.0.0.1');

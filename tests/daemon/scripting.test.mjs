@@ -48,7 +48,7 @@ const interpreters = {
   },
 };
 
-test('every example is in a language that is run here', () => {
+test('every example is in a language that this test runs', () => {
   assert.ok(examples.length >= 8);
   for (const { language } of examples) assert.ok(language in interpreters, language);
 });
@@ -74,7 +74,7 @@ for (const { language, room, needs, stdin, code } of examples) {
   });
 }
 
-test('a close in the text protocol is answered when all has been said', async () => {
+test('answers a close in the text protocol when everything has been spoken', async () => {
   const { default: WebSocket } = await import('ws');
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it`, ['faccia.text.v1']);
   const lines = [];
@@ -93,7 +93,7 @@ test('a close in the text protocol is answered when all has been said', async ()
   await once(silent, 'close');
 });
 
-test('those who type are told all that happens, in lines, also when they come later', async () => {
+test('text clients get all events as lines, also when they join late', async () => {
   const { default: WebSocket } = await import('ws');
   const open = async (query) => {
     const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?${query}`, ['faccia.text.v1']);
@@ -136,7 +136,7 @@ test('those who type are told all that happens, in lines, also when they come la
   second.close();
 });
 
-test('the files that curl wrote are what they are called', () => {
+test('files written by curl have the types that their names say', () => {
   const bytes = (name) => fs.readFileSync(path.join(folder, name));
   assert.equal(bytes('mamma.wav').toString('latin1', 0, 4), 'RIFF');
   assert.equal(bytes('mamma.ogg').toString('latin1', 28, 36), 'OpusHead');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the daemon says against its declaration (protocol/messages.json): no message holds a member that is not declared, and each
-// declared message and member is said by a daemon that is brought to it here. So neither can be changed alone.
+// Compares the daemon's messages with their declaration (protocol/messages.json): no message has an undeclared member, and every declared
+// message and member is provoked here. So neither can change alone.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -90,16 +90,16 @@ async function together() {
     stream.send(message);
     await stream.wait(told);
   }
-  await desk.wait({ type: 'desks', desks: [{ name: 'Anna', speaks: true }] });
+  await desk.wait({ type: 'observers', observers: [{ name: 'Anna', speaks: true }] });
   stream.send({ type: 'media', blocked: true });
-  desk.send({ type: 'speak', id: 'a', text: 'Sì.', again: true }); // of another daemon than the one that speaks in the room
+  desk.send({ type: 'speak', id: 'a', text: 'Sì.', again: true }); // of a daemon that does not lead the room
   await stream.wait({ type: 'begin', id: 'a', again: true });
   await stream.wait({ type: 'end', id: 'a', blocked: true });
   stream.send({ type: 'leave' });
   await stream.wait({ type: 'left', room: 'hall' });
 }
 
-test('all that it says is declared, and all that is declared it says', async () => {
+test('declares all messages, and sends every declared message', async () => {
   await alone();
   await together();
   const said = new Set();

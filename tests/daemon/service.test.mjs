@@ -19,16 +19,16 @@ const analyze = (...args) => {
 const settings = (name) =>
   fs.readFileSync(unit, 'utf8').split('\n').filter((line) => line.startsWith(`${name}=`)).map((line) => line.slice(name.length + 1));
 
-test('systemd finds little that is open', () => {
+test('systemd-analyze rates the exposure of the unit as low', () => {
   const [, exposure] = analyze('security', '--offline=true', unit).match(/exposure level for facciad\.service: ([\d.]+)/);
   assert.ok(Number(exposure) < 3, exposure);
 });
 
-test('workers may put themselves into namespaces and behind filters', () => {
+test('workers may enter namespaces and filters', () => {
   assert.deepEqual(settings('RestrictNamespaces').join(' ').split(' ').sort(), ['ipc', 'net', 'user']);
 });
 
-test('it takes no more of the memory than leaves the machine to others', () => {
+test('limits memory to a share of the machine', () => {
   const percent = (name) => Number(settings(name).join().match(/^(\d+)%$/)?.[1]);
   const [high, most] = [percent('MemoryHigh'), percent('MemoryMax')];
   assert.ok(high >= 20 && high < most && most <= 90, `MemoryHigh=${high}% MemoryMax=${most}%`);

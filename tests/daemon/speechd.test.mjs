@@ -64,7 +64,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('it is loaded, set, lists its voices and quits', async () => {
+test('loads, is configured, lists its voices and quits', async () => {
   const module = load();
   module.send('INIT');
   await module.told('299 OK LOADED SUCCESSFULLY');
@@ -85,7 +85,7 @@ test('it is loaded, set, lists its voices and quits', async () => {
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
-test('where nobody looks on, the sound and its index marks go to the server', async () => {
+test('without observers, sends the sound and its index marks to the server', async () => {
   const module = load();
   module.send('SET', 'synthesis_voice=espeak:it', '.');
   await module.speak('<speak>Prima frase. <mark name="__spd_1"/> Seconda\nfrase.</speak>');
@@ -109,7 +109,7 @@ test('where nobody looks on, the sound and its index marks go to the server', as
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
-test('a wrong language, voice or markup is not silence', async () => {
+test('a wrong language, voice or markup does not cause silence', async () => {
   const module = load();
   const spoken = async (text) => {
     await module.speak(text);
@@ -144,7 +144,7 @@ test('a wrong language, voice or markup is not silence', async () => {
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
-test('a mark’s name writes no lines of the protocol', async () => {
+test('the name of a mark cannot inject protocol lines', async () => {
   const module = load();
   const screen = await daemon.stream('?room=desk&lang=it');
   await screen.wait({ type: 'joined' });
@@ -170,7 +170,7 @@ test('a mark’s name writes no lines of the protocol', async () => {
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
-test('where somebody looks on, the face reads it; stop and pause are obeyed at once', async () => {
+test('with an observer, the face reads; stop and pause act at once', async () => {
   const screen = await daemon.stream('?room=desk');
   await screen.wait({ type: 'joined' });
   const module = load();
@@ -202,7 +202,7 @@ test('where somebody looks on, the face reads it; stop and pause are obeyed at o
   await screen.close();
 });
 
-test('a daemon that is not there, or goes, stops the message and no more', async () => {
+test('a missing or lost daemon stops only the message', async () => {
   const own = await Daemon.start();
   const file = path.join(folder, 'own.conf');
   fs.writeFileSync(file, `FacciaUrl "${own.url}"\nFacciaRoom desk\n`);
@@ -221,7 +221,7 @@ test('a daemon that is not there, or goes, stops the message and no more', async
   assert.equal(await module.child.exited, 0, module.child.log);
 });
 
-test('under the real speech-dispatcher spd-say is spoken', async () => {
+test('spd-say speaks through the real speech-dispatcher', async () => {
   const modules = path.join(folder, 'programs'), socket = path.join(folder, 'socket');
   fs.mkdirSync(modules);
   fs.symlinkSync(program, path.join(modules, 'sd_faccia'));

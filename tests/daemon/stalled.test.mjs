@@ -49,7 +49,7 @@ async function left(daemon) {
   assert.deepEqual(await ask(), [{ name: 'hall', followers: 2, listeners: 2, speaks: true }]);
 }
 
-test('one in a room who reads nothing is let go, with the reason in the log', async (t) => {
+test('disconnects a room member that stops reading, with the reason in the log', async (t) => {
   const daemon = await start(t, '--stall-seconds', '2');
   const { speaker, done } = await room(daemon, 'hall');
   for (const query of [`&${pcm}`, '']) await stuck(t, daemon, `/v1/stream?room=hall${query}`);
@@ -63,7 +63,7 @@ test('one in a room who reads nothing is let go, with the reason in the log', as
   await done();
 });
 
-test('one in a room who reads again is at the live edge, and is told that media were left out', async (t) => {
+test('a room member that resumes reading is at the live edge, and learns that media were dropped', async (t) => {
   const daemon = await start(t, '--lag-seconds', '1', '--stall-seconds', '600');
   const { speaker, done } = await room(daemon, 'hall');
   const slow = await stuck(t, daemon, `/v1/stream?room=hall&${pcm}`);
@@ -88,7 +88,7 @@ test('one in a room who reads again is at the live edge, and is told that media 
   assert.deepEqual(words(heard), words(speaker.messages).slice(0, words(heard).length));
 });
 
-test('a stream of one’s own waits, then is closed; so is a request', async (t) => {
+test('a private stream waits, then is closed; so is a request', async (t) => {
   const daemon = await start(t, '--stall-seconds', '3');
   await stuck(t, daemon, `/v1/stream?${pcm}`, speak);
   const before = megabytes(daemon);
@@ -104,7 +104,7 @@ test('a stream of one’s own waits, then is closed; so is a request', async (t)
   await stream.close();
 });
 
-test('one that answers no ping is let go; one that says nothing but answers stays', async (t) => {
+test('disconnects a client that answers no ping; keeps a silent one that answers', async (t) => {
   const daemon = await start(t, '--ping-seconds', '1');
   const mute = await daemon.stream('', { autoPong: false }), quiet = await daemon.stream();
   const pings = { mute: 0, quiet: 0 };
@@ -120,7 +120,7 @@ test('one that answers no ping is let go; one that says nothing but answers stay
   await quiet.close();
 });
 
-test('listeners that are cut off cost the others nothing', async (t) => {
+test('disconnected listeners do not affect the others', async (t) => {
   const daemon = await start(t);
   const { speaker, done } = await room(daemon, 'hall');
   speaker.send({ type: 'speak', text });

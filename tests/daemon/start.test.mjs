@@ -22,7 +22,7 @@ const wakeUp = () => fs.writeFileSync(gate, '');
 const post = (daemon, query) =>
   daemon.get(`/v1/speech?format=json&${query}`, { method: 'POST', body: 'Bonjour.', headers: { 'content-type': 'text/plain' } });
 
-test('requests wait for the voice that they get when all are there, and for no other', async () => {
+test('requests wait only for the voice that they would get once all have started', async () => {
   fs.rmSync(gate, { force: true });
   const daemon = await start();
   const stream = await daemon.stream();
@@ -55,7 +55,7 @@ test('requests wait for the voice that they get when all are there, and for no o
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('a voice that does not come is waited for no longer than the setting says', async () => {
+test('a voice that does not start delays requests only for the configured time', async () => {
   fs.rmSync(gate, { force: true });
   const daemon = await start('--voice-start', '15');
   const posted = [post(daemon, 'lang=fr'), post(daemon, 'voice=early:late')];
@@ -72,7 +72,7 @@ test('a voice that does not come is waited for no longer than the setting says',
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('when no voice comes at all, health says so, until one does', async () => {
+test('health reports that no voice is available yet', async () => {
   fs.rmSync(gate, { force: true });
   const lonely = path.join(folder, 'lonely');
   fs.mkdirSync(lonely);
@@ -95,7 +95,7 @@ test('when no voice comes at all, health says so, until one does', async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('a client that waits may go, and the daemon may be stopped meanwhile', async () => {
+test('a waiting client may disconnect, and the daemon may be stopped meanwhile', async () => {
   fs.rmSync(gate, { force: true });
   const daemon = await start();
   const [gone, stays] = await Promise.all([daemon.stream(), daemon.stream()]);
@@ -111,7 +111,7 @@ test('a client that waits may go, and the daemon may be stopped meanwhile', asyn
   await posted;
 });
 
-test('the service is ready when its voices are', () => {
+test('reports the service as ready when its voices are', () => {
   const script = `
 import os, socket, subprocess, sys
 heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)

@@ -134,7 +134,7 @@ async function all(daemon, lang) {
   };
 }
 
-test('while the voices are starting, and when they are ready', async () => {
+test('accepts every message and command while the voices are starting, and when they are ready', async () => {
   const daemon = await start(slow);
   const ended = await all(daemon, 'fr');
   assert.equal((await (await daemon.get('/healthz')).json()).status, 'starting');
@@ -151,7 +151,7 @@ async function silent() {
   return server;
 }
 
-test('while the library is being read, Redis says nothing, and no voice is there yet; and later', async () => {
+test('accepts them while reading the library, without Redis and voices; and afterwards', async () => {
   const works = path.join(folder, 'works'), redis = await silent();
   for (const name of ['works', 'media', 'scenes']) fs.mkdirSync(path.join(folder, name));
   for (let i = 0; i < 300; i++) fs.writeFileSync(path.join(works, `${i}.txt`), `Opera ${i}\n\n${'Amore e parola. '.repeat(200)}`);
@@ -168,14 +168,14 @@ test('while the library is being read, Redis says nothing, and no voice is there
   redis.close();
 });
 
-test('without any voice', async () => {
+test('accepts them without any voice', async () => {
   const daemon = await start(none);
   await daemon.logged(/no voice plugin could be started/);
   assert.equal(await (await all(daemon, 'it'))(), 'failed');
   await stops(daemon);
 });
 
-test('when a voice is gone', async () => {
+test('accepts them when a voice is gone', async () => {
   const daemon = await start(espeak);
   await daemon.logged(/ready: /);
   const workers = fs.readFileSync(`/proc/${daemon.process.pid}/task/${daemon.process.pid}/children`, 'utf8').trim().split(' ');
@@ -185,7 +185,7 @@ test('when a voice is gone', async () => {
   await stops(daemon);
 });
 
-test('while it is about to stop', async () => {
+test('accepts them while it is shutting down', async () => {
   const daemon = await start(espeak, { FACCIA_STOP_SECONDS: '20' });
   await daemon.logged(/ready: /);
   const streams = [];

@@ -29,7 +29,7 @@ async function spoken(text, more = {}) {
 }
 
 
-test('pauses are no work of the voice: their sum is bounded, and told with the place', async () => {
+test('limits the sum of pauses without counting them as work of the voice', async () => {
   const text = `<speak>One.${'<break time="10s"/>'.repeat(181)}</speak>`;
   const response = await daemon.get('/v1/speech?format=wav&lang=en', { method: 'POST', body: text, headers: { 'content-type': 'application/ssml+xml' } });
   assert.equal(response.status, 200);
@@ -38,7 +38,7 @@ test('pauses are no work of the voice: their sum is bounded, and told with the p
   assert.ok(seconds > 119 && seconds < 125, `${seconds} s`);
 });
 
-test('a pause between sentences is one of its own, and what comes behind it is spoken', async () => {
+test('keeps a pause between sentences, and speaks the text after it', async () => {
   const said = await spoken('<speak><p>One.</p><break time="300ms"/><p>Two.</p><break/></speak>');
   assert.equal(said.end.reason, 'done');
   assert.deepEqual(said.words, ['One', 'Two']);
@@ -52,7 +52,7 @@ for (const [name, text] of Object.entries({
   'many marks': `<speak>One ${'<mark name="m"/>'.repeat(5000)} two</speak>`,
   'very slow': `<speak><prosody rate="0.2">${'word '.repeat(79)}</prosody></speak>`,
 }))
-  test(`${name}: spoken, or refused as a fault of the text`, async () => {
+  test(`${name}: speaks it, or rejects it as an error in the text`, async () => {
     const response = await post(text, '&rate=40', 'application/ssml+xml');
     const answer = await response.json();
     if (response.status !== 200) assert.match(answer.code, /^(text-too-long|bad-value)$/, JSON.stringify(answer).slice(0, 200));
@@ -76,7 +76,7 @@ for (const [text, words, warned, raw] of [
   ['<div class="answer"><h2>Two things</h2>\n<p>You <strong>should</strong> try <code>this</code>:</p>\n<ol>\n<li>First, <em>look</em>;</li>\n<li>then <a href="https://example.org/?a=1&b=2">read</a>.</li>\n</ol>\n<hr>\n<p>Good&nbsp;luck!</p></div>',
     ['Two', 'things', 'You', 'should', 'try', 'this', 'First', 'look', 'then', 'read', 'Good', 'luck'], 'bad-xml'],
 ])
-  test(`the words of ${JSON.stringify(text)} are spoken`, async () => {
+  test(`speaks the words of ${JSON.stringify(text)}`, async () => {
     const said = await spoken(text);
     assert.deepEqual(said.errors, []);
     assert.equal(said.end.reason, 'done');
@@ -84,13 +84,13 @@ for (const [text, words, warned, raw] of [
     if (warned) assert.ok(said.warnings.some((w) => w.code === warned && w.line && w.column), JSON.stringify(said.warnings));
   });
 
-test('a document that was said to be one is an error with its place', async () => {
+test('reports a document that does not parse as its declared type with its position', async () => {
   const response = await post('<speak>One', '', 'application/ssml+xml');
   const { code, line } = await response.json();
   assert.deepEqual([response.status, code, line], [400, 'bad-xml', 1]);
 });
 
-test('a language is a tag of BCP 47, or is refused with its place', async () => {
+test('rejects a language that is not a BCP 47 tag with its position', async () => {
   for (const lang of ['it\r\nX: y', 'en"><script>', 'e', 'en--us', '-en', 'en-', 'toolongsubtag', '12', 'en_', 'en_US_x', 'en_USA', 'C', 'en_US.', 'en_US.UTF-8\r\n', 'a-b']) {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', id: 'a', lang, text: 'Hello.' });
@@ -110,7 +110,7 @@ test('a language is a tag of BCP 47, or is refused with its place', async () => 
   }
 });
 
-test('the word behind a dash is reported, in each language', async () => {
+test('reports the word after a dash, in each language', async () => {
   for (const [lang, text, words] of [
     ['en', '- Who is it?\n- Me.', ['Who', 'is', 'it', 'Me']],
     ['it', '- Chi parla?\n- Sono io.', ['Chi', 'parla', 'Sono', 'io']],
@@ -123,7 +123,7 @@ test('the word behind a dash is reported, in each language', async () => {
   }
 });
 
-test('private-use characters are what they are', async () => {
+test('keeps private-use characters and warns that they are unspoken', async () => {
   const stream = await daemon.stream();
   for (const character of ['\u{10d83d}', '\u{10de00}', '\ufdef', '\ufdef\ufdd0\ufdd1\ufdd2'])
     for (const written of [character, [...character].flatMap((c) => c.split('')).map((unit) => `\\u${unit.charCodeAt(0).toString(16).padStart(4, '0')}`).join('')]) {
@@ -138,7 +138,7 @@ test('private-use characters are what they are', async () => {
   await stream.close();
 });
 
-test('two halves of a character in two pieces of an open text are one', async () => {
+test('joins two halves of a character from two pieces of an open text', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', open: true, id: 'a', lang: 'en', text: 'I love \ud83c' });
   stream.send({ type: 'text', id: 'a', text: '\udf55 and \ud83d' });
@@ -158,7 +158,7 @@ test('two halves of a character in two pieces of an open text are one', async ()
   await stream.close();
 });
 
-test('whatever is refused is answered with its id', async () => {
+test('answers every refused message with its id', async () => {
   const stream = await daemon.stream();
   for (const [i, [message, code]] of [
     ['{"type":"speak","text":5,"id":"#"}', 'bad-field'],

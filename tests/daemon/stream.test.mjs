@@ -18,7 +18,7 @@ async function speak(request) {
   return { ...stream, end };
 }
 
-test('hello comes at once and says what is on offer', async () => {
+test('sends hello first, with the offer', async () => {
   const stream = await daemon.stream();
   const hello = await stream.wait({ type: 'hello' });
   assert.equal(stream.messages[0], hello);
@@ -51,7 +51,7 @@ test('chunks follow each other without a gap and hold the frames of their interv
 });
 
 for (const fps of [25, 29.97, 30, 50, 60, 120])
-  test(`frames at ${fps} per second`, async () => {
+  test(`sends ${fps} frames per second`, async () => {
     const { chunks, end } = await speak({ text: 'Papà.', lang: 'it', fps });
     const frames = framesOf(chunks);
     assert.ok(Math.abs(frames.length - end.duration * fps) <= 1);
@@ -65,7 +65,7 @@ test('the mouth opens on vowels, and is at rest at the beginning and the end', a
   assert.ok(jaw.at(-1) < 60, `jaw at the end ${jaw.at(-1)}`);
 });
 
-test('words tell their place in bytes and in UTF-16 units', async () => {
+test('reports word positions in bytes and in UTF-16 units', async () => {
   const text = '😀 Perché così? Città è più.';
   const { messages } = await speak({ text, lang: 'it' });
   const words = messages.filter((m) => m.type === 'word');
@@ -80,7 +80,7 @@ test('words tell their place in bytes and in UTF-16 units', async () => {
   for (const wanted of ['Perché', 'così', 'Città', 'è', 'più']) assert.ok(words.some((w) => w.text === wanted), wanted);
 });
 
-test('events come before the chunk in which they begin, media at most half a second early', async () => {
+test('sends events before their chunk, and media at most half a second early', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', lang: 'it', text: 'Questa è una frase piuttosto lunga, che dura ben più di due secondi.' });
   await stream.wait({ type: 'end' });
@@ -97,7 +97,7 @@ test('events come before the chunk in which they begin, media at most half a sec
   await stream.close();
 });
 
-test('the first media of a long text leave long before the last sentence', async () => {
+test('sends the first media of a long text long before the last sentence is generated', async () => {
   const stream = await daemon.stream();
   const started = performance.now();
   stream.send({ type: 'speak', lang: 'it', text: 'Una frase come tante altre. '.repeat(3000) });
@@ -109,7 +109,7 @@ test('the first media of a long text leave long before the last sentence', async
   await stream.close();
 });
 
-test('utterances queue; stop ends every one of them; the next speaks', async () => {
+test('queues utterances; stop ends every one of them; the next speaks', async () => {
   const stream = await daemon.stream();
   for (const id of ['a', 'b', 'c']) stream.send({ type: 'speak', id, lang: 'it', text: 'Uno, due, tre, quattro, cinque.' });
   await stream.until(() => stream.chunks.length > 0);
@@ -145,7 +145,7 @@ test('the same seed gives the same face', async () => {
   assert.ok(difference(one, other) > 4 * difference(one, again), `${difference(one, again)}, ${difference(one, other)}`);
 });
 
-test('the head model comes over the socket once, part by part', async () => {
+test('sends the head model over the socket once, part by part', async () => {
   const stream = await daemon.stream();
   const { models } = await stream.wait({ type: 'hello' });
   assert.ok(models.length > 0);

@@ -56,8 +56,8 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('a certificate of its own: made once, its fingerprint told, its key nobody else’s', async () => {
-  const [, told] = await daemon.logged(/fingerprint is ((?:[0-9A-F]{2}:){31}[0-9A-F]{2})/);
+test('a self-signed certificate: created once, its fingerprint logged, its key private', async () => {
+  const [, told] = await daemon.logged(/fingerprint: ((?:[0-9A-F]{2}:){31}[0-9A-F]{2})/);
   assert.match(execFileSync('openssl', ['x509', '-in', path.join(own, 'cert.pem'), '-noout', '-fingerprint', '-sha256'], { encoding: 'utf8' }), new RegExp(`=${told}`));
   assert.equal((await shake()).fingerprint, told);
   assert.equal(fs.statSync(path.join(own, 'key.pem')).mode & 0o777, 0o600);
@@ -71,7 +71,7 @@ test('a certificate of its own: made once, its fingerprint told, its key nobody 
   assert.match(daemon.log, /listening on https:/);
 });
 
-test('one that has ended is made anew', async () => {
+test('replaces an expired one', async () => {
   const old = file('old');
   fs.mkdirSync(old);
   certify('ended', 2); // expires before the next check
@@ -83,7 +83,7 @@ test('one that has ended is made anew', async () => {
   assert.notEqual(fs.readFileSync(path.join(old, 'cert.pem'), 'utf8'), before);
 });
 
-test('requests, long answers, long bodies and speech come over it as they are', async () => {
+test('requests, long answers, long bodies and speech work over TLS', async () => {
   const health = await ask('/healthz');
   assert.deepEqual([health.status, health.headers['strict-transport-security']], [200, 'max-age=3600']);
   const [{ name }] = JSON.parse((await ask('/v1/models')).body).models;
@@ -101,7 +101,7 @@ test('requests, long answers, long bodies and speech come over it as they are', 
   await stream.close();
 });
 
-test('on one connection request follows request, also written at once', async () => {
+test('serves several requests on one connection, pipelined too', async () => {
   const socket = tls.connect({ host: '127.0.0.1', port: daemon.port, ca });
   await once(socket, 'secureConnect');
   let heard = '';
@@ -113,7 +113,7 @@ test('on one connection request follows request, also written at once', async ()
   assert.equal(heard.split('HTTP/1.1 200').length, 5);
 });
 
-test('TLS 1.2 and later, HTTP/1.1 alone: by ALPN, by prior knowledge, by an upgrade', async () => {
+test('TLS 1.2 and later, HTTP/1.1 only: by ALPN, by prior knowledge, by an upgrade', async () => {
   assert.equal((await shake()).protocol, 'TLSv1.3');
   assert.equal((await shake({ maxVersion: 'TLSv1.2' })).protocol, 'TLSv1.2');
   await assert.rejects(shake({ minVersion: 'TLSv1', maxVersion: 'TLSv1.1', ciphers: 'DEFAULT@SECLEVEL=0' }), /alert|version|protocol/i);
@@ -137,7 +137,7 @@ test('TLS 1.2 and later, HTTP/1.1 alone: by ALPN, by prior knowledge, by an upgr
   assert.equal((await ask('/healthz')).status, 200);
 });
 
-test('this machine’s own programs may come without it; what is neither is cut, and costs nobody else anything', async () => {
+test('local programs may connect without TLS; anything else is disconnected, without affecting others', async () => {
   assert.equal((await daemon.get('/healthz')).status, 200);
   const stream = await daemon.stream('?lang=it');
   stream.send({ type: 'speak', id: 'a', text: 'Ciao.' });
@@ -151,7 +151,7 @@ test('this machine’s own programs may come without it; what is neither is cut,
   await daemon.left(1);
 });
 
-test('whoever leaves in a handshake, in a long answer or in speech is forgotten', async () => {
+test('cleans up after clients that disconnect during a handshake, a long answer or speech', async () => {
   for (let i = 0; i < 20; i++) {
     const socket = tls.connect({ host: '127.0.0.1', port: daemon.port, ca }).on('error', () => {});
     if (i % 2) await once(socket, 'secureConnect');
@@ -162,7 +162,7 @@ test('whoever leaves in a handshake, in a long answer or in speech is forgotten'
   await daemon.left(1);
 });
 
-test('from another machine without it: sent to https:, whatever is asked', async (t) => {
+test('redirects plain HTTP from another machine to https:', async (t) => {
   const address = Object.values(os.networkInterfaces()).flat().find((one) => one.family === 'IPv4' && !one.internal)?.address;
   if (!address) return t.skip('this machine has no other address');
   const secret = file('secret');
@@ -180,7 +180,7 @@ test('from another machine without it: sent to https:, whatever is asked', async
   assert.match(execFileSync('curl', ['-sS', '-L', '--cacert', path.join(own, 'ca.pem'), '-o', '/dev/null', '-w', '%{scheme} %{http_version} %{num_redirects}', `http://${address}:${open.port}/`], { encoding: 'utf8' }), /^HTTPS 1\.1 1$/i);
 });
 
-test('SIGHUP takes a new certificate; one that is none leaves the old one; connections go on', async (t) => {
+test('SIGHUP loads a new certificate; an invalid one keeps the old one; connections continue', async (t) => {
   const first = certify('first');
   certify('second');
   const other = await Daemon.start(first, {}, { voices: false });
@@ -201,36 +201,36 @@ test('SIGHUP takes a new certificate; one that is none leaves the old one; conne
   await kept.wait({ type: 'hello' });
   assert.equal(await seen(), 'CN=first');
   for (const part of ['pem', 'key']) fs.copyFileSync(file(`second.${part}`), file(`first.${part}`));
-  await reload(/settings read anew/);
+  await reload(/settings reloaded/);
   assert.equal(await seen(), 'CN=second');
   fs.writeFileSync(file('first.pem'), 'no certificate\n');
-  await reload(/error: .*first\.pem.*stays as it was/);
+  await reload(/error: .*first\.pem.*keeping the current certificate/);
   assert.equal(await seen(), 'CN=second');
   certify('third');
   fs.copyFileSync(file('third.pem'), file('first.pem')); // does not match the key
-  await reload(/error: .*(key|mismatch).*stays as it was/);
+  await reload(/error: .*(key|mismatch).*keeping the current certificate/);
   assert.equal(await seen(), 'CN=second');
   kept.send({ type: 'ping', id: 'p' });
   await kept.wait({ type: 'pong', id: 'p' });
   await kept.close();
 });
 
-test('what is no certificate, no key, not its key, or a key for everybody is refused at the start with its name', () => {
+test('refuses to start with an invalid certificate or key, a mismatched key, or a world-readable key, and names it', () => {
   certify('good');
   certify('wide');
   certify('else');
   fs.chmodSync(file('wide.key'), 0o644);
   fs.writeFileSync(file('none.pem'), '-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n');
   for (const [options, pattern] of [
-    [['--tls-cert', file('good.pem')], /--tls-cert: .*together/],
-    [['--tls-key', file('good.key')], /--tls-key: .*together/],
+    [['--tls-cert', file('good.pem')], /--tls-cert: .*--tls-key/],
+    [['--tls-key', file('good.key')], /--tls-key: .*--tls-cert/],
     [['--tls-cert', file('nowhere.pem'), '--tls-key', file('good.key')], /--tls-cert: .*nowhere\.pem/],
     [['--tls-cert', file('good.pem'), '--tls-key', file('nowhere.key')], /--tls-key: .*nowhere\.key.*No such file/],
     [['--tls-cert', file('none.pem'), '--tls-key', file('good.key')], /--tls-cert: .*none\.pem/],
     [['--tls-cert', file('good.pem'), '--tls-key', file('else.key')], /--tls-key: .*mismatch/],
     [['--tls-cert', file('wide.pem'), '--tls-key', file('wide.key')], /--tls-key: .*can be read by everybody/],
     [['--tls-self-signed', file('a/b/c')], /--tls-self-signed: .*No such file/],
-    [['--tls-self-signed', own, '--tls-cert', file('good.pem'), '--tls-key', file('good.key')], /--tls-self-signed: .*already/],
+    [['--tls-self-signed', own, '--tls-cert', file('good.pem'), '--tls-key', file('good.key')], /--tls-self-signed: .*combined/],
   ]) {
     const { status, stderr } = spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', ...options], { encoding: 'utf8', timeout: 60000 });
     assert.notEqual(status, 0, options.join(' '));

@@ -32,7 +32,7 @@ const code = async (response) => {
   return response.status < 300 ? response.status : `${response.status} ${JSON.parse(text).code}`;
 };
 
-test("a room's token opens what acts on that room, and nothing else", async () => {
+test("a room's token permits actions on that room only", async () => {
   const inside = await daemon.stream('?room=hall', bearer(token()));
   await inside.wait({ type: 'joined', room: 'hall' });
   const elsewhere = await daemon.stream('?room=secret-meeting', bearer(token()));
@@ -136,7 +136,7 @@ async function events(daemon, room, token) {
   return heard;
 }
 
-test('SIGHUP: who came by a secret that is gone loses all rights, and others none', async () => {
+test('SIGHUP: clients of a dropped secret lose all rights, others none', async () => {
   const where = file('changing', [secret, second]);
   const own = await Daemon.start(['--secret-file', where]);
   const [old, kept] = [sign({ secret }), sign({ secret: second, claims: { sub: 'bruno' } })];
@@ -149,7 +149,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   await alone.wait({ type: 'word' });
   file('changing', [second]);
   own.process.kill('SIGHUP');
-  await own.logged(/settings read anew/);
+  await own.logged(/settings reloaded/);
   for (const stream of [inRoom, alone]) await stream.wait({ type: 'error', code: 'revoked-token' });
   await inRoom.wait({ type: 'left', room: 'hall' });
   await alone.wait({ type: 'end', id: 'cut', reason: 'stopped' });
@@ -174,7 +174,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   assert.equal((await own.stop()).code, 0);
 });
 
-test('SIGHUP: a daemon that wants tokens from now on asks clients that are there already, too', async () => {
+test('SIGHUP: a daemon that starts to require tokens also asks connected clients', async () => {
   const config = path.join(folder, 'config.json');
   fs.writeFileSync(config, '{}');
   const own = await Daemon.start(['--config', config]);
@@ -189,11 +189,11 @@ test('SIGHUP: a daemon that wants tokens from now on asks clients that are there
 
 const start = (where) => spawnSync(path.join(build, 'server/daemon/facciad'), ['--port', '0', '--secret-file', where], { encoding: 'utf8', timeout: 20000 });
 
-test('a file of secrets that others may write, or replace, is refused', () => {
+test('refuses a file of secrets that others may write or replace', () => {
   for (const mode of [0o620, 0o602, 0o666]) {
     const { status, stderr } = start(file('open', [secret], mode));
     assert.equal(status, 1);
-    assert.match(stderr, new RegExp(`open: others than its owner may write it \\(mode ${mode.toString(8)}\\)`));
+    assert.match(stderr, new RegExp(`open: users other than its owner can write it \\(mode ${mode.toString(8)}\\)`));
   }
   const shared = path.join(folder, 'shared');
   fs.mkdirSync(shared);
@@ -201,17 +201,17 @@ test('a file of secrets that others may write, or replace, is refused', () => {
   fs.chmodSync(shared, 0o777);
   const { status, stderr } = start(path.join(shared, 'secrets'));
   assert.equal(status, 1);
-  assert.match(stderr, /may replace it, as they may write its folder \(mode 777\)/);
+  assert.match(stderr, /can replace it, because they can write its folder \(mode 777\)/);
   assert.match(start(shared).stderr, /is a folder, not a file of secrets/);
 });
 
-test('one that all may read is warned of; one of which that becomes true while the daemon runs is refused at SIGHUP', async () => {
+test('warns of a world-readable secret file; SIGHUP refuses one that others can write', async () => {
   const where = file('readable', [secret], 0o644);
   const own = await Daemon.start(['--secret-file', where]);
-  assert.match(own.log, /warning: .*readable: everybody on this machine can read the secrets/);
+  assert.match(own.log, /warning: .*readable: every user of this machine can read the secrets/);
   fs.chmodSync(where, 0o646);
   own.process.kill('SIGHUP');
-  await own.logged(/others than its owner may write it[^]*settings stay as they were/);
+  await own.logged(/users other than its owner can write it[^]*keeping the current settings/);
   assert.equal((await own.get('/v1/rooms', bearer(sign({ secret })))).status, 200);
   assert.equal((await own.stop()).code, 0);
 });

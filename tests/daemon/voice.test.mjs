@@ -78,7 +78,7 @@ async function live(bytes, bytesASecond, more, { beside = () => {}, ...how } = {
   }
 }
 
-test('the sound comes back to the bit, with the face that `faccia hear` makes of it', async () => {
+test('returns the sound unchanged, with the face that `faccia hear` generates from it', async () => {
   const { stream, end } = await live(bytesOf(spoken.samples), 2 * spoken.rate, { still: true, fps: 50 });
   const first = stream.messages.find((m) => m.type === 'begin');
   assert.equal(end.reason, 'done');
@@ -102,7 +102,7 @@ test('the sound comes back to the bit, with the face that `faccia hear` makes of
   await stream.close();
 });
 
-test('in whatever pieces it comes, a byte at a time', async () => {
+test('accepts pieces of any size, even single bytes', async () => {
   const stream = await daemon.stream();
   begin(stream, 'v');
   const bytes = bytesOf(spoken.samples).subarray(0, spoken.rate);
@@ -118,7 +118,7 @@ test('in whatever pieces it comes, a byte at a time', async () => {
 });
 
 for (const [rate, channels, codec] of [[8000, 1], [44100, 2], [96000, 8], [48000, 1, 'pcm']])
-  test(`${rate} Hz, ${channels} channels`, async () => {
+  test(`accepts ${rate} Hz, ${channels} channels`, async () => {
     const { stream, end: { duration, reason } } = await live(bytesOf(resampled(rate, channels)), 2 * rate * channels, { rate, channels, codec });
     assert.equal(reason, 'done');
     assert.ok(Math.abs(duration - spoken.samples.length / spoken.rate) < 0.01, `${duration}`);
@@ -127,7 +127,7 @@ for (const [rate, channels, codec] of [[8000, 1], [44100, 2], [96000, 8], [48000
     await stream.close();
   });
 
-test('a client that does not say more: silence, the lips go to rest, and then it is closed', async () => {
+test('a client that stops sending: silence, the lips go to rest, and then the voice is closed', async () => {
   const stream = await daemon.stream();
   begin(stream, 'v', { still: true });
   await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
@@ -141,7 +141,7 @@ test('a client that does not say more: silence, the lips go to rest, and then it
   await stream.close();
 });
 
-test('one that stalls and goes on is heard again', async () => {
+test('a voice that stalls and resumes is heard again', async () => {
   const stream = await daemon.stream();
   begin(stream, 'v');
   const half = bytesOf(spoken.samples).subarray(0, 2 * Math.floor(spoken.samples.length / 2)), rest = bytesOf(spoken.samples).subarray(half.length);
@@ -156,7 +156,7 @@ test('one that stalls and goes on is heard again', async () => {
   await stream.close();
 });
 
-test('faster than it can be heard: told once, the rest of it left out, and others notice nothing', async () => {
+test('faster than real time: reports it once and drops the excess, without affecting others', async () => {
   const minute = Buffer.alloc(2 * 96000 * 60, bytesOf(resampled(96000)));
   const flood = async () => {
     const fast = await daemon.stream();
@@ -176,7 +176,7 @@ test('faster than it can be heard: told once, the rest of it left out, and other
   await stream.close();
 });
 
-test('a clock that runs 3 % fast is followed', async () => {
+test('follows a clock that runs 3 % fast', async () => {
   const twelve = new Int16Array(12 * spoken.rate).map((_, i) => spoken.samples[i % spoken.samples.length]);
   const { stream, end } = await live(bytesOf(twelve), 2 * spoken.rate, {}, { speed: 1.03 });
   assert.equal(end.reason, 'done');
@@ -186,7 +186,7 @@ test('a clock that runs 3 % fast is followed', async () => {
   await stream.close();
 });
 
-test('an operator speaks, the kiosk is heard; what is more urgent cuts him, and he the rest', async () => {
+test('an operator speaks and the kiosk plays it; a higher priority interrupts the operator, who interrupts the rest', async () => {
   const [kiosk, desk] = [await daemon.stream('?room=k'), await daemon.stream('?room=k&watch=1&audio=none&fap=none')];
   await kiosk.wait({ type: 'joined' });
   kiosk.send({ type: 'speak', id: 'low', priority: 'background', lang: 'it', text: 'Una frase lunga che nessuno sentirà fino alla fine, perché qualcuno vuole parlare.' });
@@ -210,7 +210,7 @@ test('an operator speaks, the kiosk is heard; what is more urgent cuts him, and 
   await Promise.all([kiosk.close(), desk.close()]);
 });
 
-test('what is said before its turn, and in a pause, is passed over; he who goes is ended', async () => {
+test('drops sound sent before its turn or during a pause; a disconnecting speaker ends the voice', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', id: 'a', lang: 'it', text: 'Prima questa frase, che dura un poco.' });
   begin(stream, 'v');
@@ -232,7 +232,7 @@ test('what is said before its turn, and in a pause, is passed over; he who goes 
   await stream.close();
 });
 
-test('with the mood of the stream the rest of the face lives, the mouth is the voice\'s', async () => {
+test('the mood of the stream moves the face, and the voice moves the mouth', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', seed: 3 });
   stream.send({ type: 'express', mix: [{ name: 'joy' }], ease: 0 });
@@ -250,7 +250,7 @@ test('with the mood of the stream the rest of the face lives, the mouth is the v
   await stream.close();
 });
 
-test('where a phrase ends she nods and looks at the listener; without life nothing but the mouth moves', async () => {
+test('at the end of a phrase the head nods and looks at the listener; without life only the mouth moves', async () => {
   const rest = new Int16Array(Math.round(1.2 * spoken.rate)), all = Int16Array.from([...spoken.samples, ...rest]);
   const faces = [];
   for (const life of [1, 0]) {
@@ -287,7 +287,7 @@ for (const [what, more, code, field] of [
   ['an engine that is none', { engine: 'x' }, 'unknown-engine', 'engine'],
   ['frames that are none', { fps: 500 }, 'bad-field', 'fps'],
 ])
-  test(`${what}: ${code}`, async () => {
+  test(`${what}: rejects it with ${code}`, async () => {
     const stream = await daemon.stream();
     begin(stream, 'v', more);
     const error = await stream.wait({ type: 'error' });
@@ -297,7 +297,7 @@ for (const [what, more, code, field] of [
     await stream.close();
   });
 
-test('sound without a voice, an empty voice, half a sample, too many voices', async () => {
+test('rejects sound without a voice, an empty voice, half a sample, too many voices', async () => {
   const stream = await daemon.stream(), others = [];
   stream.socket.send(Buffer.alloc(320));
   await stream.wait({ type: 'error', code: 'binary-message' });
@@ -328,7 +328,7 @@ test('sound without a voice, an empty voice, half a sample, too many voices', as
   await Promise.all([stream.close(), others[3].close()]);
 });
 
-test('another voice of the same client takes the place of the first', async () => {
+test('another voice of the same client replaces the first', async () => {
   const stream = await daemon.stream();
   begin(stream, 'a');
   stream.socket.send(bytesOf(spoken.samples).subarray(0, spoken.rate));
@@ -340,7 +340,7 @@ test('another voice of the same client takes the place of the first', async () =
   await stream.close();
 });
 
-test('a token has to allow it', async () => {
+test('requires a token with the right', async () => {
   const secret = 'a secret of at least thirty-two bytes';
   fs.writeFileSync(file('secret'), secret, { mode: 0o600 });
   const guarded = await Daemon.start(['--secret-file', file('secret')], {}, { voices: false });
@@ -371,7 +371,7 @@ async function pourPackets(stream, packets) {
   }
 }
 
-test('Opus, a packet in each message', async () => {
+test('decodes Opus, one packet per message', async () => {
   const packets = await opusPackets(), stream = await daemon.stream();
   assert.ok(packets.length > 50);
   begin(stream, 'v', { codec: 'opus', rate: undefined });
@@ -387,7 +387,7 @@ test('Opus, a packet in each message', async () => {
   await stream.close();
 });
 
-test('packets that are cut, or none: told once, with the byte, and it goes on', async () => {
+test('truncated or invalid packets: reports the byte once, and the voice continues', async () => {
   const packets = await opusPackets(), stream = await daemon.stream();
   begin(stream, 'v', { codec: 'opus', rate: 24000, channels: 2 });
   const broken = packets.map((packet, i) => (i % 10 === 7 ? Buffer.alloc(i % 20 === 7 ? 0 : 3, 0xff) : i % 10 === 3 ? packet.subarray(0, packet.length / 2) : packet));
@@ -407,7 +407,7 @@ test('packets that are cut, or none: told once, with the byte, and it goes on', 
 const decoders = () => fs.readFileSync(`/proc/${daemon.process.pid}/task/${daemon.process.pid}/children`, 'utf8').trim().split(' ').filter(Boolean)
   .filter((pid) => /faccia-reader.*\0opus\0/.test(fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8')));
 
-test('a stranger\'s packets are decoded by a process of their own; its death costs the rest of the sound, and nothing else', async () => {
+test('decodes a stranger\'s packets in a separate process, whose death costs only the rest of the sound', async () => {
   const packets = await opusPackets(), [stream, beside] = await Promise.all([daemon.stream(), daemon.stream()]);
   await eventually(() => !decoders().length, 'no process of earlier voices');
   begin(beside, 'w', { codec: 'opus', rate: 24000, channels: 2 });
@@ -432,7 +432,7 @@ test('a stranger\'s packets are decoded by a process of their own; its death cos
   await Promise.all([stream.close(), beside.close()]);
 });
 
-test('packets that all come at once, and the end of the voice with them, are all heard', async () => {
+test('plays packets that arrive all at once together with the end', async () => {
   const packets = (await opusPackets()).slice(0, 100), stream = await daemon.stream();
   begin(stream, 'v', { codec: 'opus', rate: undefined });
   for (const packet of packets) stream.socket.send(packet);

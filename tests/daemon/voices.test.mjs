@@ -21,7 +21,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('plugins that do not start are named in the log, the others serve', async () => {
+test('names plugins that do not start in the log, and serves with the others', async () => {
   for (const name of ['old', 'empty', 'refuses', 'dies']) await daemon.logged(new RegExp(name));
   const { voices } = await (await daemon.get('/v1/voices')).json();
   assert.ok(voices.some((v) => v.id === 'puppet:plain'));
@@ -46,20 +46,20 @@ for (const [trick, code] of [['crash', 'voice-crashed'], ['hang', 'voice-timeout
     await Promise.all([victim.close(), other.close()]);
   });
 
-test('when no sentence could be spoken the utterance has failed', async () => {
+test('fails the utterance when no sentence could be spoken', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', text: 'crash' });
   assert.equal((await stream.wait({ type: 'end' })).reason, 'failed');
   await stream.close();
 });
 
-test('over HTTP it is an error with a status', async () => {
+test('reports it over HTTP as an error with a status', async () => {
   const response = await daemon.get('/v1/speech?voice=puppet:plain&lang=it', { method: 'POST', body: 'crash', headers: { 'content-type': 'text/plain' } });
   assert.equal(response.status, 500);
   assert.equal((await response.json()).code, 'voice-crashed');
 });
 
-test('times that lie are mended', async () => {
+test('repairs wrong times', async () => {
   const stream = await daemon.stream();
   for (const trick of ['backwards', 'beyond', 'names']) stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', text: trick });
   await stream.until(() => stream.messages.filter((m) => m.type === 'end').length === 3);
@@ -72,7 +72,7 @@ test('times that lie are mended', async () => {
   await stream.close();
 });
 
-test('a stop reaches a voice at work', async () => {
+test('a stop reaches a working voice', async () => {
   const stream = await daemon.stream();
   await daemon.asks(() => stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 's', text: 'slow' }));
   stream.send({ type: 'stop' });
@@ -84,7 +84,7 @@ test('a stop reaches a voice at work', async () => {
 
 // tests/unit/test_escape.c has all attempts
 for (const attempt of ['memory', 'environment', 'poke', 'signal', 'priority', 'out of memory score', 'datagram of a pair', 'fork'])
-  test(`a plugin that tries "${attempt}" is refused, and the daemon lives on`, async () => {
+  test(`denies a plugin "${attempt}", and the daemon survives`, async () => {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', voice: 'escape:plain', lang: 'it', markup: 'plain', id: 'e', text: attempt });
     assert.match((await stream.wait({ type: 'warning', id: 'e' })).message, /^refused, refused$/);
@@ -93,7 +93,7 @@ for (const attempt of ['memory', 'environment', 'poke', 'signal', 'priority', 'o
     await stream.close();
   });
 
-test('a worker that is stopped in a sentence makes nobody wait for its deadline', async () => {
+test('a worker stopped inside a sentence does not delay others until its deadline', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-stopped-'));
   fs.symlinkSync(path.join(build, 'tests/plugins/puppet.so'), path.join(folder, 'puppet.so'));
   // a deadline longer than this test may run

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
+import { badTexts, frames } from '../lib/malformed.mjs';
 import { ask, closeFrame, frame, handshake, RawSocket } from '../lib/raw.mjs';
 
 let daemon;
@@ -22,7 +23,7 @@ async function closedBy(...frames) {
   return socket.goodbye();
 }
 
-test('messages of all lengths, in every form of the length', async () => {
+test('accepts messages of all lengths, in every form of the length', async () => {
   const socket = await open();
   const empty = ping('').length;
   for (const size of [empty, 125, 126, 127, 128, 65535, 65536, 200000]) {
@@ -38,7 +39,7 @@ test('messages of all lengths, in every form of the length', async () => {
   await socket.close();
 });
 
-test('the answer comes when the frame does, byte for byte', async () => {
+test('the answer arrives with the frame, byte for byte', async () => {
   const socket = await open();
   for (const byte of frame(TEXT, ping('slow'))) {
     socket.write(Buffer.from([byte]));
@@ -53,31 +54,10 @@ test('the answer comes when the frame does, byte for byte', async () => {
   await socket.close();
 });
 
-const refused = {
-  'a length of 16 bits that fits 7': [frame(TEXT, 'abc', { form: 2 }), 'bad-frame'],
-  'a length of 64 bits that fits 16': [frame(TEXT, 'abc', { form: 8 }), 'bad-frame'],
-  'a length with its highest bit set': [Buffer.concat([Buffer.from([0x81, 0xff, 0x80, 0, 0, 0, 0, 0, 0, 1]), Buffer.alloc(8)]), 'bad-frame'],
-  'a frame that is not masked': [frame(TEXT, 'abc', { mask: false }), 'not-masked'],
-  'a ping that is not masked': [frame(PING, 'abc', { mask: false }), 'not-masked'],
-  'RSV1': [frame(TEXT, 'abc', { rsv: 4 }), 'reserved-bits'],
-  'RSV2': [frame(TEXT, 'abc', { rsv: 2 }), 'reserved-bits'],
-  'RSV3 of a ping': [frame(PING, 'abc', { rsv: 1 }), 'reserved-bits'],
-  'RSV1 of an empty close': [frame(CLOSE, '', { rsv: 4 }), 'reserved-bits'],
-  ...Object.fromEntries([3, 4, 5, 6, 7, 11, 12, 13, 14, 15].map((opcode) => [`opcode ${opcode}`, [frame(opcode, 'abc'), 'reserved-opcode']])),
-  'a ping of 126 bytes': [frame(PING, 'x'.repeat(126)), 'bad-frame'],
-  'a pong of 126 bytes': [frame(PONG, 'x'.repeat(126)), 'bad-frame'],
-  'a close of 126 bytes': [frame(CLOSE, Buffer.concat([Buffer.from([3, 232]), Buffer.alloc(124, 'x')])), 'bad-frame'],
-  'a ping in pieces': [Buffer.concat([frame(PING, 'a', { fin: false }), frame(MORE, 'b')]), 'bad-frame'],
-  'a continuation of nothing': [frame(MORE, 'abc'), 'continues-nothing'],
-  'an unfinished continuation of nothing': [frame(MORE, 'abc', { fin: false }), 'continues-nothing'],
-  'a continuation after a whole message': [Buffer.concat([frame(TEXT, ping('w')), frame(MORE, 'abc')]), 'continues-nothing'],
-  'a text within a text': [Buffer.concat([frame(TEXT, 'a', { fin: false }), frame(TEXT, 'b')]), 'not-continued'],
-  'a binary message within a text': [Buffer.concat([frame(TEXT, 'a', { fin: false }), frame(BINARY, 'b')]), 'not-continued'],
-};
-for (const [name, [bytes, reason]] of Object.entries(refused))
-  test(`${name}: 1002`, async () => assert.deepEqual(await closedBy(bytes), { code: 1002, reason }));
+for (const [name, [bytes, reason]] of Object.entries(frames))
+  test(`${name}: closes with 1002`, async () => assert.deepEqual(await closedBy(bytes), { code: 1002, reason }));
 
-test('messages in pieces, with control frames between them', async () => {
+test('joins fragmented messages with control frames between them', async () => {
   const socket = await open();
   const text = ping('pieces');
   socket.write(Buffer.concat([
@@ -99,7 +79,7 @@ test('messages in pieces, with control frames between them', async () => {
   await socket.close();
 });
 
-test('pings: any payload comes back; pongs that nobody asked for do not matter', async () => {
+test('pings: returns any payload; ignores unsolicited pongs', async () => {
   const socket = await open();
   for (const payload of ['', 'hello', Buffer.from([0, 255, 254, 253]), Buffer.alloc(125, 0xfe)]) {
     socket.write(frame(PING, payload));
@@ -110,7 +90,7 @@ test('pings: any payload comes back; pongs that nobody asked for do not matter',
   await socket.close();
 });
 
-test('thousands of pings that nobody hears answers to cost no memory; the last one is answered', async () => {
+test('thousands of pings whose answers are not read cost no memory; the last one is answered', async () => {
   const socket = await open();
   await socket.message({ type: 'hello' });
   const kilobytes = () => Number(fs.readFileSync(`/proc/${daemon.process.pid}/statm`, 'utf8').split(' ')[1]) * 4;
@@ -129,16 +109,15 @@ test('thousands of pings that nobody hears answers to cost no memory; the last o
   await socket.close();
 });
 
-const bad = ['80', 'bf', 'c0af', 'c1bf', 'e08080', 'e09fbf', 'eda080', 'edbfbf', 'f0808080', 'f08fbfbf', 'f4908080', 'f5808080', 'f8888080', 'fe', 'ff', 'c328', 'e228a1', 'e2828c28ff'.slice(0, 8) + 'ff', 'cebae1bdb9cf83cebcceb5eda080656469746564'];
 const utf8 = (text) => Buffer.from(text, 'hex');
-for (const text of bad)
-  test(`UTF-8 ${text}: 1007`, async () => {
+for (const text of badTexts)
+  test(`UTF-8 ${text}: closes with 1007`, async () => {
     assert.equal((await closedBy(frame(TEXT, utf8(text)))).code, 1007);
     const bytes = utf8(text);
     assert.equal((await closedBy(...[...bytes].map((byte, i) => frame(i ? MORE : TEXT, Buffer.from([byte]), { fin: i === bytes.length - 1 })))).code, 1007);
   });
 
-test('UTF-8 that can come to nothing good is told at once, with its place', async () => {
+test('reports UTF-8 that cannot become valid at once, with its position', async () => {
   const socket = await open();
   socket.write(Buffer.concat([frame(TEXT, 'né ', { fin: false }), frame(MORE, utf8('f490'), { fin: false })])); // without a final frame
   const { byte } = await socket.message({ type: 'error', code: 'bad-utf8' });
@@ -153,7 +132,7 @@ test('UTF-8 that can come to nothing good is told at once, with its place', asyn
   assert.equal((await closedBy(frame(TEXT, utf8('cebae1bd')))).code, 1007);
 });
 
-test('UTF-8 that is good, cut anywhere', async () => {
+test('accepts valid UTF-8 cut anywhere', async () => {
   const socket = await open();
   const bytes = Buffer.from('{"type":"ping","id":"κόσμε \u{10ffff}\u{1d11e}\ufffd\ue000\ud7ff\u07ff"}');
   for (let i = 1; i < bytes.length; i++) {
@@ -164,11 +143,11 @@ test('UTF-8 that is good, cut anywhere', async () => {
 });
 
 for (const code of [1000, 1001, 1002, 1003, 1007, 1008, 1009, 1010, 1011, 1012, 1013, 1014, 3000, 3999, 4000, 4999])
-  test(`close ${code} is answered with it`, async () => assert.equal((await closedBy(closeFrame(code, 'tschüß'))).code, code));
+  test(`answers close ${code} with the same code`, async () => assert.equal((await closedBy(closeFrame(code, 'tschüß'))).code, code));
 for (const code of [0, 1, 999, 1004, 1005, 1006, 1015, 1016, 1100, 2000, 2999, 5000, 65535])
-  test(`close ${code} is none: 1002`, async () => assert.deepEqual(await closedBy(closeFrame(code)), { code: 1002, reason: 'bad-close' }));
+  test(`answers the invalid close ${code} with 1002`, async () => assert.deepEqual(await closedBy(closeFrame(code)), { code: 1002, reason: 'bad-close' }));
 
-test('closing: nothing, one byte, long and broken reasons, and what comes after', async () => {
+test('closing: empty, one byte, long and broken reasons, and data afterwards', async () => {
   assert.deepEqual(await closedBy(closeFrame()), { code: undefined, reason: '' });
   assert.deepEqual(await closedBy(frame(CLOSE, 'x')), { code: 1002, reason: 'bad-close' });
   assert.equal((await closedBy(closeFrame(1000, 'r'.repeat(123)))).code, 1000);
@@ -181,7 +160,7 @@ test('closing: nothing, one byte, long and broken reasons, and what comes after'
   assert.equal(await socket.frame(), false, 'nothing after it');
 });
 
-test('a message that is too long is told; one that is far too long ends the connection', async () => {
+test('reports a message that is too long, and disconnects on one that is far too long', async () => {
   const socket = await open();
   socket.write(frame(TEXT, 'a'.repeat(300000)));
   await socket.message({ type: 'error', code: 'message-too-long' });
@@ -194,7 +173,7 @@ test('a message that is too long is told; one that is far too long ends the conn
   assert.deepEqual(await socket.goodbye(), { code: 1009, reason: 'message-too-long' });
 });
 
-test('the handshake', async () => {
+test('performs the handshake', async () => {
   const socket = await open({ 'Sec-WebSocket-Extensions': 'permessage-deflate; client_max_window_bits' });
   assert.match(socket.accepted, /^HTTP\/1\.1 101 /);
   assert.match(socket.accepted, /sec-websocket-accept: s3pPLMBiTxaQ9kYGzzhZRbK\+xOo=/i);
@@ -220,7 +199,7 @@ const handshakes = [
   ['a foreign page', { Origin: 'https://evil.example' }, 403, 'forbidden-origin'],
 ];
 for (const [name, fields, status, code] of handshakes)
-  test(`handshake with ${name}: ${status} ${code}`, async () => {
+  test(`handshake with ${name}: answers ${status} ${code}`, async () => {
     const answer = await ask(daemon.port, handshake(fields));
     assert.equal(answer.version, 'HTTP/1.1');
     assert.equal(answer.status, status);
@@ -228,14 +207,14 @@ for (const [name, fields, status, code] of handshakes)
     if (status === 426) assert.equal(answer.headers['sec-websocket-version'], '13');
   });
 
-test('handshake elsewhere, by POST, of HTTP/1.0', async () => {
+test('rejects a handshake at another address, by POST, and over HTTP/1.0', async () => {
   const elsewhere = await ask(daemon.port, handshake({}, '/elsewhere'));
   assert.deepEqual([elsewhere.status, JSON.parse(elsewhere.body).code], [404, 'not-found']);
   assert.equal((await ask(daemon.port, handshake({ 'Content-Length': 0 }, '/v1/stream', 'POST'))).status, 400);
   assert.equal((await ask(daemon.port, handshake().replace('HTTP/1.1', 'HTTP/1.0'))).status, 400);
 });
 
-test('no room: 503', async () => {
+test('answers 503 without a free connection', async () => {
   const small = await Daemon.start(['--max-connections', '2']);
   const sockets = [await RawSocket.open(small.port), await RawSocket.open(small.port)];
   const answer = await ask(small.port, handshake());
@@ -245,7 +224,7 @@ test('no room: 503', async () => {
   assert.equal((await small.stop()).code, 0);
 });
 
-test('a client that vanishes in the middle of a frame costs nobody anything', async () => {
+test('a client that vanishes inside a frame affects no one', async () => {
   const other = await open();
   for (let i = 0; i < 30; i++) {
     const socket = await open();

@@ -27,7 +27,7 @@ function words(file) {
 
 for (const [lang, file, voices] of lists)
   for (const voice of voices)
-    test(`${lang}: every phone of ${voice} is known`, () => {
+    test(`${lang}: the pack knows every phone of ${voice}`, () => {
       const chosen = words(file);
       assert.ok(chosen.length > 1000, `${chosen.length} words in ${file}`);
       const { status, stdout, stderr } = spawnSync(path.join(build, 'server/cli/faccia'), ['say', '--lang', lang, '--voice', voice, '-'], {

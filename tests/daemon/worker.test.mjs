@@ -74,7 +74,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('a voice of another machine sounds as one of this machine does, sample for sample and phone for phone', async () => {
+test('a voice on another machine sounds the same, sample for sample and phone for phone', async () => {
   const local = await Daemon.start(['--plugins', both]);
   const remote = await Daemon.start(['--cluster', redis.url, '--plugins', puppets]);
   const speaker = await Worker.start(['--cluster', redis.url, '--plugins', near]);
@@ -89,24 +89,24 @@ test('a voice of another machine sounds as one of this machine does, sample for 
   for (const daemon of [local, remote]) assert.deepEqual(await daemon.stop(), { code: 0, signal: null }, daemon.log);
 });
 
-test('two workers share what there is', async () => {
+test('two workers share the sentences', async () => {
   const workers = await Promise.all([worker(), worker()]);
   await Promise.all([has(one, 'command:dear'), has(two, 'command:dear')]);
   const before = lines().length;
   const all = [one, two].flatMap((daemon) => ['prima', 'seconda'].map((text) => say(daemon, `wait ${text} ${daemon.port}`)));
   await eventually(() => lines().length === before + 2, 'both to speak');
   assert.equal(new Set(lines().slice(before).map((line) => line.split(' ')[0])).size, 2);
-  await eventually(async () => (await one.metric('faccia_cluster_queue_sentences{turn="live"}')) === 4, 'four to be counted');
+  await eventually(async () => (await one.metric('faccia_cluster_queue_sentences{priority="live"}')) === 4, 'four to be counted');
   open(true);
   await Promise.all(all);
   assert.equal(lines().length, before + 4);
-  await eventually(async () => (await one.metric('faccia_cluster_queue_sentences{turn="live"}')) === 0, 'none to be left');
+  await eventually(async () => (await one.metric('faccia_cluster_queue_sentences{priority="live"}')) === 0, 'none to be left');
   open(false);
   await dismiss(...workers);
 });
 
 for (const [signal, what] of [['SIGKILL', 'dies'], ['SIGSTOP', 'freezes'], ['SIGTERM', 'is ended']])
-  test(`a worker that ${what} costs nobody its sentence`, async () => {
+  test(`a worker that ${what} loses no sentence`, async () => {
     const text = `wait for ${what}`;
     const first = await worker();
     await has(one, 'command:dear');
@@ -120,7 +120,7 @@ for (const [signal, what] of [['SIGKILL', 'dies'], ['SIGSTOP', 'freezes'], ['SIG
     if (signal === 'SIGSTOP') {
       // the frozen worker resumes, and its result is ignored
       first.process.kill('SIGCONT');
-      await first.logged(/another worker's by now|nobody waited/);
+      await first.logged(/claimed by another worker, or (was|is) no longer needed/);
     }
     open(false);
     running.delete(first);
@@ -129,7 +129,7 @@ for (const [signal, what] of [['SIGKILL', 'dies'], ['SIGSTOP', 'freezes'], ['SIG
     await dismiss(second);
   });
 
-test('a sentence that no worker survives is given up', async () => {
+test('gives up a sentence that no worker survives', async () => {
   await has(one, 'command:dear', false);
   const text = 'wait for the end of all';
   let speaker = await worker();
@@ -144,8 +144,8 @@ test('a sentence that no worker survives is given up', async () => {
   }
   const response = await answer;
   assert.equal(response.status, 500);
-  assert.match((await response.json()).message, /workers died over the sentence/);
-  await speaker.logged(/lost by 3 workers/);
+  assert.match((await response.json()).message, /workers crashed on the sentence/);
+  await speaker.logged(/3 workers lost a sentence/);
   assert.equal(asked(text).length, 3);
   await dismiss(speaker);
 });
@@ -158,7 +158,7 @@ const entry = () => {
   return { key, to: fields.at(-1) };
 };
 
-test('who is heard comes before what is made ahead, which gives way', async () => {
+test('live sentences precede prerendering', async () => {
   const works = path.join(folder, 'works');
   fs.mkdirSync(works);
   fs.writeFileSync(path.join(works, 'uno.it.txt'), 'wait ahead');
@@ -171,9 +171,9 @@ test('who is heard comes before what is made ahead, which gives way', async () =
   const live = say(two, 'wait live');
   await eventually(() => asked('wait live').length === 1, 'who is heard to be spoken');
   assert.equal(asked('wait ahead').length, 1);
-  await eventually(async () => (await two.metric('faccia_cluster_queue_sentences{turn="ahead"}')) === 1, 'the other to wait');
+  await eventually(async () => (await two.metric('faccia_cluster_queue_sentences{priority="ahead"}')) === 1, 'the other to wait');
   const next = say(two, 'straight on');
-  await eventually(async () => (await two.metric('faccia_cluster_queue_sentences{turn="live"}')) === 2, 'the next to wait');
+  await eventually(async () => (await two.metric('faccia_cluster_queue_sentences{priority="live"}')) === 2, 'the next to wait');
   open(true);
   await Promise.all([live, next]);
   await eventually(() => asked('wait ahead').length === 2, 'the work to be spoken again');
@@ -187,7 +187,7 @@ test('who is heard comes before what is made ahead, which gives way', async () =
 /** The lane (0 to 15) of a subject's sentences: FNV-1a of its key. */
 const lane = (subject) => [...`s ${subject}`].reduce((hash, c) => Math.imul(hash ^ c.charCodeAt(0), 16777619) >>> 0, 2166136261) % 16;
 
-test('one who asks for much does not hold up another', async () => {
+test('a client with many sentences does not delay another', async () => {
   const secret = 'a secret of thirty-two bytes or more';
   const file = path.join(folder, 'secrets');
   fs.writeFileSync(file, `${secret}\n`, { mode: 0o600 });
@@ -220,18 +220,18 @@ test('one who asks for much does not hold up another', async () => {
   await dismiss(speaker);
 });
 
-test('the queue has a bound, and says so', async () => {
+test('limits the queue, and reports when it is full', async () => {
   const bound = await start('--cluster-queue', '2');
   const speaker = await worker();
   await has(bound, 'command:dear');
   const first = say(bound, 'wait within');
   await eventually(() => asked('wait within').length === 1, 'the first to be spoken');
   const second = say(bound, 'within, too');
-  await eventually(async () => (await bound.metric('faccia_cluster_queue_sentences{turn="live"}')) === 2, 'the second to wait');
+  await eventually(async () => (await bound.metric('faccia_cluster_queue_sentences{priority="live"}')) === 2, 'the second to wait');
   const third = await ask(bound, 'one too many', 'command:dear');
   assert.equal(third.status, 503);
   const error = await third.json();
-  assert.deepEqual([error.code, error.message], ['voice-unavailable', 'the voice command cannot be asked: its queue is full']);
+  assert.deepEqual([error.code, error.message], ['voice-unavailable', 'the voice command is unavailable: its queue is full']);
   open(true);
   await Promise.all([first, second]);
   assert.equal(asked('one too many').length, 0);
@@ -241,7 +241,7 @@ test('the queue has a bound, and says so', async () => {
   await dismiss(speaker);
 });
 
-test('who does not want to hear it any more stops it', async () => {
+test('stops a cancelled sentence at the worker', async () => {
   const speaker = await worker();
   await has(one, 'command:dear');
   const stream = await one.stream();
@@ -249,13 +249,13 @@ test('who does not want to hear it any more stops it', async () => {
   await eventually(() => asked('wait for nobody').length === 1, 'it to be spoken');
   stream.send({ type: 'stop' });
   assert.equal((await stream.wait({ type: 'end', id: 'a' })).reason, 'stopped');
-  await speaker.logged(/nobody waits for it/);
+  await speaker.logged(/claimed by another worker, or is no longer needed/);
   assert.match(String(await say(one, 'and now another')), /"duration"/);
   await stream.close();
   await dismiss(speaker);
 });
 
-test('what a voice does wrong is told as it is of a voice near by', async () => {
+test('reports errors of a remote voice like those of a local one', async () => {
   const speaker = await Worker.start(['--cluster', redis.url, '--plugins', puppets, '--deadline-base', '1']);
   await has(one, 'puppet:plain');
   for (const [trick, code] of [['crash', 'voice-crashed'], ['hang', 'voice-timeout']]) {
@@ -269,7 +269,7 @@ test('what a voice does wrong is told as it is of a voice near by', async () => 
   assert.deepEqual(await speaker.stop(), { code: 0, signal: null }, speaker.log);
 });
 
-test('what somebody else puts into Redis is thrown away, with a line in the log, and costs nobody anything', async () => {
+test('discards foreign data in Redis, with a line in the log, without affecting others', async () => {
   const speaker = await worker();
   await has(one, 'command:dear');
   const answer = say(one, 'wait among nonsense');
@@ -284,11 +284,11 @@ test('what somebody else puts into Redis is thrown away, with a line in the log,
   redis.cli('zadd', 'faccia:{work}:voices', '9999999999999', '../.. {}', '9999999999999', 'beef unheard-of');
   redis.cli('set', 'faccia:{work}:voices:beef', '{"voices":"none"}');
   redis.cli('lpush', 'faccia:{work}:q:beef:0:0', 'no stream');
-  await one.logged(/an answer that is none was left out/);
+  await one.logged(/ignored an invalid reply/);
   open(true);
   assert.match(String(await answer), /"duration"/);
-  await speaker.logged(/an entry of the queue that is no sentence was thrown away/);
-  await speaker.logged(/an entry of the queue cannot be spoken: /);
+  await speaker.logged(/discarded a queue entry that is not a sentence/);
+  await speaker.logged(/cannot speak a queue entry: /);
   await eventually(() => redis.cli('xlen', key) === '0', 'the queue to be empty');
   assert.equal(redis.cli('exists', 'somebody:elses:list'), '0');
   assert.match(String(await say(one, 'nothing has happened')), /"duration"/);
@@ -297,7 +297,7 @@ test('what somebody else puts into Redis is thrown away, with a line in the log,
   await dismiss(speaker);
 });
 
-test('answers that cannot be heard for a moment wait', async () => {
+test('answers survive a lost connection of the listening daemon', async () => {
   const speaker = await worker();
   await has(one, 'command:dear');
   const listening = () => redis.cli('client', 'list').split('\n').filter((line) => line.includes('cmd=blpop')).map((line) => line.match(/^id=(\d+)/)[1]);
@@ -308,7 +308,7 @@ test('answers that cannot be heard for a moment wait', async () => {
   await dismiss(speaker);
 });
 
-test('Redis that dies fails the sentences at once; when it is back all goes on', async () => {
+test('when Redis dies, sentences fail at once; when it is back, everything continues', async () => {
   const speaker = await worker();
   await has(one, 'command:dear');
   const answer = ask(one, 'wait for Redis', 'command:dear');
@@ -317,8 +317,8 @@ test('Redis that dies fails the sentences at once; when it is back all goes on',
   const response = await answer;
   assert.equal(response.status, 503);
   const error = await response.json();
-  assert.deepEqual([error.code, error.message], ['voice-unavailable', 'the voice command cannot be asked: its workers cannot be reached']);
-  await one.logged(/\(work\): .*this daemon goes on by itself/);
+  assert.deepEqual([error.code, error.message], ['voice-unavailable', 'the voice command is unavailable: its workers cannot be reached']);
+  await one.logged(/\(work\): .*continuing without the cluster/);
   assert.match(String(await say(one, 'Da sola.', 'espeak:it')), /"duration"/);
   await has(one, 'command:dear', false);
   assert.equal((await ask(one, 'Chi parla?', 'command:dear')).status, 400);
@@ -339,8 +339,8 @@ test('Redis that dies fails the sentences at once; when it is back all goes on',
   await dismiss(speaker);
 });
 
-test('a worker that has nothing to do with it says why', async () => {
-  for (const [options, why] of [[['--plugins', far], /--cluster: is missing/], [['--cluster', 'nonsense', '--plugins', far], /no address of Redis/]]) {
+test('a worker without work reports why', async () => {
+  for (const [options, why] of [[['--plugins', far], /--cluster: is missing/], [['--cluster', 'nonsense', '--plugins', far], /it has no address of Redis/]]) {
     const speaker = await Worker.start(options);
     assert.deepEqual(await speaker.exited, { code: 1, signal: null });
     assert.match(speaker.log, why);

@@ -62,7 +62,7 @@ after(async () => {
   for (const child of running) child.kill('SIGKILL');
 });
 
-test('it describes itself: its voices, their languages, that it streams', async () => {
+test('describes itself: its voices, their languages, and streaming', async () => {
   const client = await connect(door.port);
   client.send('describe');
   const [tts] = (await client.heard('info')).data.tts;
@@ -74,7 +74,7 @@ test('it describes itself: its voices, their languages, that it streams', async 
   client.socket.end();
 });
 
-test('a text is spoken: the sound of the daemon itself, in chunks with their times', async () => {
+test('speaks a text with the daemon\'s own sound, in chunks with their times', async () => {
   const client = await connect(door.port);
   const text = 'La cena è pronta.';
   client.send('synthesize', { text, voice: { name: 'espeak:it' } });
@@ -102,7 +102,7 @@ test('a text is spoken: the sound of the daemon itself, in chunks with their tim
   client.socket.end();
 });
 
-test('a text that is written word by word is heard sentence by sentence, and its copy is not', async () => {
+test('plays a text written word by word sentence by sentence, and ignores its copy', async () => {
   const client = await connect(door.port);
   client.send('synthesize-start', { voice: { name: 'espeak:it' } });
   for (const word of ['Ho chiama', 'to il dott. Rossi', ' per telefono. ', 'Viene ']) client.send('synthesize-chunk', { text: word });
@@ -128,7 +128,7 @@ test('a text that is written word by word is heard sentence by sentence, and its
   client.socket.end();
 });
 
-test('what is written word by word is one utterance in the room; one who goes in the middle leaves what he wrote', async () => {
+test('text written word by word is one utterance in the room; a client that disconnects leaves what it wrote', async () => {
   const kiosk = await daemon.stream('?lang=it&room=parlour');
   await kiosk.wait({ type: 'joined' });
   const both = await start('--room', 'parlour');
@@ -156,7 +156,7 @@ test('what is written word by word is one utterance in the room; one who goes in
   await kiosk.close();
 });
 
-test('the face of a room says it at the same time; what goes back may be silence as long', async () => {
+test('the face of a room speaks it at the same time; the client may get silence of the same length', async () => {
   const kiosk = await daemon.stream('?lang=it&room=kitchen');
   await kiosk.wait({ type: 'joined' });
   const silent = await start('--room', 'kitchen', '--silent');
@@ -173,7 +173,7 @@ test('the face of a room says it at the same time; what goes back may be silence
 });
 
 // The room accepts the text and fails later because of its voice: the face must not stay silent.
-test('the face of a room says it by its own voice where it does not know the one that is asked for', async () => {
+test('the face of a room uses its own voice where the requested one is unknown', async () => {
   const kiosk = await daemon.stream('?lang=it&room=bath');
   await kiosk.wait({ type: 'joined' });
   const own = await start('--room', 'bath');
@@ -201,7 +201,7 @@ test('the face of a room says it by its own voice where it does not know the one
 
 const spoken = async (body) => (await daemon.get('/v1/speech?format=wav&voice=espeak:it&markup=plain', { method: 'POST', body })).arrayBuffer();
 
-test('a long text comes whole, also to a client that takes its time', async () => {
+test('a long text arrives complete, also at a slow client', async () => {
   const client = await connect(door.port);
   const text = 'Una frase lunga, che si ripete sempre. '.repeat(400);
   // the second time the sound comes from the cache, so it is reproducible
@@ -219,7 +219,7 @@ test('a long text comes whole, also to a client that takes its time', async () =
   client.socket.end();
 });
 
-test('requests that come at once are answered in their order', async () => {
+test('answers simultaneous requests in order', async () => {
   const client = await connect(door.port);
   client.send('ping', { text: 'x' });
   for (const text of ['Uno.', 'Due.', 'Tre.']) client.send('synthesize', { text, voice: { name: 'espeak:it' } });
@@ -229,7 +229,7 @@ test('requests that come at once are answered in their order', async () => {
   client.socket.end();
 });
 
-test('what is wrong is told, or ends the connection; nobody else notices', async () => {
+test('reports errors or ends the connection; no one else is affected', async () => {
   const other = await connect(door.port);
   const client = await connect(door.port);
   client.send('nonsense', { x: 1 });
@@ -286,7 +286,7 @@ test('every text ends with audio-stop, or with an error and the end of the conne
   }
 });
 
-test('a daemon that is away ends the connection; a list without voices is not given', async () => {
+test('without its daemon, reports an error for each request and disconnects', async () => {
   const away = await start('--url', 'http://127.0.0.1:1');
   for (const [type, data] of [['describe'], ['synthesize', { text: 'Ciao.' }], ['synthesize-start', {}]]) {
     const client = await connect(away.port);
@@ -297,7 +297,7 @@ test('a daemon that is away ends the connection; a list without voices is not gi
   assert.equal(await away.stop(), 0, away.child.text);
 });
 
-test('clients that leave in the middle of the sound leave the others', async () => {
+test('clients that disconnect in the middle of the sound do not affect the others', async () => {
   for (let round = 0; round < 5; round++) {
     const client = await connect(door.port);
     client.send('synthesize', { text: 'Una frase molto lunga. '.repeat(50), voice: { name: 'espeak:it' } });
@@ -311,7 +311,7 @@ test('clients that leave in the middle of the sound leave the others', async () 
   client.socket.end();
 });
 
-test('options that are wrong are told', async () => {
+test('reports wrong options', async () => {
   const run = async (...options) => {
     const child = spawn(path.join(build, 'server/bridges/faccia-wyoming'), options);
     child.stdout.resume();

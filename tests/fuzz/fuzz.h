@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the fuzz targets share. A target is one function that takes any bytes; libFuzzer calls it with those
- * that it makes up, replay.c with those of files. */
+/* Shared by the fuzz targets. A target is one function that takes any bytes: from libFuzzer, or from files
+ * through replay.c. */
 #ifndef FACCIA_TESTS_FUZZ_H
 #define FACCIA_TESTS_FUZZ_H
 
@@ -11,7 +11,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* What must hold for any input. */
+/* Aborts if the condition is false. */
 #define FUZZ_CHECK(condition)                                                                                \
     do                                                                                                       \
         if (!(condition))                                                                                    \
@@ -19,7 +19,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
     while (0)
 _Noreturn void fuzz_fail(const char *file, int line, const char *condition);
 
-/* The input as it is used up. Where it is at its end, there are zeros. */
+/* Reads the input piece by piece, followed by zeros. */
 struct fuzz_input {
     const uint8_t *at, *end;
 };
@@ -38,25 +38,25 @@ static inline size_t fuzz_below(struct fuzz_input *in, size_t count) {
     return fuzz_u8(in) % count;
 }
 
-/* A copy of exactly size bytes, so that a sanitizer sees what is read beyond it; or fewer at the end. */
+/* Returns a copy of exactly size bytes, fewer at the end, so that a sanitizer detects reads beyond it. */
 uint8_t *fuzz_bytes(struct fuzz_input *in, size_t *size);
 uint8_t *fuzz_rest(struct fuzz_input *in, size_t *size);
 
-/* A string: up to the next line's end, or all that is left. NULs in it end it. */
+/* Returns a string up to the end of the line or of the input. It ends at the first NUL. */
 char *fuzz_line(struct fuzz_input *in);
 char *fuzz_rest_text(struct fuzz_input *in);
 
-/* A folder for this process's files, in $TMPDIR; it is removed at the end. */
+/* Returns a folder in $TMPDIR for this process's files, which is removed at exit. */
 const char *fuzz_folder(void);
-/* Writes a file in it. path has FUZZ_PATH bytes. */
+/* Writes a file to that folder. path has FUZZ_PATH bytes. */
 enum { FUZZ_PATH = 256 };
 void fuzz_write(const char *name, const void *data, size_t size, char *path);
 void fuzz_write_json(const char *name, const json_t *json, char *path);
 
-/* json_edit.c: a copy of the value, changed as the bytes say; any bytes say something. */
+/* json_edit.c: returns a copy of the value, edited by the bytes; any bytes are valid. */
 json_t *fuzz_edit_json(const json_t *json, struct fuzz_input *in);
 
-/* A file below the top of the source tree, read once and kept by the caller. */
+/* Returns a file below the top of the source tree, read once and owned by the caller. */
 json_t *fuzz_load_json(const char *path);
 
 #endif

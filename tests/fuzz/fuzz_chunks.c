@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Media chunks. Byte 0: whether the rest is one of version 1, which is written again when it can be read, or
- * several compact ones, each with its size (2 bytes) before it. */
+/* Media chunks. Byte 0 selects: one chunk of version 1, which is written again if valid, or several compact
+ * ones, each preceded by its size (2 bytes). */
 #include "protocol/compact.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
@@ -9,7 +9,7 @@
 
 enum { FRAMES_MAX = 64, CHUNKS_MAX = 32 };
 
-/* Written and read again it is the same. */
+/* Writing and reading it again gives the same chunk. */
 static void check_again(const struct chunk *chunk, const struct fap_frame *frames) {
     size_t cap = CHUNK_HEADER_BYTES + chunk->audio_bytes + FRAMES_MAX * CHUNK_FRAME_BYTES_MAX, at;
     uint8_t *bytes = mem_alloc(cap);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What comes from Redis, which anybody may have written: sentences and answers of the work queue, messages of
- * the bus, packed sound. The first byte says which. */
+/* Untrusted data from Redis: sentences and replies of the work queue, messages of the bus, packed sound. The
+ * first byte selects which. */
 #include "server/cluster/redis_internal.h"
 #include "server/rooms/shared/packet.h"
 #include "tests/fuzz/fuzz.h"
@@ -21,7 +21,7 @@ static void read_sentence(const uint8_t *data, size_t size) {
     buf_free(&again);
 }
 
-/* One that is read is written as it was. */
+/* Writing a valid one gives the same bytes. */
 static void read_piece(const uint8_t *data, size_t size) {
     struct work_piece piece;
     struct buf again = {0};
@@ -34,7 +34,7 @@ static void read_piece(const uint8_t *data, size_t size) {
     buf_free(&again);
 }
 
-/* One that is read and written again is read as the same. */
+/* A valid one survives writing and reading. */
 static void read_packet(const uint8_t *data, size_t size) {
     struct packet packet, again;
     struct buf out = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command plugin. Byte 0: whether the rest is a configuration, edits (json_edit.c) of one, or what a
- * program gives: the format of its times, the times with their size (2 bytes) before them, and its sound. */
+/* The command plugin. Byte 0 selects: a configuration, edits (json_edit.c) of one, or the output of a
+ * program: format of the times, the times preceded by their size (2 bytes), and the sound. */
 #include "server/base/mem.h"
 #include "server/plugins/command/command_run.h"
 #include "tests/fuzz/fuzz.h"
@@ -30,7 +30,7 @@ static void configure(const char *text) {
     cm_config_free(&voices);
 }
 
-/* What the sink has been given. */
+/* Totals of the output. */
 struct heard {
     uint64_t samples, phones_end;
     size_t words;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The engines with whatever a voice says: phones of any names and times, words, cues. Bytes 0 to 2 say for
- * which language and how; then come phones, of 4 bytes and a name that ends with a line's end, or words and
- * cues. */
+/* The engines with arbitrary voice output: phones with any names and times, words, cues. Bytes 0 to 2 select
+ * language and options. Then follow phones, of 4 bytes and a name up to a line break, or words and cues. */
 #include "server/base/mem.h"
 #include "server/face/packs/speech_pack.h"
 #include "server/face/track.h"
@@ -103,7 +102,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct face_placement *face = face_placement_new(track, u, &place);
     double end = (double)u->samples / u->sample_rate + 0.2;
     face_track_free(track);
-    sentence_audio_free(u); /* it may be: the placement shares the track, and has done with the sound */
+    sentence_audio_free(u); /* allowed: the placement shares the track and no longer needs the sound */
     sample(face, end);
     face_placement_free(face);
     return 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A .fap file; what was read is written and read again. */
+/* A .fap file. Valid files are written and read again. */
 #include "protocol/fapfile.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Low-bit-rate FAP coding. Byte 0: what the rest is, a file, packets as they come over the net, or frames to
- * be coded and decoded. */
-#include "protocol/fapcfile.h"
+/* Low-bit-rate FAP coding. Byte 0 selects: a file, packets as received over a network, or frames to encode
+ * and decode. */
+#include "protocol/fapc/fapcfile.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static void check_values(const struct fap_frame *frame) {
     }
 }
 
-/* Each with its number of frames and its size before it. */
+/* Each is preceded by its number of frames and its size. */
 static void read_packets(struct fuzz_input *in) {
     struct fapc_decoder *decoder = mem_alloc(sizeof *decoder);
     struct fap_frame *frames = mem_alloc(FAPC_FRAMES_MAX * sizeof *frames);
@@ -67,7 +67,7 @@ static int32_t limited(int32_t value) {
     return value > FAPC_VALUE_MAX ? FAPC_VALUE_MAX : value < -FAPC_VALUE_MAX ? -FAPC_VALUE_MAX : value;
 }
 
-/* What the mask leaves out keeps its value. */
+/* FAPs missing from the mask keep their values. */
 static void there_and_back(struct fuzz_input *in) {
     static uint8_t bytes[(FRAMES_MAX + 1) * FAPC_FRAME_BYTES_MAX];
     struct fapc_encoder *encoder = mem_alloc(sizeof *encoder);

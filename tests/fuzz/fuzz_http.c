@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HTTP as it comes over a connection. Byte 0: whether the rest is requests, in pieces whose sizes byte 1
- * determines, or a form after the line of its Content-Type. However the bytes are cut, the same is read. */
+/* HTTP from a connection. Byte 0 selects: requests, in pieces whose sizes byte 1 determines, or a form
+ * preceded by a line with its Content-Type. The division must not change the result. */
 #include "server/api/api_internal.h"
 #include "server/base/utf8.h"
 #include "server/http/http_reader.h"
@@ -44,7 +44,7 @@ static void note_head(const struct http_request *r, struct buf *trace) {
     request_free(&request);
 }
 
-/* What was read of the bytes, given in pieces. */
+/* Result of parsing the bytes piece by piece. */
 static void read_requests(const uint8_t *bytes, size_t size, size_t piece, struct buf *trace) {
     struct http_reader reader = {0};
     enum http_event event = HTTP_READ_MORE;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lexicons (PLS), and what they make of a text: byte 0 says in which language, then comes the text with its
- * size before it, the rest is the document. */
+/* Lexicons (PLS) and their application to a text: byte 0 selects the language, then comes the text preceded
+ * by its size, the rest is the document. */
 #include "server/markup/markup.h"
 #include "server/normalize/lexicon.h"
 #include "tests/fuzz/fuzz.h"

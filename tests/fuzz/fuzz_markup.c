@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A document through a reader: byte 0 says which one, byte 1 with which rules, the rest is the document. */
+/* Reads a document: byte 0 selects the reader, byte 1 the rules, the rest is the document. */
 #include "server/base/utf8.h"
 #include "server/markup/markup.h"
-#include "server/markup/score_dump.h"
+#include "server/markup/score.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>

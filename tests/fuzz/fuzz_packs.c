@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A language's files: byte 0 says which one, the rest edits it (json_edit.c). What loads serves an utterance.
- */
+/* A language's files: byte 0 selects the file, the rest edits it (json_edit.c). A file that loads is used for
+ * an utterance. */
 #include "server/base/mem.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_pack_internal.h"
@@ -19,7 +19,7 @@ static const char *const files[] = {"it.json", "und.json",           "pt-BR.json
                                     "en.json", "alphabets/ipa.json", "visemes/pt.json", "letters/tr.json"};
 enum { FILES = sizeof files / sizeof *files };
 
-/* Copies of a pack inherit from the others and use what they use, which are links. */
+/* Copies of a pack inherit from the other packs and use their files, which are links. */
 static void prepare(void) {
     static bool done;
     static const char *const links[] = {"und.json", "it.json", "alphabets", "visemes", "letters"};

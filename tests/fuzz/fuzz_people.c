@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What faccia fit and faccia eval --recording read of a person: the first line that is "---" divides the
- * curves from the phones. What can be read is compared with another person's: itself, a little later. */
+/* Recorded speakers as read by faccia fit and faccia eval --recording: the first line "---" separates the
+ * curves from the phones. Data that can be read is compared with another speaker: itself, shifted in time. */
 #include "server/research/fit_read.h"
 #include "server/research/person.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Phones in letters. Byte 0: whether the rest is IPA, X-SAMPA, a timed transcription, or phones to be found
- * in a pack; byte 1: how large the answer may be, or the pack. */
+/* Phones as text. Byte 0 selects: IPA, X-SAMPA, a timed transcription, or phones to look up in a pack; byte
+ * 1: maximum size of the result, or the pack. */
 #include "server/base/mem.h"
 #include "server/base/sampa.h"
 #include "server/base/utf8.h"
@@ -22,7 +22,7 @@ static const struct speech_pack *pack(const char *lang) {
 
 typedef size_t convert(const char *from, char *out, size_t cap);
 
-/* Whatever does not fit is cut off at a whole symbol. */
+/* Output that does not fit is truncated after a whole symbol. */
 static char *converted(convert *to, const char *text, size_t cap) {
     char *out = mem_alloc(cap);
     to(text, out, cap);

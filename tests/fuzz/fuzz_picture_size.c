@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Headers of pictures: a size is read from within the bytes, by its kind's signature, and bytes that follow
- * do not change it. */
+/* Headers of pictures: the size comes from the bytes of a file with a known signature, and further bytes do
+ * not change it. */
 #include "server/rooms/picture_size.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Texts that are dates, numbers, sums...: byte 0 says in which language, byte 1 as what, the rest is the
- * text. */
+/* Texts such as dates, numbers and sums: byte 0 selects the language, byte 1 the kind, the rest is the text.
+ */
 #include "server/base/utf8.h"
 #include "server/normalize/normalizers.h"
 #include "tests/fuzz/fuzz.h"
@@ -24,7 +24,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *lang = langs[fuzz_below(&in, sizeof langs / sizeof *langs)];
     const char *way = ways[fuzz_below(&in, sizeof ways / sizeof *ways)];
     char *text = fuzz_rest_text(&in);
-    if (utf8_check(text, strlen(text)) == strlen(text)) { /* as all that markup lets through */
+    if (utf8_check(text, strlen(text)) == strlen(text)) { /* like all text accepted by the markup readers */
         struct buf out = {0};
         bool read = normalizer_words(normalizers_find(normalizers(), lang), way, text, &out);
         FUZZ_CHECK(read || !out.size);

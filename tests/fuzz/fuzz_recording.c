@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A folder of the recording plugin: byte 0 says how its times are written; then come the description, the
- * text, the times, each with its size (2 bytes) before it, and the sound. */
+/* A folder of the recording plugin: byte 0 selects the format of the times; then follow the description, the
+ * text and the times, each preceded by its size (2 bytes), and the sound. */
 #include "server/face/packs/speech_pack.h"
 #include "server/plugins/recording/recording_folder.h"
 #include "tests/fuzz/fuzz.h"
@@ -27,7 +27,7 @@ static void write_part(struct fuzz_input *in, const char *name) {
     free(bytes);
 }
 
-/* Words that are not yet known are to be found by alignment, which takes a voice. */
+/* Unknown words would need alignment, which takes a voice. */
 static bool is_known(const struct aligned_recording *reading, size_t first, size_t last) {
     for (size_t i = first; i <= last && i < reading->tokens.count; i++)
         if (!reading->words[i].known)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replies of a Redis server. What is let through, hiredis reads without an error and to the same end; it is
- * let through in pieces as in one. The first byte says how long the pieces are. */
+/* Replies of a Redis server. hiredis must parse every accepted reply without an error and to the same end;
+ * the result must not depend on how the reply is divided. The first byte sets the size of the pieces. */
 #include "server/base/buf.h"
 #include "server/cluster/redis_internal.h"
 #include "tests/fuzz/fuzz.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of what is let through, as far as it goes. */
+/* Number of accepted bytes. */
 static uint64_t read_all(const uint8_t *data, size_t size) {
     redisReader *reader = redisReaderCreate();
     uint64_t count = 0;
@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     uint8_t *bytes = fuzz_rest(&in, &rest);
     struct reply_check whole = {0}, pieces = {0};
     const char *why = reply_check(&whole, bytes, rest), *part = NULL;
-    size_t good = 0; /* bytes of the pieces that were let through */
+    size_t good = 0; /* bytes of the accepted pieces */
     while (good < rest && !part) {
         size_t piece = rest - good < step ? rest - good : step;
         part = reply_check(&pieces, bytes + good, piece);

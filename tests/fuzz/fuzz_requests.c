@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
- * each), or a message of ours for people who type. */
+/* Requests of clients. Byte 0 selects: a message, the parameters of a query (NAME=VALUE, one per line), or
+ * one of the daemon's messages for the text protocol. */
 #include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -30,7 +30,7 @@ static void check_error(const struct error *e) {
     buf_free(&out);
 }
 
-/* What one daemon tells another of a request is that request. */
+/* A request survives the round trip to another daemon. */
 static void check_told(const struct speech_request *request) {
     struct speech_request heard;
     struct error e;
@@ -101,7 +101,7 @@ static void write_line(const struct stream_event *event) {
     buf_free(&line);
 }
 
-/* Whatever a text says, what is told of it to those who type is one line. */
+/* Any message becomes one line of the text protocol. */
 static void write_lines(const char *text, size_t size) {
     struct error e;
     char *string = mem_strndup(text, size);

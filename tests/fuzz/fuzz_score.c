@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is done with the score of a document, from directing the voice to the face: bytes 0 to 3 say for which
- * language and how, the rest is the document. */
+/* Processes the score of a document, from directing the voice to the face: bytes 0 to 3 select language and
+ * options, the rest is the document. */
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
 #include "server/face/packs/speech_pack.h"
@@ -34,7 +34,7 @@ static const struct stage *stage(void) {
     return &s;
 }
 
-/* As if each piece were a word of 0.3 s that begins with an a. */
+/* Treats each piece as a word of 0.3 s that starts with an a. */
 static struct sentence_audio *say(const struct voice_request *request) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
     size_t count = request->piece_count < WORDS_MAX ? request->piece_count : WORDS_MAX;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults
- * (json_edit.c), or one setting's number and its text. What was taken is printed and read again. */
+/* The daemon's settings. Byte 0 selects: a file, edits of a file with the defaults (json_edit.c), or one
+ * setting's number and text. Accepted settings are printed and read again. */
 #include "server/base/utf8.h"
 #include "server/daemon/settings_internal.h"
 #include "tests/fuzz/fuzz.h"
@@ -30,7 +30,7 @@ static const json_t *printed(void) {
     return json;
 }
 
-/* What settings print is what they are. */
+/* Printed settings read back unchanged. */
 static void check_again(const struct settings *s) {
     struct settings again;
     struct buf out = {0}, more = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sound files, by everything that reads them. Byte 0 says who; the rest is the file. */
+/* Sound files, in all their readers. Byte 0 selects the reader; the rest is the file. */
 #include "server/base/mem.h"
 #include "server/library/align/sound_file.h"
 #include "server/plugins/command/command_sound.h"
@@ -12,7 +12,7 @@
 
 enum { PIECE = 8192, PIECES = 12 };
 
-/* From the beginning, from where it may end, and from beyond. */
+/* Reads from the beginning, from near the end, and from beyond it. */
 static void align(const char *path) {
     struct error e = {0};
     struct sound_file *file = sound_open(path, &e);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions, a gesture, the normalizers of a language, and the voices' boundaries: byte 0 says which
- * file, the rest edits it (json_edit.c). What loads is used. */
+/* The expressions, a gesture, the normalizers of a language, and the voices' boundaries: byte 0 selects the
+ * file, the rest edits it (json_edit.c). A file that loads is used. */
 #include "server/expression/gestures.h"
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of times. Byte 0: the format; byte 1: which names, tiers and entries are asked for; the rest is the
- * file. */
+/* Files of times. Byte 0: the format; byte 1: the requested names, tiers and entries; the rest is the file.
+ */
 #include "server/face/packs/speech_pack.h"
 #include "server/library/align/times.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who may come in. Byte 0: what the rest is, a token as somebody may forge it, the header and the claims of a
- * JWT (a line each) to be signed with the right secret, what a token is to say, an origin with host and
- * list (a line each), or a file of secrets, and one of what is revoked. */
+/* Access control. Byte 0 selects: a forged token, the header and claims of a JWT (one per line) to be signed
+ * with the right secret, the claims of a token to issue, an origin with host and list (one per line), a file
+ * of secrets, or a file of revocations. */
 #include "server/access/origin.h"
 #include "server/access/revocations.h"
 #include "server/access/secrets.h"
@@ -24,7 +24,7 @@ static void check_token(const struct token *t) {
     FUZZ_CHECK(t->rights && !(t->rights & ~(unsigned)RIGHTS_ALL) && t->expires > NOW);
 }
 
-/* Nobody finds a signature by guessing. */
+/* Random bytes never contain a valid signature. */
 static void forged(const char *text) {
     struct token token;
     struct error e = {0};
@@ -47,7 +47,7 @@ static void signed_claims(struct fuzz_input *in) {
     free(claims);
 }
 
-/* What was made is what is read. */
+/* An issued token reads back unchanged. */
 static void made(struct fuzz_input *in) {
     struct token token = {.rights = 1 + fuzz_u8(in) % RIGHTS_ALL, .expires = NOW + 1 + fuzz_u16(in)}, again;
     char *subject = fuzz_line(in), *room = fuzz_rest_text(in);

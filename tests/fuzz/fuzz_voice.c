@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sound of somebody who speaks himself: byte 0 is codec and channels, then rate and lookahead; then
- * messages, each with its size (2 bytes) before it, on their way to a face. PCM in other pieces is the same.
- */
+/* Sound of a live voice: byte 0 sets codec and channels, then come rate and lookahead; then messages, each
+ * preceded by its size (2 bytes). PCM divided otherwise gives the same result. */
 #include "server/face/packs/speech_pack.h"
 #include "server/live/jitter_buffer.h"
 #include "server/live/lip_recogniser.h"
@@ -12,9 +11,9 @@
 
 enum { SAMPLES_MOST = 16000, MESSAGES_MOST = 200 };
 
-/* What an input gives, and what it says of itself when it comes otherwise. */
+/* A run of the recogniser and its result, which must not depend on how the input is divided. */
 struct heard {
-    struct lip_recogniser *recogniser; /* NULL: it is only listened to */
+    struct lip_recogniser *recogniser; /* NULL: the recogniser only listens */
     struct jitter_buffer pace;
     double now;
     size_t samples;
@@ -65,7 +64,7 @@ static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     }
 }
 
-/* Gives its messages to it, PCM cut otherwise when `whole` is false. */
+/* Passes the messages to the recogniser; divides PCM differently if `whole` is false. */
 static void read_all(struct fuzz_input in, struct live_audio *sound, bool whole, struct heard *h) {
     struct error e = {0};
     for (int i = 0; i < MESSAGES_MOST && fuzz_left(&in); i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The frames of a WebSocket's client, in pieces whose sizes byte 0 determines. However they are cut, the same
- * is heard. */
+/* Frames of a WebSocket client, in pieces whose sizes byte 0 determines. The division must not change the
+ * result. */
 #include "server/base/buf.h"
 #include "server/http/websocket_reader.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a worker says, and what it is told: frames as they come over the socket. What it says while it speaks
- * becomes an utterance, whatever it says. */
+/* Frames from and to a worker. Any answer of a worker to a sentence becomes an utterance or an error. */
 #include "server/voice/assembly.h"
 #include "server/voice/voice_pool_internal.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Works of a library and what is searched in them. Byte 0: the reader, or a query; the rest is the file's
- * text, or the query's. */
+/* Works of a library, and search queries. Byte 0 selects the reader, or a query; the rest is the text of the
+ * file or query. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
@@ -39,7 +39,7 @@ static void on_problem(void *ctx, const struct error *e, bool serious) {
     FUZZ_CHECK(e->code && *e->message);
 }
 
-/* Whatever can be read is a query that FTS5 takes. */
+/* Every valid query is accepted by FTS5. */
 static void search(const char *text) {
     static sqlite3 *sql;
     static struct stems *stems;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Changes in a JSON value, told by bytes: so a fuzzer finds what a file may not be like without having to
- * learn JSON first. An edit is the number of a value (2 bytes), what is done to it, and what that needs. */
+/* Edits a JSON value as directed by bytes, so that a fuzzer can explore invalid files without having to learn
+ * JSON. An edit consists of the number of a value (2 bytes), an operation, and its operands. */
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { EDITS_MAX = 16, VALUES_MAX = 1 << 14 };
 
-/* A value and where it stands. */
+/* A value and its position. */
 struct value {
     json_t *up; /* NULL for the root */
     const char *key;
@@ -63,7 +63,7 @@ static json_t *number(struct fuzz_input *in) {
 static json_t *string(struct fuzz_input *in) {
     size_t size = fuzz_u8(in);
     uint8_t *bytes = fuzz_bytes(in, &size);
-    json_t *result = json_stringn((char *)bytes, size); /* NULL when it is no UTF-8 */
+    json_t *result = json_stringn((char *)bytes, size); /* NULL if it is not UTF-8 */
     free(bytes);
     return result;
 }
@@ -85,7 +85,7 @@ static json_t *literal(struct fuzz_input *in) {
     }
 }
 
-/* Puts it in the place of the value; a string that was none changes nothing. */
+/* Replaces the value; an invalid string changes nothing. */
 static void replace(json_t **root, const struct value *at, json_t *json) {
     if (!json)
         return;
@@ -102,7 +102,7 @@ static void replace(json_t **root, const struct value *at, json_t *json) {
 static void repeat(const struct value *at, size_t times) {
     json_t *copy = json_is_array(at->up) ? json_deep_copy(at->json) : NULL;
     for (size_t i = 0; i < times && copy; i++)
-        json_array_insert(at->up, at->index, copy); /* shared: what is done to one is done to all */
+        json_array_insert(at->up, at->index, copy); /* shared: an edit of one applies to all */
     json_decref(copy);
 }
 

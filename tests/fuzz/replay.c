@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gives a target the files that are named, and those of the folders that are: for builds without libFuzzer.
- */
+/* Runs a target on the named files and on the files of named folders, for builds without libFuzzer. */
 #include "server/base/buf.h"
 #include "tests/fuzz/fuzz.h"
 #include <dirent.h>
@@ -18,7 +17,7 @@ static size_t replay_file(const char *path) {
     if (!file)
         return 0;
     fclose(file);
-    uint8_t *exact = malloc(input.size ? input.size : 1); /* a sanitizer sees what is read beyond it */
+    uint8_t *exact = malloc(input.size ? input.size : 1); /* so that a sanitizer detects reads beyond it */
     if (input.size)
         memcpy(exact, input.data, input.size);
     fprintf(stderr, "%s\n", path);

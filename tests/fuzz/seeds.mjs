@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes inputs for a fuzz target that are made of the repository's own files: node seeds.mjs TARGET FOLDER
+// Writes inputs for a fuzz target, made from files of the repository: node seeds.mjs TARGET FOLDER
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { deflateSync } from 'node:zlib';
@@ -55,7 +55,7 @@ const answers = [
 ];
 const say = (text) => Buffer.from(typeof text === 'string' ? text : JSON.stringify(text));
 
-/** A frame of the worker's socket, and what is in it (server/voice/wire.h). */
+/** A frame of the worker's socket, and its contents (server/voice/wire.h). */
 const frame = (type, ...parts) => { const body = joined(...parts); return joined(u32(body.length), u32(type), u32(1), body); };
 const text = (value) => (value === null ? u32(0xffffffff) : joined(u32(Buffer.byteLength(value)), value, 0));
 const event = {
@@ -108,7 +108,7 @@ const parts = {
       packet({ v: 3, kind: 'here', room: 'hall', from: 'f'.repeat(32), ways: [1, 2], n: 7 }), packet({ v: 3, kind: 'said', room: 'hall', at: 0.1, token: 12, parts: [{ event: 'word', size: 40, line: 9 }, { as: [1, 2, 0, false], size: 24 }] }, Buffer.alloc(64, 9)), packet({ v: 1, kind: 'gone', room: 'hall' }),
       joined(3, 1, u32(sound.length), deflateSync(sound))];
   },
-  // the first byte is the length of the pieces
+  // the first byte sets the length of the pieces
   replies: () => ['+PONG\r\n', '-NOSCRIPT no such script\r\n', ':-17\r\n', '$-1\r\n', '$0\r\n\r\n', '$5\r\nhe\r\no\r\n', '*-1\r\n', '*0\r\n:1\r\n', '*3\r\n$9\r\nsubscribe\r\n$1\r\na\r\n:1\r\n*3\r\n$7\r\nmessage\r\n$1\r\na\r\n$3\r\nxyz\r\n',
     '*2\r\n*1\r\n*2\r\n:1\r\n$-1\r\n*1\r\n*0\r\n', '*1\r\n'.repeat(7), '*2147483647\r\n:1\r\n', '*-2\r\n', '$2147483647\r\nx', '$-2\r\n', ':9223372036854775808\r\n', '$05\r\nhello\r\n', '+a\rb\r\n', '>2\r\n', `+${'x'.repeat(5000)}`]
     .flatMap((reply) => [0, 63].map((step) => joined(step, reply))),

@@ -60,10 +60,13 @@ export const record = (page) => page.evaluate(() => {
 /** Poses the face (values by FAP number; null: at rest), waits until it is drawn, and saves the picture. */
 export async function picture(page, name, faps) {
   await page.evaluate(async (values) => {
-    document.querySelector('talking-head').pose(values);
+    const head = document.querySelector('talking-head');
+    head.pose(values);
+    head.shadowRoot.querySelector('.captions').style.visibility = 'hidden'; // they may linger over the picture
     for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame);
   }, faps);
   const png = await page.locator('talking-head canvas').screenshot();
+  await page.evaluate(() => (document.querySelector('talking-head').shadowRoot.querySelector('.captions').style.visibility = ''));
   fs.mkdirSync(artefacts, { recursive: true });
   fs.writeFileSync(path.join(artefacts, `${name}.png`), png);
   return PNG.sync.read(png);

@@ -139,7 +139,7 @@ export function upgradeRequest(c) {
   return c.one(12) ? damage(c, Buffer.from(text)) : Buffer.from(text);
 }
 
-const paths = ['/', '/healthz', '/metrics', '/v1/voices', '/v1/models', '/v1/models/mara', '/v1/rooms', '/v1/media', '/v1/expressions', '/v1/speech', '/v1/say', '/v1/play', '/v1/stop', '/v1/rooms/r/commands', '/v1/events', '/v1/stream', '/../x', '/%2e%2e/x', '//', '/v1/speech/', '/talking-head.js'];
+const paths = ['/', '/healthz', '/metrics', '/v1/voices', '/v1/models', '/v1/models/mara', '/v1/rooms', '/v1/media', '/v1/expressions', '/v1/speech', '/v1/audio/speech', '/v1/say', '/v1/play', '/v1/stop', '/v1/rooms/r/commands', '/v1/events', '/v1/stream', '/../x', '/%2e%2e/x', '//', '/v1/speech/', '/talking-head.js'];
 
 /** A body and its headers, which may be false. */
 function body(c, path_) {

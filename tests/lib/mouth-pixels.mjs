@@ -16,7 +16,7 @@ const HALF = Math.round(4 / MM); // half of the columns examined: the middle 8 m
 
 /** Largest opening, mm², that counts as closed: a seam of single pixels. */
 const CLOSED = 1;
-/** Share of the columns in which the lip must reach the teeth. */
+/** Minimum share of the columns in which the lip must reach the teeth. */
 const MET = 0.9;
 
 /** @returns {Promise<{look: function(number[][]): Promise<object[]>, close: function}>} look: for each frame the area of the opening in mm², its

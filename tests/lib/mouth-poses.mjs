@@ -11,10 +11,10 @@ const faccia = (...args) => execFileSync(path.join(build, 'server/cli/faccia'), 
 
 /** For each language a text and the sounds examined: one of each visually distinct group. */
 export const LANGUAGES = {
-  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ', 'w']],
   'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó, Ana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
   tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk. Ara, öğle, ekmek, kız, o, ana.', ['b', 'f', 's', 't', 'u', 'o', 'y', 'ø', 'ɯ', 'i', 'ɛ', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
-  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool. Cheese.', ['p', 'f', 's', 't', 'ʃ', 'tʃ', 'θ', 'l', 'm', 'n', 'k', 'i', 'u', 'o', 'æ']],
+  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool. Cheese. Wait away.', ['p', 'f', 's', 't', 'ʃ', 'tʃ', 'θ', 'l', 'm', 'n', 'k', 'i', 'u', 'o', 'æ', 'w']],
 };
 
 const ROUND = /^[uoɔʊyøœwɯ]/;

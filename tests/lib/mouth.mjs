@@ -6,11 +6,15 @@ const labials = ['p', 'b', 'm'];
 const labiodentals = ['f', 'v'];
 const openVowels = ['a', 'ɐ', 'ɑ', 'æ', 'ʌ', 'ɛ', 'ɔ'];
 
-/** What a phone requires: 'lips' closed, lip at the 'teeth', an 'open' vowel, or nothing. */
+/** Constraint of a phone: 'lips' closed, lip at the 'teeth', an 'open' vowel, or nothing. */
 export function kindOf({ ipa }) {
   const letter = [...ipa][0];
   return labials.includes(letter) ? 'lips' : labiodentals.includes(letter) ? 'teeth' : openVowels.includes(letter) ? 'open' : undefined;
 }
+
+/** mm between the inner contours; on film people's lips are 1.5 to 2.3 mm apart in /f v/, and round borders hide 0.9 of it. */
+const GAP = [2.4, 3.2];
+const apart = (f) => -(f[4] + f[5]) * MNS;
 
 export const isClosed = (f) => f[4] + f[5] >= 0 && f[8] + f[10] >= 0 && f[9] + f[11] >= 0;
 
@@ -38,7 +42,7 @@ export function readMouth(phones, { fps, frames }) {
       out.closed += closed;
       if (!closed) out.misses.push(phone);
     } else if (kind === 'teeth') {
-      const met = within.some((f) => f[5] * MNS >= -1.72 && f[16] * MNS <= -1.58);
+      const met = within.some((f) => f[5] * MNS >= -1.52 && f[16] * MNS <= -1.58 && apart(f) >= GAP[0] && apart(f) <= GAP[1]);
       out.teeth++;
       out.met += met;
       if (!met) out.misses.push(phone);

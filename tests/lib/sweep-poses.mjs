@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Poses of every sound of every language in every expression, in which no mesh may penetrate another.
+// Poses of every sound of every language in every expression, in which no two meshes may intersect.
 import { unitLength } from '../../models/tools/lib/deform.mjs';
 import { expressionPose, LANGUAGES, said } from './mouth-poses.mjs';
 import { sentences } from './sentences.mjs';

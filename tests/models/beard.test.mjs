@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A beard in a picture, dark or grey, on light skin or dark, does not end in the middle of the face of a base that has none; a dark face without one is left as it is.
+// A beard in a picture, dark or grey, on light or dark skin, must not end in the middle of the face when the base head has none; a dark
+// face without a beard is unchanged.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -19,7 +20,7 @@ const luca = JSON.parse(fs.readFileSync(path.join(heads, 'luca.json'), 'utf8'));
 const CHEEKS = [50, 280, 205, 425]; // landmarks
 const ABOUT = [43, 273, 106, 335, 18, 200, 199, 57, 287]; // about the mouth, where a beard grows
 
-/** How bright the darkest and the palest skin about the mouth is, of that of the cheeks. */
+/** Brightness of the darkest and the palest skin about the mouth, relative to the cheeks. */
 async function shades(head) {
   const skin = unpack(head).parts.find(({ name }) => name === 'skin');
   const image = await textures.read(head.textures[head.materials[skin.material].texture]);
@@ -65,7 +66,7 @@ for (const [name, what, has] of cases(
   [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['samuel', "with Bruno's beard in grey", true]],
   [['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['mei', "with Bruno's beard", true]],
 ))
-  test(`${name}, ${what}, on a base without one`, async (t) => {
+  test(`${name}, ${what}, on a base without a beard`, async (t) => {
     const eye = await openEye();
     const folder = what.includes("Bruno's") ? await bearded(name, eye) : heads;
     let picture = await photograph(folder, name, 0);

@@ -7,7 +7,7 @@ import test from 'node:test';
 import { packModel } from '../../models/tools/import/pack-model.mjs';
 import * as check from '../../models/tools/lib/check.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
-import { view } from '../../models/tools/lib/sight.mjs';
+import { view } from '../../models/tools/lib/visibility.mjs';
 import { calibrate } from '../../web/element/head/model/calibrate.mjs';
 import { ModelError } from '../../web/element/head/model/check.mjs';
 import { readModel } from '../../web/element/head/model/model.mjs';
@@ -18,7 +18,7 @@ const plain = (model) => unpack(packModel({ name: 'x', title: 'X', licence: 'CC0
 const far = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
 const mara = head('mara');
 
-test('a head that takes the points of another is there, and passes the checks of a face', (t) => {
+test('a head calibrated to the points of another passes the checks of a face', (t) => {
   for (const [from, to, slack] of [['mara', 'bruno', 0], ['mei', 'samuel', 4]]) {
     const [model, other] = [head(from), head(to)];
     const { featurePointsCoord } = { featurePointsCoord: other.fdp };
@@ -38,7 +38,7 @@ test('a head that takes the points of another is there, and passes the checks of
 /** Parts seen between the lips. */
 const inside = (face, faps) => ['teeth_upper', 'teeth_lower', 'tongue'].reduce((sum, name) => sum + view(face, faps, { yaw: 0, pitch: 0 }).count(name), 0);
 
-test('lips that meet on the head meet on every face that it takes', (t) => {
+test('lips that meet on the head meet after every calibration', (t) => {
   const upper = (v) => Object.fromEntries([4, 8, 9, 51, 55, 56].map((fap) => [fap, v]));
   const lower = (v) => Object.fromEntries([5, 10, 11, 52, 57, 58].map((fap) => [fap, v]));
   const closures = [{}, { ...upper(-150), ...lower(150), 3: 150 }, { ...upper(120), ...lower(-120), 3: 80 }, { 6: -150, 7: -150, 53: -150, 54: -150 }];
@@ -51,7 +51,7 @@ test('lips that meet on the head meet on every face that it takes', (t) => {
   }
 });
 
-test('some points alone move what is near them, and nothing far away', () => {
+test('moving a few points moves only their neighbourhood', () => {
   const shift = [2, -3, 1];
   const place = mara.fdp['9.3'].map((x, k) => x + shift[k]);
   const taken = calibrate(mara, { featurePointsCoord: { 9.3: place } });
@@ -62,7 +62,7 @@ test('some points alone move what is near them, and nothing far away', () => {
   assert.ok(moved < 4.5, `${moved} mm`);
 });
 
-test('a head that is told its own points stays as it is', () => {
+test('a head calibrated to its own points stays unchanged', () => {
   const taken = calibrate(mara, { featurePointsCoord: mara.fdp });
   for (const [i, part] of taken.parts.entries())
     assert.ok(part.position.every((x, k) => Math.abs(x - mara.parts[i].position[k]) < 0.3), part.name);
@@ -94,7 +94,7 @@ function headOfPng(width, height) {
   return bytes.toString('base64');
 }
 
-test('a picture may come along, with its places or without', () => {
+test('accepts a picture, with or without texture coordinates', () => {
   const texture = { type: 'image/png', data: headOfPng(512, 512) };
   const textureCoord = Object.fromEntries(Object.entries(mara.fdp).filter(([name]) => !/^(6|7|10)/.test(name)).map(([name, p]) => [name, [0.5 + p[0] / 300, 0.5 + p[1] / 300]]));
   const taken = calibrate(mara, { featurePointsCoord: { 9.3: mara.fdp['9.3'] }, texture, textureCoord });
@@ -108,7 +108,7 @@ test('a picture may come along, with its places or without', () => {
   assert.deepEqual(calibrate(mara, { featurePointsCoord: { 9.3: mara.fdp['9.3'] }, texture }).parts[0].uv, mara.parts[0].uv);
 });
 
-test('what is wrong is said with its field, and the head stays as it was', () => {
+test('reports an error with its field, and leaves the head unchanged', () => {
   const p = mara.fdp;
   const wrong = (calibration, place, pattern = /./) =>
     assert.throws(() => calibrate(mara, calibration, 'calibration.'), (error) => {
@@ -122,8 +122,8 @@ test('what is wrong is said with its field, and the head stays as it was', () =>
   wrong({}, points);
   wrong({ featurePointsCoord: {} }, points, /none/);
   wrong({ featurePointsCoord: [1] }, points);
-  wrong({ featurePointsCoord: { '12.1': [0, 0, 0] } }, `${points}.12.1`, /no such/);
-  wrong({ featurePointsCoord: { '2.15': [0, 0, 0] } }, `${points}.2.15`, /no such/);
+  wrong({ featurePointsCoord: { '12.1': [0, 0, 0] } }, `${points}.12.1`, /unknown feature point/);
+  wrong({ featurePointsCoord: { '2.15': [0, 0, 0] } }, `${points}.2.15`, /unknown feature point/);
   wrong({ featurePointsCoord: { 8.4: [0, 0] } }, `${points}.8.4`, /three numbers/);
   wrong({ featurePointsCoord: { 8.4: [0, NaN, 0] } }, `${points}.8.4`);
   wrong({ featurePointsCoord: { 8.4: [0, 1e9, 0] } }, `${points}.8.4`);

@@ -29,34 +29,34 @@ const kinds = {
   timed: { schema: 'protocol/schema/timed.json', files: ['tests/corpus/documents/timed.json'], only: /^\/(phones|words)(\/\d+(\/(ipa|name|start|end|stress|text))?)?$/ },
 };
 
-/** What only the reader can know: what it says then, and why. */
+/** Errors that only the reader can detect, not the schema, and why. */
 const readerOnly = [
-  [/^there is no (group|phone|shape|affect|context|sound) /, 'names of things that stand elsewhere in the file'],
+  [/^(there is no|unknown) (group|phone|shape|affect|context|sound) /, 'names of things that stand elsewhere in the file'],
   [/^"[^"]*": /, 'another file'],
-  [/is not known here/, 'names that the file itself defines'],
+  [/^unknown name/, 'names that the file itself defines'],
   [/has no target in the context/, 'the contexts stand elsewhere in the file'],
   [/none of them shows the pack's phone/, "the pack's phones stand in another file"],
   [/must have \d+ items, one for each class/, 'the classes stand elsewhere in the file'],
   [/must be made of the letters/, 'the letters stand elsewhere in the file'],
   [/^the name '.*' occurs twice/, 'names must differ in all of a kind'],
-  [/must be at least [\d.]+ after the one before/, 'an order of numbers'],
+  [/must be at least [\d.]+ after the previous one/, 'an order of numbers'],
   [/^'.*' is not a folder$/, 'what lies on the disk'],
   [/^another voice has it$/, 'the other voice stands elsewhere in the file'],
   [/^begins before the last one's end, or ends before it begins$/, 'an order of numbers'],
   [/^must be a number from -\d+ to \d+$/, 'the ranges of FAPs stand in protocol/fap-table.json'],
-  [/^there is no such FAP$/, 'the names of FAPs stand in protocol/fap-table.json', 'gesture'],
-  [/^must have as many values as the curve before/, 'the curves must be of one length', 'gesture'],
+  [/^unknown FAP$/, 'the names of FAPs stand in protocol/fap-table.json', 'gesture'],
+  [/^must have \d+ values, like the previous curve/, 'the curves must be of one length', 'gesture'],
   [/^makes the gesture longer than/, 'its length follows from frames and their rate', 'gesture'],
   [/^is (missing|not a known key)$/, "a grid's rows are the file's own groups", 'visemes', /^grid\./],
 ];
 
-/** At most so many damages of a file, taken evenly from all. */
+/** Returns at most this many damaged versions of a file, evenly distributed. */
 const MOST = 200;
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-corpus-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 
-/** What the readers say of documents: {ok} or {code, place, message} for each. */
+/** Results of the readers for documents: {ok} or {code, place, message} for each. */
 function judged(kind, documents) {
   const paths = documents.map((document, i) => {
     const own = path.join(folder, `${kind}-${i}`);
@@ -79,7 +79,7 @@ function judged(kind, documents) {
 for (const [kind, { schema: file, files, only = /^/ }] of Object.entries(kinds)) {
   const refused = schema(file);
 
-  test(`${kind}: what is broken in the corpus is refused by schema and reader, at the same place`, () => {
+  test(`${kind}: schema and reader reject broken files of the corpus at the same position`, () => {
     const entries = corpus(kind), documents = entries.map((entry) => edited(json(entry.of), entry)), verdicts = judged(kind, documents);
     assert.ok(entries.length >= 3);
     entries.forEach((entry, i) => {
@@ -94,7 +94,7 @@ for (const [kind, { schema: file, files, only = /^/ }] of Object.entries(kinds))
   });
 
   for (const of of files)
-    test(`${of}: schema and reader agree wherever it is damaged`, () => {
+    test(`${of}: schema and reader agree on every damage`, () => {
       const document = json(of), all = [...damages(document)].filter(({ set, remove }) => only.test(Object.keys(set ?? {})[0] ?? remove[0])), edits = all.filter((_, i) => i % Math.ceil(all.length / MOST) === 0);
       const documents = [document, ...edits.map((edit) => edited(document, edit))], verdicts = judged(kind, documents);
       assert.deepEqual([refused(document), verdicts[0]], [[], { ok: true }]);
@@ -124,7 +124,7 @@ const readHead = (document) => {
   }
 };
 
-test('head: what is broken in the corpus is refused by schema and client, at the same place, and the daemon reads the outline', () => {
+test('head: schema and client reject broken files of the corpus at the same position; the daemon reads the outline', () => {
   const entries = corpus('head'), documents = entries.map((entry) => edited(json(entry.of), entry)), verdicts = judged('head', [json(headPath), ...documents]);
   assert.deepEqual([headSchema(json(headPath)), readHead(json(headPath)), verdicts.shift()], [[], null, { ok: true }]);
   assert.ok(entries.length > 20);
@@ -140,7 +140,7 @@ test('head: what is broken in the corpus is refused by schema and client, at the
   assert.ok(verdicts.every(({ ok, code }) => ok || code === 'bad-model'));
 });
 
-test('head: what the schema takes, wherever it is damaged, the client takes, unless the arrays do not fit', () => {
+test('head: the client accepts whatever the schema accepts, unless the arrays do not fit', () => {
   const document = json(headPath), wrong = [];
   let taken = 0;
   for (const edit of damages(document)) {

@@ -24,7 +24,7 @@ before(() => {
 });
 
 for (const name of names)
-  test(`nothing goes through anything: ${name}`, ['mara', 'bruno'].includes(name) ? {} : further, async () => {
+  test(`no mesh intersects another: ${name}`, ['mara', 'bruno'].includes(name) ? {} : further, async () => {
     const head = read(name);
     const sweep = await Sweep.of(head);
     const mouths = apart(poses.mouths, MOUTH_FAPS, apartBy(name), head);
@@ -35,7 +35,7 @@ for (const name of names)
     assert.deepEqual(wrong, []);
   });
 
-test('what goes through is found, and where', async () => {
+test('finds intersections and their position', async () => {
   const square = (z, tilt = 0) => ({ position: Float64Array.of(-5, -5, z - tilt, 5, -5, z + tilt, 5, 5, z + tilt, -5, 5, z - tilt), index: Uint16Array.of(0, 1, 2, 0, 2, 3) });
   assert.equal(crossings(square(0), square(1), 0.5).count, 0);
   const { count, deepest, at } = crossings(square(0), square(0, 4), 0.5);

@@ -24,9 +24,9 @@ function command(file, args, input) {
   return { status, stdout: String(stdout), stderr: String(stderr) };
 }
 
-test('the file is as the schema says', () => assert.ok(validate(read('expressions.json')), JSON.stringify(validate.errors?.slice(0, 3))));
+test('the file matches its schema', () => assert.ok(validate(read('expressions.json')), JSON.stringify(validate.errors?.slice(0, 3))));
 
-test('what is broken is named with its place by the program (tests/corpus has all kinds)', () => {
+test('the program reports errors with their position (tests/corpus has all kinds)', () => {
   const file = read('expressions.json');
   file.performative.greet.gesture.keys[1].at = 'soon';
   const { status, stderr } = faccia(file);
@@ -34,7 +34,7 @@ test('what is broken is named with its place by the program (tests/corpus has al
   assert.match(stderr, /performative\.greet\.gesture\.keys\[1\]\.at/);
 });
 
-test('a new expression is a new entry', () => {
+test('adds an expression by one entry', () => {
   const file = read('expressions.json');
   file.affect.boredom = { activation: -0.4, evaluation: -0.1, mix: { sadness: 0.2 }, pose: { close_t_eyelid: 300, raise_l_cornerlip: 90 }, aliases: ['bored'] };
   assert.ok(validate(file), JSON.stringify(validate.errors?.slice(0, 3)));
@@ -66,7 +66,7 @@ function cues(file, markup, names) {
 }
 
 for (const markup of Object.keys(MARKUPS))
-  test(`every affect and each of its other names is shown when ${markup} asks for it`, () => {
+  test(`shows every affect, by each of its names, on request by ${markup}`, () => {
     const file = read('expressions.json');
     for (const [name, { aliases = [] }] of Object.entries(file.affect)) {
       // "complex:..." is APML's own way to write two; BML writes its names with dashes
@@ -78,23 +78,23 @@ for (const markup of Object.keys(MARKUPS))
     }
   });
 
-test('an affect is known to every markup once it is in the file, and takes a name that another had', () => {
+test('every markup accepts an affect added to the file, which may take another affect\'s alias', () => {
   const file = read('expressions.json');
   file.affect.joy.aliases = file.affect.joy.aliases.filter((alias) => alias !== 'amused');
   file.affect.amused = { activation: 0.1, evaluation: 0.4, pose: { raise_l_cornerlip: 300 } };
   assert.ok(validate(file));
   for (const markup of Object.keys(MARKUPS)) assert.deepEqual(cues(file, markup, ['amused']), { warnings: [], affects: ['amused'] }, markup);
-  // while both have the name, nobody could say which is meant
+  // with two entries of that name, a request for it would be ambiguous
   file.affect.joy.aliases.push('amused');
   const { status, stderr } = command(file, ['expressions']);
   assert.equal(status, 1);
   assert.match(stderr, /affect\.\w+: the name 'amused' occurs twice/);
 });
 
-test('the command says what it cannot do', () => {
+test('the command reports invalid options', () => {
   const file = read('expressions.json');
   for (const [args, message] of [
-    [['--fap', 'hunger'], /no affect 'hunger'/],
+    [['--fap', 'hunger'], /unknown affect 'hunger'/],
     [['--fap', 'joy=2'], /from 0 to 1/],
     [['--fap', 'joy=much'], /from 0 to 1/],
     [['--kind', 'weather'], /kind 'weather'/],

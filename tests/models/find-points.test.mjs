@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Heads that say nothing of themselves: no feature points, no names, no textures, no morph targets, in other axes and units. Their points
-// are found by themselves, near those that we know, and what is made of them closes what closes.
+// Heads without any description: no feature points, names, textures or morph targets, in other axes and units. Their points are found
+// close to the known ones, and in the result everything that must close closes.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -11,7 +11,7 @@ import { findPoints } from '../../models/tools/import/find-points.mjs';
 import { readScene } from '../../models/tools/import/make-head.mjs';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
-import { view } from '../../models/tools/lib/sight.mjs';
+import { view } from '../../models/tools/lib/visibility.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { cases } from '../lib/long.mjs';
 import { writeGlb, writeObj } from '../lib/plain-files.mjs';
@@ -49,7 +49,7 @@ for (const [name, file, write, place, back, said] of cases([
 ], [
   ['bruno', 'turned.obj', writeObj, ([x, y, z]) => [x / 10, -z / 10, 160 + y / 10], ([x, y, z]) => [10 * x, 10 * y - 1600, 10 * z], /z up, looking to -y, 10 mm a unit/],
 ]))
-  test(`${name} as ${file}: the points are found, and lips and lids close`, async (t) => {
+  test(`${name} as ${file}: finds the points, and closes lips and lids`, async (t) => {
     const head = ours(name);
     write(at(file), head, place);
     const { status, stdout, stderr } = faccia('import', at(file), '-o', at(`${name}.json`));
@@ -79,12 +79,12 @@ for (const [name, file, write, place, back, said] of cases([
     const open = inside({ ...upper(-200), ...lower(-200), 3: 300 });
     t.diagnostic(`${closed.map((area) => area.toFixed(2)).join(', ')} mm² seen between closed lips, ${open.toFixed(0)} open`);
     assert.ok(closed.every((area) => area < 1) && open > (name === 'mara' ? 80 : 4), `${closed} ${open}`); // a beard hides much of it
-    // a FAP that is known to do nothing is said; all others of mouth, jaw, lids and eyes do what they should
+    // reports a FAP that is known to do nothing; all others of mouth, jaw, lids and eyes do what they should
     const lines = stdout.split('\n').filter((line) => /^FAP (3|4|5|6|7|8|9|1\d|2[0-6]|5[1-9]|60) /.test(line));
     assert.deepEqual(lines.filter((line) => /does nothing|no vertex/.test(line)), []);
   });
 
-test('where there is no face, it says so; where --points is given, nothing is looked for', () => {
+test('reports that there is no face; skips the search with --points', () => {
   fs.writeFileSync(at('box.obj'), ['0 0 0', '1 0 0', '1 1 0', '0 1 0', '0 0 1', '1 0 1', '1 1 1', '0 1 1'].map((p) => `v ${p}`).concat(['1 3 2', '1 4 3', '5 6 7', '5 7 8'].map((f) => `f ${f}`)).join('\n'));
   const none = faccia('import', at('box.obj'), '-o', at('never.json'));
   assert.equal(none.status, 1);

@@ -36,7 +36,7 @@ const checks = [
 ];
 for (const [name, run] of checks) test(name, () => assert.deepEqual(run(head), []));
 
-test('teeth show by sex and age, where the recipe says nothing', () => {
+test('visible teeth depend on sex and age, unless the recipe overrides them', () => {
   const shown = (name) => {
     const { upperShown, lowerShown } = mouthFigures({ shape: { [`macrodetails/${name}`]: 1 } });
     return [upperShown, lowerShown];
@@ -51,7 +51,7 @@ test('teeth show by sex and age, where the recipe says nothing', () => {
   assert.equal(mouthFigures({ shape: {}, mouth: { upperShown: 2.7 } }).upperShown, 2.7);
 });
 
-test('a misplaced tooth or tongue is found', () => {
+test('finds a misplaced tooth or tongue', () => {
   const moved = (name, axis, mm) => ({
     ...head,
     parts: head.parts.map((p) => (p.name === name ? { ...p, position: p.position.map((x, i) => (i % 3 === axis ? x + mm : x)) } : p)),
@@ -61,7 +61,7 @@ test('a misplaced tooth or tongue is found', () => {
   assert.ok(check.checkTongue({ ...head, fdp: { ...head.fdp, 6.1: head.fdp['2.2'] } }).length);
 });
 
-test('keeps to the schema', () => assert.equal(violations('head-model', json), null));
+test('matches the schema', () => assert.equal(violations('head-model', json), null));
 
 test('is small enough, and the packed file holds the same', () => {
   const packed = fs.readFileSync(`${file}.gz`);
@@ -70,7 +70,7 @@ test('is small enough, and the packed file holds the same', () => {
   assert.ok(zlib.gunzipSync(packed).equals(text));
 });
 
-test('stays out of its own way: no tooth comes through the skin when she speaks', () => {
+test('teeth do not penetrate the skin during speech', () => {
   const skin = head.parts.find((p) => p.name === 'skin');
   const a = {
     3: 550,
@@ -95,7 +95,7 @@ test('stays out of its own way: no tooth comes through the skin when she speaks'
   assert.equal(count, 0, `${count} edges, ${deepest.toFixed(1)} mm deep`);
 });
 
-test('is built the same every time', { skip: !long && 'takes minutes: FACCIA_LONG=1' }, () => {
+test('is built identically every time', { skip: !long && 'takes minutes: FACCIA_LONG=1' }, () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'head-'));
   try {
     const again = path.join(folder, 'again.json');
@@ -114,7 +114,7 @@ test('is built the same every time', { skip: !long && 'takes minutes: FACCIA_LON
   }
 });
 
-test('a recipe with a mistake is refused with a reason', () => {
+test('rejects a recipe with a mistake, with a reason', () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'head-'));
   try {
     const recipe = JSON.parse(fs.readFileSync(path.join(root, 'models/heads/mara.json'), 'utf8'));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files as people have them: one head in many of the ways in which a format lets it be written, and each time the same surface is read, with
-// the same side out; and what is made of colours, of mirrored files, of other axes and units.
+// One head in many of the ways in which each format can be written: each time the same surface is read, with the same side out. Also
+// colours, mirrored files, other axes and units.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -25,7 +25,7 @@ const parts = ['skin', 'eye_l', 'eye_r', 'teeth_lower'].map((name) => mara.parts
 const placed = (place) => parts.map((part) => ({ ...part, position: Array.from({ length: part.position.length / 3 }, (_, v) => place(part.position.slice(3 * v, 3 * v + 3))).flat() }));
 const toldIn = (place) => ({ frame: 'file', fdp: Object.fromEntries(Object.entries(mara.fdp).map(([name, p]) => [name, place(p)])), parts: {}, influences: [] });
 
-/** What a surface is, whatever its corners are called: extent, area, the way it looks, and what it holds about its middle, below 0 where it is inside out. */
+/** Invariants of a surface, independent of vertex order: extent, area, orientation, and signed volume, negative if it is inside out. */
 function measure({ position, index }) {
   const p = (v) => [position[3 * v], position[3 * v + 1], position[3 * v + 2]];
   let [area, volume] = [0, 0];
@@ -71,7 +71,7 @@ const expanded = metres.map((part) => ({ ...part, position: [...part.index].flat
 const mirrored = metres.map((part) => ({ ...part, position: part.position.map((x, i) => (i % 3 ? x : -x)), index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) }));
 const half = Math.SQRT1_2;
 
-test('glTF: each layout of its bytes, each kind of index, strips, nodes within nodes and mirrored ones', async () => {
+test('glTF: reads every byte layout and index type, strips, nested nodes and mirrored ones', async () => {
   for (const [what, file, list, how] of [
     ['32-bit indices', 'a.glb', metres, {}],
     ['16-bit indices', 'b.glb', metres, { index: Uint16Array }],
@@ -95,7 +95,7 @@ test('glTF: each layout of its bytes, each kind of index, strips, nodes within n
 
 const comb = { name: 'comb', position: [0, 0, 0, 8, 0, 0, 8, 6, 0, 6, 6, 0, 6, 2, 0, 5, 2, 0, 5, 6, 0, 3, 6, 0, 3, 2, 0, 2, 2, 0, 2, 6, 0, 0, 6, 0], uv: Array(24).fill(0.5) };
 
-test('faces of many corners, hollow ones too, wherever they begin and however they lie', async () => {
+test('reads faces with many corners, concave ones too, in any rotation and orientation', async () => {
   const turns = [([x, y, z]) => [x, y, z], ([x, y, z]) => [z, x, y], ([x, y, z]) => [-x, 0.6 * y - 0.8 * z, -0.8 * y - 0.6 * z]];
   for (const [t, turn] of turns.entries())
     for (let first = 0; first < 12; first++) {
@@ -117,7 +117,7 @@ test('faces of many corners, hollow ones too, wherever they begin and however th
 
 const shade = ([, y]) => (y > 0 ? [1, 0.5, 0.25] : [0.25, 0.5, 1]);
 
-test('OBJ and PLY: line ends, marks, corners counted back, lines that go on, strips, pictures that are gone', async () => {
+test('OBJ and PLY: reads all line ends, byte order marks, negative indices, continued lines, strips, missing pictures', async () => {
   const [, ...small] = parts;
   const skin = small.slice(0, 1);
   const one = (list) => list.map((part) => ({ ...part, name: 'mesh' }));
@@ -147,7 +147,7 @@ test('OBJ and PLY: line ends, marks, corners counted back, lines that go on, str
   }
 });
 
-test("an OBJ's map has options, blanks and a place on its maker's machine, and is found beside it", async () => {
+test('OBJ: finds a map with options, blanks and a foreign absolute path next to the file', async () => {
   fs.writeFileSync(at('her skin.png'), PNG.sync.write(new PNG({ width: 2, height: 2 })));
   for (const words of ['her skin.png', '-s 1 1 1 -o 0.5 her skin.png', '-bm 0.3 -clamp on her skin.png', 'C:\\Users\\she\\her skin.png', '/home/she/her skin.png']) {
     fs.writeFileSync(at('map.mtl'), `newmtl eye_l\r\nmap_Kd ${words}\r\n`);
@@ -157,7 +157,7 @@ test("an OBJ's map has options, blanks and a place on its maker's machine, and i
   }
 });
 
-test('VRML97: its many ways', async () => {
+test('VRML97: reads its many forms', async () => {
   const eyes = parts.slice(1, 3);
   const far = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => x / 10 - [1, 2, 3][i % 3]) }));
   const back = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => (i % 3 ? x : -x)), index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) }));
@@ -192,7 +192,7 @@ test('VRML97: its many ways', async () => {
   await assert.rejects(readScene(at('cut.wrz')), /cannot be unpacked/);
 });
 
-test('colours of vertices become a picture of the skin', async (t) => {
+test('turns vertex colours into a picture of the skin', async (t) => {
   const skin = parts.slice(0, 1);
   const linear = (p) => shade(p).map((x) => ((x + 0.055) / 1.055) ** 2.4);
   const metric = placed(([x, y, z]) => [x / 1000, y / 1000, z / 1000]).slice(0, 1);
@@ -223,7 +223,7 @@ test('colours of vertices become a picture of the skin', async (t) => {
   }
 });
 
-test('names: of what a node is called, of which material a head has, and of words that end like a side', () => {
+test('recognises names of nodes, materials of a head, and words that end like a side', () => {
   for (const [name, part] of [['eyeL', 'eye_l'], ['Eye.R.001', 'eye_r'], ['eye_l_low', 'eye_l'], ['L_eye', 'eye_l'], ['Eyeball', 'eyes'], ['EyeMaterial', 'eyes'], ['Eye Cover', 'eyes'], ['EyeLeft', 'eye_l'], ['FaceEyeline', 'lashes']]) assert.equal(guessPart(name), part, name);
   const materials = [{ name: 'Teeth' }, { name: 'Material.001' }];
   assert.equal(partOf({ name: 'Sphere.003', also: 'Eye_L', material: 1 }, { materials }), 'eye_l');
@@ -231,7 +231,7 @@ test('names: of what a node is called, of which material a head has, and of word
   assert.equal(partOf({ name: 'Head', also: '', material: 1 }, { materials }), 'skin');
 });
 
-test('a part of several materials without a second picture has that of its largest mesh with one', () => {
+test('a part with several materials uses the texture of its largest textured mesh', () => {
   const picture = { type: 'image/png', width: 1, height: 1, data: Buffer.alloc(1) };
   const materials = [{ name: 'plain', picture: null }, { name: 'face', picture }, { name: 'other', picture: null }];
   const [skin, eye] = parts;
@@ -255,7 +255,7 @@ function cutAt(height) {
   return [half(false), half(true)];
 }
 
-test('a skin of two pictures becomes two parts, the face first, that move as one', async () => {
+test('a skin with two pictures becomes two parts, the face first, that move together', async () => {
   const options = { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] };
   for (const [name, side] of [['face', 2], ['body', 4]]) fs.writeFileSync(at(`${name}.png`), PNG.sync.write(new PNG({ width: side, height: side })));
   const halves = [...cutAt(-100), ...parts.slice(1)];
@@ -297,7 +297,7 @@ test('a skin of two pictures becomes two parts, the face first, that move as one
   }
 });
 
-test('a part of too many vertices is refused, with its meshes', async () => {
+test('rejects a part with too many vertices, naming its meshes', async () => {
   const side = 250;
   const grid = { name: 'body', position: [], uv: [], index: [] };
   for (let j = 0; j < side; j++)
@@ -311,7 +311,7 @@ test('a part of too many vertices is refused, with its meshes', async () => {
   assert.throws(() => makeHead(scene, toldIn((p) => p), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] }), { message: /skin.*has \d{5} vertices \(skin \d+, body \d+\), more than 65535/ });
 });
 
-test('in any unit and axes, and inside out: the face is found, with its outside out', async (t) => {
+test('finds the face in any unit, axes and orientation, and turns the outside out', async (t) => {
   const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
   const eye = await openEye();
   const turn = (part, over) => (over ? { ...part, index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) } : part);

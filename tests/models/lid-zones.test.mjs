@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What goes with a lid where the mesh does not say it: the skin from its margin to the fold, and no brow, however far that hangs before a deep eye.
+// The skin that moves with a lid when the mesh does not say it: from its margin to the fold, and no part of the brow, however far it hangs
+// before a deep eye.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { lidsAndEyes } from '../../models/tools/import/turns.mjs';
@@ -20,7 +21,7 @@ const ball = (sign) => Float64Array.from({ length: 300 }, (_, i) => {
 const PLACES = { margin: [0, 7, 14], lid: [0, 9, 16], 'inner end of the brow': [-13, 13.5, 23], brow: [0, 16, 24], 'below the brow': [0, 14.5, 21] };
 
 for (const [side, sign] of Object.entries(SIDES))
-  test(`the ${side === 'l' ? 'left' : 'right'} lid goes without its brow`, () => {
+  test(`moves the ${side === 'l' ? 'left' : 'right'} lid without its brow`, () => {
     const position = Float64Array.from(Object.values(PLACES).flatMap(([x, y, z]) => [sign * (30 + x), y, z]));
     const skin = { name: 'skin', position, targets: {} };
     const parts = [skin, { name: 'eye_l', position: ball(1), targets: {} }, { name: 'eye_r', position: ball(-1), targets: {} }];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The ends of lips in pictures made for it: lips of other colours, in other light and at other sizes, over teeth, the dark or a tongue; and what is no edge.
+// The inner edges of lips in synthetic pictures: lips of different colours, light and sizes, over teeth, darkness or a tongue; and
+// features that are not edges.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
@@ -13,7 +14,7 @@ const TEETH = [225, 212, 200];
 const CAVE = [38, 18, 16];
 const TONGUE = [150, 80, 75];
 
-/** A mouth from the front: ends `up` and `down` mm from where the lips meet; what is in it, from above: [colour, to which share of the opening]. */
+/** Draws a mouth from the front: edges `up` and `down` mm from where the lips meet; contents from above: [colour, end as a share of the opening]. */
 function mouth({ colours, up = 0, down = 0, inside = [], perMm = 4, light = 1, onto = [40, -140], ridge = 0 }) {
   const [width, height] = [80 * perMm / 4, 200 * perMm / 4];
   const data = new Uint8Array(4 * width * height);
@@ -46,7 +47,7 @@ const INSIDE = {
 };
 for (const [name, colours] of Object.entries({ fair: FAIR, dark: DARK }))
   for (const [what, inside] of Object.entries(INSIDE))
-    test(`the ends of ${name} lips over ${what}, from 2 to 6 pixels a mm, in half the light and in all of it`, () => {
+    test(`finds the edges of ${name} lips over ${what}, at 2 to 6 pixels a mm, in half and full light`, () => {
       for (const perMm of [2, 4, 6])
         for (const light of [0.6, 1]) {
           const edges = new Edges(SKIN);
@@ -62,7 +63,7 @@ for (const [name, colours] of Object.entries({ fair: FAIR, dark: DARK }))
         }
     });
 
-test("a lower lip's own shading is not taken for its end", () => {
+test('does not mistake the shading of a lower lip for its edge', () => {
   const edges = new Edges(SKIN);
   assert.ok(edges.know([mouth({ colours: FAIR })]));
   for (const ridge of [1, 1.5, 2]) {
@@ -71,7 +72,7 @@ test("a lower lip's own shading is not taken for its end", () => {
   }
 });
 
-test('closed lips that go up and down together are followed', () => {
+test('follows closed lips that move up and down together', () => {
   const edges = new Edges(SKIN);
   assert.ok(edges.know([mouth({ colours: DARK })]));
   for (const mm of [-2, -0.5, 1]) {
@@ -80,7 +81,7 @@ test('closed lips that go up and down together are followed', () => {
   }
 });
 
-test('where nothing is to be seen nothing is told, and what lay.mjs said stays', () => {
+test('without contrast finds no edge, and keeps the values of lay.mjs', () => {
   const edges = new Edges(SKIN);
   const even = mouth({ colours: { skin: [90, 60, 50], upper: [90, 60, 50], lower: [90, 60, 50] }, up: 20, down: -20 });
   assert.equal(edges.know([even]), false);
@@ -94,7 +95,7 @@ test('where nothing is to be seen nothing is told, and what lay.mjs said stays',
   assert.deepEqual(parted(q, { hang: 1, draw: 0 }, () => ({ rises: null, falls: 5 })), { q: [5, ...q.slice(1)], seen: [true, false, true, false, false, true] }, 'the lower end counts by itself');
 });
 
-test('a lip that is pushed comes down: LS is what it rose and what it hangs', () => {
+test('a protruded upper lip hangs lower: LS adds its hang to its visible rise', () => {
   const hang = hangOf(0.1);
   const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], { hang, draw: 0 }, (rises) => {
     near(rises, 2 - 2 * hang, 1e-9, 'where it is looked for');
@@ -104,7 +105,7 @@ test('a lip that is pushed comes down: LS is what it rose and what it hangs', ()
   assert.deepEqual(seen, [false, false, true, false, false, true], 'where round lips end a front does not show');
 });
 
-test('what a front shows: closed lips hide what the jaw does, how far lips come forward is never seen', () => {
+test('the front view hides the jaw behind closed lips, and never shows protrusion', () => {
   const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], { hang: 1, draw: 0 }, () => ({ rises, falls })).seen;
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
@@ -114,7 +115,7 @@ test('what a front shows: closed lips hide what the jaw does, how far lips come 
   assert.deepEqual(narrow(-6.5), [false, false, true, false, false, true], 'and both');
 });
 
-test('corners that there is nothing to hold on to: their distance is not seen in the whole film, as it would be in its still pictures only', () => {
+test('marks the mouth width as unseen in the whole film when the corners are doubtful in any frame', () => {
   const rows = (doubts) => doubts.map((doubt) => ({ values: [0, 0, 1, 0, 0, 0], seen: [true, true, true, false, false, true], doubt }));
   const marked = (doubts) => heldCorners(rows(doubts)).rows.map(({ seen }) => seen);
   for (const seen of marked([0.05, 0.09, 0.2])) assert.deepEqual(seen, [true, true, true, false, false, true]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What counts as a lower lip's end by how the lip looked at rest (edges.mjs; lip-edges.test.mjs has the edges themselves), and what is told of lips that are narrow and of jaws that leap (parting.mjs): bands of one
-// colour as a mouth, two pixels a mm.
+// Decides on a lower lip's edge by the lip's look at rest (edges.mjs; see also lip-edges.test.mjs), and reports narrow lips and jumping
+// jaws (parting.mjs): bands of one colour as a mouth, two pixels per mm.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
@@ -31,7 +31,7 @@ function knowing() {
   return edges;
 }
 
-test('a lower lip is found where it ends, a mm from where it is looked for', () => {
+test('finds the edge of a lower lip from a start 1 mm away', () => {
   const edges = knowing();
   for (const falls of [10, 12]) {
     const seen = edges.seen(open(falls), stand, 0, falls - 1);
@@ -40,11 +40,11 @@ test('a lower lip is found where it ends, a mm from where it is looked for', () 
   }
 });
 
-test('a tooth is no end of a lip where the walk begins behind it: on the tongue', () => {
+test('does not take a tooth for the edge when the walk starts behind it, on the tongue', () => {
   assert.equal(knowing().seen(open(14), stand, 0, 3).falls, null);
 });
 
-test('what looks otherwise than the lip did at rest is none: too dark, or too pale', () => {
+test('rejects a lip of a different colour than at rest: too dark or too pale', () => {
   const edges = knowing();
   assert.equal(edges.seen(open(10, LOWER.map((x) => x * 0.6)), stand, 0, 9).falls, null);
   assert.equal(edges.seen(open(10, [150, 130, 125]), stand, 0, 9).falls, null);
@@ -52,7 +52,7 @@ test('what looks otherwise than the lip did at rest is none: too dark, or too pa
   assert.ok(Math.abs(lit - 10) < 0.4, `a little more light: ${lit}`);
 });
 
-test('a lip that sinks as the corners draw together is not lowered by as much', () => {
+test('corrects a lower lip that sinks when the corners draw together', () => {
   const ends = { hang: 0, draw: 0.12 };
   const q = (LI, AR) => Float64Array.from([LI, 1, AR, 0, 0, LI, 0, 0]);
   const LI = 0;
@@ -74,7 +74,7 @@ test('a lip that sinks as the corners draw together is not lowered by as much', 
   assert.ok(Math.abs(drawOf(skin) - 0.12) < 1e-9, 'of the vertex at the middle of the lower lip');
 });
 
-test('a jaw that leaps wherever lips touch or part was not seen; nor is it told from pictures that are far apart', () => {
+test('rejects a jaw that jumps whenever the lips touch or part, but not in widely spaced pictures', () => {
   const rows = (times, jaw) => times.map((time, i) => ({ time, values: [0, 0, 0, 0, 0, jaw[i]], seen: [true, true, true, false, false, jaw[i] > 1] }));
   const times = [0, 0.04, 0.08, 0.12, 0.16, 0.2];
   const leaping = rows(times, [0, 5, 9, 0.5, 6, 7]);

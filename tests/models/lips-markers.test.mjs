@@ -39,7 +39,7 @@ const tilt = (() => {
 const RATE = 100;
 const COUNT = 120;
 
-/** What the face does: at rest for 0.2 s, then all six parameters go their own ways. */
+/** Motion of the face: at rest for 0.2 s, then all six parameters move independently. */
 const told = Array.from({ length: COUNT }, (_, i) => {
   const t = Math.max(0, i / RATE - 0.25);
   const wave = (hertz, size) => size * Math.sin(2 * Math.PI * hertz * t);
@@ -53,7 +53,7 @@ const at = (faps) => {
   const posed = pose(head, skin, faps);
   return vertices.map((v) => [...posed.slice(3 * v, 3 * v + 3)]);
 };
-/** What can be seen of it where the head stands still: a lip that is pushed forward comes down a little, too. */
+/** What a camera sees of it while the head stands still: a protruded lip also comes down a little. */
 const mm = told.map((values) => {
   const [was, is] = [at({}), at(fapsOf(values))];
   const by = (m, k) => is[m][k] - was[m][k];
@@ -83,7 +83,7 @@ function errors({ rows }) {
   return PARAMETERS.map((_, p) => Math.max(...rows.map((row) => Math.abs(row[1 + p] - mm[Math.round(row[0] * RATE)][p]))));
 }
 
-test('every form of file gives the curves of the known FAPs, whatever the head does', () => {
+test('every file format gives the curves of the known FAPs, whatever the head does', () => {
   const forms = {
     'intel.c3d': toC3d(tracks), 'dec.c3d': toC3d(tracks, { kind: 85 }), 'mips.c3d': toC3d(tracks, { kind: 86 }), 'whole.c3d': toC3d(tracks, { whole: 0.02 }),
     'a.trc': toTrc(tracks), 'a.csv': toCsv(tracks), 'b.csv': toCsv(tracks, ';'), 'c.csv': toCsv(tracks).split('\n').slice(1).join('\n'),
@@ -99,7 +99,7 @@ test('every form of file gives the curves of the known FAPs, whatever the head d
   }
 });
 
-test('28 markers: a map says which are the eight; without one they are named', () => {
+test('28 markers: a map assigns the eight that count; without one an error lists their names', () => {
   const more = { ...tracks, names: [...Array.from({ length: 20 }, (_, i) => `B${i}`), ...MARKERS.map((name) => `X:${name}9`)], places: places.map((frame) => [...Array.from({ length: 20 }, (_, i) => [i, i, i]), ...frame]) };
   const file = put('many.c3d', toC3d(more));
   const refused = run(file);
@@ -111,7 +111,7 @@ test('28 markers: a map says which are the eight; without one they are named', (
   assert.ok(Math.max(...errors(curvesIn(stdout))) < 0.1);
 });
 
-test('markers that are lost: a short gap is filled and says so, a long one is left out and told', () => {
+test('lost markers: fills and reports a short gap, omits and reports a long one', () => {
   const lost = places.map((frame, i) => frame.map((p, m) => ((m === 4 && i >= 40 && i < 50) || (m === 0 && i >= 70 && i < 100) ? null : p)));
   for (const [name, data] of [['lost.c3d', toC3d({ ...tracks, places: lost })], ['lost.trc', toTrc({ ...tracks, places: lost })], ['lost.csv', toCsv({ ...tracks, places: lost })]]) {
     const { status, stdout, stderr } = run(put(name, data));
@@ -123,7 +123,7 @@ test('markers that are lost: a short gap is filled and says so, a long one is le
   }
 });
 
-test('broken and hostile files: each is told with its place, and nothing is written', () => {
+test('reports broken and malicious files with their position, and writes nothing', () => {
   const good = toC3d(tracks);
   const changed = (...bytes) => {
     const copy = Buffer.from(good);
@@ -165,7 +165,7 @@ test('broken and hostile files: each is told with its place, and nothing is writ
     assert.throws(() => readMap(map), what);
 });
 
-test('bytes at random: an error with a place, or tracks, never anything else', () => {
+test('random bytes give an error with a position, or tracks, and nothing else', () => {
   const good = toC3d({ ...tracks, places: places.slice(0, 4) });
   let state = 7;
   const random = (below) => (state = (state * 16807) % 2147483647) % below;
@@ -180,7 +180,7 @@ test('bytes at random: an error with a place, or tracks, never anything else', (
   }
 });
 
-test('wrong usage', () => {
+test('reports wrong usage', () => {
   for (const [args, what] of [[['a', 'b'], /one folder/], [['x.csv', '--rest', '3'], /--rest/], [['x.csv', '--what'], /--what/], [[folder], /--fps/]]) {
     const { status, stderr } = run(...args);
     assert.equal(status, 2, stderr);

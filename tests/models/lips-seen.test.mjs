@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lips that are seen: pictures of a head of ours with known FAPs, in a folder and as a film (by a stand-in for ffmpeg that hands out pictures), and
-// what is no film. How near the curves come to the FAPs is told by tests/bench/seen-lips.mjs.
+// Lips measured in pictures of one of our heads with known FAPs: in a folder, as a film (with a stand-in for ffmpeg that returns pictures), and in
+// files that are not films. For the accuracy of the curves see tests/bench/seen-lips.mjs.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -22,7 +22,7 @@ const all = (faps, value) => Object.fromEntries(faps.map((fap) => [fap, value]))
 const OPEN = { ...all([5, 10, 11, 52, 57, 58], -mm('MNS', 9)), ...all([4, 8, 9, 51, 55, 56], -mm('MNS', 2)), 3: mm('MNS', 7), 49: 6000 };
 const SPREAD = all([6, 7, 53, 54], mm('MW', 4));
 const ROUND = { ...all([6, 7, 53, 54], -mm('MW', 5)), ...all([16, 17], mm('MNS', 2)) };
-const FRAMES = [{}, { 49: 3000 }, OPEN, SPREAD, null, ROUND]; // null: nobody is there
+const FRAMES = [{}, { 49: 3000 }, OPEN, SPREAD, null, ROUND]; // null: no face
 const pictures = path.join(folder, 'pictures');
 const file = (n) => path.join(pictures, `${String(n).padStart(4, '0')}.png`);
 
@@ -41,7 +41,7 @@ before(async () => {
     else await sharp({ create: { width, height, channels: 3, background: '#68a' } }).png().toFile(file(i + 1));
 });
 
-test('pictures in a folder: what opens, spreads and is rounded is told, and where nobody is', (t) => {
+test('pictures in a folder: measures opening, spread and rounding, and reports pictures without a face', (t) => {
   const { status, stdout, stderr } = run([pictures, '--fps', '10', '--rest', '0-0.15']);
   assert.equal(status, 0, stderr);
   assert.match(stderr, /1 frames without \(from frame 5\): there is no face to be found/);
@@ -58,7 +58,7 @@ test('pictures in a folder: what opens, spreads and is rounded is told, and wher
   assert.ok(Math.min(open.confidence, spread.confidence, rest.confidence) > 0.7);
 });
 
-test('a video goes through ffmpeg (here a stand-in that hands out pictures): the same curves; without ffmpeg it is asked for', further, async () => {
+test('a video goes through ffmpeg (here a stub) with the same curves; a missing ffmpeg is reported', further, async () => {
   const bytes = [];
   for (let n = 1; n <= 4; n++) {
     const { data, info } = await sharp(file(n)).removeAlpha().raw().toBuffer({ resolveWithObject: true });
@@ -85,7 +85,7 @@ test('a video goes through ffmpeg (here a stand-in that hands out pictures): the
   assert.match(run([video], { PATH: bin }).stderr, /her\.mp4: ffmpeg: moov atom not found/);
 });
 
-test('what is no film: an empty folder, a broken picture with its number, nobody at all', () => {
+test('reports an empty folder, a broken picture with its number, and a film without a face', () => {
   const empty = path.join(folder, 'empty');
   fs.mkdirSync(empty);
   const out = path.join(folder, 'never.csv');

@@ -31,7 +31,7 @@ function plate(hole = () => false) {
 
 const pixel = ([x, y]) => [SIZE / 2 + 2 * x, SIZE / 2 - 2 * y];
 
-test('lips of one surface are cut apart along the furrow, from corner to corner', () => {
+test('cuts closed lips apart along the furrow, from corner to corner', () => {
   const { mesh, view } = plate();
   const before = mesh.position.length / 3;
   const marks = Array.from({ length: 478 }, () => [0, 0]);
@@ -70,7 +70,7 @@ test('lips of one surface are cut apart along the furrow, from corner to corner'
   assert.ok(length > 2 * 34 && length < 2 * 46, `two borders of about 40 mm: ${length}`);
 });
 
-test('eyes are made where there are holes, of one size, and where the holes are; where there are none, none', () => {
+test('places eyes of one size in the eye holes, and none without holes', () => {
   const inHole = (x, y) => Math.hypot((Math.abs(x) - 20) / 1.6, y - 20) < 6;
   const lids = { 1: [263, 362, 386, 374, 385, 380, 387, 373, 384, 381, 388, 390], '-1': [33, 133, 159, 145, 158, 153, 160, 144, 157, 154, 161, 163] };
   const marks = Array.from({ length: 478 }, () => [0, 0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the tools find out about surfaces before they paint them.
+// Surface measures that the painting tools use.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -21,7 +21,7 @@ const square = () => ({
   uv: [0, 0, 1, 0, 1, 1, 0, 1], index: [0, 1, 2, 0, 2, 3], smooth: null, refs: [[[0, 1]], [[1, 1]], [[2, 1]], [[3, 1]]],
 });
 
-test('a picture of heights knows what hides what, and sees through what is not opaque', () => {
+test('a height map knows what occludes what, and looks through transparent points', () => {
   const size = { resolution: 64, reach: 50 };
   const map = new DepthMap([0, 0, 1], size);
   map.draw(square());
@@ -38,7 +38,7 @@ test('a picture of heights knows what hides what, and sees through what is not o
   assert.ok(half.hides(10, 0, 0, 1) && !half.hides(-10, 0, 0, 1));
 });
 
-test('the distance to hair is known to about a cell, and only to what is opaque', () => {
+test('the distance to hair is accurate to about a cell, and ignores transparent parts', () => {
   const far = distanceTo(square(), undefined, 20);
   for (const [x, y, z, mm] of [[0, 0, 10, 0], [0, 0, 20, 10], [0, 32, 10, 12], [35, 0, 10, 15]])
     assert.ok(Math.abs(far(x, y, z) - mm) < 3, `${[x, y, z]}: ${far(x, y, z)}`);
@@ -46,7 +46,7 @@ test('the distance to hair is known to about a cell, and only to what is opaque'
   assert.ok(distanceTo(square(), (u) => u > 0.5, 20)(-15, 0, 10) > 10);
 });
 
-test('islands get room by their size on the surface, and none lies over another', () => {
+test('islands get space by their surface size, and do not overlap', () => {
   const [a, b] = [square(), square()];
   const part = {
     position: Float64Array.from([...a.position, ...b.position.map((x) => x / 2)]),
@@ -61,7 +61,7 @@ test('islands get room by their size on the surface, and none lies over another'
   assert.ok(one[0][1] < other[0][0] || other[0][1] < one[0][0] || one[1][1] < other[1][0] || other[1][1] < one[1][0]);
 });
 
-test('a thing of few faces gets no edge longer than it may', () => {
+test('limits the length of edges in a mesh with few faces', () => {
   const { index, position } = rounded(square(), 12);
   for (let t = 0; t < index.length; t += 3)
     for (let i = 0; i < 3; i++) {
@@ -71,14 +71,14 @@ test('a thing of few faces gets no edge longer than it may', () => {
     }
 });
 
-test('a strip that hangs together with nothing and is thin is found, a broad one is kept', () => {
+test('finds an isolated thin strip, and keeps a broad one', () => {
   const at = [[0, 0, 0], [40, 0, 0], [40, 20, 0], [0, 20, 0], [60, 0, 0], [60, 100, 0], [61, 100, 0], [61, 0, 0]];
   const faces = [{ v: [0, 1, 2, 3] }, { v: [4, 5, 6, 7] }];
   assert.deepEqual(faces.map(wideEnough(faces, (v) => at[v], 3)), [true, false]);
   assert.deepEqual(faces.map(wideEnough(faces, (v) => at[v], 0.5)), [true, true]);
 });
 
-test('tendons, collar bones and the hollow between them are painted where they are, the same on both sides', () => {
+test('paints tendons, collar bones and the hollow between them in place, symmetrically', () => {
   const joints = { 'joint-l-clavicle': [23, -209, -91], 'joint-l-scapula': [90, -189, -89] };
   const ctx = { fdp: { '2.1': [0, -93, 22], '10.5': [65, -46, -66] }, point: ({ group }) => joints[group] };
   const skin = [200, 150, 130];

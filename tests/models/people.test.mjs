@@ -19,7 +19,7 @@ const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'm
 const names = fs.readdirSync(recipes).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 const head = (name) => JSON.parse(fs.readFileSync(path.join(built, `${name}.json`)));
 
-test('there are eight people at least, and Mara is the first', () => {
+test('there are at least eight people, and Mara is the first', () => {
   assert.ok(names.length >= 8, `${names}`);
   const ranked = names.map(head).sort((a, b) => a.rank - b.rank);
   assert.equal(ranked[0].name, 'mara');
@@ -37,7 +37,7 @@ test('there are eight people at least, and Mara is the first', () => {
 });
 
 for (const name of names)
-  test(`${name} is as a head should be`, () => {
+  test(`${name} matches the schema and limits of a head`, () => {
     const tool = path.join(root, 'models/tools/check-head.mjs');
     const run = spawnSync(process.execPath, [tool, path.join(built, `${name}.json`)], { encoding: 'utf8' });
     assert.equal(run.stdout, `${name}: as it should be\n`);
@@ -48,14 +48,14 @@ for (const name of names)
   });
 
 for (const name of names)
-  test(`the skin of ${name} has a colour everywhere`, async () => {
+  test(`the skin of ${name} is fully coloured`, async () => {
     const { data, info } = await sharp(Buffer.from(head(name).textures.skin.data, 'base64')).removeAlpha().raw().toBuffer({ resolveWithObject: true });
-    let green = 0; // what is no number is nothing when it is written: of red and blue nothing would be left
+    let green = 0; // NaN becomes null when written: nothing of red and blue would remain
     for (let i = 0; i < data.length; i += info.channels) green += data[i + 1] > data[i] + 12;
     assert.equal(green, 0, `${green} texels are greener than red`);
   });
 
-test('what is the same in two heads is the same to the byte', () => {
+test('shared parts of two heads are identical bytes', () => {
   const [mara, mei] = ['mara', 'mei'].map(head); // of like age: teeth wear
   const part = (json, name) => json.parts.find((one) => one.name === name);
   for (const name of ['teeth_upper', 'teeth_lower', 'tongue'])
@@ -63,7 +63,7 @@ test('what is the same in two heads is the same to the byte', () => {
   for (const name of ['teeth', 'tongue']) assert.equal(mara.textures[name].data, mei.textures[name].data, name);
 });
 
-test('a recipe that is like another takes what it does not say', () => {
+test('a recipe with `like` inherits whatever it leaves out', () => {
   const base = { a: 1, list: [1, 2], in: { x: 1, y: { z: 2 } }, gone: {} };
   assert.deepEqual(merge(base, { a: 2, list: [3], in: { y: { w: 1 } }, gone: null }), { a: 2, list: [3], in: { x: 1, y: { z: 2, w: 1 } } });
   assert.deepEqual(merge(base, { in: { like: null, only: 1 } }).in, { only: 1 });

@@ -18,7 +18,7 @@ const set = JSON.parse(text);
 const [mouth, ...eyes] = set.regions;
 const { visemes } = JSON.parse(fs.readFileSync(path.join(root, 'models/speech/visemes/pt.json')));
 
-test('it keeps to its schema, and is small enough', () => {
+test('matches its schema, and is small enough', () => {
   assert.equal(violations('pictures', set), null);
   readPictures(set);
   const packed = fs.readFileSync(`${file}.gz`);
@@ -26,7 +26,7 @@ test('it keeps to its schema, and is small enough', () => {
   assert.ok(zlib.gunzipSync(packed).equals(text));
 });
 
-test('every context viseme has its picture; those of /p b m/ and rest are closed, no other is', () => {
+test('every context viseme has its picture; only those of /p b m/ and rest are closed', () => {
   const names = Object.keys(visemes);
   assert.equal(names.length, 34);
   for (const name of names) {
@@ -36,7 +36,7 @@ test('every context viseme has its picture; those of /p b m/ and rest are closed
   }
 });
 
-test('the lips lie within the inner contour, the chin within the outer one, and the anchors go where the FAPs say', () => {
+test('the lips lie within the inner contour, the chin within the outer one, and the anchors move with the FAPs', () => {
   const rest = mouth.pictures.find(({ name }) => name === 'rest').anchors;
   const inside = (contour, [x, y]) =>
     [contour.some(([a]) => a < x), contour.some(([a]) => a > x), contour.some(([, c]) => c < y), contour.some(([, c]) => c > y)].every(Boolean);
@@ -54,7 +54,7 @@ test('the lips lie within the inner contour, the chin within the outer one, and 
   assert.ok(median < 2.5, `${median.toFixed(2)} pixels in the middle`);
 });
 
-test('each eye goes from open to closed', () => {
+test('each eye has pictures from open to closed', () => {
   assert.deepEqual(eyes.map(({ name }) => name), ['eye_l', 'eye_r']);
   for (const { pictures } of eyes) assert.ok(pictures.length >= 3 && !Object.keys(pictures[0].faps).length);
 });

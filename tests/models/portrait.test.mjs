@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Heads from pictures: of a person (NASA's public-domain portrait that Debian's python3-skimage has), and of our own heads, whose
-// landmarks must come back; and pictures that are none.
+// Heads from pictures: of a person (NASA's public-domain portrait from Debian's python3-skimage), and of our own heads, whose
+// landmarks must be recovered; and pictures without a face.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -41,7 +41,7 @@ after(() => fs.rmSync(folder, { recursive: true, force: true }));
 const file = (name) => path.join(folder, name);
 const height = (p) => Math.hypot(p[10][0] - p[152][0], p[10][1] - p[152][1]);
 
-/** How far landmarks are from others, laid onto them: the mean, in per cent of the face's height. */
+/** Mean distance of landmarks from others, after alignment, in per cent of the face's height. */
 function apart(some, others) {
   const [a, b] = [upright(some), upright(others)];
   const { apply } = align(b, a, STEADY);
@@ -49,7 +49,7 @@ function apart(some, others) {
   return (100 * sum) / a.length / height(some);
 }
 
-test('the tool makes a head of a photograph: a head like any other', () => {
+test('the tool makes a head from a photograph that passes the checks of a head', () => {
   const out = file('person.json');
   const make = (...more) => spawnSync('node', [tool('portrait/make-portrait.mjs'), astronaut, '-o', out, ...more], { encoding: 'utf8' });
   const asked = make();
@@ -67,7 +67,7 @@ test('the tool makes a head of a photograph: a head like any other', () => {
   assert.match(head.credits.at(-1), /rights/);
 });
 
-test('what is no portrait is told with its file, and nothing is written', async () => {
+test('reports a picture without a portrait with its file, and writes nothing', async () => {
   await sharp({ create: { width: 300, height: 300, channels: 3, background: '#68a' } }).png().toFile(file('sky.png'));
   const failed = spawnSync('node', [tool('portrait/make-portrait.mjs'), file('sky.png'), '-o', file('sky.json')], { encoding: 'utf8' });
   assert.equal(failed.status, 1);
@@ -80,7 +80,7 @@ test('what is no portrait is told with its file, and nothing is written', async 
   }
 });
 
-test('two faces, a broken file, a cut one, too many pixels, too few: each has its word', async () => {
+test('reports two faces, a broken or truncated file, too many and too few pixels', async () => {
   const whole = fs.readFileSync(astronaut);
   const two = await sharp({ create: { width: 1024, height: 512, channels: 3, background: '#000' } })
     .composite([{ input: whole, left: 0, top: 0 }, { input: whole, left: 512, top: 0 }]).png().toBuffer();
@@ -93,7 +93,7 @@ test('two faces, a broken file, a cut one, too many pixels, too few: each has it
   await assert.rejects(async () => eye(await flat(await sharp(whole).resize(200).png().toBuffer())), { code: /too_small|no_face/ });
 });
 
-test('16 bits, grey, turned by its camera: the same face', async () => {
+test('reads 16 bits, grey, and rotated pictures as the same face', async () => {
   const variants = {
     '16 bits': sharp(astronaut).toColourspace('rgb16').png(),
     grey: sharp(astronaut).greyscale().png(),
@@ -107,7 +107,7 @@ test('16 bits, grey, turned by its camera: the same face', async () => {
   }
 });
 
-test('our own heads come back: each is the nearest to itself, and another head with its face has its landmarks', further, async () => {
+test('recognises our own heads: each is closest to itself, and another head with its face has its landmarks', further, async () => {
   const views = {};
   for (const name of ['bruno', 'mara']) {
     const picture = await flat(poster(name));
@@ -124,7 +124,7 @@ test('our own heads come back: each is the nearest to itself, and another head w
   assert.ok(now < 0.6 * before && now < 1.2, `${now.toFixed(2)} % of ${before.toFixed(2)} %`);
 });
 
-test('skin keeps its tone on a base of another: light on dark, dark on light, and a person', async () => {
+test('skin keeps its tone on a base with another: light on dark, dark on light, and a person', async () => {
   for (const [base, name] of [['luca', 'samuel'], ['luca', 'person'], ['amina', 'samuel'], ['samuel', 'person']]) {
     const picture = name === 'person' ? person.picture : await flat(poster(name));
     const landmarks = name === 'person' ? person.landmarks : await eye(picture);
@@ -138,7 +138,7 @@ test('skin keeps its tone on a base of another: light on dark, dark on light, an
   }
 });
 
-test('of parted lips the teeth are not painted where they close', async () => {
+test('does not paint the teeth of parted lips onto their closing edge', async () => {
   const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/luca.json'), 'utf8'));
   const skin = readModel(base).parts.find(({ name }) => name === 'skin');
   const { head } = await makeHead(base, table.luca, [person], textures);
@@ -154,7 +154,7 @@ test('of parted lips the teeth are not painted where they close', async () => {
   assert.ok(close.length > 40 && least > 1.25, `${least}`);
 });
 
-test('glasses that are left off leave no shadow on the temples', further, async () => {
+test('removed glasses leave no shadow on the temples', further, async () => {
   const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/rosa.json'), 'utf8'));
   const picture = await photograph(path.join(built, 'models/heads'), 'mei', 0, undefined, { width: 480, height: 624 });
   const view = { picture, landmarks: await eye(picture) };
@@ -181,7 +181,7 @@ test('glasses that are left off leave no shadow on the temples', further, async 
   assert.ok(without > with_ + 0.1 && without > 0.8, `${with_} -> ${without}`);
 });
 
-test('pictures are put in order, and one of the side alone is refused', () => {
+test('sorts pictures, and rejects a side view alone', () => {
   const turn = (points, degrees) => {
     const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
     const [mx, , mz] = points[168];
@@ -192,7 +192,7 @@ test('pictures are put in order, and one of the side alone is refused', () => {
   assert.throws(() => inOrder([left], table.mara), { code: 'turned' });
 });
 
-test('a point that is moved takes its neighbours along, and nobody else', () => {
+test('a moved landmark takes along only its neighbours', () => {
   const [x, y] = person.landmarks[152];
   const moved = withMoved(person.landmarks, new Map([[152, [x + 9, y]]]));
   assert.deepEqual(moved[152].slice(0, 2), [x + 9, y]);

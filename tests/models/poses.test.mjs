@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Somebody's own ways of moving, out of pictures of poses: a head of ours that smiles in a way that no tool knows, as pictures. How near all poses come is told by
-// tests/bench/poses.mjs.
+// Learns a person's own poses from pictures: one of our heads, with a smile that no tool knows, as pictures. For the accuracy of all poses
+// see tests/bench/poses.mjs.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -39,7 +39,7 @@ before(async () => {
 });
 after(() => fs.rmSync(folder, { recursive: true, force: true }));
 
-test('a smile becomes the face\'s own; what is unfit is told with its reason, what has another name is left out', (t) => {
+test('applies a smile to the face; reports unusable pictures with a reason, ignores unknown names', (t) => {
   t.diagnostic(made.stdout);
   assert.equal(made.status, 0, made.stderr);
   assert.match(made.stdout, /wink\.png: left out/);
@@ -50,7 +50,7 @@ test('a smile becomes the face\'s own; what is unfit is told with its reason, wh
   assert.equal(violations('head-model', JSON.parse(fs.readFileSync(path.join(folder, 'own.json'), 'utf8'))), null);
 });
 
-test('half a smile, which no picture shows, comes nearer to the person\'s; feature points go where MPEG-4 says, and closed lips stay closed', async (t) => {
+test('half a smile, in no picture, comes closer to the person\'s; feature points move as in MPEG-4, and closed lips stay closed', async (t) => {
   const json = JSON.parse(fs.readFileSync(path.join(folder, 'own.json'), 'utf8'));
   const mara = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/mara.json'), 'utf8'));
   const plain = { ...json, parts: json.parts.map((part) => ({ ...part, moves: part.moves.slice(0, mara.parts.find(({ name }) => name === part.name).moves.length) })) };
@@ -81,14 +81,14 @@ test('half a smile, which no picture shows, comes nearer to the person\'s; featu
   }
 });
 
-test('poses are wanted with closed lips in front of them, and from a folder or a video with its times', () => {
+test('reports a missing pose folder, a single picture without --times, and --times without --poses', () => {
   assert.match(run('--poses', path.join(folder, 'none'), '-o', path.join(folder, 'x.json')).stderr, /none: there is none/);
   assert.match(run('--poses', path.join(drawn, '0001.png'), '-o', path.join(folder, 'x.json')).stderr, /--times/);
   assert.equal(run('--times', 'x.json', '-o', path.join(folder, 'x.json')).status, 2);
   assert.ok(!fs.existsSync(path.join(folder, 'x.json')));
 });
 
-test('mouths that are poses, too, are those that the engines make', () => {
+test('pose mouths match the engines\' visemes', () => {
   const { poses: made } = JSON.parse(fs.readFileSync(new URL('../../models/pictures/poses.json', import.meta.url), 'utf8'));
   for (const name of VISEMES_TAKEN) {
     const faps = Object.entries(made.find((one) => one.name === name).faps).filter(([fap]) => FAPS[fap].name.match(/tongue/) === null);

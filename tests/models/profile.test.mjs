@@ -44,7 +44,7 @@ function missed(target, name) {
   return Math.sqrt(off.reduce((sum, x) => sum + x * x, 0) / off.length);
 }
 
-test('with both profiles the depth of a face is nearer to the true one than with the front alone', further, (t) => {
+test('both profiles bring the depth of a face closer to the true one than the front alone', further, (t) => {
   const figures = [];
   for (const [name, base] of [['bruno', 'mei'], ['bruno', 'luca'], ['mei', 'luca'], ['mei', 'bruno'], ['samuel', 'mei'], ['samuel', 'luca']]) {
     const { landmarks, sides } = people[name];
@@ -61,7 +61,7 @@ test('with both profiles the depth of a face is nearer to the true one than with
   assert.ok(mean(1) < 0.75 * mean(0));
 });
 
-test('a profile is found whichever way it looks; what is none is not', () => {
+test('finds a profile in either direction, and rejects other pictures', () => {
   const tip = ({ points }) => points.reduce((best, p) => (Math.abs(p[0] - 150) > Math.abs(best[0] - 150) ? p : best));
   const [one, other] = people.mei.sides.map((picture) => asProfile(picture, table));
   assert.ok((tip(one)[0] - 150) * (tip(other)[0] - 150) < 0, 'they look to either side');
@@ -74,7 +74,7 @@ test('a profile is found whichever way it looks; what is none is not', () => {
     assert.throws(() => asProfile(blank(inside), table), { code: 'no_face' }, what);
 });
 
-test('the tool takes them beside a front, and refuses them alone', async () => {
+test('the tool accepts profiles with a front view, and rejects them alone', async () => {
   const files = ['front.png', 'left.png', 'right.png'].map(at);
   const { front, sides } = people.mei;
   for (const [i, picture] of [front, ...sides].entries()) await writePng(picture, files[i]);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A head in which no face is seen, as an animal's: where its face is its own shapes tell, and what is made of that closes what closes.
+// A head without a detectable face, such as an animal's: its own shapes locate the face, and in the result everything that must close
+// closes.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -8,7 +9,7 @@ import { findPoints } from '../../models/tools/import/find-points.mjs';
 import { makeHead, readScene } from '../../models/tools/import/make-head.mjs';
 import { checkEyelids } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
-import { view } from '../../models/tools/lib/sight.mjs';
+import { view } from '../../models/tools/lib/visibility.mjs';
 import { models } from '../lib/built-heads.mjs';
 
 const blind = async () => null;
@@ -22,7 +23,7 @@ async function read(name, change = () => {}) {
 }
 
 for (const name of ['mara', 'samuel'])
-  test(`${name}, whose face nobody sees: lips, chin and lids are where her shapes move them`, async (t) => {
+  test(`${name}, without a visible face: finds lips, chin and lids by the shapes that move them`, async (t) => {
     const { fdp } = unpack(JSON.parse(fs.readFileSync(path.join(models, `heads/${name}.json`), 'utf8')));
     const scene = await read(name);
     const { points, notes } = await findPoints(scene, blind);
@@ -39,7 +40,7 @@ for (const name of ['mara', 'samuel'])
     assert.deepEqual(checkEyelids(made).filter((line) => / at 0 rad/.test(line)), []);
   });
 
-test('turned to the back, and with left and right called as whoever looks at it does', async () => {
+test('finds points on a head facing backwards, with left and right swapped', async () => {
   const scene = await read('mara', ({ meshes }) => {
     const turn = (list) => list.map((x, i) => (i % 3 === 1 ? x : -x));
     for (const mesh of meshes) {
@@ -52,7 +53,7 @@ test('turned to the back, and with left and right called as whoever looks at it 
   assert.ok(points.fdp['3.1'][0] > 0 && points.fdp['3.2'][0] < 0 && points.fdp['8.3'][0] > 0, JSON.stringify(points.fdp));
 });
 
-test('without a face and without shapes nothing is guessed', async () => {
+test('guesses nothing without a face and shapes', async () => {
   const scene = await read('mara', ({ meshes }) => meshes.forEach((mesh) => (mesh.targets = {})));
   await assert.rejects(findPoints(scene, blind), /no face was found in its views: --points FILE/);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The definitions of the shapes that avatars have: complete, as symmetric as faces, and those that are computed as they would be now.
+// The definitions of the avatar shapes: complete, as symmetric as faces, and the computed ones up to date.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -13,7 +13,7 @@ const read = (name) => JSON.parse(fs.readFileSync(path.join(root, 'models', name
 const { faps: table } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/fap-table.json')));
 const { shapes } = read('shapes/arkit.json');
 
-test('fifty-two shapes, each with its reason, each within what FAPs can be', () => {
+test('has fifty-two shapes, each with its reason and within the FAP ranges', () => {
   assert.equal(Object.keys(shapes).length, 52);
   for (const [name, { faps, why }] of Object.entries(shapes)) {
     assert.ok(why.length > 5, name);
@@ -24,7 +24,7 @@ test('fifty-two shapes, each with its reason, each within what FAPs can be', () 
   }
 });
 
-test('the right one of two is the mirror image of the left one', () => {
+test('the right shape of a pair mirrors the left one', () => {
   const paired = new Map([6, 8, 10, 12, 19, 21, 23, 25, 31, 33, 35, 37, 39, 41, 53, 55, 57, 59, 61].flatMap((n) => [[n, n + 1], [n + 1, n]]));
   const turned = new Set([15, 23, 24, 43, 49, 50, 64]);
   const mirror = (faps) => Object.fromEntries(Object.entries(faps).map(([fap, value]) => [paired.get(Number(fap)) ?? fap, turned.has(Number(fap)) ? -value : value]));
@@ -34,7 +34,7 @@ test('the right one of two is the mirror image of the left one', () => {
   }
 });
 
-test('closures close: mouthClose undoes jawOpen, a blink brings the lids together, nothing else that is closed opens', () => {
+test('closures close: mouthClose undoes jawOpen, a blink joins the lids, and no other closed part opens', () => {
   const gap = (name, [upper, lower]) => -(shapes[name].faps[upper] ?? 0) - (shapes[name].faps[lower] ?? 0);
   const opens = ['jawOpen', 'mouthFunnel', 'mouthLowerDownLeft', 'mouthLowerDownRight', 'mouthUpperUpLeft', 'mouthUpperUpRight'];
   for (const pair of [[4, 5], [8, 10], [9, 11]]) {
@@ -44,7 +44,7 @@ test('closures close: mouthClose undoes jawOpen, a blink brings the lids togethe
   assert.equal(shapes.eyeBlinkLeft.faps[19] + shapes.eyeBlinkLeft.faps[21], 1024);
 });
 
-test('the visemes and moods are what faccia shows', () => {
+test('the visemes and moods match what faccia shows', () => {
   assert.deepEqual(Object.fromEntries(Object.entries(read('shapes/visemes.json').visemes).map(([name, { faps }]) => [name, faps])), visemes(program));
   assert.deepEqual(read('shapes/moods.json').moods, moods(program));
 });

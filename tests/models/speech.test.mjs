@@ -15,26 +15,26 @@ const schema = (name) => new Ajv({ strict: false }).compile(read(`schema/${name}
 const validate = schema('pack');
 const packs = fs.readdirSync(folder).filter((name) => name.endsWith('.json'));
 
-test('the languages that have packs, and the one for all others', () => assert.deepEqual(packs.sort(), ['cmn.json', 'en.json', 'it.json', 'pt-BR.json', 'tr.json', 'und.json', 'yue.json']));
+test('lists the languages that have packs, and the general one', () => assert.deepEqual(packs.sort(), ['cmn.json', 'en.json', 'it.json', 'pt-BR.json', 'tr.json', 'und.json', 'yue.json']));
 
 for (const name of packs)
-  test(`${name} is as the schema says`, () => {
+  test(`${name} matches the schema`, () => {
     assert.ok(validate(read(name)), JSON.stringify(validate.errors?.slice(0, 3)));
   });
 
 for (const name of ['it', 'en', 'tr', 'pt-BR'])
-  test(`${name}.json says of each phone where it comes from`, () => {
+  test(`${name}.json names a source for each phone`, () => {
     for (const [phone, { source }] of Object.entries(read(`${name}.json`).phones)) assert.match(source ?? '', /measured|printed|by rule/, phone);
   });
 
 for (const kind of ['visemes', 'letters', 'alphabets'])
   for (const name of fs.readdirSync(path.join(folder, kind)).filter((file) => file.endsWith('.json')))
-    test(`${kind}/${name} is as the schema says`, () => {
+    test(`${kind}/${name} matches the schema`, () => {
       const check = schema(kind);
       assert.ok(check(read(`${kind}/${name}`)), JSON.stringify(check.errors?.slice(0, 3)));
     });
 
-test('what is broken in a file of a language is named with its place by the programs (tests/corpus has all kinds)', () => {
+test('the programs report an error in a language file with its position (tests/corpus has all kinds)', () => {
   const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
   const table = read('visemes/pt.json');
@@ -46,7 +46,7 @@ test('what is broken in a file of a language is named with its place by the prog
   assert.match(String(stderr), /visemes: "pt": groups\.i\.class/);
 });
 
-test('a new language is a file', () => {
+test('adds a language by one file', () => {
   const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
   fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'expressions.json'));
@@ -59,7 +59,7 @@ test('a new language is a file', () => {
   assert.equal(JSON.parse(stdout).lang, 'es');
 });
 
-test('the general pack is what its tool writes', () => {
+test('the general pack is the output of its tool', () => {
   const { status, stdout, stderr } = spawnSync('python3', [path.join(root, 'models/tools/make-speech-und.py')]);
   assert.equal(status, 0, String(stderr));
   assert.deepEqual(JSON.parse(stdout), read('und.json'));

@@ -60,7 +60,7 @@ for (const [file, landmarked, most] of cases([
   ['turned.obj', { scheme: 'mediapipe', vertices: vertices.slice(0, 468) }, [1.5, 3]],
   ['plain.glb', { scheme: 'ibug', vertices: IBUG.map((i) => vertices[i]) }, [2, 4.5]],
 ]))
-  test(`${file} with ${landmarked.vertices.length} landmarks as ${landmarked.scheme} counts them`, (t) => {
+  test(`accepts ${file} with ${landmarked.vertices.length} landmarks in the numbering of ${landmarked.scheme}`, (t) => {
     const { head, said } = imported(file, { landmarks: landmarked });
     assert.match(said, /^feature points by \d+ landmarks, /m);
     assert.match(said, file === 'plain.glb' ? /y up, looking to \+z, 1000 mm a unit/ : /z up, looking to -y, 10 mm a unit/);
@@ -73,7 +73,7 @@ for (const [file, landmarked, most] of cases([
     for (const part of ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'brows', 'lashes']) assert.ok(head.parts.some((one) => one.name === part), part);
   });
 
-test('single points by a landmark, or by a vertex, while the others are found', further, () => {
+test('accepts single points by a landmark or a vertex, and finds the others', further, () => {
   const { head, said } = imported('plain.glb', { find: true, fdp: { '2.1': vertices[152], '8.4': { landmark: 61 }, '4.1': [0.01, 1.65, 0.03] } });
   assert.match(said, /^feature points found by themselves: 4\d\d of 478/m);
   assert.match(said, /^feature points as they were told: 2\.1, 4\.1, 8\.4$/m);
@@ -82,7 +82,7 @@ test('single points by a landmark, or by a vertex, while the others are found', 
   assert.ok(missed(head, ['8.4']) < 3 && missed(head, ['8.3']) < 3);
 });
 
-test('what is wrong with a list of landmarks is told with its place, and nothing is written', () => {
+test('reports errors in a list of landmarks with their position, and writes nothing', () => {
   const swapped = [...vertices];
   for (const i of swapped.keys()) {
     const [x, y, z] = landmarks[i] ?? [0, 0, 0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The container: built from the packages on a Debian that is here, small, run by nobody in particular on files that cannot be written.
+// The container: built from the packages on the local Debian, small, run by an unprivileged user on read-only files.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -30,12 +30,12 @@ after(() => {
   fs.rmSync(folder, { recursive: true, force: true });
 });
 
-test('it is small: 150 MB at most', () => {
+test('is small: 150 MB at most', () => {
   const bytes = Number(execFileSync('du', ['-sb', mounted], { encoding: 'utf8' }).split('\t')[0]);
   assert.ok(bytes < 150e6, `${bytes} bytes`);
 });
 
-test('its bill of materials names every package that is in it, in its version', () => {
+test('the bill of materials names every package in it, with its version', () => {
   execFileSync('node', [path.join(root, 'server/packaging/sbom-container.mjs'), mounted, packages]);
   const bom = JSON.parse(fs.readFileSync(path.join(packages, fs.readdirSync(packages).find((name) => /^faccia-container_.*\.cdx\.json$/.test(name))), 'utf8'));
   checkBill(bom);
@@ -49,14 +49,14 @@ test('its bill of materials names every package that is in it, in its version', 
   for (const name of ['libc6', 'faccia-data']) assert.ok(next('faccia').includes(named(name).purl), name);
 });
 
-test('it is nobody in particular, and says how it is', () => {
+test('runs as an unprivileged user, and reports its health', () => {
   const { config } = JSON.parse(buildah('inspect', '--format', '{{.Config}}', 'localhost/faccia'));
   assert.equal(config.User, 'faccia');
   health = config.Healthcheck.Test.slice(1);
   assert.equal(health[0], 'bash');
 });
 
-test('it speaks where nothing can be written', () => {
+test('speaks on a read-only file system', () => {
   execFileSync('mount', ['--bind', '-o', 'ro', mounted, mounted]);
   try {
     const check = health[2].replace('8080', '8099');

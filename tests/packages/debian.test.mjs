@@ -22,15 +22,15 @@ after(() => {
 
 const all = ['faccia', 'faccia-avatars', 'faccia-data', 'faccia-home', 'faccia-voice-dev', 'faccia-voice-festival', 'speech-dispatcher-faccia'];
 
-test('lintian finds nothing, however pedantic', () => {
+test('lintian finds nothing, at its strictest', () => {
   assert.deepEqual(debs.map((name) => name.split('_')[0]).sort(), all);
   const changes = fs.readdirSync(packages).find((name) => name.endsWith('.changes'));
   const { stdout } = spawnSync('lintian', ['--pedantic', '--tag-display-limit', '0', path.join(packages, changes)], { encoding: 'utf8' });
-  // the time of the last commit, and a maintainer who is told when they are built
+  // the time of the last commit, and a maintainer given at build time
   assert.deepEqual(stdout.split('\n').filter((line) => /^[EWIP]:/.test(line)), []);
 });
 
-test('they are installed from nothing, with what they depend on', () => {
+test('install from scratch, with their dependencies', () => {
   machine.install(packages, ['faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev']);
   assert.match(machine.run('id', 'faccia'), /uid=\d+\(faccia\)/);
   assert.match(machine.run('faccia', '--version'), /^faccia \d/);
@@ -43,7 +43,7 @@ const speaks = (address) => fetch(`${address}/v1/speech?text=La+mamma+parla.&lan
   assert.ok(pcm.length > 10000 && pcm.some((sample) => Math.abs(sample) > 3000));
 });
 
-test('the daemon runs as its own user there, shows the page and its heads, and speaks', async () => {
+test('the daemon runs there as its own user, serves the page and its heads, and speaks', async () => {
   await machine.daemon(async (address) => {
     assert.match(await (await fetch(address)).text(), /<talking-head/);
     const { models } = await (await fetch(`${address}/v1/models`)).json();
@@ -55,7 +55,7 @@ test('the daemon runs as its own user there, shows the page and its heads, and s
   assert.ok(fap.split('\n').length > 20);
 });
 
-test('the unit is one that systemd takes', () => {
+test('systemd accepts the unit', () => {
   const unit = fs.readFileSync(machine.at('lib/systemd/system/facciad.service'), 'utf8');
   const file = path.join(folder, 'facciad.service');
   fs.writeFileSync(file, unit.replaceAll('/usr/bin/facciad', '/bin/true').replace(/^Documentation=.*\n/m, ''));
@@ -63,7 +63,7 @@ test('the unit is one that systemd takes', () => {
   assert.equal(stderr.split('\n').filter((line) => line.includes('facciad.service')).join('\n'), '');
 });
 
-test('an upgrade keeps what was set, and what is newer takes the place of what was there', async () => {
+test('an upgrade keeps the configuration, and replaces the rest', async () => {
   const kept = 'FACCIA_LANG=tr\n';
   fs.appendFileSync(machine.at('etc/default/facciad'), kept);
   const version = machine.run('dpkg-query', '-W', '-f', '${Version}', 'faccia');
@@ -81,7 +81,7 @@ test('an upgrade keeps what was set, and what is newer takes the place of what w
   await machine.daemon(speaks);
 });
 
-test('removed it leaves what was set, purged it leaves nothing', () => {
+test('removal keeps the configuration, purging leaves nothing', () => {
   machine.run('apt-get', 'remove', '-y', 'faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev');
   assert.equal(machine.try('sh', '-c', 'command -v facciad').status, 127);
   assert.ok(fs.existsSync(machine.at('etc/default/facciad')));

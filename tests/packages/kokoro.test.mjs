@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kokoro's voices beside the installed packages, as server/plugins/README.md says. Where the tree has no weights (sh server/run.sh --with kokoro
-// --build-only) there is nothing to install: skipped.
+// Kokoro's voices with the installed packages, as described in server/plugins/README.md. Skipped where the tree has no weights (sh
+// server/run.sh --with kokoro --build-only).
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -14,14 +14,14 @@ const packages = process.env.FACCIA_PACKAGES;
 const plugin = path.join(root, 'build/server/plugins/kokoro.so');
 const there = fs.existsSync(plugin) && fs.existsSync(path.join(root, 'server/plugins/kokoro/node_modules/.faccia-lock'));
 
-/** The commands of the README, in the order in which they stand there, without sudo and what systemd is told. */
+/** Returns the commands of the README in order, without sudo and systemd. */
 function steps() {
   const text = fs.readFileSync(path.join(root, 'server/plugins/README.md'), 'utf8');
   const [block] = text.match(/^ {4}D=\$\(pkg-config .*\n(?: {4}.+\n)+/m);
   return block.replace(/ && sudo systemctl restart facciad/, '').replaceAll('sudo ', '');
 }
 
-test('what the README says installs Kokoro beside the packages, and their removal leaves it', { skip: there ? false : 'Kokoro is not installed: sh server/run.sh --with kokoro --build-only' }, async (t) => {
+test('the commands of the README install Kokoro next to the packages, and removing them keeps it', { skip: there ? false : 'Kokoro is not installed: sh server/run.sh --with kokoro --build-only' }, async (t) => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-kokoro-'));
   const machine = new Fresh(path.join(folder, 'root'), freshArchive(path.join(packages, 'debian.tar')));
   const tree = machine.at('tree');

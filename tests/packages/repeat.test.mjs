@@ -24,20 +24,20 @@ const run = ([name, umask, TZ, LC_ALL], script, ...args) => {
 };
 const all = (at) => Object.fromEntries(fs.readdirSync(at, { recursive: true }).filter((name) => fs.statSync(path.join(at, name)).isFile()).sort().map((name) => [name, hash(path.join(at, name))]));
 
-test('the scripts and pages', () => {
+test('the scripts and pages build reproducibly', () => {
   const [one, other] = WAYS.map((way) => all(path.join(run(way, 'node "$1/build.mjs" web', web), 'web')));
   assert.ok(Object.keys(one).length > 50);
   assert.deepEqual(other, one);
 });
 
-test('the documentation', () => {
+test('the documentation builds reproducibly', () => {
   const made = process.env.FACCIA_WEB, files = [path.join(web, 'docs/build.mjs'), path.join(made, 'help.json'), path.join(made, 'custom-elements.json')];
   const [one, other] = WAYS.map((way) => all(path.join(run(way, 'node "$1" docs "$2" "$3"', ...files), 'docs')));
   assert.ok(Object.keys(one).length > 100);
   assert.deepEqual(other, one);
 });
 
-test('the npm packages', () => {
+test('the npm packages build reproducibly', () => {
   for (const script of ['package/pack.mjs', 'client/pack.mjs']) {
     const [one, other] = WAYS.map((way) => {
       const at = run(way, 'rm -rf package *.tgz; node "$1" package "$PWD/web" && npm pack --silent ./package', path.join(web, script));
@@ -48,7 +48,7 @@ test('the npm packages', () => {
   }
 });
 
-test('the Debian packages and their bill of materials', () => {
+test('the Debian packages and their bill of materials build reproducibly', () => {
   const [, other] = WAYS, at = run(other, 'sh "$1" packages', path.resolve(web, '../server/packaging/package.sh'));
   const kept = (folder) => Object.entries(all(folder)).filter(([name]) => /\.deb$|^faccia_.*\.cdx\.json$/.test(name)); // not the container's, which another test makes
   const packages = kept(process.env.FACCIA_PACKAGES);

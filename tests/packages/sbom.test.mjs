@@ -17,9 +17,9 @@ const field = (deb, name) => execFileSync('dpkg-deb', ['-f', deb, name], { encod
 const named = (name, kind = '') => bom.components.find((one) => one.name === name && one.purl.startsWith(`pkg:${kind}`));
 const needs = (name) => bom.dependencies.find(({ ref }) => ref === named(name).purl).dependsOn;
 
-test('it is CycloneDX in which all that is referred to is there, once', () => checkBill(bom));
+test('is valid CycloneDX whose references are unique and resolve', () => checkBill(bom));
 
-test('each package is in it as it lies there, with all that it depends on', () => {
+test('lists each package as built, with all its dependencies', () => {
   assert.ok(debs.length > 5);
   for (const deb of debs) {
     const one = named(field(deb, 'Package'), 'deb/faccia');
@@ -30,7 +30,7 @@ test('each package is in it as it lies there, with all that it depends on', () =
   }
 });
 
-test('so is what is in the scripts: each package that the sources import, in the version that is locked, with its licence', () => {
+test('lists each package that the scripts import, in the locked version, with its licence', () => {
   const { packages: locked } = JSON.parse(fs.readFileSync(path.join(root, 'web/package-lock.json'), 'utf8'));
   const scripts = bom.components.filter((one) => one.purl.startsWith('pkg:npm/'));
   for (const one of scripts) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tries everything that a plugin is not to do to the daemon or to the machine: all of it in an initialiser,
- * before anybody has asked it for anything, and by name when it speaks. A warning tells what came of the two:
- * "refused, done", where there may be another error, too. It is built twice, once as a plugin that may start
- * programs. $FACCIA_TEST_SECRET is a file that the daemon may read, $FACCIA_TEST_FOLDER a folder in which it
- * may write. */
+/* Tries everything that a plugin must not do to the daemon or to the machine: all of it in an initialiser,
+ * before the first request, and by name when it speaks. A warning reports both results, as in "refused,
+ * done"; either may be another error. Built twice, once as a plugin that may start programs.
+ * $FACCIA_TEST_SECRET is a file that the daemon may read, $FACCIA_TEST_FOLDER a folder in which it may write.
+ */
 #include "server/voice/faccia-voice.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -281,7 +281,7 @@ static int change_mode(void) {
     return error_of(chmod(in_folder("file"), 0777));
 }
 
-static int write_comm(void) { /* a file of the parent's that anybody of the same user may write */
+static int write_comm(void) { /* a file of the parent that other processes of the same user may write */
     return of_parent("comm", O_WRONLY);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Built for the first version of the interface, in which nobody could say what he needs: it opens a socket
- * and starts a process, or does not start. */
+/* Built for the first version of the interface, which could not declare needs: it opens a socket and starts a
+ * process, or fails to start. */
 #include "tests/plugins/stub.h"
 #include <stdio.h>
 #include <sys/socket.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a plugin's table needs, for plugins that are not meant to speak. */
+/* Table entries for plugins that do not speak. */
 #ifndef FACCIA_TESTS_PLUGINS_STUB_H
 #define FACCIA_TESTS_PLUGINS_STUB_H
 

@@ -20,11 +20,11 @@ test('each program in tests/bench is a benchmark that run.mjs knows, or a part o
   assert.deepEqual(programs.sort(), Object.keys(benchmarks).sort());
 });
 
-test('each has a run of a moment, or says why not', () => {
+test('each has a short run, or a reason for having none', () => {
   for (const [name, { moment, without }] of Object.entries(benchmarks)) assert.equal(Boolean(moment), !without, name);
 });
 
-test('what each imports is there', async () => {
+test('the imports of each exist', async () => {
   const entryPoints = Object.keys(benchmarks).map((name) => path.join(folder, `${name}.mjs`));
   const others = { name: 'others', setup: (build) => build.onResolve({ filter: /node_modules/ }, () => ({ external: true })) };
   const { errors, warnings } = await bundle({ entryPoints, bundle: true, write: false, outdir: folder, platform: 'node', format: 'esm', target: 'esnext', packages: 'external', plugins: [others], logLevel: 'silent' })
@@ -32,14 +32,14 @@ test('what each imports is there', async () => {
   assert.deepEqual([...errors, ...warnings].map(({ text, location }) => `${location?.file}:${location?.line}: ${text}`), []);
 });
 
-// What a benchmark's source has, and the Debian package that this comes from.
+// Returns a benchmark's source and the Debian package that provides it.
 const USED = {
   'festival': /festival:/, 'festvox-italp16k': /festival:lp|'lp'/, 'festvox-itapc16k': /festival:pc|'pc'/, 'festvox-us-slt-hts': /festival:slt|'slt'/, 'festvox-kallpc16k': /festival:kal|'kal'/,
   'asterisk-core-sounds-it-wav': /prompts\(/, 'pocketsphinx-testdata': /\/pocketsphinx\//, 'chromium': /launch\(/, 'redis-server': /lib\/redis\.mjs/, 'ffmpeg': /'ffmpeg'/, 'sox': /'sox'/, 'sqlite3': /'sqlite3'/,
   'espeak-ng': /espeak-ng -v|'espeak-ng'/, 'time': /\/usr\/bin\/time/,
 };
 
-test('what each uses is installed before it runs', () => {
+test('run.mjs installs the tools of each before it runs', () => {
   for (const [name, { packages = [] }] of Object.entries(benchmarks)) {
     const source = fs.readFileSync(path.join(folder, `${name}.mjs`), 'utf8');
     const parts = [...source.matchAll(/from '\.\/([a-z-]+\.mjs)'/g)].map(([, part]) => fs.readFileSync(path.join(folder, part), 'utf8'));
@@ -50,7 +50,7 @@ test('what each uses is installed before it runs', () => {
 
 for (const [name, { moment, long: why }] of Object.entries(benchmarks)) {
   if (!moment || (why && !long)) continue;
-  test(`${name} runs for a moment and prints its result`, () => {
+  test(`${name} runs briefly and prints its result`, () => {
     const { status, output, errors } = run(name, moment, { stdio: ['ignore', 'pipe', 'pipe'], timeout: why ? 900000 : 300000 });
     assert.equal(status, 0, errors.slice(-2000));
     assert.match(output, /\d/);

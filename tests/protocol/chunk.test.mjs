@@ -42,20 +42,20 @@ for (const vector of vectors.good)
   });
 
 for (const vector of vectors.loose)
-  test(`decodes, but writes shorter: ${vector.name}`, () => {
+  test(`decodes, but encodes in a shorter form: ${vector.name}`, () => {
     const chunk = assertDecodes(vector);
     assert.ok(encodeChunk(chunk).length < bytesOf(vector).length);
   });
 
 for (const vector of vectors.bad)
-  test(`refuses: ${vector.name}`, () => {
+  test(`rejects ${vector.name}`, () => {
     assert.throws(
       () => decodeChunk(bytesOf(vector)),
       (e) => e instanceof ChunkError && e.at === vector.at,
     );
   });
 
-test('reads ArrayBuffers, and views and Buffers at any place', () => {
+test('reads ArrayBuffers, and views and Buffers at any offset', () => {
   const [vector] = vectors.good.filter((v) => v.audio.length && v.frames.length);
   const bytes = bytesOf(vector);
   const room = Buffer.alloc(bytes.length + 8, 0xee);
@@ -78,7 +78,7 @@ test('encodes without visemes and expressions', () => {
   assert.deepEqual(encodeChunk(chunk), bytes);
 });
 
-test('refuses to encode nonsense', () => {
+test('refuses to encode invalid values', () => {
   const fine = {
     utterance: 1,
     sampleRate: 8000,

@@ -13,9 +13,9 @@ const problems = async (file) =>
   (await lint({ ref: file, config })).map(({ ruleId, message, location: [place] }) => `${place.pointer}: ${message} (${ruleId})`);
 
 for (const name of ['openapi.json', 'asyncapi.json'])
-  test(`${name} is lint clean`, async () => assert.deepEqual(await problems(path.join(folder, name)), []));
+  test(`${name} passes the linter`, async () => assert.deepEqual(await problems(path.join(folder, name)), []));
 
-test('the linter sees what is wrong', async () => {
+test('the linter finds errors', async () => {
   const copy = JSON.parse(fs.readFileSync(path.join(folder, 'openapi.json'), 'utf8'));
   delete copy.paths['/v1/speech'].post.operationId;
   copy.paths['/v1/say'].post.parameters[0] = { $ref: '#/components/parameters/nowhere' };
@@ -28,16 +28,16 @@ test('the linter sees what is wrong', async () => {
   }
 });
 
-test('every operation has an id of its own', () => {
+test('every operation has a unique id', () => {
   const { paths } = JSON.parse(fs.readFileSync(path.join(folder, 'openapi.json'), 'utf8'));
   const ids = Object.values(paths).flatMap(({ get, post }) => [get, post].filter(Boolean).map(({ operationId }) => operationId));
   assert.ok(ids.length >= 18 && ids.every(Boolean));
   assert.equal(new Set(ids).size, ids.length);
 });
 
-test('SECURITY.md: each attack has a test, which is there', () => {
+test('SECURITY.md names an existing test for each attack', () => {
   const root = path.join(folder, '..');
-  const table = fs.readFileSync(path.join(root, 'SECURITY.md'), 'utf8').split('\n## What stops what\n')[1].split('\n## ')[0];
+  const table = fs.readFileSync(path.join(root, 'SECURITY.md'), 'utf8').split('\n## Attacks and defences\n')[1].split('\n## ')[0];
   const rows = table.split('\n').filter((line) => line.startsWith('| ')).slice(1).map((line) => line.split(/(?<!\\) \| /));
   assert.ok(rows.length > 60);
   for (const row of rows) {

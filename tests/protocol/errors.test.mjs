@@ -11,7 +11,7 @@ const rows = [...read('server/base/error_codes.h').matchAll(/^ {4}X\((\w+), "([^
 );
 const table = Object.fromEntries(rows.map(({ code, status }) => [code, status]));
 
-test('the table is well made', () => {
+test('the table is valid', () => {
   assert.ok(rows.length > 80, `${rows.length}`);
   assert.equal(Object.keys(table).length, rows.length, 'a code stands there once');
   for (const { identifier, code, status, message } of rows) {
@@ -32,21 +32,21 @@ test('protocol/README.md has the same codes with the same statuses', () => {
   assert.deepEqual(told, table);
 });
 
-test('the declaration and the schema of the server have the same codes, and OpenAPI and AsyncAPI mean that schema', () => {
+test('the declaration and the server schema have the same codes, and OpenAPI and AsyncAPI refer to that schema', () => {
   const { code } = JSON.parse(read('protocol/schema/server.json')).$defs;
   for (const codes of [code.enum, JSON.parse(read('protocol/messages.json')).codes]) assert.deepEqual([...codes].sort(), Object.keys(table).sort());
   const means = (file, pointer) => read(`protocol/${file}`).includes(`"schema/server.json#/$defs/${pointer}"`);
   assert.ok(means('openapi.json', 'error') && means('asyncapi.json', 'error') && means('asyncapi.json', 'warning'));
 });
 
-test('markup.md and websocket.md name no code that is not in the table', () => {
+test('markup.md and websocket.md name only codes of the table', () => {
   const [, warnings] = read('protocol/markup.md').split('\n## Warnings and errors\n');
   for (const [, codes] of warnings.matchAll(/^\| (`[a-z0-9-]+`(?:, `[a-z0-9-]+`)*) \|/gm))
     for (const [, code] of codes.matchAll(/`([^`]*)`/g)) assert.ok(code in table, code);
   for (const [, code] of read('protocol/websocket.md').matchAll(/\b[45]\d\d `([a-z-]+)`/g)) assert.ok(code in table, code);
 });
 
-test('every error of the table is made somewhere, and the server spells no code but there', () => {
+test('every error of the table is raised somewhere, and the server spells codes only there', () => {
   const files = sources('server').filter(({ name }) => !name.endsWith('error_codes.h'));
   const text = files.map((file) => file.code).join('\n');
   assert.deepEqual(rows.filter(({ identifier }) => !text.includes(`ERROR_${identifier}`)).map(({ code }) => code), []);

@@ -22,7 +22,7 @@ test('values are limited to the range', () => {
   assert.equal(clampFap(1, -5), -5);
 });
 
-test('a unit is worth what the face says', () => {
+test('a unit has the length that the face gives it', () => {
   const fapu = { IRISD: 1024, ES: 2048, ENS: 3072, MNS: 4096, MW: 5120 };
   assert.equal(fapScale(19, fapu), 1);
   assert.equal(fapScale(27, fapu), 2);

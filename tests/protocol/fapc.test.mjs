@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
-import { FapcDecoder, FapcEncoder, FapcError, fapcFrame, fapcStep } from '../../protocol/fapc.mjs';
+import { FapcDecoder, FapcEncoder, FapcError, fapcFrame, fapcStep } from '../../protocol/fapc/fapc.mjs';
 
 const { streams, bad } = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/fapc.json', import.meta.url)));
 
@@ -21,7 +21,7 @@ const dense = ({ values, viseme, expression }) => {
 };
 
 for (const [i, { name, quality, packets }] of streams.entries())
-  test(`stream ${i}, ${name}, quality ${quality}`, () => {
+  test(`decodes stream ${i}, ${name}, quality ${quality}`, () => {
     const encoder = new FapcEncoder(quality);
     const decoder = new FapcDecoder();
     for (const packet of packets) {
@@ -33,7 +33,7 @@ for (const [i, { name, quality, packets }] of streams.entries())
   });
 
 for (const { name, bytes } of bad)
-  test(`refused: ${name}`, () => {
+  test(`rejects ${name}`, () => {
     const [first, second] = streams[0].packets.map((packet) => Buffer.from(packet.bytes, 'hex'));
     const decoder = new FapcDecoder();
     decoder.decode(first, 3);
@@ -49,7 +49,7 @@ const speech = (t) => {
   return frame;
 };
 
-test('every value within half a step', () => {
+test('every value is within half a step', () => {
   for (const quality of [0, 1, 5, 13, 31]) {
     const encoder = new FapcEncoder(quality);
     const decoder = new FapcDecoder();
@@ -61,7 +61,7 @@ test('every value within half a step', () => {
   }
 });
 
-test('one can begin in the middle; after a loss nothing is shown that was not meant', () => {
+test('decodes from any start packet; after a loss shows only correct frames', () => {
   const encoder = new FapcEncoder();
   const packets = Array.from({ length: 40 }, (_, t) => encoder.encode([speech(t)], t % 10 === 0));
   const whole = new FapcDecoder();
@@ -80,7 +80,7 @@ test('one can begin in the middle; after a loss nothing is shown that was not me
   }
 });
 
-test('damaged packets end in bounded time, and the next to begin with is understood', () => {
+test('damaged packets end in bounded time, and decoding recovers at the next start packet', () => {
   let seed = 1;
   const random = (n) => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) % n;
   const encoder = new FapcEncoder();

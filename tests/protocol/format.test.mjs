@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The C files are as clang-format leaves them (another version formats otherwise: then nothing can be said), and ESLint finds nothing in JavaScript: a benchmark
-// that names what is not there would fail only when somebody runs it.
+// Checks that the C files are formatted by clang-format (skipped for other versions, which format differently) and that ESLint finds
+// nothing in JavaScript: an undefined name in a benchmark would otherwise only fail when it is run.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import path from 'node:path';

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the sources hang together: what includes what, in which order of stages; names; lengths. All that is against a rule is printed
-// at once.
+// Checks the structure of the sources: include directions, names and lengths. Prints all violations at once.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { test } from 'node:test';
 import { sources } from '../lib/sources.mjs';
 
-// From below to above: a room includes those below it, and itself. A folder within a room may have an order of its own.
+// Layers, from the bottom up: a folder may include those listed for it, and itself. A subfolder may have its own entry.
 const BELOW = {
   protocol: [],
   base: [],
@@ -27,7 +26,7 @@ const BELOW = {
   // beside the core
   live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
   library: ['normalize', 'base'],
-  'library/align': ['library', 'face', 'voice', 'markup', 'protocol', 'base'],
+  'library/align': ['library', 'normalize', 'face', 'voice', 'markup', 'protocol', 'base'],
   'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
   bridges: ['http', 'base'],
@@ -36,7 +35,7 @@ const BELOW = {
 BELOW.daemon = Object.keys(BELOW);
 BELOW.cli = Object.keys(BELOW);
 
-/** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
+/** Layers that a folder must not reach even through other headers: the network code sees blocks, commands and the offer. */
 const HIDDEN = { rooms: ['face', 'voice', 'normalize'], api: ['face', 'voice', 'normalize'] };
 
 /** Long because it is a table. */
@@ -118,7 +117,7 @@ function reached(name, includes, known) {
 
 const KEYWORDS = new Set(['if', 'for', 'while', 'switch', 'return', 'sizeof', 'defined', 'struct', 'enum']);
 
-/** Which .c files call functions of which others. A function passed as a pointer is a call of its receiver's, not of the file's. */
+/** Which .c files call functions of which others. Passing a function as a pointer does not count as a call by that file. */
 function calls(files) {
   const owner = new Map();
   const bodies = files.filter(({ name }) => name.endsWith('.c')).map(({ name, code }) => ({ name, code }));
@@ -160,14 +159,14 @@ function circles(graph) {
   return found;
 }
 
-test('includes point one way, names occur once, files are short', () => {
+test('includes point one way, file names are unique, files are short', () => {
   const files = [...sources('server'), ...sources('protocol')];
   assert.ok(files.length > 300, `${files.length}`);
   const lines = broken(files);
   assert.equal(lines.length, 0, `\n${lines.join('\n')}`);
 });
 
-test('no setting is read but by the settings', () => {
+test('only the settings read settings', () => {
   const asked = sources('server').flatMap(({ name, code }) =>
     [...code.matchAll(/\b(?:secure_)?(?:getenv|setenv|putenv)\(("?\w+"?)/g)].map(([, what]) => `${name}: ${what}`),
   );
@@ -189,7 +188,7 @@ for (const [what, files, expected] of [
   ['a length', [file('server/api/a.c', 'int x;\n'.repeat(801))], /^length: server\/api\/a\.c has 801 lines$/],
   ['a table', [file('server/api/a_table.c', '    {"x", 1},\n'.repeat(801))], null],
 ])
-  test(`the rules see ${what}`, () => {
+  test(`the rules detect ${what}`, () => {
     const lines = broken(files);
     if (expected) assert.ok(lines.length === 1 && expected.test(lines[0]), lines.join('\n'));
     else assert.deepEqual(lines, []);

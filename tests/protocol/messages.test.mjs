@@ -32,7 +32,7 @@ function copy() {
   return folder;
 }
 
-/** Of each copy the files that are not what would be made. */
+/** Lists the files of each copy that differ from the generated ones. */
 function wrong(...folders) {
   const { status, stdout, stderr } = spawnSync('python3', [maker, '--check', '--root', ...folders], { encoding: 'utf8' });
   const names = stdout.split('\n').filter(Boolean).map((line) => line.split(' ')[0]);
@@ -43,7 +43,7 @@ const write = (...folders) => execFileSync('python3', [maker, '--write', '--root
 
 const make = (what, folder = root) => execFileSync('python3', [maker, what, '--root', folder], { encoding: 'utf8' });
 
-test('the declaration has the form that its schema says', () => {
+test('the declaration matches its schema', () => {
   const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });
   const validate = ajv.compile(JSON.parse(read('protocol/schema/messages.json')));
   assert.ok(validate(declared), ajv.errorsText(validate.errors));
@@ -56,7 +56,7 @@ test('the declaration has the form that its schema says', () => {
   }
 });
 
-test('what is kept in the repository is what is made of the declaration', () => assert.deepEqual(wrong(path.resolve(root)), [[]]));
+test('the files in the repository are those generated from the declaration', () => assert.deepEqual(wrong(path.resolve(root)), [[]]));
 
 const gone = (object, name) => {
   assert.ok(name in object, name);
@@ -67,7 +67,7 @@ const json = (change) => (text) => {
   change(document);
   return JSON.stringify(document, null, 2) + '\n';
 };
-/** Without the last of so many lines that fit. */
+/** Drops the last of the lines that fit. */
 const lines = (pattern, count = 1) => (text) => {
   const all = text.split('\n');
   const fitting = [...all.keys()].filter((at) => pattern.test(all[at]));
@@ -101,7 +101,7 @@ const DAMAGES = [
   ['protocol/schema/server.json', 'a member that several share', json((d) => gone(d.$defs.word.properties, 'utf16_start'))],
   ['protocol/schema/server.json', 'a bound', json((d) => gone(d.$defs.chosen.properties.choice, 'maximum'))],
   ['protocol/schema/server.json', 'a member that is always there', json((d) => d.$defs.end.required.pop())],
-  ['protocol/schema/server.json', 'a message', json((d) => gone(d.$defs, 'desks'))],
+  ['protocol/schema/server.json', 'a message', json((d) => gone(d.$defs, 'observers'))],
   ['protocol/schema/server.json', 'a code', json((d) => d.$defs.code.enum.pop())],
   ['protocol/openapi.json', 'a member of an answer', json((d) => gone(d.components.schemas.accepted.properties, 'held'))],
   ['protocol/openapi.json', 'a member of a warning', json((d) => gone(d.components.schemas.warning.properties, 'byte'))],
@@ -120,7 +120,7 @@ const DAMAGES = [
   ['web/element/talking-head.d.ts', 'an option of speak', lines(/^ {2}gender\?: /)],
   ['web/element/talking-head.d.ts', 'an attribute', lines(/^ {2}contacts\?: .* \| null;$/)],
   ['web/element/talking-head.d.ts', 'a property', lines(/^ {2}contacts: .* \| null;$/)],
-  ['web/element/talking-head.d.ts', 'an option of listen', lines(/^ {2}\/\*\* Whose lips\. /)],
+  ['web/element/talking-head.d.ts', 'an option of listen', lines(/^ {2}\/\*\* The language spoken\. /)],
   ['web/element/talking-head.d.ts', 'a member of the server', lines(/^ {2}followers: /)],
   ['web/element/talking-head.d.ts', 'a member of the server that is not always there', lines(/^ {2}lookahead\?: 0 \| 40 \| 80 \| 120;$/, 2)],
   ['web/element/talking-head.d.ts', 'an event', lines(/^ {2}jumped: CustomEvent/)],
@@ -131,7 +131,7 @@ const DAMAGES = [
   ['web/client/python/faccia.py', 'a message of the server', words('paused resumed jumped', 'paused resumed')],
 ];
 assert.deepEqual([...new Set(DAMAGES.map(([name]) => name))].sort(), [...KEPT].sort());
-test('what is missing from any one of the files is found, and put back', () => {
+test('detects and reverts a change in any generated file', () => {
   const damaged = DAMAGES.map(([name, , damage]) => {
     const folder = copy();
     fs.writeFileSync(path.join(folder, name), damage(read(name)));
@@ -140,12 +140,12 @@ test('what is missing from any one of the files is found, and put back', () => {
   const found = wrong(...damaged);
   for (const [i, [name, what]] of DAMAGES.entries()) assert.deepEqual(found[i], [name], `${what} of ${name}`);
   write(...damaged);
-  const value = (name, text) => (name.endsWith('.json') ? JSON.parse(text) : text); // numbers of what is no member may be written otherwise
+  const value = (name, text) => (name.endsWith('.json') ? JSON.parse(text) : text); // numbers outside the declared members may be written differently
   for (const [i, [name, what]] of DAMAGES.entries())
     assert.deepEqual(value(name, fs.readFileSync(path.join(damaged[i], name), 'utf8')), value(name, read(name)), `${what} of ${name}`);
 });
 
-test('a member that is declared once is in each file, and in what is built', () => {
+test('a member declared once appears in each file, and in the build', () => {
   const folder = copy();
   const more = structuredClone(declared);
   more.client.speak.members.sparkle = { type: 'number', min: 0, max: 9, default: 3, summary: 'How much it sparkles.', attribute: true, option: { value: 'N', summary: 'how much it sparkles' } };
@@ -171,7 +171,7 @@ test('a member that is declared once is in each file, and in what is built', () 
   assert.deepEqual(wrong(folder), [[]]);
 });
 
-test('what the rows of the daemon say is what the declaration says', () => {
+test('the daemon\'s rows match the declaration', () => {
   const rows = [...make('speak-fields').matchAll(/FIELD\((\w+), /g)].map(([, name]) => name);
   assert.deepEqual(rows, Object.keys(members));
   const options = [...make('say-options').matchAll(/\{"(\w+)", /g)].map(([, name]) => name);

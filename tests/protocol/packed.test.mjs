@@ -10,7 +10,7 @@ import { packEvents } from '../../protocol/packed.mjs';
 const vectors = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/packed.json', import.meta.url)));
 
 for (const vector of vectors.good)
-  test(`reads and writes: ${vector.name}`, () => {
+  test(`reads and writes ${vector.name}`, () => {
     const chunk = new CompactReader().decode(Buffer.from(vector.hex, 'hex'));
     assert.deepEqual(chunk.events, vector.events);
     assert.equal(chunk.samples, 4410);
@@ -18,11 +18,11 @@ for (const vector of vectors.good)
   });
 
 for (const vector of vectors.bad)
-  test(`refuses: ${vector.name}`, () => {
+  test(`rejects ${vector.name}`, () => {
     assert.throws(() => new CompactReader().decode(Buffer.from(vector.hex, 'hex')), ChunkError);
   });
 
-test('refuses text that is not UTF-8', () => {
+test('rejects text that is not UTF-8', () => {
   const [, word] = vectors.good;
   const bytes = Buffer.from(word.hex, 'hex');
   bytes[bytes.length - 1] = 0xff;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What tests/run.sh and tests/one.sh take: groups, files, parts of names; what they refuse, and how one file is run by hand.
+// Arguments of tests/run.sh and tests/one.sh: groups, files, parts of names; refused arguments; and how to run one file by hand.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -15,7 +15,7 @@ const listed = (...what) => {
   return stdout.trim().split('\n').map((file) => path.relative(root, file));
 };
 
-test('a part of a name, a file and a group name tests', () => {
+test('part of a name, a file or a group selects tests', () => {
   assert.ok(listed('api').includes('tests/daemon/api.test.mjs'));
   assert.ok(listed('markup').includes('tests/unit/test_markup.c') && listed('markup').includes('tests/daemon/markup.test.mjs'));
   assert.deepEqual(listed('tests/daemon/api.test.mjs'), ['tests/daemon/api.test.mjs']);
@@ -23,7 +23,7 @@ test('a part of a name, a file and a group name tests', () => {
   assert.deepEqual(listed('protocol'), fs.readdirSync(path.join(root, 'tests/protocol')).filter((name) => name.endsWith('.test.mjs')).sort().map((name) => `tests/protocol/${name}`));
 });
 
-test('what names nothing is refused before anything is installed or built', () => {
+test('rejects an unknown name before installing or building anything', () => {
   const { status, stderr, stdout } = sh(['tests/run.sh', 'no-such-test']);
   assert.equal(status, 1);
   assert.match(stderr, /no test file has 'no-such-test' in its name; groups: unit /);
@@ -31,7 +31,7 @@ test('what names nothing is refused before anything is installed or built', () =
   assert.equal(sh(['tests/run.sh', '--nothing']).status, 1);
 });
 
-test('one.sh runs a file by hand, with nothing set', () => {
+test('one.sh runs a file alone, with nothing set', () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-one-'));
   const { PATH, HOME } = process.env;
   const { status, stdout, stderr } = spawnSync('sh', ['tests/one.sh', 'tests/protocol/fap.test.mjs'], { cwd: root, encoding: 'utf8', env: { PATH, HOME, FACCIA_ARTEFACTS: folder } });

@@ -22,7 +22,7 @@ for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'scen
     ajv.compile(schema);
   });
 
-test('the examples of the client are valid', () => {
+test('the client examples are valid', () => {
   const sent = messages('>');
   assert.ok(sent.length >= 4);
   for (const message of sent) {
@@ -32,7 +32,7 @@ test('the examples of the client are valid', () => {
   }
 });
 
-/** The members of the server's messages, with values to stand in for those that an example leaves out. */
+/** The members of the server's messages, with values for members that an example omits. */
 const whole = {
   pong: {},
   phone: { stream: 's', utterance: 1, time: 0, sample: 0, duration: 1, ipa: 'a' },
@@ -50,7 +50,7 @@ const whole = {
   lexicon: { stream: 's', lexicon: '' },
   expressed: { stream: 's', mix: [] },
   consent: { stream: 's', consent: 'asked', by: 'x' },
-  desks: { stream: 's', desks: [], count: 0 },
+  observers: { stream: 's', observers: [], count: 0 },
   begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
@@ -81,19 +81,19 @@ const whole = {
   warning: { stream: 's', utterance: 1, code: 'ignored', message: 'x' },
 };
 
-test('the examples of the server are valid', () => {
+test('the server examples are valid', () => {
   const answers = messages('<');
   assert.ok(answers.length >= 10);
   for (const message of answers) {
     const shown = Object.fromEntries(Object.entries(message).filter(([, value]) => value !== '...'));
     for (const name of Object.keys(message))
-      // a "..." stands for a member that there is
+      // "..." stands for an existing member
       assert.ok(name in shown || name in whole[message.type], `${message.type} ${name}`);
     assert.equal(violations('server', { ...whole[message.type], ...shown }), null, JSON.stringify(message));
   }
 });
 
-// What the client may not send: tests/corpus/client.
+// Messages that a client must not send: tests/corpus/client.
 const refused = {
   server: [
     { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 },
@@ -102,7 +102,7 @@ const refused = {
     { ...whole.state, type: 'state', state: 'dancing' },
     { ...whole.consent, type: 'consent', consent: 'perhaps' },
     { ...whole.expressed, type: 'expressed', mix: [{ name: 'joy', intensity: 2 }] },
-    { ...whole.desks, type: 'desks', desks: ['x'] },
+    { ...whole.observers, type: 'observers', observers: ['x'] },
     { ...whole.choices, type: 'choices', choices: [1] },
     { ...whole.word, type: 'word', text: undefined },
     { ...whole.word, type: 'word', time: -1 },
@@ -116,7 +116,7 @@ const refused = {
   ],
 };
 for (const [name, list] of Object.entries(refused))
-  test(`the ${name} schema refuses what is not in the protocol`, () => {
+  test(`the ${name} schema rejects whatever is not in the protocol`, () => {
     for (const message of list) assert.ok(violations(name, message), JSON.stringify(message));
   });
 
@@ -162,7 +162,7 @@ const head = () => ({
   ],
 });
 
-test('the schema of the head model takes a head and refuses a damaged one', () => {
+test('the schema of the head model accepts a head and rejects a damaged one', () => {
   assert.equal(violations('head-model', head()), null);
   const damages = [
     (h) => delete h.fapu.MNS,

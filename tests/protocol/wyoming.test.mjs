@@ -7,7 +7,7 @@ import { fileURLToPath } from 'node:url';
 
 const file = (path) => fileURLToPath(new URL(path, import.meta.url));
 
-test('damaged answers of a server', () => {
+test('reports damaged answers of a server', () => {
   const args = [file('../lib/wyoming-answers.py'), file('../../server/plugins/command/wyoming.py'), '2000'];
   const { status, stdout, stderr } = spawnSync('python3', args, { encoding: 'utf8', timeout: 120000 });
   assert.equal(status, 0, stderr);

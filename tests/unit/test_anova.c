@@ -121,16 +121,16 @@ static void bad_csv(void **state) {
         const char *text, *message;
         size_t line;
     } bad[] = {
-        {"", "there is nothing in it", 1},
-        {"snr,mode,mean,variance\n", "no column 'n'", 1},
+        {"", "it is empty", 1},
+        {"snr,mode,mean,variance\n", "missing column 'n'", 1},
         {"snr,mode,mean,variance,n\n1,a,0.5,0.1,20\n1,b,0.5,x,20\n",
          "variance must be a number from 0 to 1, not 'x'", 3},
         {"snr,mode,mean,variance,n\n1,a,0.5,0.1,1\n", "n must be a number from 2 to 1e+06, not '1'", 2},
         {"snr,mode,mean,variance,n\n1,,0.5,0.1,9\n", "mode must have 1 to 63 bytes", 2},
         {"snr,mode,mean,variance,n\nnan,a,0.5,0.1,9\n", "snr must be a number from -200 to 200, not 'nan'",
          2},
-        {"snr,mode,mean,variance,n\n1,a,0.5,0.1,9\n1,a,0.5,0.1,9\n", "'a' at 1 dB was there before", 3},
-        {"snr,mode,mean,variance,n\n1,\"a,0.5\n,0.1,9\n", "a quoted field does not end", 2},
+        {"snr,mode,mean,variance,n\n1,a,0.5,0.1,9\n1,a,0.5,0.1,9\n", "'a' at 1 dB occurs twice", 3},
+        {"snr,mode,mean,variance,n\n1,\"a,0.5\n,0.1,9\n", "a quoted field is not closed", 2},
         {"snr,mode,mean,variance,n\n1,\"a\"b,0.5,0.1,9\n", "text follows a quoted field", 2},
         {"snr,mode,mean,variance,n\n1,\"a\nb\",0.5,0.1,9\n1,c\n", "mean must be a number from 0 to 1, not ''",
          4},

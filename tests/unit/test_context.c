@@ -224,7 +224,7 @@ static void gives_every_pentaphone_a_viseme(void **state) {
         for (size_t c = 1; c <= CONSONANTS; c++) {
             size_t sounds[CONTEXT_WINDOW] = {of[a], of[b], of[c], of[d], of[e]};
             const char *name = table->common.shapes.items[context_shape(table, sounds)].name;
-            assert_memory_equal(name, kinds[c], strlen(kinds[c])); /* a viseme of its own group */
+            assert_memory_equal(name, kinds[c], strlen(kinds[c])); /* a viseme in a group of its own */
             all++;
             one_vowel += a <= 10 && b <= 10 && d <= 10 && e <= 10;
         }

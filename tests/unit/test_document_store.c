@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A folder of documents: nobody loses what another has saved, and no name leaves the folder. */
-#include "server/api/document_store.h"
+/* A folder of documents: saving never overwrites another client's change, and no name refers outside the
+ * folder. */
+#include "server/api/documents/document_store.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -175,7 +176,7 @@ static void bounds(void **state) {
     assert_int_equal(save("long", text, unsaid, tag), ERROR_NONE);
     assert_int_equal(save("two", "2", unsaid, tag), ERROR_NONE);
     assert_int_equal(save("three", "3", unsaid, tag), ERROR_NONE);
-    assert_int_equal(save("four", "4", unsaid, tag), ERROR_SHELF_FULL);
+    assert_int_equal(save("four", "4", unsaid, tag), ERROR_STORE_FULL);
     assert_int_equal(save("three", "33", any, tag), ERROR_NONE);
     lay("long.json", "what somebody has laid there is longer than what may be kept, and is not read");
     struct buf out = {0};

@@ -146,11 +146,11 @@ static void closures(void **state) {
 static void teeth(void **state) {
     const char *text = "_.400 a.100 f.100 a.100 _.100";
     double v[EVAL_MEASURES];
-    /* the rule of /f/: at most 1.7 mm below rest, at least 1.6 mm back */
-    struct puppet p = {.pack = *state, .gap = open_5, .lower = -1.7, .protrusion = -1.6};
+    /* the rule of /f/: at most 1.5 mm below rest, at least 1.6 mm back */
+    struct puppet p = {.pack = *state, .gap = open_5, .lower = -1.5, .protrusion = -1.6};
     measure(text, &p, 25, v);
     assert_true(v[TEETH_SEEN] == 1 && v[TEETH_HELD] == 1 && isnan(v[LIPS_SEEN]));
-    p.lower = -1.8;
+    p.lower = -1.6;
     measure(text, &p, 25, v);
     assert_true(v[TEETH_SEEN] == 0 && v[TEETH_HELD] == 0);
     p.lower = 0;

@@ -3,6 +3,7 @@
 #include "server/export/export.h"
 #include <math.h>
 #include <setjmp.h>
+#include <sndfile.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -200,12 +201,110 @@ static void pieces_leave_out_nothing(void **state) {
     free(frames);
 }
 
+struct bytes {
+    const struct buf *data;
+    sf_count_t at;
+};
+
+static sf_count_t bytes_size(void *self) {
+    return (sf_count_t)((struct bytes *)self)->data->size;
+}
+
+static sf_count_t bytes_seek(sf_count_t offset, int whence, void *self) {
+    struct bytes *b = self;
+    return b->at = offset + (whence == SEEK_SET ? 0 : whence == SEEK_CUR ? b->at : bytes_size(b));
+}
+
+static sf_count_t bytes_read(void *to, sf_count_t count, void *self) {
+    struct bytes *b = self;
+    sf_count_t left = bytes_size(b) - b->at, n = count < left ? count : left;
+    memcpy(to, b->data->data + b->at, (size_t)n);
+    b->at += n;
+    return n;
+}
+
+static sf_count_t bytes_tell(void *self) {
+    return ((struct bytes *)self)->at;
+}
+
+/* Decodes a sound file; returns the number of samples. */
+static size_t decode(const struct buf *data, int16_t *pcm, size_t cap, int *rate) {
+    SF_VIRTUAL_IO io = {bytes_size, bytes_seek, bytes_read, NULL, bytes_tell};
+    struct bytes bytes = {data, 0};
+    SF_INFO info = {0};
+    SNDFILE *file = sf_open_virtual(&io, SFM_READ, &info, &bytes);
+    assert_non_null(file);
+    assert_int_equal(info.channels, 1);
+    *rate = info.samplerate;
+    size_t count = (size_t)sf_readf_short(file, pcm, (sf_count_t)cap);
+    sf_close(file);
+    return count;
+}
+
+/* The best correlation of two sounds over delays of up to 3000 samples. */
+static double likeness(const int16_t *a, size_t n, const int16_t *b, size_t m) {
+    double best = 0;
+    for (size_t delay = 0; delay < 3000; delay++) {
+        double ab = 0, aa = 1, bb = 1;
+        for (size_t i = 0; i < n && i + delay < m; i += 3) {
+            ab += (double)a[i] * b[i + delay];
+            aa += (double)a[i] * a[i];
+            bb += (double)b[i + delay] * b[i + delay];
+        }
+        best = fmax(best, ab / sqrt(aa * bb));
+    }
+    return best;
+}
+
+static void sound_files_hold_the_sound(void **state) {
+    (void)state;
+    enum { CAP = 4 * RATE * 2 };
+    struct fap_frame *frames = make_frames();
+    int16_t *wav = calloc(CAP, sizeof *wav), *other = calloc(CAP, sizeof *other);
+    struct buf file = {0};
+    int rate;
+    expected(export_by_name("wav"), frames, &file);
+    size_t samples = (file.size - WAV_HEADER_BYTES) / 2;
+    memcpy(wav, file.data + WAV_HEADER_BYTES, 2 * samples);
+
+    file.size = 0;
+    expected(export_by_name("flac"), frames, &file);
+    assert_int_equal(decode(&file, other, CAP, &rate), samples);
+    assert_int_equal(rate, RATE);
+    assert_memory_equal(wav, other, 2 * samples);
+
+    file.size = 0;
+    expected(export_by_name("mp3"), frames, &file);
+    size_t decoded = decode(&file, other, CAP, &rate);
+    assert_int_equal(rate, RATE);
+    assert_true(decoded >= samples && decoded < samples + RATE / 5);
+    assert_true(likeness(wav, samples, other, decoded) > 0.95);
+    double bits = 8.0 * (double)file.size * RATE / (double)samples;
+    assert_true(bits > 60000 && bits < 72000);
+
+    /* 16000 Hz become 24000: every second sample is at the place of a third */
+    file.size = 0;
+    expected(export_by_name("pcm"), frames, &file);
+    size_t resampled = file.size / 2;
+    assert_true(resampled >= samples * 3 / 2 - 2 && resampled <= samples * 3 / 2 + 2);
+    double difference = 0, energy = 1;
+    for (size_t i = 0; i + 2 < resampled / 3; i++) {
+        int16_t at = (int16_t)(file.data[6 * i] | file.data[6 * i + 1] << 8);
+        difference += pow(at - wav[2 * i], 2);
+        energy += pow(wav[2 * i], 2);
+    }
+    assert_true(difference < 0.001 * energy);
+    buf_free(&file);
+    free(wav);
+    free(other);
+    free(frames);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writes_what_one_stroke_would),
-        cmocka_unit_test(waits_for_a_slow_receiver),
-        cmocka_unit_test(is_freed_while_a_thread_writes),
-        cmocka_unit_test(pieces_leave_out_nothing),
+        cmocka_unit_test(writes_what_one_stroke_would),   cmocka_unit_test(waits_for_a_slow_receiver),
+        cmocka_unit_test(is_freed_while_a_thread_writes), cmocka_unit_test(pieces_leave_out_nothing),
+        cmocka_unit_test(sound_files_hold_the_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,7 +127,8 @@ static void check_contacts(struct face_placement *track, const struct sentence_a
             }
         } else if (is_one_of(p, "fv")) {
             struct fap_frame f = at(track, start + length / 2);
-            if (f.value[5] < -87 || f.value[16] > -78 || f.value[4] >= -20 || is_closed(&f))
+            int apart = -(f.value[4] + f.value[5]);
+            if (f.value[5] < -75 || f.value[16] > -78 || apart < 117 || apart > 151)
                 fail_msg("%s: phone %zu, %s: lower lip %d up, %d forward, upper lip %d down", what, i, p->ipa,
                          f.value[5], f.value[16], f.value[4]);
         }

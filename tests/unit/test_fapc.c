@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/fapc.h"
+#include "protocol/fapc/fapc.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -40,7 +40,7 @@ static void has_the_senses_of_the_table(void **state) {
 
     memset(faps, 0, sizeof faps);
     fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_AR] = -6}, faps);
-    NEAR(faps[6], -60); /* 3 mm each */
+    NEAR(faps[6], -60); /* 3 mm each; nothing is pushed, so that nothing is rounded */
     NEAR(faps[7], -60);
     NEAR(faps[53], -60);
     NEAR(faps[54], -60);
@@ -92,13 +92,76 @@ static void adds_to_what_is_there(void **state) {
     NEAR(faps[68], 7);
 }
 
-static void a_narrow_mouth_closes_at_its_sides(void **state) {
+/* mm between the inner lips half-way to a corner. */
+static double side_gap(const double faps[FAP_COUNT + 1]) {
+    assert_true(faps[8] == faps[9] && faps[10] == faps[11]);
+    return -(faps[8] + faps[10]) / 50;
+}
+
+static const double u[PARAM_COUNT] = {
+    [PARAM_LI] = 3, [PARAM_LS] = 1.2, [PARAM_AR] = -2.5, [PARAM_PI] = 1.6, [PARAM_PS] = 2.4, [PARAM_EM] = 4};
+
+/* A rounded mouth is open in the middle only; its corners hardly come nearer to each other. */
+static void rounded_lips_leave_a_hole(void **state) {
     (void)state;
-    double wide[FAP_COUNT + 1] = {0}, narrow[FAP_COUNT + 1] = {0};
-    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 4}, wide);
-    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 4, [PARAM_AR] = -6}, narrow);
-    NEAR(wide[4] + wide[5], narrow[4] + narrow[5]);
-    assert_true(wide[8] + wide[10] < narrow[8] + narrow[10] && narrow[8] + narrow[10] < 0);
+    double faps[FAP_COUNT + 1] = {0}, plain[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu, u, faps);
+    assert_true(-(faps[4] + faps[5]) / 50 >= 4.2);
+    NEAR(side_gap(faps), 0);
+    NEAR((faps[53] + faps[54]) / 20, -2.5);
+    assert_true(faps[6] == faps[7] && (faps[6] + faps[7]) / 20 < -8);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 3, [PARAM_LS] = 1.2, [PARAM_EM] = 4}, plain);
+    assert_true(side_gap(plain) > 3 && plain[6] == 0);
+    /* The red of rounded lips is wider. */
+    assert_true(faps[51] < plain[51] - 30 && faps[52] < plain[52] - 30);
+}
+
+static double roundest(double width, double push, double upper, double jaw) {
+    double faps[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu,
+               (double[PARAM_COUNT]){[PARAM_LI] = 3,
+                                     [PARAM_LS] = upper,
+                                     [PARAM_AR] = width,
+                                     [PARAM_PI] = push,
+                                     [PARAM_PS] = push,
+                                     [PARAM_EM] = jaw},
+               faps);
+    return faps[53] - faps[6];
+}
+
+static void only_narrow_and_pushed_lips_are_rounded(void **state) {
+    (void)state;
+    assert_true(roundest(-2.5, 2, 1, 4) > 0);
+    NEAR(roundest(-2.5, 0, 1, 4), 0);
+    NEAR(roundest(0, 2, 1, 4), 0);
+    NEAR(roundest(-2.5, 2, 2.9, 4), 0); /* flared: /S/ */
+    NEAR(roundest(-2.5, 2, 1, 1), 0);   /* teeth together: /s/ beside /u/ */
+    assert_true(roundest(-1, 0.6, 1, 4) > 0 && roundest(-1, 0.6, 1, 4) < roundest(-2.5, 2, 1, 4));
+}
+
+static void openings_keep_the_hole(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1] = {0}, plain[FAP_COUNT + 1] = {0};
+    double tight[PARAM_COUNT];
+    memcpy(tight, u, sizeof tight);
+    tight[PARAM_LI] = tight[PARAM_LS] = 0.5;
+    fapmap_add(&fapu, tight, faps);
+    fapmap_open(&fapu, 4, 1, faps);
+    NEAR(-(faps[4] + faps[5]) / 50, 4);
+    NEAR(side_gap(faps), 0);
+    fapmap_open(&fapu, 4, 1, plain);
+    NEAR(side_gap(plain), 3.2);
+}
+
+static void reads_what_it_made(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1] = {0}, read[PARAM_COUNT];
+    struct fap_frame frame = {0};
+    fapmap_add(&fapu, u, faps);
+    face_limits_apply(&fapu, faps, &frame);
+    fapmap_read(&fapu, &frame, read);
+    for (int p = PARAM_LI; p <= PARAM_EM; p++)
+        assert_true(fabs(read[p] - u[p]) < 0.05);
 }
 
 static const struct contact_rule lips = {.kind = CONTACT_LIPS, .press = 0.2};
@@ -123,14 +186,19 @@ static void closes_lips_on_demand(void **state) {
 static void brings_the_lip_to_the_teeth_on_demand(void **state) {
     (void)state;
     struct contact_demand demand[CONTACT_TEETH + 1] = {[CONTACT_TEETH] = {&teeth, 1}};
-    double faps[FAP_COUNT + 1] = {[4] = -60, [5] = -300, [16] = 20};
+    double faps[FAP_COUNT + 1] = {[4] = -90, [5] = -300, [16] = 20};
     fapmap_touch(&fapu, demand, faps);
     NEAR(faps[5], -25);
     NEAR(faps[16], -100);
-    NEAR(faps[4], -60);
-    double there[FAP_COUNT + 1] = {[5] = -10, [16] = -150};
+    NEAR(faps[4], -60); /* 1.2 mm */
+    /* It is rolled in: its outer contour rises, too, so that less of its red is seen. */
+    assert_true((faps[52] - faps[5]) / 50 > 1.5);
+    double raised[FAP_COUNT + 1] = {[4] = -120, [5] = -300};
+    fapmap_touch(&fapu, demand, raised);
+    NEAR(-(raised[4] + raised[5]) / 50, 1.7);               /* the upper lip comes down to it */
+    double there[FAP_COUNT + 1] = {[5] = -10, [16] = -150}; /* too high: it would cover the teeth */
     fapmap_touch(&fapu, demand, there);
-    NEAR(there[5], -10);
+    NEAR(there[5], -25);
     NEAR(there[16], -150);
 }
 
@@ -153,7 +221,10 @@ int main(void) {
         cmocka_unit_test(has_the_senses_of_the_table),
         cmocka_unit_test(carries_the_tongue_by_the_jaw),
         cmocka_unit_test(adds_to_what_is_there),
-        cmocka_unit_test(a_narrow_mouth_closes_at_its_sides),
+        cmocka_unit_test(rounded_lips_leave_a_hole),
+        cmocka_unit_test(only_narrow_and_pushed_lips_are_rounded),
+        cmocka_unit_test(openings_keep_the_hole),
+        cmocka_unit_test(reads_what_it_made),
         cmocka_unit_test(closes_lips_on_demand),
         cmocka_unit_test(brings_the_lip_to_the_teeth_on_demand),
         cmocka_unit_test(parts_lips_that_overlap),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fields of requests: each type with its bounds, and values from every source. */
-#include "server/base/field.h"
+#include "server/base/json/field.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -4,7 +4,7 @@
 #include "server/base/buf.h"
 #include "server/markup/markup.h"
 #include "server/markup/markup_reader.h"
-#include "server/markup/score_dump.h"
+#include "server/markup/score.h"
 #include <dirent.h>
 #include <math.h>
 #include <setjmp.h>

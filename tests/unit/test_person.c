@@ -76,7 +76,7 @@ static void shift_is_found(void **state) {
     assert_true(m.shift == 0 && isnan(m.best.correlation));
 }
 
-/* "a.100 p.200": a person who says this, each phone with the lower lip at a value of its own. */
+/* "a.100 p.200": a person who says this, with a different height of the lower lip for each phone. */
 static void say(struct measured_speech *person, const char *const *names, const double *lengths, size_t count,
                 double lead) {
     double at = lead;
@@ -144,7 +144,7 @@ static void another_person_is_warped(void **state) {
     measured_speech_free(&three);
 }
 
-/* A mouth that is at one height in each kind of phone, in mm of its own. */
+/* A mouth at one height for each kind of phone, in mm. */
 struct mouth {
     const struct phone_segments *g;
     double scale, offset;

@@ -331,8 +331,8 @@ static void cuts_long_marked_sentences(void **state) {
     buf_free(&text);
 }
 
-/* Things that invite work to grow with the square of the length. What is made stays within the size of the
- * text; the work, if it grew so, would be some 10^11 steps for each. */
+/* Inputs designed to make work grow with the square of the length. The output stays within the size of the
+ * text; quadratic work would take some 10^11 steps for each. */
 static void handles_long_runs_of_one_thing(void **state) {
     (void)state;
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who may write a file of secrets; what a token's header and dates say; by which names one may ask. */
+/* Who may write a file of secrets; a token's header and dates; host names that are accepted. */
 #include "server/access/origin.h"
 #include "server/access/token.h"
 #include <fcntl.h>
@@ -40,7 +40,7 @@ static void only_the_owner_may_write(void **state) {
         assert_int_equal(chmod(folder, cases[i].folder), 0);
         assert_int_equal(secrets_load(&secrets, path, &e), cases[i].good ? 0 : -1);
         if (!cases[i].good)
-            assert_non_null(strstr(e.message, "others than its owner"));
+            assert_non_null(strstr(e.message, "users other than its owner"));
         secrets_free(&secrets);
     }
     assert_int_equal(secrets_load(&secrets, folder, &e), -1);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What every reader of sound shares: channels mixed to one, and WAV files whose recorder died. */
-#include "server/base/mixdown.h"
-#include "server/base/wav_file.h"
+/* Functions shared by the readers of sound: channels mixed to one, and WAV files whose recording was
+ * interrupted. */
+#include "server/base/sound/mixdown.h"
+#include "server/base/sound/wav_file.h"
 #include "server/library/align/sound_file.h"
 #include <math.h>
 #include <setjmp.h>
@@ -174,8 +175,7 @@ static void a_recorder_that_died(void **state) {
     free(wav);
 }
 
-/* A file that says that it holds no sound, and is as long as it says, holds none: what follows is no sound.
- */
+/* A file that declares no sound and has the declared length contains none: data after it is not sound. */
 static void an_empty_file_stays_empty(void **state) {
     (void)state;
     uint8_t *wav = malloc(SIZE);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sound that a process of its own decodes: the same samples as in this one, and whatever the process does is
- * an error with its reason. */
+/* Sound decoded in a separate process: the same samples as in this process, and any failure of the process is
+ * reported with its reason. */
 #include "server/voice/sound_reader.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -104,7 +104,7 @@ static void may_be_closed_early(void **state) {
     assert_int_equal(errno, ECHILD);
     atomic_bool given_up = true;
     assert_null(sound_reader_open(&apart, open(path, O_RDONLY), path, 8, &given_up, message));
-    assert_non_null(strstr(message, "nobody waits"));
+    assert_non_null(strstr(message, "no longer needed"));
 }
 
 static void write_program(const char *script) {
@@ -124,16 +124,16 @@ static void whatever_the_process_does(void **state) {
         bool opens;
         size_t samples;
     } cases[] = {
-        {"exit 0", "cannot be understood", false, 0},
+        {"exit 0", "invalid data", false, 0},
         {"exit 3", "with status 3", false, 0},
         {"kill -SEGV $$", "by signal 11", false, 0},
         {"exec >&-; exec sleep 600", "went on", false, 0}, /* does not wait for its exit */
         {"kill -XCPU $$", "processor time", false, 0},
-        {"head -c 204 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},
-        {"head -c 4 /dev/zero; head -c 200 /dev/zero | tr '\\0' x", "cannot be understood", false, 0},
-        {"printf '\\377\\377\\377\\177'; head -c 200 /dev/zero", "cannot be understood", false, 0},
-        {HELLO "exit 0", "cannot be understood", true, 0},
-        {HELLO "printf '\\377\\377\\377\\377'; sleep 60", "cannot be understood", true, 0},
+        {"head -c 204 /dev/zero | tr '\\0' x", "invalid data", false, 0},
+        {"head -c 4 /dev/zero; head -c 200 /dev/zero | tr '\\0' x", "invalid data", false, 0},
+        {"printf '\\377\\377\\377\\177'; head -c 200 /dev/zero", "invalid data", false, 0},
+        {HELLO "exit 0", "invalid data", true, 0},
+        {HELLO "printf '\\377\\377\\377\\377'; sleep 60", "invalid data", true, 0},
         {HELLO "printf '\\002\\000\\000\\000abcdabcd\\002\\000\\000\\000'; kill -SEGV $$", "by signal 11",
          true, 2},
         /* NaN and infinity */

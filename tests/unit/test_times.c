@@ -68,7 +68,7 @@ static void lab(void **state) {
     reads(with_header, TIMES_GUESS, "_@0-0.1 a@0.1-0.25 m@0.25-0.5", "");
     reads("#\n0.2 26 a\n", TIMES_GUESS, "a@0-0.2", "");
     reads("0.2 26 a\n0.3 26 b", TIMES_GUESS, "a@0-0.2 b@0.2-0.3", "");
-    fails_text("#\n0.2 125 a\nnothing\n", TIMES_LAB, "3:1: wanted is END COLOUR NAME");
+    fails_text("#\n0.2 125 a\nnothing\n", TIMES_LAB, "3:1: expected END COLOUR NAME");
     fails_text("#\n0.2 125 a\n\n0.1 125 b\n", TIMES_LAB, "4:1: the phone ends before it begins");
     fails_text("#\n1e9 125 a\n", TIMES_LAB, "2:1");
     fails_text("#\nnan 125 a\n", TIMES_LAB, "2:1");
@@ -86,7 +86,7 @@ static void htk(void **state) {
           "ciao@0.1-0.4 a@0.4-0.5");
     fails_text("0 1000000 a\n500000 2000000 b\n", TIMES_HTK,
                "2:1: the phone begins before the last one's end");
-    fails_text("0 1000000 a\n\n1000000 b\n", TIMES_HTK, "3:1: wanted is START END NAME");
+    fails_text("0 1000000 a\n\n1000000 b\n", TIMES_HTK, "3:1: expected START END NAME");
     static const char mlf[] = "#!MLF!#\n\"*/one.lab\"\n0 1000000 a\n.\n\"*/two.rec\"\n0 2000000 b\n.\n";
     reads(mlf, TIMES_GUESS, "a@0-0.1", "");
     struct times t =
@@ -122,7 +122,7 @@ static void textgrid(void **state) {
     times_free(&t);
     fails(long_grid, strlen(long_grid), (struct times_options){.format = TIMES_TEXTGRID, .tier = "x"},
           "no tier with intervals x");
-    fails_text("\"ooTextFile\"\n\"Sound\"\n0 1 1\n", TIMES_TEXTGRID, "wanted is a TextGrid");
+    fails_text("\"ooTextFile\"\n\"Sound\"\n0 1 1\n", TIMES_TEXTGRID, "expected a TextGrid");
     fails_text(HEAD "0 0.5 <exists> 1 \"IntervalTier\" \"a\" 0 0.5 2\n0.3 0.2 \"x\"\n0 1 \"y\"",
                TIMES_TEXTGRID, "5:1: the interval is not in order");
     /* truncated anywhere, it gives an error with a line */
@@ -135,7 +135,7 @@ static void textgrid(void **state) {
         times_free(&t);
     }
     fails_text(HEAD "0 1 <exists> 1 \"IntervalTier\" \"a\" 0 1 1e300\n0 1 \"x\"", TIMES_TEXTGRID,
-               "wanted is the next interval");
+               "expected the next interval");
 }
 
 /* Makes a TextGrid with one interval per tier: NAME, LABEL... */
@@ -171,8 +171,8 @@ static void tiers_by_their_names(void **state) {
 static void tiers_that_are_mixed_up(void **state) {
     (void)state;
     fails_text(GRID("sentences", "di ah", "syllables", "a"), TIMES_GUESS,
-               "none of the tiers is named \"phones\": tell which of \"sentences\", \"syllables\"");
-    fails_text(GRID("sentences", "di ah"), TIMES_GUESS, "this is no phone");
+               "no tier is named \"phones\": choose one of \"sentences\", \"syllables\"");
+    fails_text(GRID("sentences", "di ah"), TIMES_GUESS, "this is not a phone");
     const char *two =
         GRID("anna - words", "di", "anna - phones", "a", "bob - words", "no", "bob - phones", "o");
     fails_text(two, TIMES_GUESS, "\"anna - phones\" and \"bob - phones\" may both be the tier of phones");

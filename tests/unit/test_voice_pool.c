@@ -282,7 +282,7 @@ static void quota_keys_take_turns(void **state) {
 }
 
 /* Twenty connections of one quota key with three sentences each do not hold up another connection of the same
- * quota_key: it waits for one sentence of each at most, and not for those that are longer than its own. */
+ * key: it waits for at most one sentence of each, and not for longer ones than its own. */
 static void connections_of_a_quota_key_take_turns(void **state) {
     (void)state;
     enum { GREEDY = 20, EACH = 3 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which styles of a score reach a voice. */
+/* Styles of a score that reach a voice. */
 #include "server/voice/voice_request.h"
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The npm package: its form, its types in each framework's templates, its manifest, its size; imported where there is no page.
+// The npm package: its contents, its types in each framework's templates, its manifest, its size; and importing it without a page.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -26,7 +26,7 @@ before(() => {
 });
 after(() => fs.rmSync(folder, { recursive: true }));
 
-test('publint and attw find nothing, for the older resolution (node10) neither; it is for those who import alone', async () => {
+test('publint and attw find nothing, including node10 resolution; the package is ESM-only', async () => {
   const { messages } = await publint({ pkgDir: installed, strict: true });
   assert.deepEqual(messages, []);
   const { status, stdout, stderr } = spawnSync(path.join(modules, '.bin/attw'), ['--pack', installed, '--ignore-rules', 'cjs-resolves-to-esm'], { encoding: 'utf8' });
@@ -39,28 +39,28 @@ test('the version is that of the daemon', () => {
   assert.match(fs.readFileSync(path.join(root, 'CHANGELOG.md'), 'utf8'), /^## \[?(Unreleased|\d+\.\d+\.\d+)/m);
 });
 
-test('every file that the package names is there, and the scripts are what they should be', () => {
+test('every file that the package names exists, and the scripts are valid', () => {
   const { exports, unpkg, customElements } = json('package.json');
   const named = Object.values(exports).flatMap((entry) => (typeof entry === 'string' ? [entry] : Object.values(entry)));
   for (const file of [...named, unpkg, customElements].filter((name) => !name.includes('*'))) assert.ok(read(file).length, file);
   for (const file of ['talking-head-worklet.js', 'talking-head-avatar.js', 'talking-head-draco.js', 'talking-head-basis.js', 'opus-decoder.js']) assert.ok(read(`dist/${file}`).length, file);
 });
 
-test('the element stays within 220 kB as it is sent', () => {
+test('the published element stays within 220 kB', () => {
   for (const file of ['talking-head.js', 'talking-head.classic.js']) {
     const size = gzipSync(read(`dist/${file}`), { level: 9 }).length;
     assert.ok(size < 220_000, `${file}: ${size} bytes`);
   }
 });
 
-test('on a server the import does nothing', () => {
+test('the import does nothing on a server', () => {
   fs.writeFileSync(path.join(folder, 'server.mjs'), `import { TalkingHead, setCompanions } from '@faccia/talking-head';
     setCompanions('https://example.org/faccia');
     console.log(typeof TalkingHead, typeof globalThis.customElements);`);
   assert.equal(execFileSync('node', ['server.mjs'], { cwd: folder, encoding: 'utf8' }).trim(), 'function undefined');
 });
 
-test('the manifest knows every attribute, part, event and custom property, and says something of each', () => {
+test('the manifest describes every attribute, part, event and custom property', () => {
   const element = json('custom-elements.json').modules[0].declarations[0];
   const names = (list) => list.map(({ name }) => name).sort();
   const template = fs.readFileSync(path.join(root, 'web/element/template.mjs'), 'utf8');
@@ -98,7 +98,7 @@ const wrong = {
 };
 
 // `node10` is what Next writes into the tsconfig of an application that has none.
-for (const resolution of ['Bundler', 'Node10']) test(`templates of React, Vue and Svelte are typed (${resolution}): right ones compile, each wrong one does not`, () => {
+for (const resolution of ['Bundler', 'Node10']) test(`templates of React, Vue and Svelte are typed (${resolution}): correct ones compile, each wrong one does not`, () => {
   const files = Object.entries({ ...right, ...wrong }).map(([name, text]) => {
     fs.writeFileSync(path.join(folder, name), text);
     return path.join(folder, name);

@@ -14,7 +14,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bills-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const locked = JSON.parse(fs.readFileSync(path.join(root, 'web/package-lock.json'), 'utf8')).packages;
 
-/** The package as it is packed, and its bill. */
+/** The packed package and its bill of materials. */
 function made(name, script, ...more) {
   const packed = path.join(folder, name);
   execFileSync('node', [path.join(root, script), packed, ...more]);
@@ -29,7 +29,7 @@ function made(name, script, ...more) {
   return bom;
 }
 
-test('@faccia/talking-head: three.js and the decoders, in the versions that are locked, with their licences; no tool, and nothing of the pages', () => {
+test('@faccia/talking-head: three.js and the decoders, in locked versions, with their licences; no tools, and nothing of the pages', () => {
   const bom = made('talking-head', 'web/package/pack.mjs', process.env.FACCIA_WEB ?? path.join(root, 'build/web'));
   const names = bom.components.map((one) => one.name);
   for (const name of ['three', 'opus-decoder']) assert.ok(names.includes(name), name);
@@ -46,6 +46,6 @@ test('@faccia/talking-head: three.js and the decoders, in the versions that are 
   assert.ok(bom.metadata.component.components.some((one) => one.name === 'LICENSE.Apache-2.0.txt'), 'with the text of the licence that some have');
 });
 
-test('@faccia/client: nothing but faccia', () => {
+test('@faccia/client: contains only faccia', () => {
   assert.deepEqual(made('client', 'web/client/pack.mjs').components, []);
 });

@@ -94,7 +94,7 @@ function differing(a, b) {
 }
 
 for (const name of ['mara', 'bruno'])
-  test(`${name}: shapes show what our head shows at their FAPs`, async () => {
+  test(`${name}: each shape looks like the source head at the same FAPs`, async () => {
     const parts = await load(name);
     const own = head(name);
     assert.deepEqual(parts.map((part) => part.name), own.parts.map((part) => part.name));
@@ -122,7 +122,7 @@ for (const name of ['mara', 'bruno'])
     assert.deepEqual(page.problems, []);
   });
 
-test('every shape is to be seen, and a closed mouth is closed', async () => {
+test('every shape is visible, and a closed mouth is closed', async () => {
   await load('mara');
   const { shapes: arkit } = shapes('arkit');
   const { visemes } = shapes('visemes');

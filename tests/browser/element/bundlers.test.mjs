@@ -61,7 +61,7 @@ after(async () => {
 });
 
 for (const [name, bundle] of Object.entries(bundlers))
-  test(`${name}: every file that the element fetches is there, and is used`, async () => {
+  test(`${name}: bundles every file that the element fetches, and no unused one`, async () => {
     const out = path.join(folder, `out-${name}`);
     fs.mkdirSync(out);
     await bundle(out);

@@ -23,7 +23,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('calibrate() draws another face, refuses what is wrong, and gives the first one back', async () => {
+test('calibrate() draws a different face, rejects invalid points, and restores the original', async () => {
   const page = await browser.newPage({ viewport: { width: 420, height: 520 } });
   await page.goto(`${pages.url}/`);
   await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().triangles > 0);
@@ -42,7 +42,7 @@ test('calibrate() draws another face, refuses what is wrong, and gives the first
   assert.equal(await width(), own);
 });
 
-test('the points that a room is given are on all its faces, on those that come later, and under the page’s own', async () => {
+test('applies a room’s calibration to all its faces, including later ones; the page’s own overrides it', async () => {
   const enter = async () => {
     const page = await browser.newPage({ viewport: { width: 160, height: 200 } });
     await page.goto(`${pages.url}/`);
@@ -101,7 +101,7 @@ const drawnPoints = (page) => page.evaluate(() => {
   return count / (width * height);
 });
 
-test('a lost context is restored, or taken anew, and the same face is drawn again', async () => {
+test('draws the same face again after a lost context is restored or recreated', async () => {
   const page = await browser.newPage({ viewport: { width: 420, height: 520 } });
   await page.goto(`${pages.url}/`);
   await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().triangles > 0);
@@ -132,7 +132,7 @@ test('a lost context is restored, or taken anew, and the same face is drawn agai
   await page.close();
 });
 
-test('a texture of 16,000 x 16,000 points is refused before it is decoded', async () => {
+test('rejects a texture of 16,000 x 16,000 pixels before decoding it', async () => {
   const page = await browser.newPage({ viewport: { width: 420, height: 520 } });
   await page.goto(`${pages.url}/`);
   await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().triangles > 0);

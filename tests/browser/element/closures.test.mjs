@@ -20,7 +20,7 @@ async function seen(contacts) {
   return readPixels(screen.look, track.phones, track);
 }
 
-test('closures are closed in the picture, and vowels open', async () => {
+test('shows closed lips at closures and open lips at vowels', async () => {
   const { lips, teeth, open, gaps, misses } = await seen('on');
   assert.ok(lips >= 5 && open >= 8, `${lips} ${teeth} ${open}`);
   assert.deepEqual(misses, []);
@@ -28,7 +28,7 @@ test('closures are closed in the picture, and vowels open', async () => {
   assert.ok(gaps.filter(({ mm }) => mm > 2).length >= 0.7 * open, `${gaps.map(({ mm }) => mm)}`);
 });
 
-test('without the layer of contacts they are not', async () => {
+test('leaves some closures open with contacts switched off', async () => {
   const { misses } = await seen('off');
   assert.ok(misses.length >= 1);
 });

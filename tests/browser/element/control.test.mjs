@@ -55,7 +55,7 @@ async function open() {
   return page;
 }
 
-test('silent after stop, and after pause, which goes on where it was', async (t) => {
+test('stop silences the voice; resume continues at the paused position', async (t) => {
   const page = await open();
   const times = { stop: [], pause: [] };
   for (let i = 0; i < 5; i++)
@@ -90,7 +90,7 @@ test('silent after stop, and after pause, which goes on where it was', async (t)
   await page.close();
 });
 
-test('jump, rate and interruption by the element', async () => {
+test('jumps, changes the rate and interrupts through the element', async () => {
   const page = await open();
   const heard = await page.evaluate(async () => {
     const { head } = window;

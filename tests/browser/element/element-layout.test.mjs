@@ -95,7 +95,7 @@ async function skin(name, on = page) {
 const LEAST = 2000; // pixels of skin of a face 60 pixels high
 
 for (const { name, style, around = '%s', size } of cases)
-  test(`drawn: ${name}`, async () => {
+  test(`draws the face: ${name}`, async () => {
     await page.evaluate(([html, css]) => window.put(html, css), [around, style]);
     await page.evaluate(() => window.drawn());
     const found = await page.evaluate(() => {
@@ -112,7 +112,7 @@ for (const { name, style, around = '%s', size } of cases)
   });
 
 for (const [name, rules] of Object.entries(resets))
-  test(`drawn: under ${name}`, async () => {
+  test(`draws the face under ${name}`, async () => {
     await page.evaluate((css) => {
       document.getElementById('reset').textContent = css;
       window.put('%s', 'display: block');
@@ -122,7 +122,7 @@ for (const [name, rules] of Object.entries(resets))
     await page.evaluate(() => (document.getElementById('reset').textContent = ''));
   });
 
-test('drawn: hidden at first, in every way, and shown later; and of no size at first', async () => {
+test('draws the face after being hidden in any way, or of zero size, at first', async () => {
   for (const hide of ['display: none', 'visibility: hidden', 'display: block; width: 0; height: 0', 'display: block; height: 0']) {
     await page.evaluate((css) => {
       window.head.remove();
@@ -145,10 +145,32 @@ test('drawn: hidden at first, in every way, and shown later; and of no size at f
   assert.deepEqual(problems, []);
 });
 
-test('with captions the whole still fits into the element', async () => {
+test('the button toggles the mouth view, by keyboard too, labelled in the language of the element', async () => {
+  await page.evaluate(() => {
+    window.put('%s', 'display: block');
+    window.head.view = 'face';
+    window.mouth = window.head.shadowRoot.querySelector('[part=mouth-button]');
+  });
+  const now = () => page.evaluate(() => [window.head.view, window.mouth.getAttribute('aria-pressed'), window.mouth.hidden]);
+  assert.deepEqual(await now(), ['face', 'false', false]);
+  const whole = await page.evaluate(() => window.drawn()).then(skin);
+  await page.evaluate(() => window.mouth.focus());
+  await page.keyboard.press('Enter');
+  assert.deepEqual(await now(), ['mouth', 'true', false]);
+  assert.ok((await page.evaluate(() => window.drawn()).then(skin)) > 1.2 * whole, 'skin fills the picture');
+  await page.keyboard.press('Space');
+  assert.deepEqual(await now(), ['face', 'false', false]);
+  const named = await page.evaluate(() => ['en', 'it', 'pt-BR', 'tr'].map((lang) => ((window.head.lang = lang), window.mouth.ariaLabel)));
+  assert.deepEqual(named, ['Mouth alone', 'Solo la bocca', 'Só a boca', 'Yalnız ağız']);
+  await page.evaluate(() => Object.assign(window.head, { view: null, lang: 'it' }));
+  assert.deepEqual(problems, []);
+});
+
+test('fits the face and its captions into the element', async () => {
   await page.evaluate(() => {
     window.head.captions = true;
     window.put('%s', 'display: block; height: 240px');
+    window.head.shadowRoot.querySelector('.captions').classList.remove('empty'); // as while somebody speaks
   });
   await page.evaluate(() => window.drawn());
   const { bottom, box } = await page.evaluate(() => ({

@@ -58,7 +58,7 @@ async function open({ scripts = [`${daemon.url}/talking-head.js`] } = {}) {
   return page;
 }
 
-test('set, and asked to speak, before it is in the page', async () => {
+test('accepts properties and speech before it is inserted into the page', async () => {
   const page = await open();
   const { rate, end, before: early } = await page.evaluate(async () => {
     const element = window.make('a', { rate: 180, captions: 'off', expression: { joy: 0.5 } });
@@ -83,7 +83,7 @@ test('set, and asked to speak, before it is in the page', async () => {
   await page.close();
 });
 
-test('set before the script is there', async () => {
+test('accepts properties before the script has loaded', async () => {
   const page = await open({ scripts: [] });
   await page.evaluate(() => {
     const element = window.make('a', { rate: 180, captions: false, still: true });
@@ -99,7 +99,7 @@ test('set before the script is there', async () => {
   await page.close();
 });
 
-test('moved while it speaks it goes on: by append, by moveBefore, and when it is away for a moment', async () => {
+test('continues speaking when moved by append, by moveBefore, or by a short removal', async () => {
   const page = await open();
   const found = await page.evaluate(async () => {
     const element = window.make('a');
@@ -122,7 +122,7 @@ test('moved while it speaks it goes on: by append, by moveBefore, and when it is
   await page.close();
 });
 
-test('taken away in the middle of its speech it frees everything; put back it is alive again', async () => {
+test('releases everything when removed while speaking, and works again when reinserted', async () => {
   const page = await open();
   const found = await page.evaluate(async () => {
     const element = window.make('a');
@@ -148,7 +148,7 @@ test('taken away in the middle of its speech it frees everything; put back it is
   await page.close();
 });
 
-test('two heads take turns, in the order in which they were asked; one that is not polite does not wait', async () => {
+test('two heads speak in the order of their requests; one with polite=off does not wait', async () => {
   const page = await open();
   const order = await page.evaluate(async () => {
     const [a, b] = [window.make('a'), window.make('b')];
@@ -208,7 +208,7 @@ async function untouched(prepare = '') {
   return { page, said };
 }
 
-test('a page that was not touched is told that nothing is heard, and hears from the tap on', async () => {
+test('reports blocked sound before the first click, and sound after a tap', async () => {
   const { page, said } = await untouched();
   assert.equal(await said('sound'), 'sound blocked autoplay false');
   assert.equal(await said('end'), 'end done blocked false');
@@ -219,7 +219,7 @@ test('a page that was not touched is told that nothing is heard, and hears from 
   await page.close();
 });
 
-test('where sound never begins a tap is asked for once, not for ever', async () => {
+test('requests a tap only once when sound never starts', async () => {
   const { page, said } = await untouched('AudioContext.prototype.resume = () => new Promise(() => {})'); // as without a sound device
   assert.equal(await said('sound'), 'sound blocked autoplay false');
   assert.equal(await said('end'), 'end done blocked false');
@@ -230,7 +230,7 @@ test('where sound never begins a tap is asked for once, not for ever', async () 
   await page.close();
 });
 
-test('twenty in a page: as many as can be are drawn, the others say why not, and take the place of those that go', async () => {
+test('draws as many of twenty heads as it can; the others report why, and replace removed ones', async () => {
   const page = await open();
   await page.evaluate(() => {
     document.head.append(Object.assign(document.createElement('style'), { textContent: 'talking-head { inline-size: 5rem; block-size: 6rem; font-size: 0.5rem }' }));
@@ -249,7 +249,7 @@ test('twenty in a page: as many as can be are drawn, the others say why not, and
   await page.close();
 });
 
-test('the scripts of two servers in one page: the first one counts, and both servers are heard', async () => {
+test('with scripts of two servers on one page, the first defines the element and both servers play', async () => {
   const other = await Daemon.start();
   const page = await open({ scripts: [`${daemon.url}/talking-head.js`, `${other.url}/talking-head.js`, `${daemon.url}/talking-head.js?again`] });
   const ends = await page.evaluate(async (src) => {

@@ -64,7 +64,7 @@ function distance(a, b) {
   return (sum / one.data.length) * (4 / 3); // the fourth channel is opacity
 }
 
-test('the six basic emotions are told from rest, from each other, and by their intensity', async () => {
+test('a classifier distinguishes the six basic emotions from rest, from each other, and by intensity', async () => {
   assert.deepEqual([...basics].sort(), ['anger', 'disgust', 'fear', 'joy', 'sadness', 'surprise']);
   await sheet('expressions-basic', basics.flatMap((name) => [0.33, 0.66, 1].map((i) => `${name}=${i}`)), 3);
   const rest = await look('');
@@ -91,7 +91,7 @@ test('no two affects look alike', async () => {
     }
 });
 
-test('gestures of every other kind move the face', async () => {
+test('every other kind of gesture moves the face', async () => {
   const others = ['performative:greet', 'performative:refuse', 'performative:warn', 'performative:question', 'certainty:uncertain', 'meta-cognitive:thinking',
     'belief-relation:contrast', 'turn:give', 'emphasis:strong', 'pitch-accent:lstar', 'boundary:hh', 'deictic:left', 'adjectival:small', 'adjectival:big'];
   await sheet('expressions-gestures', others, 7);

@@ -18,7 +18,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('what is said comes to its end; a tap is asked for once, with a device or without', async () => {
+test('plays speech to its end and requests a tap once, with or without an output device', async () => {
   const stream = daemon.url.replace('http', 'ws');
   server.files['/page.js'] = {
     type: 'text/javascript',

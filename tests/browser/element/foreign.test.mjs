@@ -201,7 +201,7 @@ const CASES = {
 };
 
 for (const [file, { where, map, tolerance, eyes }] of Object.entries(CASES))
-  test(`${file}: lips that touch touch, vowels open, lids close`, async (t) => {
+  test(`${file}: closes lips and lids, and opens vowels`, async (t) => {
     if (where) await visit(where);
     const events = await open(`/${file}`, map && `/${map}`);
     assert.deepEqual(events.filter(({ type }) => type === 'error'), []);
@@ -235,7 +235,7 @@ for (const [file, { where, map, tolerance, eyes }] of Object.entries(CASES))
     assert.deepEqual(await page.evaluate(() => window.violations), []);
   });
 
-test('a picture in KTX2 has its colours, what unpacks is fetched when it is needed, and what cannot be unpacked is damaged', async () => {
+test('keeps the colours of a KTX2 picture, loads decoders on demand, and reports undecodable pictures as damaged', async () => {
   const points = await page.evaluate(() => {
     const { image } = window.avatar().meshes.find(({ name }) => name === 'hair').material.map;
     const canvas = new OffscreenCanvas(image.width, image.height);
@@ -256,7 +256,7 @@ test('a picture in KTX2 has its colours, what unpacks is fetched when it is need
   await visit('/');
 });
 
-test('the head and the eyes turn on their bones', async () => {
+test('turns the head and the eyes on their bones', async () => {
   await open('/own.vrm');
   const turned = await page.evaluate(() => {
     const { controls } = window.avatar();
@@ -279,7 +279,7 @@ test('the head and the eyes turn on their bones', async () => {
   assert.ok(turned.after.left[0] < 0.12 && turned.after.left[1] < -0.08, 'the eyes back, and down');
 });
 
-test('it speaks, and gives the place back to the head', async (t) => {
+test('speaks, and hands over to the default head when removed', async (t) => {
   await open('/own.glb');
   // A busy machine draws few pictures a second and may miss a short closure, so the sentence is repeated.
   const gaps = [];
@@ -307,7 +307,7 @@ test('it speaks, and gives the place back to the head', async (t) => {
   await page.waitForFunction(() => window.heard.some(({ type, model }) => type === 'ready' && model === 'mara'), null, { timeout: 120000 });
 });
 
-test('what is no avatar is said to be none, and the head stands in', async (t) => {
+test('reports a file that is not an avatar, and shows the default head', async (t) => {
   const files = { ...Object.fromEntries(Object.entries(await hostile()).map(([name, [, reason]]) => [`/${name}.glb`, reason])), '/large.glb': 'too-large' };
   const cases = [...Object.entries(files).map(([file, reason]) => [file, null, reason]), ['/odd.glb', '/odder.json', 'bad-map'], ['/odd.glb', '/nonsense.json', 'bad-map'], ['/odd.glb', '/missing.json', 'missing'], ['/odd.glb', null, 'no-face']];
   for (const [file, map, reason] of cases) {
@@ -327,7 +327,7 @@ test('what is no avatar is said to be none, and the head stands in', async (t) =
   assert.deepEqual(page.problems, []);
 });
 
-test('without an avatar its script is not fetched, and the element has nothing of it', async () => {
+test('does not fetch the avatar script without an avatar, and the element contains none of it', async () => {
   const plain = await browser.newPage();
   const asked = [];
   plain.on('request', (request) => asked.push(new URL(request.url()).pathname));

@@ -55,7 +55,7 @@ const settings = (page) => page.evaluate(() => [...document.querySelectorAll('ta
 }));
 
 for (const [framework, file] of Object.entries(apps))
-  test(`${framework}: properties, events, methods; mounting, moving, unmounting, mounting again`, async () => {
+  test(`${framework}: passes properties, events and method calls; mounts, moves, unmounts and remounts`, async () => {
     server.files['/app.js'] = { body: await bundle(file), type: 'text/javascript' };
     const page = await browser.newPage();
     const problems = [];

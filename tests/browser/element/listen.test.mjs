@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Live voices in the page: a sentence from the browser's microphone, and one that an <audio> element plays. Every /p b m/ must be closed, in the drawn
-// frames and in pixels.
+// frames and in the pixels.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';

@@ -54,7 +54,7 @@ function patch({ png, shot: { target, distance, fov } }, [x, y, z], radius) {
   return sum / n;
 }
 
-test('nothing light is black: no hole under hair, no collar', async () => {
+test('leaves no light material black: no holes under the hair or at the collar', async () => {
   for (const name of ['mara', 'ettore', 'luca']) {
     const { png } = await look(name, []);
     let drawn = 0,
@@ -72,7 +72,7 @@ test('nothing light is black: no hole under hair, no collar', async () => {
 // Maximum brightness beside the nose relative to the lit side. Vertex shading alone gives 0.87 to 0.9; the texture adds the rest.
 const SHADOWS = { mara: 0.86, bruno: 0.875, ettore: 0.84 };
 
-test('the nose throws a shadow, in low quality, too', async () => {
+test('the nose casts a shadow, in low quality too', async () => {
   for (const [name, most] of Object.entries(SHADOWS)) {
     const seen = await look(name, []);
     // The light is at the left of the picture.
@@ -84,7 +84,7 @@ test('the nose throws a shadow, in low quality, too', async () => {
 
 const EYES = { eye_l: [255, 255, 255], eye_r: [255, 255, 255], skin: [0, 0, 255], lashes: [255, 0, 0], hair: [0, 255, 0] };
 
-test('the whites of the eyes are no lamps: darker than the light skin round them, not far lighter than dark skin', async () => {
+test('the whites of the eyes are darker than light skin around them and not far brighter than dark skin', async () => {
   for (const [name, most] of [['mara', 0.95], ['samuel', 2.2]]) {
     const [, y, z] = heads.get(name).fdp['3.5'];
     const camera = { target: [0, y, z], distance: 500, fov: 8, level: 'low' };
@@ -103,7 +103,7 @@ test('the whites of the eyes are no lamps: darker than the light skin round them
   }
 });
 
-test('skin has pores where it is seen from near, and only in fine quality', async () => {
+test('shows pores in close-ups, and only in high quality', async () => {
   const { fdp, materials } = heads.get('mara');
   heads.set('smooth', { ...heads.get('mara'), materials: { ...materials, skin: { ...materials.skin, relief: 0 } } });
   const camera = { target: [-38, fdp['9.1'][1], 20], distance: 300, fov: 6 };

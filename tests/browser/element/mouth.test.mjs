@@ -32,7 +32,7 @@ const seenOf = (name, faps, yaw) => seen(page, 'flat', head, name, faps, yaw);
 
 const measured = {};
 for (const lang of Object.keys(LANGUAGES))
-  test(`${lang}: each sound shows of teeth and tongue what a lip reader looks for`, async () => {
+  test(`${lang}: each sound shows as much of teeth and tongue as a lip reader expects`, async () => {
     const poses = posesOf(lang);
     const wrong = [];
     for (const [ipa, faps] of Object.entries(poses)) {
@@ -43,7 +43,7 @@ for (const lang of Object.keys(LANGUAGES))
     assert.deepEqual(wrong, []);
   });
 
-test('Italian /a/, /u/ and /i/ are told apart by the outline of the opening, /l/ shows the tongue', () => {
+test('Italian /a/, /u/ and /i/ differ in the outline of the opening, and /l/ shows the tongue', () => {
   const [a, u, i, l] = ['a', 'u', 'i', 'l'].map((ipa) => measured[`it ${ipa}`]);
   assert.ok(u.width < 0.8 * a.width, `/u/ ${u.width.toFixed(1)} mm wide, /a/ ${a.width.toFixed(1)}`);
   assert.ok(u.area < 0.35 * a.area, `/u/ ${u.area.toFixed(0)} mm², /a/ ${a.area.toFixed(0)}`);
@@ -51,7 +51,7 @@ test('Italian /a/, /u/ and /i/ are told apart by the outline of the opening, /l/
   assert.ok(l.tongue > 0.08, `/l/: ${l.tongue.toFixed(2)} of the opening is tongue`);
 });
 
-test('joy, fear and surprise show what they open', async () => {
+test('joy, fear and surprise show the expected share of teeth and tongue', async () => {
   const wrong = [];
   for (const name of EMOTIONS) {
     measured[name] = await seenOf(name, expressionPose(`${name}=1`));
@@ -64,7 +64,7 @@ test('joy, fear and surprise show what they open', async () => {
 /** The other heads; expectations depend on their age (models/README.md). */
 const OTHERS = fs.readdirSync(models).filter((file) => file.endsWith('.json') && file !== 'mara.json').map((file) => file.slice(0, -5));
 for (const name of OTHERS)
-  test(`${name} shows it, too, in every language`, async () => {
+  test(`${name}: sounds and emotions show the expected share of teeth and tongue in every language`, async () => {
     const other = JSON.parse(fs.readFileSync(path.join(models, `${name}.json`)));
     await page.load(name, other, paint);
     const said = Object.keys(LANGUAGES).flatMap((lang) => Object.entries(posesOf(lang)).map(([ipa, faps]) => ({ lang, what: ipa, faps })));
@@ -75,7 +75,7 @@ for (const name of OTHERS)
     assert.deepEqual(wrong, []);
   });
 
-test('seen from the side the sounds still show their teeth', async () => {
+test('the sounds show their teeth in a side view', async () => {
   const poses = posesOf('it');
   for (const yaw of [-0.5, 0.5])
     for (const ipa of ['a', 'i', 'f']) {
@@ -94,7 +94,7 @@ async function difference(one, other, level) {
   return (sum / pictures[0].data.length) * (4 / 3);
 }
 
-test('what lips tell apart differs in the picture, in low quality, too', async () => {
+test('visemes differ in the picture in low quality too', async () => {
   const poses = posesOf('it');
   for (const level of ['high', 'low'])
     for (const [x, y, least] of [['p', 'f', 2.5], ['a', 'u', 6], ['i', 'u', 4], ['f', 's', 1.5]]) {
@@ -106,7 +106,7 @@ test('what lips tell apart differs in the picture, in low quality, too', async (
   assert.ok(d > 1, `/p/ differs from rest by ${d.toFixed(2)} of 255`);
 });
 
-test('the inside of the mouth is never a black hole and never as bright as the skin', async () => {
+test('the inside of the mouth is neither a black hole nor as bright as the skin', async () => {
   const poses = posesOf('it');
   const light = (png, i) => 0.2126 * png.data[i] + 0.7152 * png.data[i + 1] + 0.0722 * png.data[i + 2];
   for (const [level, ...views] of [['high', ['a', 0], ['o', 0], ['l', 0], ['a', 0.5], ['l', -0.5]], ['low', ['a', 0], ['l', 0]]])

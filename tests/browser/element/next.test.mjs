@@ -31,7 +31,7 @@ export default function Head() {
 `,
 };
 
-test('Next builds an application that types the element, and its page shows it', { skip: !long && 'takes minutes: FACCIA_LONG=1' }, async (t) => {
+test('Next builds a typed application with the element, and its page shows the head', { skip: !long && 'takes minutes: FACCIA_LONG=1' }, async (t) => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-next-'));
   const daemon = await Daemon.start();
   const env = { ...process.env, NEXT_TELEMETRY_DISABLED: '1', NEXT_PUBLIC_FACCIA: `${daemon.url.replace('http', 'ws')}/v1/stream` };

@@ -89,7 +89,7 @@ function spoken(text) {
   return out;
 }
 
-test('the set keeps to its schema and to its bytes', async (t) => {
+test('the set matches its schema and its size limit', async (t) => {
   assert.equal(violations('pictures', set), null);
   assert.ok(set.regions.find(({ name }) => name === 'mouth').pictures.length >= 34);
   const answer = await daemon.get('/v1/pictures/mara', { headers: { 'accept-encoding': 'gzip' } });
@@ -98,7 +98,7 @@ test('the set keeps to its schema and to its bytes', async (t) => {
   assert.ok(bytes > 10000 && bytes <= 765000, `${bytes} bytes`);
 });
 
-test('without WebGL the pictures come by themselves, and nothing is said to be missing', async () => {
+test('uses the picture set without WebGL, and shows no error', async () => {
   const page = await openFace();
   const { level, frames } = await page.evaluate(() => document.querySelector('talking-head').debug());
   assert.equal(level, 'pictures');
@@ -110,7 +110,7 @@ test('without WebGL the pictures come by themselves, and nothing is said to be m
   await page.close();
 });
 
-test('the lips of a sentence meet in every /p b m/ and part in every /a/, in pixels', async (t) => {
+test('lips meet in every /p b m/ of a sentence and part in every /a/, in pixels', async (t) => {
   const page = await openFace();
   const { phones, fps, frames } = spoken(TEXT);
   const shown = (frame, name) => posed(page, Object.fromEntries(frame.map((value, n) => [n, value]).filter(([n, value]) => n > 2 && value)), name);
@@ -131,7 +131,7 @@ test('the lips of a sentence meet in every /p b m/ and part in every /a/, in pix
   await page.close();
 });
 
-test('the lids close when they are told, and by themselves', async (t) => {
+test('the lids close on command and blink spontaneously', async (t) => {
   const page = await openFace();
   const open = await posed(page, {}, 'rest');
   const shut = await posed(page, { 19: 940, 20: 940, 21: 84, 22: 84 }, 'blink');
@@ -146,7 +146,7 @@ test('the lids close when they are told, and by themselves', async (t) => {
   await page.close();
 });
 
-test('it speaks: the mouth on the canvas opens and closes while a sentence is heard', async () => {
+test('the mouth on the canvas opens and closes while a sentence plays', async () => {
   const page = await openFace();
   const gaps = await page.evaluate(async (text) => {
     const head = document.querySelector('talking-head');
@@ -168,7 +168,7 @@ test('it speaks: the mouth on the canvas opens and closes while a sentence is he
   await page.close();
 });
 
-test('a page names a set of its own: it is shown, and speaks; one that is broken is told, and the server\'s stands in', async () => {
+test('uses the picture set that a page names; reports a broken one and uses the server\'s', async () => {
   const page = await openFace();
   pages.files['/anna.json'] = { body: JSON.stringify({ ...set, name: 'anna', title: 'Anna' }), type: 'application/json' };
   pages.files['/broken.json'] = { body: JSON.stringify({ ...set, regions: [{ ...set.regions[0], mask: {} }] }), type: 'application/json' };

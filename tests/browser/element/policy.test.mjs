@@ -63,7 +63,7 @@ const speak = (page) => page.evaluate(async () => {
 const ready = (page) => page.waitForFunction(() => window.heard.some(({ type }) => type === 'ready'), null, { timeout: 60000 });
 const heard = (page, type) => page.evaluate((wanted) => window.heard.filter((e) => e.type === wanted), type);
 
-test('under the documented policy the face draws, the sound plays, and nothing is violated', async () => {
+test('draws and plays under the documented policy without a violation', async () => {
   assert.match(documented, /default-src 'none'/);
   assert.match(documented, /require-trusted-types-for 'script'; trusted-types 'none'/);
   assert.doesNotMatch(documented, /blob:|unsafe-inline|unsafe-eval/);
@@ -84,7 +84,7 @@ test('under the documented policy the face draws, the sound plays, and nothing i
   await page.close();
 });
 
-test('without a worklet it sounds nevertheless, and the page is told', async () => {
+test('plays sound without an AudioWorklet, and reports the fallback', async () => {
   const page = await open(documented.replace(/script-src [^;]*/, '$&/talking-head.js'));
   await ready(page);
   await page.mouse.click(5, 5);
@@ -95,7 +95,7 @@ test('without a worklet it sounds nevertheless, and the page is told', async () 
   await page.close();
 });
 
-test('where Opus cannot be decoded (no WebCodecs, no WebAssembly) the sound comes as PCM', async () => {
+test('requests PCM without WebCodecs and WebAssembly', async () => {
   const page = await open(documented, '', () => {
     delete window.AudioDecoder;
     window.asked = [];
@@ -115,7 +115,7 @@ test('where Opus cannot be decoded (no WebCodecs, no WebAssembly) the sound come
   await page.close();
 });
 
-test('a policy that does not allow the server is named, in the picture and as an error', async () => {
+test('names a policy that does not allow the server, in the picture and as an error', async () => {
   const page = await open(documented.replace(/connect-src [^;]*/, "connect-src 'self'"), 'lang="en"');
   await page.waitForFunction(() => window.heard.some(({ type }) => type === 'error'));
   assert.deepEqual((await heard(page, 'error')).map(({ code }) => code), ['blocked-by-policy']);

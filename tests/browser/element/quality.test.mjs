@@ -20,7 +20,7 @@ const PATIENCE = { timeout: 180000 };
 const debug = () => page.evaluate(() => document.querySelector('talking-head').debug());
 const canvases = (count) => page.waitForFunction((n) => document.querySelector('talking-head').shadowRoot.querySelectorAll('canvas').length === n, count, PATIENCE);
 
-test('in low the head is drawn with as few triangles as the picture can show', async () => {
+test('low quality draws only as many triangles as the picture can show', async () => {
   const model = await page.evaluate(async () => {
     const { parts } = await (await fetch('/v1/models/mara')).json();
     return parts.reduce((sum, { index }) => sum + atob(index.data).length / 6, 0);
@@ -29,7 +29,7 @@ test('in low the head is drawn with as few triangles as the picture can show', a
   assert.ok((await debug()).triangles > 0.2 * model);
 });
 
-test('one quality goes over into the next: the picture as it was lies on top, and fades', async () => {
+test('a change of quality cross-fades the pictures', async () => {
   await page.evaluate(() => {
     const element = document.querySelector('talking-head');
     window.veils = [];

@@ -59,7 +59,7 @@ async function open(script = () => {}) {
 
 const heard = (page, word) => page.waitForFunction((text) => window.read.includes(text), word, { timeout: 60000 });
 
-test('the words that are heard are those that are marked; notes, hidden things and scripts are left out', async () => {
+test('marks each word as it is heard; skips notes, hidden text and scripts', async () => {
   const page = await open();
   await page.evaluate(() => void (window.result = window.head.read()));
   await heard(page, 'cammin');
@@ -82,7 +82,7 @@ test('the words that are heard are those that are marked; notes, hidden things a
   await page.close();
 });
 
-test('a click on a word has her go on from there: in the sentence, elsewhere, in a pause; a link stays a link', async () => {
+test('continues reading at a clicked word: in the sentence, elsewhere, in a pause; links stay links', async () => {
   const page = await open();
   const click = (selector, word) => page.evaluate(([where, what]) => {
     const walker = document.createTreeWalker(document.querySelector(where), NodeFilter.SHOW_TEXT);
@@ -126,7 +126,7 @@ test('a click on a word has her go on from there: in the sentence, elsewhere, in
   await page.close();
 });
 
-test('the page scrolls along, not against the reader; without the highlight API boxes lie over the words', async () => {
+test('scrolls the page along, but not against the reader; draws boxes without the highlight API', async () => {
   const page = await open(() => delete CSS.highlights);
   await page.evaluate(() => void window.head.read(document.querySelector('#long p:nth-child(6)')));
   await heard(page, 'riempie');
@@ -145,7 +145,7 @@ test('the page scrolls along, not against the reader; without the highlight API 
   await page.close();
 });
 
-test('what is not there is told', async () => {
+test('reports a missing target', async () => {
   const page = await open();
   const result = await page.evaluate(() => {
     window.head.addEventListener('error', ({ detail }) => (window.error = detail));

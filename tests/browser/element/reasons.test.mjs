@@ -46,7 +46,7 @@ async function open(url, name) {
   return { page, error, message };
 }
 
-test('a page that is a file: how to let it in', async () => {
+test('tells a page opened as a file how to connect', async () => {
   const file = path.join(folder, 'page.html');
   fs.writeFileSync(file, fiveLines(daemon.url, 'lang="en"'));
   const { page, error } = await open(pathToFileURL(file).href, 'file');
@@ -55,7 +55,7 @@ test('a page that is a file: how to let it in', async () => {
   await page.close();
 });
 
-test('a page of another host: how to let it in, in the language of the element; and it comes once it is let in', async () => {
+test('tells a page of another host, in the language of the element, how to allow it, and connects afterwards', async () => {
   const { port } = daemon;
   server.files['/'] = fiveLines(daemon.url);
   const origin = `http://portal.test:${server.port}`;
@@ -69,7 +69,7 @@ test('a page of another host: how to let it in, in the language of the element; 
   await page.close();
 });
 
-test('nothing answers; something else answers; the address is none', async () => {
+test('reports no answer, a foreign server, and an invalid address each with its own message', async () => {
   const stream = daemon.url.replace('http', 'ws');
   for (const [src, code, says] of [
     ['ws://127.0.0.1:9/v1/stream', 'no-server', /127\.0\.0\.1:9\..*facciad/],
@@ -84,7 +84,7 @@ test('nothing answers; something else answers; the address is none', async () =>
   }
 });
 
-test('a server that wants a token says so before anybody speaks, and is content with one', async () => {
+test('reports a required token before any speech, and accepts a valid one', async () => {
   const locked = await Daemon.start(['--secret-file', secrets]);
   const token = spawnSync(path.join(build, 'server/cli/faccia'), ['token', '--secret-file', secrets, '--subject', 'anna'], { encoding: 'utf8' }).stdout.trim();
   server.files['/'] = fiveLines(locked.url, 'lang="en"');
@@ -101,7 +101,7 @@ test('a server that wants a token says so before anybody speaks, and is content 
   assert.equal((await locked.stop()).code, 0);
 });
 
-test('a server that goes is missed in the picture, and no more when it is back', async () => {
+test('shows in the picture that the server is gone, until it is back', async () => {
   let gone = await Daemon.start();
   const { port, url } = gone;
   server.files['/'] = fiveLines(url, 'lang="en"');

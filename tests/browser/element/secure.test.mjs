@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A tablet in a home: two machines with a cable between them (network namespaces), the daemon on one and a browser on the other, which reaches it by an
-// address that is no localhost, with a certificate of the daemon's own whose authority the tablet has taken. All that browsers keep for secure pages is
-// there: microphone, wake lock, service worker, worklet. Without TLS none of it is.
+// A tablet in a home: two machines connected by a cable (network namespaces), the daemon on one and a browser on the other, which reaches it by a
+// non-local address, with a self-made certificate whose authority the tablet has installed. All features that browsers reserve for secure pages
+// work: microphone, wake lock, service worker, worklet. Without TLS none of them does.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -56,7 +56,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true, maxRetries: 5 });
 });
 
-test('without TLS it is led to https:, and trusts it', { skip }, async () => {
+test('redirects to https: without TLS, and trusts the page', { skip }, async () => {
   const page = await browser.newPage();
   const response = await page.goto(`http://${address}:${daemon.port}/room.html?room=hall`);
   assert.equal(response.status(), 200);
@@ -65,7 +65,7 @@ test('without TLS it is led to https:, and trusts it', { skip }, async () => {
   await page.close();
 });
 
-test('microphone, wake lock, service worker and worklet are there, and she is heard', { skip }, async () => {
+test('offers microphone, wake lock, service worker and worklet, and plays speech', { skip }, async () => {
   const page = await browser.newPage({ reducedMotion: 'reduce' });
   const problems = [];
   page.on('pageerror', (error) => problems.push(String(error)));
@@ -105,7 +105,7 @@ test('microphone, wake lock, service worker and worklet are there, and she is he
   await page.close();
 });
 
-test('a page that came from another machine without TLS says what it lacks, and what to do', { skip }, async (t) => {
+test('a page from another machine without TLS names what is missing and how to fix it', { skip }, async (t) => {
   const plain = await Daemon.start(['--host', '*', '--remote', '--secret-file', path.join(folder, 'secret')], {}, { voices: false, program: on(home, path.join(build, 'server/daemon/facciad')) });
   t.after(() => plain.stop());
   for (const place of ['/', '/room.html?room=hall']) {

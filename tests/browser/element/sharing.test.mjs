@@ -52,13 +52,13 @@ async function pictures(...names) {
   return found.size;
 }
 
-test('the same head twice is fetched once and its pictures are decoded once', async () => {
+test('fetches a head that is used twice once, and decodes its pictures once', async () => {
   await drawn(2);
   assert.deepEqual(asked, ['mara']);
   assert.equal(await page.evaluate(() => window.decoded), await pictures('mara'));
 });
 
-test('another head brings what the first does not have', async () => {
+test('a second head loads only what the first does not have', async () => {
   await add('bruno');
   await drawn(3);
   assert.deepEqual(asked, ['mara', 'bruno']);
@@ -67,7 +67,7 @@ test('another head brings what the first does not have', async () => {
   assert.equal(await page.evaluate(() => window.decoded), both);
 });
 
-test('a head that is there already is not asked for again', async () => {
+test('does not fetch a head again that is already loaded', async () => {
   await add('mara');
   await drawn(4);
   assert.deepEqual(asked, ['mara', 'bruno']);

@@ -93,7 +93,7 @@ const watch = () => page.evaluate(async ([upper, lower]) => {
   return { gaps, seen, filmed: !video.classList.contains('away') && video.currentTime > 0 };
 }, [UPPER, LOWER]);
 
-test('a listener goes through all blocks, and the answers are analysed', async () => {
+test('runs a listener through all blocks and analyses the answers', async () => {
   await page.goto(`file://${kit}/index.html?quality=low`);
   await page.fill('[name="listener"]', 'Anna, 1');
   await page.click('#welcome button');
@@ -138,7 +138,7 @@ test('a listener goes through all blocks, and the answers are analysed', async (
   assert.match(stdout, /-12 {2}all +4 {4}5 /);
 });
 
-test('a sound or a film that does not go on interrupts a word; it comes again, and is left out at last', async () => {
+test('repeats a word whose sound or film stalls, then skips it', async () => {
   const html = changeData((data) => {
     data.modes = data.modes.filter(({ kind }) => kind === 'audio' || kind === 'video'); // no face, so no loading
   });

@@ -39,7 +39,7 @@ const speaks = (query, protocols, first) =>
     };
   }), [query, protocols, first]);
 
-test('in the address, among the sub-protocols, in the first message', async () => {
+test('accepts a token in the address, among the sub-protocols, and in the first message', async () => {
   assert.equal(await speaks('', []), 'failed');
   assert.equal(await speaks(`&token=${token()}`, ['faccia.v1']), 'done');
   assert.equal(await speaks('', ['faccia.v1', `token.${token()}`]), 'done');
@@ -47,7 +47,7 @@ test('in the address, among the sub-protocols, in the first message', async () =
   assert.equal(await speaks('', [], { type: 'authorize', token: token() }), 'done');
 });
 
-test('the element shows its own', async () => {
+test('the element sends its own token', async () => {
   const heard = await page.evaluate((text) => new Promise((resolve) => {
     const element = document.querySelector('talking-head');
     const list = [];

@@ -42,7 +42,7 @@ const reaches = (page, yaw, pitch = 0) =>
     return near(now.yaw, y) && near(now.pitch, p);
   }, [yaw, pitch]);
 
-test('it follows the mouse as far as it goes, and turns back when let go', async () => {
+test('follows the mouse up to a limit, and turns back when released', async () => {
   const page = await open();
   const straight = await picture(page, 'turn-straight', {});
   await page.mouse.move(250, 300);
@@ -67,7 +67,7 @@ test('it follows the mouse as far as it goes, and turns back when let go', async
   await page.close();
 });
 
-test('with the arrow keys, on a slider that says what it does', async () => {
+test('turns with the arrow keys, on a labelled slider', async () => {
   const page = await open();
   const slider = page.getByRole('slider', { name: 'Turn the head' });
   for (let i = 0; i < 3 && !(await slider.evaluate((element) => element.matches(':focus'))); i++) await page.keyboard.press('Tab');
@@ -88,7 +88,7 @@ test('with the arrow keys, on a slider that says what it does', async () => {
   await page.close();
 });
 
-test('a finger turns it sideways, and scrolls the page up and down', async () => {
+test('a finger turns it sideways and scrolls the page vertically', async () => {
   const page = await open({ hasTouch: true });
   const client = await page.context().newCDPSession(page);
   const touch = (type, ...points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
@@ -106,7 +106,7 @@ test('a finger turns it sideways, and scrolls the page up and down', async () =>
   await page.close();
 });
 
-test('not where it is not wanted: off, still, reduced motion; unless it is asked for', async () => {
+test('does not turn when off, still, or with reduced motion, unless turn is set to on', async () => {
   const page = await open();
   const slider = page.locator('talking-head .turn');
   const set = (name, value) => page.evaluate(([n, v]) => document.querySelector('talking-head').setAttribute(n, v), [name, value]);

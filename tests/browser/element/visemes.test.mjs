@@ -45,7 +45,7 @@ function distance(a, b) {
 }
 
 for (const [lang, [text, wanted]] of Object.entries(languages))
-  test(`${lang}: the visemes differ`, async () => {
+  test(`${lang}: all visemes differ`, async () => {
     const post = async (format) => daemon.get(`/v1/speech?lang=${lang}&still=1&fps=100&format=${format}`, { method: 'POST', body: text, headers: { 'content-type': 'text/plain' } });
     const { phones } = await (await post('json')).json();
     const { fps, frames } = parseFap(await (await post('fap')).text());

@@ -102,7 +102,7 @@ const FACES = [
 ];
 
 for (const name of ['mara', 'rosa'])
-  test(`${name}: what is left out cannot be seen`, async () => {
+  test(`${name}: omits only invisible triangles`, async () => {
     await page.evaluate((json) => window.load(json), JSON.parse(fs.readFileSync(path.join(models, `${name}.json`))));
     for (const level of ['low', 'high']) {
       if (level === 'high') await page.evaluate(() => window.level('high'));
@@ -120,7 +120,7 @@ for (const name of ['mara', 'rosa'])
     assert.deepEqual(page.problems, []);
   });
 
-test('edges are soft in high without four samples for each point, and nothing else is', async () => {
+test('high quality softens edges without four-sample multisampling, and changes nothing else', async () => {
   await page.evaluate((json) => window.load(json), JSON.parse(fs.readFileSync(path.join(models, 'mara.json'))));
   await page.evaluate(() => window.level('high'));
   const { points, changed, soft, hard, samples } = await page.evaluate(() => window.edges());

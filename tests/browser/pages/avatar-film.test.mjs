@@ -71,7 +71,7 @@ const video = (name, buffer) => ({ name, mimeType: 'video/webm', buffer });
 const items = () => page.evaluate(() => [...document.querySelectorAll('#poses li')].map((item) => item.querySelector('select').value));
 const state = (word) => page.waitForFunction((text) => document.querySelector('#state').textContent.includes(text), word, WAIT);
 
-test('in a video each pose is found', async (t) => {
+test('finds each pose in a video', async (t) => {
   await page.setInputFiles('#files', file('front.png'));
   await state('Found.');
   await page.setInputFiles('#pose-files', [video('me.webm', await recorded(['front.png', 'smile.png', 'front.png', 'brows.png']))]);
@@ -81,13 +81,13 @@ test('in a video each pose is found', async (t) => {
   assert.deepEqual((await items()).sort(), ['brows-up', 'smile']);
 });
 
-test('what is no video, and a video of somebody else, are told; others are taken all the same', async () => {
+test('reports a file that is not a video and a video of another person; accepts other videos', async () => {
   const stranger = await recorded(['stranger.png']);
   const picture = { name: 'brows-up.png', mimeType: 'image/png', buffer: fs.readFileSync(file('brows.png')) };
   await page.setInputFiles('#pose-files', [video('no.webm', Buffer.from('no video')), video('other.webm', stranger), picture]);
-  await state('Unfit:');
-  assert.equal(await page.textContent('#state'), 'Unfit: no.webm: This video cannot be read here. other.webm: The face of the picture is not seen in the video.');
+  await state('Not used:');
+  assert.equal(await page.textContent('#state'), 'Not used: no.webm: This video cannot be read here. other.webm: The face of the picture is not seen in the video.');
   assert.deepEqual((await items()).sort(), ['brows-up', 'brows-up', 'smile']);
 });
 
-test('nothing of the video has left the page, and its policy let it be played', () => checkStayed(watched, daemon.url));
+test('keeps the video in the page, whose policy allows it to play', () => checkStayed(watched, daemon.url));

@@ -62,15 +62,20 @@ after(async () => {
 
 const items = () => page.evaluate(() => [...document.querySelectorAll('#poses li')].map((item) => [item.querySelector('select').value, item.dataset.state, item.querySelector('p').textContent]));
 
-test('each picture is taken for a pose, by its name or its looks; what will not do is told with its reason', async () => {
+test('assigns each picture to a pose by its name or its looks, and gives a reason for each unsuitable one', async () => {
   assert.ok(await page.locator('#posing').isHidden(), 'a front is wanted first');
-  await page.setInputFiles('#files', file('front.png'));
+  const dropped = await page.evaluateHandle((base64) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], 'front.png', { type: 'image/png' }));
+    return transfer;
+  }, fs.readFileSync(file('front.png'), 'base64'));
+  await page.dispatchEvent('#files', 'drop', { dataTransfer: dropped });
   await state(page, 'Found.');
   await page.selectOption('#like', 'mara');
   await page.setInputFiles('#pose-files', ['smile.png', 'IMG_7.png', 'open.png', 'IMG_8.png', 'stranger.png', 'puff.png', 'wall.png', 'sad.png'].map(file));
-  await state(page, 'Unfit:');
+  await state(page, 'Not used:');
   const unfit = await told(page);
-  for (const [name, why] of [['stranger', /another face/], ['puff', /not seen from the front/], ['wall', /no face/], ['sad', /no picture/]])
+  for (const [name, why] of [['stranger', /another face/], ['puff', /not seen from the front/], ['wall', /No face/], ['sad', /not a picture/]])
     assert.match(unfit, new RegExp(`${name}\\.png: [^:]*${why.source}`), unfit);
   assert.deepEqual((await items()).map(([pose]) => pose), ['smile', 'brows-up', 'open', '']);
   assert.equal((await items())[3][1], 'pose_none', 'a face at rest shows none');
@@ -83,7 +88,7 @@ test('each picture is taken for a pose, by its name or its looks; what will not 
   assert.equal((await items()).length, 3);
 });
 
-test('the head that is made moves as the person does, more than without them; it speaks, and is what is downloaded', async (t) => {
+test('the resulting head moves more like the person than without poses, speaks, and is the one downloaded', async (t) => {
   await page.click('#make');
   await state(page, 'movements of its own');
   t.diagnostic(await told(page));
@@ -115,7 +120,7 @@ test('the head that is made moves as the person does, more than without them; it
   assert.equal(await ended, 'done');
 });
 
-test('without pictures of poses the base moves again; in other languages the page says the same', async () => {
+test('without pose pictures keeps the movements of the base head; the page also works in Turkish', async () => {
   for (let left = (await items()).length; left; left--) await page.locator('#poses li').first().getByRole('button').click();
   await page.click('#make');
   await state(page, 'Done');
@@ -124,10 +129,10 @@ test('without pictures of poses the base moves again; in other languages the pag
   const count = (json) => json.parts.find(({ name }) => name === 'skin').moves.length;
   assert.equal(count(JSON.parse(fs.readFileSync(file('plain.json'), 'utf8'))), count(read('mara')));
   await page.selectOption('#page-lang', 'tr');
-  assert.equal(await page.textContent('#posing-title'), 'Senin hareketlerin');
+  assert.equal(await page.textContent('#posing-title'), 'Sizin hareketleriniz');
 });
 
-test('before the camera each pose is asked for; what does not show it is not kept', async () => {
+test('asks for each pose before the camera, and discards frames that do not show it', async () => {
   await page.selectOption('#page-lang', 'en');
   await page.click('#pose-camera');
   await state(page, 'Now: brows as high');
@@ -141,7 +146,7 @@ test('before the camera each pose is asked for; what does not show it is not kep
   assert.equal(await page.evaluate(() => document.querySelector('#video').srcObject), null);
 });
 
-test('nothing of the pictures has left the page', () => {
+test('sends nothing of the pictures anywhere', () => {
   assert.ok(watched.asked.some((request) => request.url().endsWith('/portrait-poses.js')), 'a worker of its own');
   checkStayed(watched, daemon.url);
 });

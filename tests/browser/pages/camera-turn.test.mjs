@@ -43,7 +43,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('of a turn the front and both sides are taken, and a head is made of them', async () => {
+test('takes the front and both sides from a turn of the head, and makes a head of them', async () => {
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
   const watched = watchPage(page);
   await page.addInitScript(() => {

@@ -41,7 +41,7 @@ after(async () => {
 const sign = () => page.evaluate(() => window.card.shadowRoot.querySelector('span').textContent);
 const post = (path, body) => daemon.get(`/v1/${path}?room=kitchen&lang=it`, { method: 'POST', body });
 
-test('it is on offer, with a form for its settings and settings to begin with', async () => {
+test('offers the card with a settings form and default settings', async () => {
   const { offered, stub, names, size } = await page.evaluate(() => {
     const Card = customElements.get('faccia-card'), form = Card.getConfigForm();
     form.assertConfig(Card.getStubConfig());
@@ -53,7 +53,7 @@ test('it is on offer, with a form for its settings and settings to begin with', 
   for (const [name, label] of names) assert.ok(label, name);
 });
 
-test('the face of the room is there, speaks, and shows the state of the entity and of the room', async () => {
+test('shows the face of the room, speaks, and shows the states of entity and room', async () => {
   await page.waitForFunction(() => window.head.debug?.().state === 'idle', null, { timeout: 120000 });
   assert.deepEqual(await page.evaluate(() => [window.head.room, window.head.view, window.head.lang, window.head.offsetHeight]), ['kitchen', 'mouth', 'it', 240]);
   await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.some(({ name, listeners }) => name === 'kitchen' && listeners === 1), 'the card in the room');
@@ -68,7 +68,7 @@ test('the face of the room is there, speaks, and shows the state of the entity a
   await eventually(async () => (await sign()) === 'Che tempo fa?', 'the state of the room');
 });
 
-test('answers are offered as buttons, and one of them is chosen', async () => {
+test('offers answers as buttons, and sends the chosen one', async () => {
   const script = await daemon.stream('?room=kitchen&watch=1');
   await script.wait({ type: 'joined' });
   const shown = () => page.evaluate(() => {
@@ -89,7 +89,7 @@ test('answers are offered as buttons, and one of them is chosen', async () => {
   await script.close();
 });
 
-test('other settings take effect in place; wrong ones are told', async () => {
+test('applies changed settings in place and reports invalid ones', async () => {
   const wrong = await page.evaluate((server) => [{}, { url: 'kitchen', room: 'a' }, { url: 'ftp://x', room: 'a' }, { url: server }, { url: server, room: 'no spaces' }, { url: server, room: 'a', height: 9 }].map((config) => {
     try {
       window.card.setConfig(config);
@@ -104,7 +104,7 @@ test('other settings take effect in place; wrong ones are told', async () => {
   assert.equal(await page.evaluate(() => window.head.captions), false);
 });
 
-test('the face is drawn in the card, also where the dashboard tells its state before the settings', async () => {
+test('draws the face even if the dashboard sends its state before the settings', async () => {
   const seeing = await launch();
   try {
     const dashboard = await seeing.newPage({ viewport: { width: 420, height: 420 } });

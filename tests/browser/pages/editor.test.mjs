@@ -34,7 +34,7 @@ async function open(name) {
   return { page, problems };
 }
 
-test('words are marked, heard at once, written in three markups, judged, saved and opened again', async () => {
+test('marks words, plays them, writes three markups, validates, saves and reopens', async () => {
   const { page, problems } = await open('editor.html');
   await page.waitForFunction(() => document.querySelectorAll('#value option').length > 20);
   const text = await page.inputValue('#text');
@@ -66,7 +66,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
 
   // reports what a markup cannot express; a warning links to its place
   await put('Buongiorno', 'affect', 'shame');
-  assert.match(await page.textContent('#verdict'), /JSML non può dire: Affetto shame/);
+  assert.match(await page.textContent('#verdict'), /JSML non può dire: Affetto vergogna/);
   await page.selectOption('#markup', 'ssml');
   await page.setInputFiles('#file', { name: 'mio.ssml', mimeType: 'text/plain', buffer: Buffer.from('<speak xml:lang="it">Ciao <faccia:gesture name="winc"/>mamma <sub alias="x">bella</sub>.</speak>') });
   await page.waitForSelector('#warnings button');
@@ -120,12 +120,13 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   await page.close();
 });
 
-test('a stretch of the Face Player becomes a gesture that the schema takes', async () => {
+test('turns a selection of the Face Player into a gesture that matches the schema', async () => {
   const { page, problems } = await open('player.html');
   await page.click('#open button');
   await page.waitForSelector('[data-plot="curves"]');
   const at = (frame) => page.evaluate((k) => ((document.querySelector('#scrub').value = k), document.querySelector('#scrub').dispatchEvent(new Event('input'))), frame);
   await at(5);
+  await page.click('#gesture-box summary');
   await page.click('#stretch-from');
   await at(20);
   await page.click('#stretch-to');

@@ -52,18 +52,18 @@ async function readIn(page, name) {
 
 const oembed = async () => (await (await daemon.get('/oembed?url=/library/mare/1')).json()).html;
 
-test('in a frame of another origin the text is there, and she reads it', async () => {
+test('shows and reads the text in a frame of another origin', async () => {
   await readIn(await open(await oembed()), 'frame');
 });
 
-test('the same in a sandbox without an origin, with what WordPress appends to the address', async () => {
+test('does so in a sandbox without an origin, with the fragment that WordPress appends', async () => {
   const html = await oembed();
   const sandboxed = html.replace('<iframe', '<iframe class="wp-embedded-content" sandbox="allow-scripts" security="restricted"').replace(/ src="([^"]+)"/, ' src="$1#?secret=o41vb25CJD" data-secret="o41vb25CJD"').replace(' allow="autoplay"', '');
   assert.match(sandboxed, /at=mare:1#\?secret=/);
   await readIn(await open(sandboxed), 'sandbox');
 });
 
-test('captions of a passage are cues with the times of their words', async () => {
+test('captions of a passage are cues with word times', async () => {
   const page = await open(`<video crossorigin><track default kind="captions" srclang="it" src="${daemon.url}/v1/speech?passage=mare:1&amp;format=vtt"></video>`);
   const cues = await page.evaluate(async () => {
     const element = document.querySelector('track');
@@ -84,11 +84,11 @@ test('captions of a passage are cues with the times of their words', async () =>
   await page.close();
 });
 
-test('a static site that follows the instructions literally: the frame, the element, the policy', async () => {
+test('a static site that follows the instructions literally shows the frame and the element under its policy', async () => {
   const guide = fs.readFileSync(path.join(root, 'web/docs/library/embedding.md'), 'utf8');
   const here = (text) => text.replaceAll('https://faccia.example.org', daemon.url).replaceAll('wss://faccia.example.org', daemon.url.replace('http', 'ws'));
   const [frame, element] = [...guide.matchAll(/```html\n([^]*?)```/g)].map(([, lines]) => here(lines));
-  const [, script] = here(guide).match(/in a script of the site, `([^`]+)`/);
+  const [, script] = here(guide).match(/in a script of the site[,:] `([^`]+)`/);
   const [, policy] = here(guide).match(/```csp\n([^]*?)```/);
   const [, frames] = here(guide).match(/`(frame-src [^`]+)`/);
   const csp = `default-src 'none'; ${frames}; ${policy.replace(/\s+/g, ' ').replace('script-src', "script-src 'self'")}`;

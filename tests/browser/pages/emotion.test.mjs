@@ -62,7 +62,7 @@ const shot = async (name) => {
   return PNG.sync.read(png);
 };
 
-test('the disc has all affects, the six basic ones marked and named', async () => {
+test('the disc shows all affects, the six basic ones marked and labelled', async () => {
   await page.waitForSelector('#affects g');
   const dots = await page.locator('#affects g').count();
   assert.equal(dots, Object.keys(JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json'), 'utf8')).affect).length);
@@ -72,7 +72,7 @@ test('the disc has all affects, the six basic ones marked and named', async () =
   assert.equal(await page.locator('#affect option').count(), dots + 1);
 });
 
-test('the keyboard moves the point, and screen readers are told', async () => {
+test('the keyboard moves the point, and screen readers announce it', async () => {
   assert.equal(await page.locator('#thumb').getAttribute('role'), 'slider');
   await page.focus('#thumb');
   for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowRight');
@@ -92,7 +92,7 @@ test('the keyboard moves the point, and screen readers are told', async () => {
   assert.deepEqual(await thumb(), { now: 0, text: 'Neutra' });
 });
 
-test('the mood is seen at once on the idling face', async () => {
+test('shows the mood at once on the idle face', async () => {
   await page.selectOption('#affect', 'joy');
   await page.fill('#intensity', '0');
   await drawn(12, -60, 60);
@@ -112,7 +112,7 @@ test('the mood is seen at once on the idling face', async () => {
   await shot('anger');
 });
 
-test('the pointer moves it too, to any affect by its dot', async () => {
+test('the pointer moves the point, also to any affect by its dot', async () => {
   const box = await page.locator('#disc .rim').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -125,7 +125,7 @@ test('the pointer moves it too, to any affect by its dot', async () => {
   assert.equal(await page.inputValue('#affect'), 'shame');
 });
 
-test('the mixture is shown as markup that the server takes without a warning', async () => {
+test('shows the mixture as markup that the server accepts without a warning', async () => {
   await page.focus('#thumb');
   await page.keyboard.press('Home');
   for (let i = 0; i < 4; i++) await page.keyboard.press('ArrowUp');
@@ -148,7 +148,7 @@ test('the mixture is shown as markup that the server takes without a warning', a
   }
 });
 
-test('the values of the face are shown while she speaks in that mood', async () => {
+test('shows the FAP values while the head speaks in that mood', async () => {
   await page.selectOption('#affect', 'joy');
   await page.fill('#text', 'La mamma parla piano, e la nonna ascolta la radio in cucina.');
   // Recorded in the page, because polling from here can miss what is shown for a second.
@@ -173,7 +173,7 @@ test('the values of the face are shown while she speaks in that mood', async () 
   assert.ok(jaw > 100 && smile > 50, `open_jaw ${jaw}, stretch_l_cornerlip ${smile}`);
 });
 
-test('from idling to speech and back the face as drawn takes no jump', async () => {
+test('the drawn face does not jump between idling and speech', async () => {
   await page.focus('#thumb');
   await page.keyboard.press('Home');
   await settled();
@@ -199,7 +199,7 @@ test('from idling to speech and back the face as drawn takes no jump', async () 
   }
 });
 
-test('she idles only while she is seen and not to keep still', async () => {
+test('idles only while visible and not set to still', async () => {
   const faps = () => page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps));
   const moves = async () => {
     const now = await faps();
@@ -222,7 +222,7 @@ test('she idles only while she is seen and not to keep still', async () => {
   await moves();
 });
 
-test('keeping still she shows her mood all the same, and holds it', async () => {
+test('still mode shows and holds the mood', async () => {
   const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
   const shown = () => page.evaluate(() => document.querySelector('talking-head').faps);
   await change("head.setAttribute('still', ''); head.setAttribute('expression', 'joy 0.9')");
@@ -239,7 +239,7 @@ test('keeping still she shows her mood all the same, and holds it', async () => 
   await change("head.removeAttribute('still'); head.removeAttribute('expression')");
 });
 
-test('the attribute `expression` is a mood', async () => {
+test('the attribute `expression` sets a mood', async () => {
   await page.evaluate(() => document.querySelector('talking-head').setAttribute('expression', 'joy 0.9'));
   await drawn(12, 130, 1200);
   await page.evaluate(() => document.querySelector('talking-head').removeAttribute('expression'));
@@ -292,7 +292,7 @@ test('captions of marked-up text show its words, are readable, and can be switch
   assert.equal(await page.locator('talking-head .captions').isVisible(), false);
 });
 
-test('with less motion the emotions show on a face that is still otherwise', async () => {
+test('reduced motion shows emotions on an otherwise still face', async () => {
   const other = await browser.newPage({ reducedMotion: 'reduce' });
   await other.goto(`${daemon.url}/emotion.html`);
   await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
@@ -309,7 +309,7 @@ test('with less motion the emotions show on a face that is still otherwise', asy
   await other.close();
 });
 
-test('it fits a phone', async () => {
+test('fits a phone', async () => {
   await page.setViewportSize({ width: 360, height: 740 });
   await frames(3);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));

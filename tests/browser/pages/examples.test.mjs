@@ -45,7 +45,7 @@ const code = (on = page) => on.locator('#source').textContent();
 const ELSEWHERE = { token: ['authorized'], calibrate: ['calibrated'] };
 
 for (const story of stories)
-  test(`the example ${story.id} opens, each of its buttons does something, and its events are heard`, async () => {
+  test(`the example ${story.id} opens, every button has an effect, and its events are logged`, async () => {
     page.problems.length = 0;
     await follow(story.id);
     assert.equal(await page.locator('#story-title').textContent(), story.title);
@@ -61,7 +61,7 @@ for (const story of stories)
     assert.deepEqual(page.problems.filter((text) => !/missing\.glb|404/.test(text)), []);
   });
 
-test('fields change the element, the source follows, and what changes the element otherwise is shown, too', async () => {
+test('fields change the element and the source; other changes of the element update the fields', async () => {
   await follow('captions');
   const has = (name) => page.locator('#head').getAttribute(name);
   assert.equal(await page.isChecked('[name="captions"]'), true);
@@ -93,7 +93,7 @@ test('fields change the element, the source follows, and what changes the elemen
   await page.waitForFunction(() => getComputedStyle(document.querySelector('#head').shadowRoot.querySelector('.word')).backgroundColor === 'rgb(0, 255, 0)');
 });
 
-test('the source is written for each framework, and is copied', async () => {
+test('writes the source for each framework, and copies it', async () => {
   await follow('speak');
   for (const [kind, wanted] of Object.entries({ react: /useRef/, vue: /<script setup>/, svelte: /bind:this/, html: /addEventListener/ })) {
     await page.check(`#kinds [value="${kind}"]`);
@@ -105,9 +105,9 @@ test('the source is written for each framework, and is copied', async () => {
   assert.equal(await page.evaluate(() => window.copied), await code());
 });
 
-test('by the keyboard: the way past the list, the example that the address names, events in a list that scrolls', async () => {
+test('keyboard: skip link past the list, the example named in the address, a scrollable event list', async () => {
   const other = await open(`${daemon.url}/examples.html#pause`);
-  assert.equal(await other.locator('#story-title').textContent(), 'Pause and go on');
+  assert.equal(await other.locator('#story-title').textContent(), 'Pause and resume');
   await other.keyboard.press('Tab');
   await other.keyboard.press('Enter');
   assert.equal(await other.evaluate(() => document.activeElement.id), 'story-title');
@@ -122,7 +122,7 @@ test('by the keyboard: the way past the list, the example that the address names
   await other.close();
 });
 
-test('axe finds nothing, in the light, in the dark, in the system’s colours, in a narrow window that nothing leaves', async () => {
+test('axe finds no violation in light, dark, forced colours and a narrow window without overflow', async () => {
   for (const id of ['speak', 'caption-colours', 'turns']) {
     await follow(id);
     for (const [name, media, rules] of [['light', {}], ['dark', { colorScheme: 'dark' }, ['color-contrast']], ['forced', { forcedColors: 'active' }, ['color-contrast']]]) {
@@ -137,7 +137,7 @@ test('axe finds nothing, in the light, in the dark, in the system’s colours, i
   await page.screenshot({ path: path.join(artefacts, 'examples-narrow.png'), fullPage: true });
 });
 
-test('the token of the address lets her in, and is not in the source', async (t) => {
+test('a token in the address authenticates and is left out of the source', async (t) => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-examples-'));
   const secret = 'x'.repeat(40);
   fs.writeFileSync(path.join(folder, 'secrets'), secret, { mode: 0o600 });
@@ -153,7 +153,7 @@ test('the token of the address lets her in, and is not in the source', async (t)
   await other.close();
 });
 
-test('with a face: she is drawn beside her fields, takes a shape, and looks as the style of the example says', async () => {
+test('with a face: draws it beside its fields, applies a shape and the example’s style', async () => {
   const seeing = await launch();
   const other = await open(`${daemon.url}/examples.html#calibrate`, {}, seeing);
   await other.waitForFunction(() => document.querySelector('#head').debug().state === 'idle', null, { timeout: 120000 });

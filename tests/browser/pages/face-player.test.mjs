@@ -20,7 +20,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('what was spoken: plots, frames beside the head, a key dragged, undone, saved, opened again', async () => {
+test('plots spoken text, shows frames beside the head, drags a key, undoes, saves and reopens', async () => {
   const page = await browser.newPage({ viewport: { width: 1300, height: 950 }, locale: 'it-IT', acceptDownloads: true });
   const problems = [];
   page.on('pageerror', (error) => problems.push(String(error)));
@@ -72,7 +72,7 @@ test('what was spoken: plots, frames beside the head, a key dragged, undone, sav
   await page.close();
 });
 
-test('what a stream has just spoken is handed on from the first page, with its sound', async () => {
+test('opens speech from the first page with its sound', async () => {
   const context = await browser.newContext({ viewport: { width: 1300, height: 950 }, locale: 'it-IT', reducedMotion: 'reduce' });
   const page = await context.newPage();
   const problems = [];

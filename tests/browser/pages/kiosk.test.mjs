@@ -101,7 +101,7 @@ const reach = (page) => page.evaluate(() => {
   return { found, shifted: [scrollY, document.body.scrollTop, document.querySelector('main').scrollTop], what: inside(document.querySelector('#question .what').getBoundingClientRect()), face: inside(face) && face.height };
 });
 
-test('on small screens the question is seen, and each answer can be reached', async () => {
+test('small screens show the question and make every answer reachable', async () => {
   const page = await open();
   for (const [name, offer] of Object.entries(OFFERS)) {
     script.send({ type: 'choices', id: name, ...offer });
@@ -125,7 +125,7 @@ test('on small screens the question is seen, and each answer can be reached', as
   await page.close();
 });
 
-test('both answers to a request for consent are seen on small screens', async () => {
+test('small screens show both answers to a request for consent', async () => {
   const page = await open();
   script.send({ type: 'consent', consent: 'asked', text: 'Si annota che cosa si dice qui. '.repeat(20) });
   await page.waitForFunction(() => !document.querySelector('#consent').hidden);
@@ -140,7 +140,7 @@ test('both answers to a request for consent are seen on small screens', async ()
   await page.close();
 });
 
-test('that nobody answers is told as long as it is so', async () => {
+test('reports an unreachable server until it is reachable again', async () => {
   const page = await open();
   const news = () => page.evaluate(() => document.getElementById('news').textContent);
   assert.equal(await news(), '');
@@ -152,18 +152,25 @@ test('that nobody answers is told as long as it is so', async () => {
   await page.close();
 });
 
-test('the page can be installed: its manifest is read under the policy that comes with it', async () => {
+test('can be installed: the content security policy allows the manifest', async () => {
   const page = await open();
   const devtools = await page.context().newCDPSession(page);
   const { url, errors, data } = await devtools.send('Page.getAppManifest');
   assert.equal(url, `${network.url}/room.webmanifest`);
   assert.deepEqual(errors, []);
-  assert.equal(JSON.parse(data).display, 'fullscreen');
+  const { display, icons } = JSON.parse(data);
+  assert.equal(display, 'fullscreen');
+  const images = await page.evaluate((list) => Promise.all(list.map(async ({ src, sizes, type }) => {
+    const image = Object.assign(new Image(), { src });
+    await image.decode();
+    return [sizes, type, `${image.naturalWidth}x${image.naturalHeight}`];
+  })), icons.filter(({ type }) => type === 'image/png'));
+  assert.deepEqual(images, ['192x192', '512x512'].map((size) => [size, 'image/png', size]));
   assert.deepEqual(page.problems, []);
   await page.close();
 });
 
-test('loaded anew without its network the page shows itself and what it waits for, and goes on when that is back', async () => {
+test('reloaded offline, shows what it waits for, and continues when the network is back', async () => {
   const context = await browser.newContext({ locale: 'it-IT', viewport: { width: 800, height: 480 } });
   const page = await open(context);
   await page.evaluate(() => navigator.serviceWorker.ready);
@@ -181,7 +188,7 @@ test('loaded anew without its network the page shows itself and what it waits fo
   await context.close();
 });
 
-test('what is kept is never given where the daemon answers, and another version takes its place', async () => {
+test('never uses the cache while the daemon answers, and a new version replaces it', async () => {
   const context = await browser.newContext({ locale: 'it-IT' });
   const page = await open(context);
   await eventually(() => page.evaluate(() => Boolean(navigator.serviceWorker.controller)), 'the worker');
@@ -194,7 +201,7 @@ test('what is kept is never given where the daemon answers, and another version 
     return { css: await (await fetch('room.css')).text(), kept };
   });
   assert.notEqual(found.css, 'stale');
-  assert.deepEqual(found.kept, ['/icon.svg', '/page.css', '/room-early.js', '/room.css', '/room.html', '/room.js', '/room.webmanifest', '/talking-head-worklet.js', '/talking-head.js']);
+  assert.deepEqual(found.kept, ['/icon-192.png', '/icon.svg', '/page.css', '/room-early.js', '/room.css', '/room.html', '/room.js', '/room.webmanifest', '/talking-head-worklet.js', '/talking-head.js']);
   // a worker of another version: as the daemon would give it after an upgrade
   const upgraded = http.createServer(async ({ url }, response) => {
     const answer = await daemon.get(url);
@@ -213,7 +220,7 @@ test('what is kept is never given where the daemon answers, and another version 
 });
 
 // Browsers block sound in pages without a user gesture. Evaluating code in a page counts as a gesture, so this page reports by its console.
-test('an announcement on a screen that nobody has touched was not heard, as faccia-say says; after a touch it was', async () => {
+test('reports an announcement to faccia-say as unheard on a screen without a touch, and as heard after one', async () => {
   const whole = await launch({ webgl: false, whole: true }); // the headless shell has no such policy
   const page = await whole.newPage({ locale: 'it-IT' });
   const lines = [];
@@ -239,7 +246,7 @@ test('an announcement on a screen that nobody has touched was not heard, as facc
   for (let i = 0; i < 2; i++) {
     const { status, told } = await say();
     assert.equal(status, 6, told);
-    assert.match(told, /touches/);
+    assert.match(told, /clicks or taps/);
   }
   await page.mouse.click(5, 5);
   await said('sound on');

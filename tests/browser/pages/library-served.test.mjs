@@ -34,7 +34,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-test('without scripts: the works, a section with its sound, ways on; nothing of the text is markup', async () => {
+test('without scripts: lists works, shows a section with its sound and links; escapes all markup in the text', async () => {
   const page = await browser.newPage({ javaScriptEnabled: false });
   await page.goto(`${daemon.url}/library`);
   await page.click('#works a');
@@ -56,7 +56,7 @@ test('without scripts: the works, a section with its sound, ways on; nothing of 
   await again.close();
 });
 
-test('oEmbed: the page names it, it gives a frame with the text', async () => {
+test('oEmbed: the page links to it, and it returns a frame with the text', async () => {
   const html = await (await daemon.get('/library/mare/1')).text();
   const [, address] = html.match(/type="application\/json\+oembed" href="([^"]+)"/);
   const answer = await fetch(address.replaceAll('&amp;', '&'));
@@ -70,7 +70,7 @@ test('oEmbed: the page names it, it gives a frame with the text', async () => {
   for (const place of ['/library/nothing', '/library/mare/9']) assert.equal((await daemon.get(place)).status, 404, place);
 });
 
-test('a text that the address names is asked for with the page, once, and is there before the page\'s other scripts', async () => {
+test('requests the text named in the address once, with the page, before its other scripts load', async () => {
   const linked = async (at) => (await daemon.get(`/library.html?at=${at}`)).headers.get('link');
   assert.equal(await linked('mare:1:l2'), '<v1/library/works/mare/sections/1>; rel=preload; as=fetch; crossorigin');
   for (const at of ['', 'mare', 'mare:', 'mare:x', 'mare:1x', 'mare:1%0d%0ax', '<mare>:1', '..%2f:1', `${'a'.repeat(64)}:1`]) assert.equal(await linked(at), null, at);
@@ -91,7 +91,7 @@ test('a text that the address names is asked for with the page, once, and is the
   await context.close();
 });
 
-test('the page: found, opened, read; and again without a network, with sound, until it is removed', async () => {
+test('finds, opens and reads a work; does so again offline, with sound, until it is removed', async () => {
   const context = await browser.newContext({ locale: 'it-IT' });
   const page = await context.newPage();
   const problems = [];
@@ -127,7 +127,7 @@ test('the page: found, opened, read; and again without a network, with sound, un
   await context.close();
 });
 
-test('a recording is heard at the speed that is chosen: its own, and one and a half times that', async () => {
+test('plays a recording at the selected speed: 1 and 1.5', async () => {
   const page = await browser.newPage({ locale: 'it-IT', serviceWorkers: 'block', reducedMotion: 'reduce' });
   await page.goto(`${daemon.url}/library.html?at=zitto:1`);
   await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');

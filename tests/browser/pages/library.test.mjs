@@ -43,7 +43,7 @@ async function flawless(page, state) {
   await page.emulateMedia({ colorScheme: 'light', forcedColors: 'none' });
 }
 
-test('search as one types, open a passage there, hear it with its words marked, click on a word', async () => {
+test('searches while typing, opens a passage, marks its words as it plays, and jumps to a clicked word', async () => {
   const page = await open();
   await page.waitForSelector('#works a');
   await flawless(page, 'works');
@@ -77,7 +77,29 @@ test('search as one types, open a passage there, hear it with its words marked, 
   await page.close();
 });
 
-test('keys do everything, and can be switched off; a line is repeated; looks are kept', async () => {
+test('on a phone the text fills most of the screen and the head is a strip that opens', async () => {
+  const page = await open('#mare:1');
+  await page.waitForSelector('.verse');
+  for (const [width, height] of [[390, 844], [320, 480]]) {
+    await page.setViewportSize({ width, height });
+    await page.reload();
+    await page.waitForSelector('.verse');
+    await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');
+    const seen = () => page.evaluate(() => {
+      const [her, face] = ['.her', '#head'].map((name) => document.querySelector(name).getBoundingClientRect());
+      return { strip: her.height, face: face.width, across: document.documentElement.scrollWidth, small: [...document.querySelectorAll('.buttons button')].filter((button) => button.getBoundingClientRect().right > innerWidth).length };
+    });
+    const { strip, face, across, small } = await seen();
+    assert.ok(strip <= 145 && face >= 60, `${strip} pixels high, she ${face} wide`);
+    assert.deepEqual([across, small], [width, 0], 'nothing is wider than the display');
+    await page.click('#face');
+    assert.ok((await seen()).face > 0.9 * width, 'she is opened');
+  }
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('keyboard shortcuts cover everything and can be switched off; a line repeats; appearance settings persist', async () => {
   const page = await open('#mare:1');
   await page.waitForSelector('.verse');
   await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');
@@ -111,7 +133,7 @@ test('keys do everything, and can be switched off; a line is repeated; looks are
   await page.close();
 });
 
-test('a recording that is being aligned, and where it and the text differ: told, marked, heard by another voice', async () => {
+test('shows alignment in progress and differences between recording and text, and offers another voice', async () => {
   const page = await open();
   await page.waitForSelector('#works a');
   const verses = section.blocks.find(({ id }) => id === 'mare:1:g1'); // a sentence over two lines, including its newlines
@@ -176,7 +198,7 @@ test('a recording that is being aligned, and where it and the text differ: told,
   await page.close();
 });
 
-test('in the frame of another site: the text and she alone; a phone has both in sight', async () => {
+test('in a frame of another site shows text and head only; a phone shows both', async () => {
   portal.files['/'] = `<!doctype html><html lang="it"><title>Portale</title><body style="margin:0"><iframe allow="autoplay" style="border:0;width:390px;height:700px" src="${daemon.url}/library.html?embed&amp;at=mare:1:l6"></iframe>`;
   const page = await browser.newPage({ viewport: { width: 390, height: 700 }, locale: 'it-IT', serviceWorkers: 'block' });
   await answerLibrary(page);
@@ -197,14 +219,14 @@ test('in the frame of another site: the text and she alone; a phone has both in 
   await page.close();
 });
 
-test('without a library it says so', async () => {
+test('says that there is no library', async () => {
   const page = await browser.newPage({ locale: 'it-IT', serviceWorkers: 'block' });
   await page.goto(`${daemon.url}/library.html`);
   await page.waitForFunction(() => /--library/.test(document.querySelector('#news').textContent));
   await page.close();
 });
 
-test('a stage direction counts in the text that it stands in; marks in each other are drawn as far as they can be seen', async () => {
+test('counts a stage direction as text; draws nested marks up to a limit', async () => {
   const page = await open();
   await serveModule(page, 'pages/library/text.js', '/library-text.js');
   const [words, drawn] = await page.evaluate(async () => {

@@ -43,7 +43,13 @@ after(async () => {
   fs.rmSync(scenes, { recursive: true });
 });
 
-test('the operator types, and the face of the room says it', async () => {
+/** Has the page save its log. */
+async function saveLog(page) {
+  await page.evaluate(() => (document.querySelector('details:has(#csv)').open = true));
+  await page.click('#csv');
+}
+
+test('the face of the room speaks the operator’s text', async () => {
   await state('idle');
   await kiosk.evaluate(() => {
     window.opened = 0;
@@ -73,7 +79,7 @@ test('the operator types, and the face of the room says it', async () => {
   await here(desk, 'Nella stanza: 1');
 });
 
-test('a prepared line offers its answers; what is chosen leads on', async () => {
+test('a prepared line offers its answers, and the selected one leads to the next line', async () => {
   await desk.click('#lines button'); // "Come va?": Bene, Non tanto
   await kiosk.waitForSelector('.answers button');
   assert.deepEqual(await kiosk.$$eval('.answers button', (all) => all.map((each) => each.textContent)), ['Bene', 'Non tanto']);
@@ -88,12 +94,13 @@ test('a prepared line offers its answers; what is chosen leads on', async () => 
   await state('idle');
 });
 
-test('free questions, by key; states are shown; a touch stops her', async () => {
+test('answers free questions by key, shows states, and stops at a touch', async () => {
   await desk.fill('#choices', 'Tè o caffè? | Tè | Caffè');
   await desk.click('#offer');
   await kiosk.waitForFunction(() => document.querySelector('#question .what').textContent === 'Tè o caffè?');
   await kiosk.keyboard.press('2');
   await desk.waitForFunction(() => [...document.querySelectorAll('#said .chosen span')].at(-1).textContent === 'Caffè');
+  await desk.click('#manner summary');
   await desk.selectOption('#state', 'listening');
   await state('listening');
   await desk.selectOption('#state', 'idle');
@@ -105,7 +112,7 @@ test('free questions, by key; states are shown; a touch stops her', async () => 
   await state('idle');
 });
 
-test('when nobody is there the screen goes dark, until somebody comes, or something is said', async () => {
+test('dims the screen without people, until someone arrives or something is spoken', async () => {
   const tell = (name) => daemon.get('/v1/rooms/cucina/commands', { method: 'POST', body: JSON.stringify({ type: 'state', state: name }) });
   const dark = (wanted) => kiosk.waitForFunction((is) => document.querySelector('#asleep').hidden !== is && document.querySelector('talking-head').hidden === is, wanted);
   await tell('asleep');
@@ -120,7 +127,7 @@ test('when nobody is there the screen goes dark, until somebody comes, or someth
   await state('idle');
 });
 
-test('what waits can be changed, and is said in its order', async () => {
+test('edits queued lines, and speaks them in order', async () => {
   const head = (act) => desk.evaluate((name) => document.querySelector('talking-head')[name](), act);
   await desk.fill('#text', 'La prima frase, che dura un poco di più delle altre.');
   await desk.click('#speak');
@@ -139,7 +146,7 @@ test('what waits can be changed, and is said in its order', async () => {
   assert.equal(await desk.$$eval('#queue li', (all) => all.length), 0);
 });
 
-test('a scene with an error is refused with its place; the log is a table', async () => {
+test('rejects a scene with an error and shows its position; the log is a table', async () => {
   await desk.click('details:has(#source) summary');
   await desk.fill('#source', '{"lines":[{"id":"1","text":"Ciao","next":"9"}]}');
   await desk.click('#take');
@@ -147,14 +154,14 @@ test('a scene with an error is refused with its place; the log is a table', asyn
   await desk.fill('#source', 'id,text,mood\n1,"Ciao, cara",joy 0.6\n');
   await desk.click('#take');
   assert.deepEqual(await desk.$$eval('#lines button', (all) => all.map((each) => each.textContent)), ['1Ciao, cara']);
-  const [download] = await Promise.all([desk.waitForEvent('download'), desk.click('#csv')]);
+  const [download] = await Promise.all([desk.waitForEvent('download'), saveLog(desk)]);
   const table = fs.readFileSync(await download.path(), 'utf8');
   assert.match(table, /^time,what,text,by,id\r\n/);
   assert.match(table, /,sentence,[^\r\n]*,Anna,Anna-1\r\n/);
   assert.match(table, /,chosen,Non tanto,[\w-]+,line-1\r\n/);
 });
 
-test('two desks keep scenes on the server, and do not lose each other’s', async () => {
+test('two operator pages keep scenes on the server without overwriting each other’s', async () => {
   const news = (page, text) => page.waitForFunction((wanted) => document.querySelector('#news').textContent === wanted, text);
   const other = await open('operator.html?room=cucina');
   const lines = (page) => page.$$eval('#lines button', (all) => all.map((each) => each.textContent));
@@ -169,7 +176,7 @@ test('two desks keep scenes on the server, and do not lose each other’s', asyn
   await desk.click('#keep-scene');
   await news(desk, 'La scena è sul server.');
   await other.click('#fetch-scene');
-  await news(other, 'La scena è stata presa.');
+  await news(other, 'La scena è in uso.');
   assert.deepEqual(await lines(other), ['1Ciao, cara']);
   await write(other, 'text\nBuon appetito.\n');
   await other.click('#keep-scene');
@@ -186,7 +193,7 @@ test('two desks keep scenes on the server, and do not lose each other’s', asyn
   await other.close();
 });
 
-test('two operators at once: all is said, once, and both see by whom', async () => {
+test('two operators at once: everything is spoken once, and both see who sent it', async () => {
   const other = await open('operator.html?room=cucina&name=Bruno');
   const told = async (page) => (await page.$$eval('#said .sentence span', (all) => all.map((each) => each.textContent))).filter((text) => /^(Anna|Bruno) dice/.test(text)).sort();
   for (const [page, name] of [[desk, 'Anna'], [other, 'Bruno']]) await page.fill('#text', `${name} dice la prima.`);
@@ -195,16 +202,17 @@ test('two operators at once: all is said, once, and both see by whom', async () 
   await Promise.all([desk, other].map((page) => page.click('#speak')));
   const all = ['Anna dice la prima.', 'Anna dice la seconda.', 'Bruno dice la prima.', 'Bruno dice la seconda.'];
   for (const page of [desk, other]) await eventually(async () => JSON.stringify(await told(page)) === JSON.stringify(all), 'four sentences, each once');
-  const [download] = await Promise.all([other.waitForEvent('download'), other.click('#csv')]);
+  const [download] = await Promise.all([other.waitForEvent('download'), saveLog(other)]);
   const table = fs.readFileSync(await download.path(), 'utf8');
   for (const name of ['Anna', 'Bruno']) assert.equal([...table.matchAll(new RegExp(`,sentence,[^\\r\\n]*,${name},${name}-\\d+\\r\\n`, 'g'))].length, 2, table);
   await other.close();
 });
 
-test('a mood is dragged, shown by the face, and seen by another desk', async () => {
+test('a dragged mood appears on the face and on another operator page', async () => {
   const other = await open('operator.html?room=cucina&name=Bruno');
-  await desk.waitForSelector('#affects g');
+  await desk.waitForSelector('#affects g', { state: 'attached' });
   const mix = (page, text) => page.waitForFunction((wanted) => document.querySelector('#mix').textContent === wanted, text);
+  for (const page of [desk, other]) await page.click('#mood-box summary');
   await desk.locator('#disc').scrollIntoViewIfNeeded();
   const { x, y, width, height } = await desk.locator('#disc .rim').boundingBox();
   const joy = await desk.evaluate(() => {
@@ -224,14 +232,14 @@ test('a mood is dragged, shown by the face, and seen by another desk', async () 
   await other.keyboard.press('Home');
   await mix(other, 'neutro');
   await mix(desk, 'neutro');
-  const [download] = await Promise.all([desk.waitForEvent('download'), desk.click('#csv')]);
+  const [download] = await Promise.all([desk.waitForEvent('download'), saveLog(desk)]);
   assert.match(fs.readFileSync(await download.path(), 'utf8'), /,mood,neutro,Bruno,\r\n/);
   await other.close();
 });
 
-test('a study asks first; after a no nothing of the listener is written down, and a yes can be taken back', async () => {
+test('a study asks for consent; after a refusal it stores nothing of the listener, and consent can be withdrawn', async () => {
   const log = async () => {
-    const [download] = await Promise.all([desk.waitForEvent('download'), desk.click('#csv')]);
+    const [download] = await Promise.all([desk.waitForEvent('download'), saveLog(desk)]);
     return fs.readFileSync(await download.path(), 'utf8');
   };
   const stands = (name) => desk.waitForFunction((wanted) => document.querySelector('#consent').dataset.consent === wanted, name);
@@ -277,7 +285,7 @@ test('a study asks first; after a no nothing of the listener is written down, an
   assert.match(left, /,consent,Negato[^\r\n]*\r\n[^]*,consent,Dato[^\r\n]*\r\n[^]*,consent,Negato/);
 });
 
-test('both pages can be read by all', async () => {
+test('axe finds no violation on either page, and neither scrolls sideways on a phone', async () => {
   for (const [page, name] of [[desk, 'operator'], [kiosk, 'kiosk']])
     for (const scheme of ['light', 'dark']) {
       await page.emulateMedia({ colorScheme: scheme });
@@ -295,7 +303,7 @@ test('both pages can be read by all', async () => {
   await desk.screenshot({ path: path.join(artefacts, 'operator-phone.png'), fullPage: true });
 });
 
-test('hours in a room leave nothing behind; the picture moves, and the link comes back', async () => {
+test('hours in a room leak nothing, the picture keeps moving, and the connection recovers', async () => {
   const { samples, places, links, answers, problems: wrong } = await liveIn(browser, daemon, { hours: 4, says: 2 });
   const [first, last] = [samples[0], samples.at(-1)];
   for (const name of ['nodes', 'listeners', 'audio', 'timers']) assert.ok(last[name] <= first[name] + 4, `${name}: ${samples.map((each) => each[name])}`);
@@ -304,7 +312,7 @@ test('hours in a room leave nothing behind; the picture moves, and the link come
   assert.deepEqual([links, answers, wrong], [5, 4, []]);
 });
 
-test('when the daemon is gone in the middle of a word the room’s page says so, and comes back with it; nothing is said twice', async () => {
+test('when the daemon disconnects inside a word, the room page says so, reconnects and repeats nothing', async () => {
   const { port } = daemon;
   // long enough that a slow machine gets its begin before its end
   const lost = `Questa frase la sente solo a metà, ${'e continua piano piano ancora per un poco, '.repeat(5)}perché il demone se ne va prima che sia finita, e nessuno la dice di nuovo.`;

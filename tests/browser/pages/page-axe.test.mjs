@@ -31,7 +31,7 @@ async function flawless(page, state) {
   await page.emulateMedia({ colorScheme: 'light', forcedColors: 'none' });
 }
 
-test('the first page: loading, at rest, halted in a word, with an error, all open', async () => {
+test('the first page: loading, idle, paused inside a word, with an error, fully expanded', async () => {
   fs.mkdirSync(artefacts, { recursive: true });
   const page = await browser.newPage({ locale: 'it-IT', viewport: { width: 1100, height: 900 } });
   let go;
@@ -66,7 +66,7 @@ test('the first page: loading, at rest, halted in a word, with an error, all ope
   await page.close();
 });
 
-test('the emotions, and the voices: as they are, open, speaking', async () => {
+test('the pages for emotions and voices: initial, expanded, speaking', async () => {
   const emotion = await openPage(browser, `${daemon.url}/emotion.html`);
   await emotion.waitForSelector('#affects g');
   await emotion.selectOption('#affect', 'joy');

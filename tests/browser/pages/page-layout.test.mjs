@@ -29,7 +29,7 @@ async function visit(name, options) {
 const shot = (page, name) => page.screenshot({ path: path.join(artefacts, `layout-${name}.png`) });
 const sideways = (page) => page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 
-test('on a phone the face, the text and the button Speak are seen without scrolling, in every language', async () => {
+test('a phone shows face, text and the button Speak without scrolling, in every language', async () => {
   for (const locale of ['it-IT', 'pt-BR', 'tr-TR', 'en-GB']) {
     const page = await visit('', { locale, viewport: { width: 360, height: 640 } });
     const boxes = {};
@@ -43,7 +43,7 @@ test('on a phone the face, the text and the button Speak are seen without scroll
   }
 });
 
-test('nothing scrolls sideways at 320 pixels, nor at 200 %, with all open and the greatest captions', async () => {
+test('nothing scrolls sideways at 320 pixels, nor at 200 % zoom, fully expanded with the largest captions', async () => {
   for (const name of PAGES)
     for (const view of [{ viewport: { width: 320, height: 568 } }, { viewport: { width: 640, height: 400 }, deviceScaleFactor: 2 }]) {
       const page = await visit(name, { ...view, locale: 'pt-BR' });
@@ -64,7 +64,30 @@ test('nothing scrolls sideways at 320 pixels, nor at 200 %, with all open and th
     }
 });
 
-test('whatever can be touched is 44 pixels high and wide', async () => {
+test('nothing moves while a page is loading, on a desk and on a phone', async (t) => {
+  const MOST = 0.02; // cumulative layout shift; Lighthouse calls 0.1 good
+  const pages = [...PAGES, 'player.html', 'editor.html', 'examples.html', 'library.html', 'operator.html?room=atrio&name=Anna', 'room.html?room=atrio&clock'];
+  for (const name of pages)
+    for (const viewport of [{ width: 1350, height: 940 }, { width: 412, height: 823 }]) {
+      const page = await browser.newPage({ viewport, locale: 'it-IT' });
+      await page.addInitScript(() => {
+        window.moved = [];
+        const rectangle = ({ x, y, width, height }) => [x, y, width, height].map(Math.round);
+        const watch = ({ value, sources }) => window.moved.push({ value, what: sources.map(({ node, previousRect, currentRect }) => `${node?.nodeName}#${node?.id} ${rectangle(previousRect)} to ${rectangle(currentRect)}`) });
+        new PerformanceObserver((list) => list.getEntries().forEach(watch)).observe({ type: 'layout-shift', buffered: true });
+      });
+      await page.goto(`${daemon.url}/${name}`);
+      await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().connection === 'open');
+      await page.waitForLoadState('networkidle');
+      const moved = await page.evaluate(() => window.moved);
+      const sum = moved.reduce((all, { value }) => all + value, 0);
+      t.diagnostic(`${name} at ${viewport.width}: ${sum.toFixed(4)}`);
+      assert.ok(sum < MOST, `${name} at ${viewport.width}: ${JSON.stringify(moved, null, 1)}`);
+      await page.close();
+    }
+});
+
+test('every control is at least 44 pixels high and wide', async () => {
   for (const name of PAGES) {
     const page = await visit(name, { viewport: { width: 360, height: 640 }, hasTouch: true });
     if (name === 'voices.html') await page.waitForSelector('#voices button');
@@ -74,7 +97,7 @@ test('whatever can be touched is 44 pixels high and wide', async () => {
     });
     const small = await page.evaluate(() => {
       const found = [...document.querySelectorAll('a:not(.skip), button, select, textarea, input, summary, [tabindex]:not(svg *)')];
-      found.push(document.querySelector('talking-head').shadowRoot.querySelector('.switch'));
+      found.push(...document.querySelector('talking-head').shadowRoot.querySelectorAll('.switch, .mouth'));
       return found
         .filter((element) => element.checkVisibility())
         .map((element) => [element, (element.matches('[type=radio], [type=checkbox]') ? element.closest('label') : element).getBoundingClientRect()])
@@ -86,10 +109,11 @@ test('whatever can be touched is 44 pixels high and wide', async () => {
   }
 });
 
-test('captions are as the reader chose them, on all pages and the next time', async () => {
+test('caption settings apply to all pages and persist', async () => {
   const page = await openPage(browser, daemon.url);
   const look = () => page.evaluate(() => {
     const root = document.querySelector('talking-head').shadowRoot;
+    root.querySelector('.captions').classList.remove('empty'); // without words they have no ground
     const style = getComputedStyle(root.querySelector('.captions'));
     return { size: parseFloat(style.fontSize), ground: style.backgroundColor, colour: style.color, shown: root.querySelector('.captions').checkVisibility() };
   });
@@ -138,7 +162,7 @@ test('captions are as the reader chose them, on all pages and the next time', as
   await page.close();
 });
 
-test('the present word stands out by more than its colour, and in the colours of the system', async () => {
+test('highlights the current word by more than colour, also in forced colours', async () => {
   const page = await openPage(browser, daemon.url);
   await page.fill('#text', 'La mamma e il papà parlano, e Beppe beve.');
   await page.click('#speak');
@@ -181,7 +205,7 @@ test('the present word stands out by more than its colour, and in the colours of
   await page.close();
 });
 
-test('the keyboard reaches everything, and its place is seen', async () => {
+test('the keyboard reaches everything, with a visible focus', async () => {
   const page = await visit('', { viewport: { width: 1100, height: 900 } });
   await page.waitForFunction(() => document.querySelector('#voice').options.length > 2);
   await page.evaluate(() => document.querySelector('#more').setAttribute('open', ''));
@@ -198,8 +222,74 @@ test('the keyboard reaches everything, and its place is seen', async () => {
     assert.ok(ring, `${name} is marked`);
     reached.push(name);
   }
-  const wanted = ['skip #text', 'head', 'text', 'speak', 'pause', 'stop', 'repeat', 'lang', 'voice', 'rate', 'link', 'markup', 'room', 'page-lang'];
+  // the head has two buttons: captions, and the mouth alone
+  const wanted = ['skip #text', 'head', 'head', 'text', 'speak', 'pause', 'stop', 'repeat', 'lang', 'voice', 'rate', 'link', 'markup', 'room', 'page-lang'];
   assert.deepEqual(wanted.filter((name) => !reached.includes(name)), []);
   assert.deepEqual(reached.filter((name) => wanted.includes(name)), wanted, 'in the order in which they are seen');
   await page.close();
+});
+
+test('captions take no room while idle; large ones get room below the picture', async () => {
+  const page = await visit('', { viewport: { width: 1280, height: 800 } });
+  const boxes = (words) => page.evaluate((shown) => {
+    const root = document.querySelector('talking-head').shadowRoot;
+    const of = (name) => root.querySelector(name).getBoundingClientRect();
+    root.querySelector('.captions').classList.toggle('empty', !shown);
+    const [layout, stage, captions] = ['.layout', '.stage', '.captions'].map(of);
+    return { free: layout.bottom - stage.bottom, height: captions.height / layout.height, low: captions.height && layout.bottom - captions.bottom };
+  }, words);
+  await page.waitForFunction(() => document.querySelector('talking-head').shadowRoot.querySelector('.over'));
+  assert.deepEqual(await boxes(false), { free: 0, height: 0, low: 0 });
+  const usual = await boxes(true);
+  assert.deepEqual([usual.free, usual.low], [0, 0], 'over the picture');
+  assert.ok(usual.height > 0.05 && usual.height < 0.17, `${usual.height}: below the chin`);
+  await page.evaluate(() => document.querySelector('talking-head').setAttribute('caption-size', 'largest'));
+  await page.waitForFunction(() => !document.querySelector('talking-head').shadowRoot.querySelector('.over'));
+  assert.deepEqual(await boxes(false), { free: 0, height: 0, low: 0 });
+  const great = await boxes(true);
+  assert.ok(great.free > 100 && great.low === 0, JSON.stringify(great));
+  await page.close();
+});
+
+test('the menu: one group open at a time, closed by Escape or a click elsewhere; on a phone a button opens it', async () => {
+  const page = await visit('editor.html', { viewport: { width: 1280, height: 800 } });
+  const open = () => page.locator('#site details[open] summary').allTextContents();
+  assert.equal(await page.locator('#menu').isVisible(), false);
+  assert.deepEqual(await page.locator('#site [aria-current]').allTextContents(), ['Editor']);
+  await page.click('#site summary >> nth=0');
+  await page.click('#site summary >> nth=1');
+  assert.deepEqual(await open(), ['In casa']);
+  await page.keyboard.press('Escape');
+  assert.deepEqual(await open(), []);
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'In casa');
+  await page.keyboard.press('Enter');
+  assert.deepEqual(await open(), ['In casa']);
+  await page.mouse.click(640, 700);
+  assert.deepEqual(await open(), []);
+  await page.click('#site summary >> nth=0');
+  await page.click('#site a[href="voices.html"]');
+  await page.waitForURL(/voices\.html$/);
+  await page.close();
+
+  const phone = await visit('voices.html', { viewport: { width: 360, height: 640 } });
+  assert.equal(await phone.locator('#site').isVisible(), false);
+  await phone.click('#menu');
+  assert.equal(await phone.getAttribute('#menu', 'aria-expanded'), 'true');
+  assert.equal(await phone.locator('#site [aria-current]').isVisible(), true, 'its own group is open');
+  await phone.click('#site a[href="library.html"]');
+  await phone.waitForURL(/library\.html$/);
+  await phone.close();
+});
+
+test('every page in the menu loads, and is marked as current there', async () => {
+  const first = await visit('', {});
+  const links = await first.locator('#site a').evaluateAll((all) => all.map((each) => each.getAttribute('href')));
+  await first.close();
+  for (const link of links) {
+    const answer = await daemon.get(`/${link}`);
+    assert.equal(answer.status, 200, link);
+    const html = await answer.text();
+    const current = [...html.matchAll(/<a href="([^"]+)" aria-current="page"/g)].map(([, to]) => to);
+    if (link !== 'docs/' && link !== 'room.html') assert.deepEqual(current, [link]);
+  }
 });

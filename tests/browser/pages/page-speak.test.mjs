@@ -38,7 +38,7 @@ const heard = (page, type, count = 1) =>
 const of = (page, type) => page.evaluate((what) => window.heard.filter((each) => each.type === what), type);
 const forget = (page) => page.evaluate(() => (window.heard = []));
 
-test('the words and the language to speak are the browser’s', async () => {
+test('uses the browser’s language for the page and for speech', async () => {
   for (const [locale, word, spoken, page] of [['tr-TR', 'Konuş', 'tr', 'tr'], ['pt-BR', 'Falar', 'pt-BR', 'pt'], ['de-AT', 'Speak', 'de', 'en'], ['en-GB', 'Speak', 'en-GB', 'en']]) {
     for (const name of ['/', '/emotion.html', '/voices.html']) {
       const tab = await visit(name, { locale });
@@ -57,7 +57,7 @@ test('the words and the language to speak are the browser’s', async () => {
   }
 });
 
-test('languages are listed by their own names; the language of the page can be chosen, and is kept', async () => {
+test('lists languages by their own names; the selected page language persists', async () => {
   const page = await visit();
   const names = await page.locator('#lang option').allTextContents();
   assert.deepEqual(names.slice(0, 4), ['Italiano', 'Português (Brasil)', 'Türkçe', 'English']);
@@ -72,7 +72,7 @@ test('languages are listed by their own names; the language of the page can be c
   await page.close();
 });
 
-test('a link fills the fields, waits for the reader, and can be made of what is chosen', async () => {
+test('a link fills the fields, waits for the reader, and can be created from the current choices', async () => {
   const query = { text: 'Günaydın. Nasılsınız?', lang: 'tr', voice: 'espeak:tr+f2', rate: '180', markup: 'plain', room: 'sala-1', captions: 'off' };
   const page = await visit(`/?${new URLSearchParams(query)}`, { permissions: ['clipboard-read', 'clipboard-write'] });
   await page.waitForFunction(() => document.querySelector('#voice').value);
@@ -96,7 +96,7 @@ test('a link fills the fields, waits for the reader, and can be made of what is 
   await odd.close();
 });
 
-test('where there is no clipboard the link is shown, and selected', async () => {
+test('shows and selects the link when the clipboard is not accessible', async () => {
   const page = await visit();
   await page.evaluate(() => Object.defineProperty(navigator, 'clipboard', { value: undefined }));
   await page.fill('#text', 'Ciao.');
@@ -106,7 +106,7 @@ test('where there is no clipboard the link is shown, and selected', async () => 
   await page.close();
 });
 
-test('the voices are those of the language; the chosen one speaks', async () => {
+test('lists the voices of the language; the selected one speaks', async () => {
   const page = await visit();
   const { voices } = await (await daemon.get('/v1/voices')).json();
   const ids = () => page.locator('#voice option').evaluateAll((all) => all.map((each) => each.value));
@@ -126,7 +126,7 @@ test('the voices are those of the language; the chosen one speaks', async () => 
   await page.close();
 });
 
-test('pause, go on, repeat; all that was said can be read, heard again, copied and saved', async () => {
+test('pauses, resumes and repeats; spoken text can be read, replayed, copied and saved', async () => {
   const page = await visit('/', { permissions: ['clipboard-read', 'clipboard-write'], acceptDownloads: true });
   const button = (id) => page.locator(`#${id}`);
   assert.equal(await button('pause').getAttribute('aria-disabled'), 'true');
@@ -185,7 +185,7 @@ test('pause, go on, repeat; all that was said can be read, heard again, copied a
   await page.close();
 });
 
-test('errors are told in the reader’s language, with their place and the way to it', async () => {
+test('shows errors in the reader’s language, with their position and a link to it', async () => {
   for (const [locale, what, place] of [
     ['it-IT', /^Nel testo marcato c’è un errore\. Correggerlo/, 'Riga 2, carattere 8.'],
     ['tr-TR', /^Metnin işaretlemesinde bir hata var\. Düzeltin/, 'Satır 2, karakter 8.'],
@@ -216,7 +216,7 @@ test('errors are told in the reader’s language, with their place and the way t
   await page.close();
 });
 
-test('what was said of a lost connection goes when it is back', async () => {
+test('removes the message about a lost connection on reconnection', async () => {
   const page = await visit();
   await page.fill('#text', 'La mamma canta e il papà ascolta. '.repeat(10));
   await page.click('#speak');

@@ -42,7 +42,7 @@ const asked = (page) => page.waitForSelector('#access .why:not(:empty)');
 const why = (page) => page.textContent('#access .why');
 
 for (const name of ['/', '/emotion.html', '/voices.html'])
-  test(`${name}: a token in the address lets in, is taken out of it, and is kept for the tab only`, async () => {
+  test(`${name}: takes a token from the address, removes it there, and keeps it for the tab only`, async () => {
     const context = await browser.newContext({ locale: 'it-IT' });
     const page = await visit(`${name}?token=${token()}&x=1`, context);
     await heard(page, 'authorized');
@@ -57,7 +57,7 @@ for (const name of ['/', '/emotion.html', '/voices.html'])
     await context.close();
   });
 
-test('without one the field is there; a wrong one is called wrong, a good one is used at once', async () => {
+test('shows a token field without one; rejects a wrong token and uses a valid one at once', async () => {
   const page = await visit('/');
   await asked(page);
   assert.equal(await why(page), 'Questo server chiede un codice di accesso.');
@@ -82,7 +82,7 @@ test('without one the field is there; a wrong one is called wrong, a good one is
   await page.close();
 });
 
-test('one that is too old is called so, in the language of the page; what is refused later brings the field back', async () => {
+test('reports an expired token in the language of the page; a later refusal shows the field again', async () => {
   const page = await (await browser.newContext({ locale: 'tr-TR' })).newPage();
   await page.goto(`${daemon.url}/voices.html?token=${token('--expires', '1s')}`);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().connection === 'open');
@@ -99,7 +99,7 @@ test('one that is too old is called so, in the language of the page; what is ref
   await page.context().close();
 });
 
-test('a token that is of no use to a daemon without tokens does no harm', async (t) => {
+test('ignores a token that the daemon does not need', async (t) => {
   const open = await Daemon.start();
   t.after(() => open.stop());
   const page = await browser.newPage({ locale: 'it-IT' });

@@ -24,7 +24,7 @@ after(async () => {
 
 const post = (format) => daemon.get(`/v1/speech?lang=it&still=1&fps=100&format=${format}`, { method: 'POST', body: text, headers: { 'content-type': 'text/plain' } });
 
-test('the page shows the head', async () => {
+test('shows the head', async () => {
   const png = await picture(page, 'neutral', {});
   const colours = new Set();
   for (let i = 0; i < png.data.length; i += 400) colours.add(png.data.readUIntBE(i, 3) & 0xf0f0f0);
@@ -45,7 +45,7 @@ async function spokenOnce() {
   return { log, heard, underruns: log.at(-1).underruns - log[0].underruns };
 }
 
-test('a sentence is spoken: sound flows, the face follows, captions run', async () => {
+test('speaks a sentence: sound plays, the face follows, captions run', async () => {
   await page.fill('#text', text);
   await page.evaluate(() => {
     const element = document.querySelector('talking-head');
@@ -68,7 +68,7 @@ test('a sentence is spoken: sound flows, the face follows, captions run', async 
   assert.deepEqual(page.problems, []);
 });
 
-test('open on /a/, closed on /p b m/: in the FAPs and in the pixels', async (t) => {
+test('opens on /a/ and closes on /p b m/, in FAPs and in pixels', async (t) => {
   t.after(() => page.evaluate(() => document.querySelector('talking-head').pose(null)));
   const { phones } = await (await post('json')).json();
   const { fps, frames } = parseFap(await (await post('fap')).text());
@@ -95,7 +95,7 @@ test('open on /a/, closed on /p b m/: in the FAPs and in the pixels', async (t) 
   }
 });
 
-test('a pose that is held is drawn once, and no more until something changes', async (t) => {
+test('draws a held pose once, and again only when something changes', async (t) => {
   t.after(() => page.evaluate(() => document.querySelector('talking-head').pose(null)));
   const frames = () => page.evaluate(() => document.querySelector('talking-head').debug().frames);
   await page.evaluate(() => document.querySelector('talking-head').pose({ 3: 400 }));
@@ -110,7 +110,7 @@ test('a pose that is held is drawn once, and no more until something changes', a
   await page.waitForFunction((from) => document.querySelector('talking-head').debug().frames > from + 2, before, { timeout: 60000 }); // idle motion continues
 });
 
-test('stop is silence at once, and the mouth goes to rest', async () => {
+test('stop silences at once, and the mouth goes to rest', async () => {
   await page.evaluate((long) => void document.querySelector('talking-head').speak(long, { lang: 'it' }), text.repeat(5));
   await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 60000 });
   const running = await page.evaluate(() => {
@@ -125,7 +125,7 @@ test('stop is silence at once, and the mouth goes to rest', async () => {
   }, null, { timeout: 60000 });
 });
 
-test('when the link drops the mouth rests; the page comes back by itself', async () => {
+test('the mouth rests when the connection drops, and the page reconnects', async () => {
   await page.evaluate((long) => void document.querySelector('talking-head').speak(long, { lang: 'it' }).catch(() => {}), text.repeat(5));
   await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 60000 });
   const { port } = daemon;
@@ -141,7 +141,7 @@ test('when the link drops the mouth rests; the page comes back by itself', async
   assert.deepEqual(page.problems, []);
 });
 
-test('the head comes through the socket when HTTP fails', async () => {
+test('loads the head through the socket when HTTP fails', async () => {
   const other = await browser.newPage();
   await other.route('**/v1/models/**', (route) => route.abort());
   await other.goto(daemon.url);

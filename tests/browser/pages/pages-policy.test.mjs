@@ -31,7 +31,7 @@ async function open(url) {
 }
 
 for (const name of ['', 'voices.html', 'emotion.html'])
-  test(`/${name} draws, speaks and sounds without a violation`, async () => {
+  test(`/${name} draws, speaks and plays sound without a violation`, async () => {
     const page = await open(`${daemon.url}/${name}`);
     await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().state === 'idle', null, { timeout: 60000 });
     await page.mouse.click(500, 5); // browsers allow sound only after a user gesture
@@ -41,7 +41,7 @@ for (const name of ['', 'voices.html', 'emotion.html'])
     await page.close();
   });
 
-test('a page of another origin frames ours when --embed names it, and not otherwise', async () => {
+test('a page of another origin may frame ours only when --embed names it', async () => {
   const server = http.createServer((request, response) => {
     response.setHeader('content-type', 'text/html');
     response.end(`<!doctype html><title>portal</title><iframe src="${request.url.slice(1)}"></iframe>`);

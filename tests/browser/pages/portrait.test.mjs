@@ -24,7 +24,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('a picture becomes a head that speaks, and never leaves the page', async () => {
+test('makes a speaking head from a picture, which never leaves the page', async () => {
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
   const watched = watchPage(page);
   await page.addInitScript(() => addEventListener('DOMContentLoaded', () => document.querySelector('talking-head').setAttribute('quality', 'low')));
@@ -34,7 +34,7 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   assert.deepEqual(await violations(page), []);
 
   await page.setInputFiles('#files', { name: 'broken.png', mimeType: 'image/png', buffer: Buffer.from('no picture') });
-  await state(page, 'no picture that can be read');
+  await state(page, 'not a picture that can be read');
   await page.setInputFiles('#files', astronaut);
   await state(page, 'Found.');
   assert.deepEqual(await violations(page), []);
@@ -69,6 +69,7 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await page.selectOption('#eyes', 'bruno');
   await page.click('#make');
   await state(page, 'Done');
+  assert.match(await page.textContent('#state'), /an approximation, not a likeness/, 'and again where the result is seen');
   assert.deepEqual(await violations(page), []);
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
   const file = path.join(artefacts, 'portrait-page.json');
@@ -91,7 +92,7 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await page.close();
 });
 
-test('a picture from the side is taken as a profile, beside one from the front', async () => {
+test('accepts a side view as a profile, together with a front view', async () => {
   const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
   const files = [];
   for (const yaw of [90, 0]) {
@@ -114,7 +115,7 @@ test('a picture from the side is taken as a profile, beside one from the front',
   await page.close();
 });
 
-test('a dark beard is taken off, and the page says so', async () => {
+test('removes a dark beard, and says so', async () => {
   const file = path.join(artefacts, 'photograph-bruno.png');
   await writePng(await photograph(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads'), 'bruno', 0), file);
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });

@@ -18,7 +18,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-test('two pages hear what is said in their room', async () => {
+test('two pages play the speech of their room', async () => {
   for (const page of pages)
     await page.evaluate(() => {
       const element = document.querySelector('talking-head');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a word is said, corrected in the editor and the library's page: heard, saved beside the work or for the library, downloaded; reports.
+// Pronunciations corrected in the editor and on the library's page: previewed, saved with the work or the library, downloaded; reports.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -36,7 +36,7 @@ const read = (name) => fs.readFileSync(path.join(works, name), 'utf8');
 const spoken = async (query) => (await (await daemon.get(`/v1/speech?${new URLSearchParams({ format: 'json', lang: 'it', ...query })}`)).json()).phones.map(({ ipa }) => ipa).join('');
 const says = (page, pattern) => page.waitForFunction((source) => new RegExp(source).test(document.querySelector('#saying-news').textContent), pattern.source);
 
-test('the library: a word is selected, heard, and saved beside its work; it is read aloud so from then on', async () => {
+test('the library previews a selected word, saves it with its work, and reads it so afterwards', async () => {
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).works.length, 'the work');
   const page = await open('library.html#mare:1');
   await page.waitForSelector('[data-passage]');
@@ -58,7 +58,7 @@ test('the library: a word is selected, heard, and saved beside its work; it is r
   });
   assert.equal(asked, undefined);
   await page.click('#saying button[type=submit]');
-  await says(page, /Scrivete come si dice/);
+  await says(page, /Scrivi come si dice/);
   await page.fill('#saying-said', 'bobo & co');
   await page.click('#saying .row:nth-of-type(1) button');
   await page.waitForFunction(() => window.asked.length === 1);
@@ -83,7 +83,7 @@ test('the library: a word is selected, heard, and saved beside its work; it is r
     await says(page, new RegExp(`«${word}» si pronuncia`));
   }
   assert.deepEqual([...read('mare.pls').matchAll(/<grapheme>(.*?)<\/grapheme><alias>(.*?)<\/alias>/g)].map(([, ...pair]) => pair), [['mare', 'oceano'], ['Bowie', 'bibi']]);
-  // phones, for the whole library; what are none is refused with a reason
+  // phones, for the whole library; invalid phones are refused with a reason
   await page.selectOption('#saying-way', 'ipa');
   await page.selectOption('#saying-place', 'inLibrary');
   await page.fill('#saying-said', '5%');
@@ -97,7 +97,7 @@ test('the library: a word is selected, heard, and saved beside its work; it is r
   await page.close();
 });
 
-test('a reader reports a misread word; the editor sees it, corrects it, and it is gone; another is dismissed', async () => {
+test('a reader reports a misread word; the editor sees and corrects or dismisses it', async () => {
   const page = await open('library.html#mare:1', { locale: 'en-GB' });
   await page.waitForSelector('[data-passage]');
   await page.click('#sayings > summary');
@@ -129,7 +129,7 @@ test('a reader reports a misread word; the editor sees it, corrects it, and it i
   await page.close();
 });
 
-test('the editor: the selected word is taken, and without the right to save there is a file to download', async () => {
+test('the editor takes the selected word, and offers a file to download without the right to save', async () => {
   const page = await open('editor.html');
   await page.fill('#text', 'Oggi canta Bowie, forse.');
   await page.evaluate(() => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a visited web page can make Chromium fetch from a daemon on the user's machine.
+// Requests that a visited web page can make Chromium send to a daemon on the user's machine.
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { after, before, test } from 'node:test';
@@ -51,7 +51,7 @@ async function embedded(address) {
 }
 
 for (const host of ['0.0.0.0', '[::ffff:7f00:1]', '127.0.0.1', 'localhost', 'face.example', 'evil.example'])
-  test(`by ${host}, nothing is spoken for a page of another origin`, async () => {
+  test(`by ${host}: does not speak for a page of another origin`, async () => {
     const counted = async () => [await daemon.metric('faccia_sentences_asked_total'), await daemon.metric('faccia_refused_total{why="origin"}')];
     const [spoken, refused] = await counted();
     const { asked, answers } = await embedded(`http://${host}:${daemon.port}/v1/speech?text=Ciao&lang=it`);
@@ -61,7 +61,7 @@ for (const host of ['0.0.0.0', '[::ffff:7f00:1]', '127.0.0.1', 'localhost', 'fac
     assert.deepEqual(answers.filter((status) => status < 400), [], String(answers));
   });
 
-test('the same sound on a page of the daemon\'s own is played', async () => {
+test('plays the same sound on a page of the daemon itself', async () => {
   const page = await browser.newPage();
   await page.goto(`${daemon.url}/`);
   const status = await page.evaluate(async () => (await fetch('/v1/speech?text=Ciao&lang=it')).status);

@@ -19,7 +19,7 @@ after(async () => {
 
 const ended = (n) => page.waitForFunction((count) => window.ends?.length >= count, n, { timeout: 60000 });
 
-test('the voices of the chosen language, and of no other', async () => {
+test('lists the voices of the selected language only', async () => {
   const { voices } = await (await daemon.get('/v1/voices')).json();
   const listed = () => page.locator('#voices button').evaluateAll((all) => all.map((b) => b.dataset.voice));
   const of = (lang) => voices.filter((v) => v.lang.split('-')[0].toLowerCase() === lang).map((v) => v.id);
@@ -33,7 +33,7 @@ test('the voices of the chosen language, and of no other', async () => {
   await page.selectOption('#lang', 'it');
 });
 
-test('each is reached and started with the keyboard', async () => {
+test('the keyboard reaches and starts each voice', async () => {
   await page.evaluate(() => {
     window.begins = [];
     window.ends = [];
@@ -58,7 +58,7 @@ test('each is reached and started with the keyboard', async () => {
   assert.deepEqual(await page.evaluate(() => window.ends), ['done']);
 });
 
-test('all of a language in turn, until Esc', async () => {
+test('plays all voices of a language in turn, until Esc', async () => {
   await page.evaluate(() => {
     window.begins = [];
     window.ends = [];

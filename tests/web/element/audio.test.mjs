@@ -8,7 +8,7 @@ import { Resampler } from '../../../web/element/audio/resampler.mjs';
 
 const ramp = (from, count) => Float32Array.from({ length: count }, (_, i) => from + i);
 
-test('the ring keeps the order over its end and when it grows', () => {
+test('the ring keeps the order across its end and when it grows', () => {
   const ring = new Ring(16);
   const out = [];
   let written = 0;
@@ -47,14 +47,14 @@ function rig(rate = 1000) {
   };
 }
 
-test('a position asked for before all reports that are kept is that of the first of them', () => {
+test('a position before all stored reports is that of the first one', () => {
   const map = new PositionMap();
   for (let i = 0; i < 20; i++) map.add({ frame: 100 * i, position: 100 * i, running: true });
   assert.deepEqual(map.at(2000), { position: 2000, running: true });
   assert.deepEqual(map.at(500), { position: 1800, running: true }, 'a clock that was set back by a suspended sound');
 });
 
-test('the buffer waits for its preroll, then position and clock go together', () => {
+test('the buffer waits for its preroll, then position and clock advance together', () => {
   const { buffer, played, reports, run, map } = rig();
   buffer.push(ramp(1, 60));
   run(2);
@@ -67,7 +67,7 @@ test('the buffer waits for its preroll, then position and clock go together', ()
   assert.deepEqual(map().at(75), { position: 35, running: true });
 });
 
-test('a short utterance starts without the preroll when it is complete, and its end is no underrun', () => {
+test('a complete short utterance starts without the preroll, and its end is not an underrun', () => {
   const { buffer, reports, run } = rig();
   buffer.push(ramp(1, 30));
   buffer.finish();
@@ -93,7 +93,7 @@ test('late samples stop the position, and nothing is lost or shifted afterwards'
   assert.equal(played[170], 111, 'sample at position 110');
 });
 
-test('after a flush it is silent within five milliseconds, and the rest counts as heard', () => {
+test('a flush silences within five milliseconds, and the rest counts as heard', () => {
   const { buffer, played, reports, run, map } = rig(48000);
   buffer.push(new Float32Array(48000).fill(1));
   run(100, 128);
@@ -109,14 +109,14 @@ test('after a flush it is silent within five milliseconds, and the rest counts a
   assert.equal(map().at(12800 + 512 + 10).position, 48010);
 });
 
-test('what is left can be taken over by another buffer', () => {
+test('another buffer can take over the remaining samples', () => {
   const { buffer, run } = rig();
   buffer.push(ramp(1, 200));
   run(3);
   assert.deepEqual([...buffer.drain()], [...ramp(61, 140)]);
 });
 
-test('resampling keeps a tone, its phase and the length, however the stream is cut', () => {
+test('resampling keeps a tone, its phase and its length, however the stream is cut', () => {
   for (const [from, to] of [[22050, 48000], [16000, 44100], [24000, 48000], [48000, 22050], [48000, 48000]]) {
     const tone = (rate) => (_, i) => 0.5 * Math.sin((2 * Math.PI * 1000 * i) / rate);
     const input = Float32Array.from({ length: from / 2 }, tone(from));
@@ -133,18 +133,18 @@ test('resampling keeps a tone, its phase and the length, however the stream is c
   }
 });
 
-test('resampling down keeps what cannot be represented out', () => {
+test('downsampling filters out frequencies that it cannot represent', () => {
   const input = Float32Array.from({ length: 48000 }, (_, i) => Math.sin((2 * Math.PI * 15000 * i) / 48000));
   const out = new Resampler(48000, 16000).push(input).slice(1000, -1000);
   assert.ok(Math.max(...out.map(Math.abs)) < 0.01);
 });
 
-test('the resampler takes 16 bit', () => {
+test('the resampler accepts 16 bit', () => {
   const resampler = new Resampler(8000, 8000);
   assert.deepEqual([...resampler.push(Int16Array.of(16384, -32768)), ...resampler.finish()], [0.5, -1]);
 });
 
-test('the heard clock follows the stamps smoothly, and jumps when it must', () => {
+test('the heard clock follows the timestamps smoothly, and jumps when it must', () => {
   const clock = new HeardClock();
   const context = { currentTime: 0, getOutputTimestamp: () => ({ contextTime: context.stamp, performanceTime: context.at }) };
   let before = 0;
@@ -162,14 +162,14 @@ test('the heard clock follows the stamps smoothly, and jumps when it must', () =
   assert.ok(clock.at(context, 3000) > before + 0.9, 'a jump is followed at once');
 });
 
-test('the heard clock does without stamps, and does not believe impossible ones', () => {
+test('the heard clock works without timestamps, and ignores impossible ones', () => {
   const plain = { currentTime: 5, outputLatency: 0.04 };
   assert.equal(new HeardClock().at(plain, 1000), 4.96);
   const future = { currentTime: 5, baseLatency: 0.01, getOutputTimestamp: () => ({ contextTime: 9, performanceTime: 1000 }) };
   assert.equal(new HeardClock().at(future, 1000), 4.99);
 });
 
-test('held it is silent within five milliseconds and stands still; released it goes on where it was, without a click', () => {
+test('hold silences within five milliseconds and stops the clock; release continues without a click', () => {
   const { buffer, played, run, map } = rig();
   buffer.push(new Float32Array(300).fill(1));
   run(5);
@@ -186,7 +186,7 @@ test('held it is silent within five milliseconds and stands still; released it g
   assert.equal(map().at(390).position, 190, 'nothing was lost');
 });
 
-test('a second channel that is the first one inverted does not silence it; ordinary stereo stays the mean', () => {
+test('a second channel that is the inverted first does not silence it; ordinary stereo is averaged', () => {
   const buffer = (...channels) => ({ numberOfChannels: channels.length, getChannelData: (c) => channels[c] });
   const left = Float32Array.from({ length: 8000 }, (_, i) => 0.5 * Math.sin(i / 12));
   const power = (samples) => samples.subarray(400).reduce((sum, x) => sum + x * x, 0);

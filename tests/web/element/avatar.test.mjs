@@ -17,12 +17,12 @@ import { violations } from '../../lib/schema.mjs';
 const root = fileURLToPath(new URL('../../../', import.meta.url));
 globalThis.createImageBitmap ??= async () => ({ width: 1, height: 1, close() {} }); // nothing is drawn here
 
-test('the shapes are ours', () => {
+test('the shapes are those of models/shapes', () => {
   const { shapes } = JSON.parse(fs.readFileSync(path.join(root, 'models/shapes/arkit.json')));
   assert.deepEqual([...ARKIT].sort(), Object.keys(shapes).sort());
 });
 
-test('names as avatars have them', () => {
+test('recognises the shape names of avatars', () => {
   const known = {
     jawOpen: 'jawOpen', JawOpen: 'jawOpen', 'blendShape1.jawOpen': 'jawOpen', mouthSmile_L: 'mouthSmileLeft', eyeBlinkRight: 'eyeBlinkRight',
     'Face.eye_blink_right': 'eyeBlinkRight', viseme_PP: 'viseme_PP', 'vrc.v_pp': 'viseme_PP', 'vrc.v_ou': 'viseme_U', viseme_I: 'viseme_I',
@@ -45,7 +45,7 @@ test('names as avatars have them', () => {
   assert.deepEqual(['mouthSmileLeft', 'jawOpen', 'viseme_aa'].map(mirrored), ['mouthSmileRight', 'jawOpen', 'viseme_aa']);
 });
 
-test('mapping files: what the schema takes the reader takes, and the other way round', () => {
+test('mapping files: reader and schema accept the same', () => {
   const whole = { format: 'faccia-avatar-map', version: 1 };
   const cases = [
     [whole, true],
@@ -92,7 +92,7 @@ test('least squares within a box: no step inside it is better', () => {
 const glb = () => fs.readFileSync(path.join(models, 'heads/mara.glb'));
 const SIDES = [[6, 7], [8, 9], [10, 11], [12, 13], [19, 20], [21, 22], [31, 32], [33, 34], [35, 36], [37, 38], [39, 40], [41, 42]];
 
-test('points and measures of a mesh are found by what its shapes move', async () => {
+test('finds points and measures of a mesh by what its shapes move', async () => {
   const { head, title, credits } = await modelOf(new Uint8Array(glb()), readMap(null), 'mara.glb');
   const { fdp, fapu, title: own } = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json')));
   assert.equal(title, own);
@@ -120,7 +120,7 @@ test('points and measures of a mesh are found by what its shapes move', async ()
   assert.deepEqual(Object.values(weights(askew)).map((x) => x.toFixed(6)), Object.values(first).map((x) => x.toFixed(6)), 'whatever came before');
 });
 
-test('an avatar may be of any size, look to any side, and have its lips parted at rest', async () => {
+test('accepts an avatar of any size and direction, with its lips parted at rest', async () => {
   const plain = (await modelOf(new Uint8Array(glb()), readMap(null))).head.solver;
   const solved = (solver) => Array.from(solver.solve(faceValues({ 3: 200, 4: -60, 5: -200, 8: -60, 9: -60, 10: -160, 11: -160 })));
   const wanted = solved(plain);
@@ -144,7 +144,7 @@ test('an avatar may be of any size, look to any side, and have its lips parted a
   assert.ok(Math.max(...head.solver.opened) < 0.1, 'and closed');
 });
 
-test('expressions of VRM 1.0 do where targets have no names', async () => {
+test('uses expressions of VRM 1.0 where targets have no names', async () => {
   const parts = partsOf(glb());
   for (const mesh of parts.json.meshes) delete mesh.extras;
   const { expressions } = parts.json.extensions.VRMC_vrm;

@@ -14,7 +14,7 @@ test('a sentence that fits is one caption', () => {
   assert.deepEqual(cutCaption(text, 0, 17), [{ start: 2, end: 17 }]);
 });
 
-test('a long sentence is cut at spaces, best after punctuation, and nothing is lost', () => {
+test('splits a long sentence at spaces, preferably after punctuation, without losing text', () => {
   const text =
     'Nel mezzo del cammin di nostra vita, mi ritrovai per una selva oscura, ché la diritta via era smarrita; ahi quanto a ' +
     'dir qual era è cosa dura';
@@ -25,14 +25,14 @@ test('a long sentence is cut at spaces, best after punctuation, and nothing is l
   assert.equal(pieces.map(({ start, end }) => text.slice(start, end)).join(' '), text);
 });
 
-test('a word longer than a caption is cut, but not through a character', () => {
+test('splits a word longer than a caption, but not inside a character', () => {
   const text = '😀'.repeat(100);
   const pieces = cutCaption(text, 0, text.length, 25);
   assert.equal(pieces.map(({ start, end }) => text.slice(start, end)).join(''), text);
   for (const { start, end } of pieces) assert.ok((end - start) % 2 === 0 && end - start <= 26);
 });
 
-test('words move from what is to come to what was said as they are heard', () => {
+test('words move from upcoming to spoken as they are heard', () => {
   const text = 'Uno. Due tre quattro.';
   const track = new CaptionTrack(text);
   assert.equal(track.lineOf(), null);
@@ -42,7 +42,7 @@ test('words move from what is to come to what was said as they are heard', () =>
   assert.deepEqual(track.lineOf(), { said: 'Due ', word: 'tre', rest: ' quattro.' });
 });
 
-test('the caption turns over with the word that is heard', () => {
+test('the caption advances with the word that is heard', () => {
   const text = 'alfa beta gamma delta epsilon zeta eta theta iota kappa lambda mi ni xi omicron pi rho sigma tau ypsilon';
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: text.length });
@@ -56,7 +56,7 @@ test('the caption turns over with the word that is heard', () => {
   assert.ok(!last.said.includes('alfa'));
 });
 
-test('places are UTF-16: characters beyond the basic plane count two', () => {
+test('positions are UTF-16: characters beyond the basic plane count as two', () => {
   const text = '😀 ciao';
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: 7 });
@@ -64,7 +64,7 @@ test('places are UTF-16: characters beyond the basic plane count two', () => {
   assert.deepEqual(track.lineOf(), { said: '😀 ', word: 'ciao', rest: '' });
 });
 
-/** What is on show when the word that stands there in the source is heard. */
+/** The caption shown when the word at that position of the source is heard. */
 function heardIn(source, word, markup = 'ssml') {
   const track = new CaptionTrack(source, markup);
   track.sentence({ utf16_start: 0, utf16_end: source.length });
@@ -79,29 +79,29 @@ test('captions show the words of marked-up text, not its tags', () => {
   assert.deepEqual(heardIn(source, 'amici'), { said: 'Ciao, bella gente & ', word: 'amici', rest: '!' });
 });
 
-test('a word that holds a tag or a reference is shown whole', () => {
+test('shows a word that contains a tag or a reference completely', () => {
   assert.equal(heardIn('<s>un <emphasis>elefan</emphasis>tino qui</s>', 'elefan</emphasis>tino').word, 'elefantino');
   assert.equal(heardIn('<s>perch&#xE9; no?</s>', 'perch&#xE9;').word, 'perché');
   assert.equal(heardIn('<s>ecco &#128512; qui</s>', '&#128512;').word, '😀');
 });
 
-test('comments, instructions, declarations and silent elements are no captions', () => {
+test('captions omit comments, instructions, declarations and silent elements', () => {
   const source =
     '<!DOCTYPE apml SYSTEM "x.dtd" [<!-- > -->]><apml><!-- niente <b> --><audio src="a>b.wav"><desc>un suono</desc>Uno</audio> <![CDATA[<due>]]> tre</apml>';
   assert.deepEqual(heardIn(source, 'tre'), { said: 'Uno <due> ', word: 'tre', rest: '' });
   assert.equal(heardIn('<s><metadata>a<metadata>b</metadata>c</metadata>Sì</s>', 'Sì').said, '');
 });
 
-test('plain text is left as it is, tags and all', () => {
+test('plain text keeps its tags', () => {
   assert.equal(heardIn('a <b> c &amp; d', 'c', 'plain').said, 'a <b> ');
 });
 
-test('what is no markup after all is no obstacle', () => {
+test('malformed markup takes bounded time', () => {
   for (const text of ['<'.repeat(1e4), '<a '.repeat(3e3), '<a b="'.repeat(2e3), '<!--'.repeat(2e3), '&'.repeat(1e4), `<!DOCTYPE ${'['.repeat(2e3)}`])
     assert.equal(new PlainText(`x${text}`, 'ssml').text[0], 'x');
 });
 
-test('a caption holds no more than there is room for, and changes its cut with the room', () => {
+test('a caption fits its room, and splits again when the room changes', () => {
   const text = 'alfa beta gamma delta epsilon zeta eta theta iota kappa lambda';
   for (const captions of [new CaptionTrack(text), new HeardCaptions()]) {
     captions.sentence({ text, utf16_start: 0, utf16_end: text.length });
@@ -114,7 +114,7 @@ test('a caption holds no more than there is room for, and changes its cut with t
   }
 });
 
-test('captions from elsewhere: the last words that there is room for; what is known already, until others are given', () => {
+test('external captions show the last words that fit; the track shows until captions are given', () => {
   const captions = new GivenCaptions(() => 'from the track');
   const shown = () => captions.lineOf(20)?.rest;
   assert.equal(shown(), 'from the track');

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Backoff, Connection } from '../../../web/element/stream/connection.mjs';
 
-/** A connection in a world where time passes when it is told to. */
+/** A connection with a simulated clock. */
 function rig() {
   const sockets = [];
   const states = [];
@@ -51,7 +51,7 @@ function rig() {
 
 const hello = { type: 'hello', protocol: 1 };
 
-test('waits double up to a limit, with chance, and start anew', () => {
+test('retry delays double up to a limit, with jitter, and reset', () => {
   const steady = new Backoff({ first: 500, limit: 4000, random: () => 1 });
   assert.deepEqual([1, 2, 3, 4, 5].map(() => steady.next()), [500, 1000, 2000, 4000, 4000]);
   steady.reset();
@@ -59,7 +59,7 @@ test('waits double up to a limit, with chance, and start anew', () => {
   assert.equal(new Backoff({ first: 500, random: () => 0 }).next(), 250);
 });
 
-test('it is open when the server has said hello, not before', () => {
+test('is open when the server has said hello, not before', () => {
   const { connection, sockets, states } = rig();
   connection.open();
   assert.equal(sockets[0].protocol, 'faccia.v1');
@@ -70,7 +70,7 @@ test('it is open when the server has said hello, not before', () => {
   assert.deepEqual(sockets[0].sent, [{ type: 'stop' }]);
 });
 
-test('a lost link is tried again, later each time, until it holds', () => {
+test('retries a lost link with growing delays until it holds', () => {
   const { connection, sockets, states, pass } = rig();
   connection.open();
   sockets[0].onclose();
@@ -91,7 +91,7 @@ test('a lost link is tried again, later each time, until it holds', () => {
   assert.equal(states.at(-1).retryIn, 500);
 });
 
-test('a link that has died without a word is noticed', () => {
+test('notices a link that died silently', () => {
   const { connection, sockets, states, pass } = rig();
   connection.open();
   sockets[0].hear(hello);
@@ -106,7 +106,7 @@ test('a link that has died without a word is noticed', () => {
   assert.ok(sockets[0].closed);
 });
 
-test('what an old link still says is not heard', () => {
+test('ignores messages of an old link', () => {
   const { connection, sockets, heard, pass } = rig();
   connection.open();
   const [old] = sockets;
@@ -120,7 +120,7 @@ test('what an old link still says is not heard', () => {
   assert.equal(connection.state, 'open');
 });
 
-test('closed on purpose it stays closed', () => {
+test('stays closed when closed on purpose', () => {
   const { connection, sockets, states, pass } = rig();
   connection.open();
   sockets[0].hear(hello);
@@ -131,7 +131,7 @@ test('closed on purpose it stays closed', () => {
   assert.equal(states.at(-1).state, 'closed');
 });
 
-test('when the network is back it does not wait any longer', () => {
+test('reconnects at once when the network is back', () => {
   const { connection, sockets, pass } = rig();
   connection.open();
   sockets[0].onclose();

@@ -33,7 +33,7 @@ function rig(most, count) {
   return { contexts, stages, see, drawing };
 }
 
-test('as many as there may be draw; one that comes into sight takes the place of one that is not', () => {
+test('uses the full limit of contexts; a head that scrolls into view replaces one out of view', () => {
   const { see, drawing, stages } = rig(2, 4);
   assert.deepEqual(drawing(), [0, 1]);
   see([1], true);
@@ -42,7 +42,7 @@ test('as many as there may be draw; one that comes into sight takes the place of
   assert.deepEqual(stages.map(({ refused }) => refused), [0, 0, 0, 0]);
 });
 
-test('when all that draw are seen, another is told that there is no place, and gets the next one', () => {
+test('with all drawn heads in view, reports the limit to another head, which gets the next free context', () => {
   const { see, drawing, stages, contexts } = rig(2, 4);
   see([2, 1, 0], true);
   assert.deepEqual(drawing(), [0, 1]);

@@ -27,7 +27,7 @@ const rig = (sound) => {
 };
 const settle = () => new Promise((resolve) => setTimeout(resolve, 20));
 
-test('what needs no decoding comes at once', () => {
+test('passes data that needs no decoding at once', () => {
   const { demuxer, came } = rig(new OpusSound({ can: false }));
   demuxer.text({ type: 'begin' });
   demuxer.binary(encodeChunk({ audioCodec: 1, fapCodec: 0, utterance: 1, sampleRate: 8000, fps: 25, start: 0, samples: 4, firstFrame: 0, frames: [], audio: new Int16Array(4) }).buffer);
@@ -53,7 +53,7 @@ test('packed events come before the media of their chunk', async () => {
   demuxer.reset();
 });
 
-test('texts wait for the sound before them', async () => {
+test('text messages wait for the sound before them', async () => {
   const release = [];
   const slow = { decode: ({ audio }) => new Promise((resolve) => release.push(() => resolve(new Float32Array(audio.length * 960)))), close() {} };
   const { demuxer, came } = rig(slow);
@@ -74,7 +74,7 @@ test('texts wait for the sound before them', async () => {
   assert.equal(came[1].audioRate, 48000);
 });
 
-test('a decoder that fails gives silence, and what follows comes', async () => {
+test('a failed decoder gives silence, and later data passes', async () => {
   const { demuxer, came } = rig({ decode: () => Promise.reject(new Error('broken')), close() {} });
   demuxer.binary(compact(1, 0, 441, 0, [SILENCE]));
   demuxer.text('end');
@@ -83,7 +83,7 @@ test('a decoder that fails gives silence, and what follows comes', async () => {
   assert.equal(came[1], 'end');
 });
 
-test('without WebCodecs the WebAssembly decoder does it', async () => {
+test('without WebCodecs decodes in WebAssembly', async () => {
   const sound = new OpusSound({ can: false, load: async () => ({ OpusDecoder }) });
   const { demuxer, came } = rig(sound);
   for (let i = 0; i < 3; i++) demuxer.binary(compact(1, i * 441, 441, i, [SILENCE]));

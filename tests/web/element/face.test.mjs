@@ -25,7 +25,7 @@ test('the face passes through every frame', () => {
     values.forEach((value, k) => assert.ok(Math.abs(at(track(values, fps), k / fps) - value) < 1e-3));
 });
 
-test('between frames it is smooth and never leaves their range: a closure stays closed', () => {
+test('interpolates smoothly within the range of the frames: a closure stays closed', () => {
   const values = [400, 380, 0, 0, 10, 500, 480];
   const made = track(values);
   for (let k = 0; k + 1 < values.length; k++)
@@ -43,7 +43,7 @@ test('a straight line stays straight', () => {
   assert.ok(Math.abs(at(made, 1.3 / 25) - 130) < 1e-3);
 });
 
-test('there is no face where no frame is', () => {
+test('shows no face without frames', () => {
   const made = track([10, 20], 25, 5);
   const out = new Float32Array(FAP_VALUES);
   assert.equal(made.sample(3 / 25, out), false);
@@ -51,7 +51,7 @@ test('there is no face where no frame is', () => {
   assert.equal(new FaceTrack(25).sample(0, out), false);
 });
 
-test('what lies behind is forgotten, what is heard is kept', () => {
+test('drops frames that lie behind, and keeps audible ones', () => {
   const made = track(Array.from({ length: 1000 }, (_, k) => k));
   made.forgetBefore(30);
   assert.ok(made.frames.size < 320);
@@ -76,7 +76,7 @@ test('when speech stops the face is at rest within a tenth of a second, without 
   assert.equal(mixer.changing(800), false);
 });
 
-test('late frames are waited for; when they do not come the face goes to rest, and comes back smoothly', () => {
+test('waits for late frames; without them the face goes to rest, and returns smoothly', () => {
   const mixer = new FaceMixer();
   const made = track(Array.from({ length: 50 }, () => 500));
   let now = 0;
@@ -106,7 +106,7 @@ test('keeping still, only jaw, lips and tongue move', () => {
   assert.deepEqual(moved, [...lips, ...tongue, ...outer]);
 });
 
-test('keeping still it shows its mood, also while it speaks, and neither looks about nor turns', () => {
+test('keeping still shows the mood, also during speech, without gaze or head turns', () => {
   const mixer = new FaceMixer();
   mixer.still = true;
   const idle = new FaceTrack(25);
@@ -125,7 +125,7 @@ test('keeping still it shows its mood, also while it speaks, and neither looks a
   assert.deepEqual(shown(), [0, 0, 0, 0, 0], 'no mood any more');
 });
 
-test('a pose is gone over to smoothly when it is asked for so', () => {
+test('fades to a pose on request', () => {
   const mixer = new FaceMixer();
   mixer.pose = faceValues({ 3: 250 });
   mixer.ease = true;
@@ -136,7 +136,7 @@ test('a pose is gone over to smoothly when it is asked for so', () => {
   assert.equal(mixer.values[3], 250);
 });
 
-test('a pose takes the place of what is spoken, at once', () => {
+test('a pose replaces speech at once', () => {
   const mixer = new FaceMixer();
   mixer.update(0, heard(track([100, 100, 100]), 0.04));
   mixer.pose = faceValues({ 3: 250, 49: -1000 });

@@ -5,7 +5,7 @@ import { FramePacer } from '../../../web/element/stage/frame-pacer.mjs';
 
 const BEAT = 1000 / 60;
 
-/** A pacer whose pictures take as long as they are told to, on a clock of its own. */
+/** A pacer with simulated drawing times and clock. */
 function slow() {
   const world = { now: 0, takes: 0, timers: [] };
   const pacer = new FramePacer(
@@ -38,7 +38,7 @@ function slow() {
   return { world, pacer };
 }
 
-test('a picture that takes no time is seen with the next beat of the display', () => {
+test('a fast frame appears at the next display refresh', () => {
   const { world, pacer } = slow();
   for (let i = 0; i < 10; i++) {
     world.picture(1);
@@ -51,7 +51,7 @@ test('a picture that takes no time is seen with the next beat of the display', (
   assert.equal(pacer.busy, false, 'the next one need not wait');
 });
 
-test('a slow picture is seen after as long as those before it took, within half a poll', () => {
+test('predicts the delay of a slow frame from those before it, within half a poll', () => {
   const { world, pacer } = slow();
   for (let i = 0; i < 5; i++) world.picture(45);
   pacer.tick(world.now);
@@ -62,7 +62,7 @@ test('a slow picture is seen after as long as those before it took, within half 
   assert.ok(Math.abs(pacer.ahead(world.now) - 90) <= 2, 'three are');
 });
 
-test('slow pictures do not wait for each other', () => {
+test('slow frames do not wait for each other', () => {
   const { world, pacer } = slow();
   world.picture(45);
   world.draw(45);
@@ -73,7 +73,7 @@ test('slow pictures do not wait for each other', () => {
   assert.equal(pacer.busy, false);
 });
 
-test('pictures beside a page that changes are judged by their like', () => {
+test('predicts frames during page changes from frames like them', () => {
   const { world, pacer } = slow();
   for (let i = 0; i < 5; i++) world.picture(45);
   assert.ok(Math.abs(pacer.ahead(world.now, true) - 45) <= 2, 'none of them so far');
@@ -82,7 +82,7 @@ test('pictures beside a page that changes are judged by their like', () => {
   assert.ok(Math.abs(pacer.ahead(world.now) - 45) <= 2);
 });
 
-test('what a page that was busy or hidden has not seen end teaches nothing', () => {
+test('ignores frames whose end a busy or hidden page missed', () => {
   const { world, pacer } = slow();
   for (let i = 0; i < 5; i++) world.picture(45);
   for (let i = 0; i < 5; i++) {
@@ -95,7 +95,7 @@ test('what a page that was busy or hidden has not seen end teaches nothing', () 
   assert.ok(Math.abs(pacer.ahead(world.now + 0) - 45) <= 2);
 });
 
-test('a picture whose end is never told holds the next one up for some seconds, not for ever', () => {
+test('a frame that never ends delays the next one by a few seconds only', () => {
   const { world, pacer } = slow();
   for (let i = 0; i < 5; i++) world.picture(45);
   world.draw(Infinity);
@@ -108,10 +108,10 @@ test('a picture whose end is never told holds the next one up for some seconds, 
   assert.ok(Math.abs(pacer.ahead(world.now) - 45) <= 2, 'it teaches nothing');
 });
 
-test('the beat is that of the display', () => {
+test('uses the refresh interval of the display', () => {
   const { world, pacer } = slow();
   for (let now = 0; now < 3000; now += 1000 / 75) pacer.tick((world.now = now));
   assert.ok(Math.abs(pacer.ahead(world.now) - 1000 / 75) < 0.1);
-  pacer.tick(world.now + 5000); // a pause is no beat
+  pacer.tick(world.now + 5000); // a pause does not count as a beat
   assert.ok(Math.abs(pacer.ahead(world.now + 5000) - 1000 / 75) < 0.1);
 });

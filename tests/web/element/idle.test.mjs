@@ -30,7 +30,7 @@ function feed(idle, from, to, origin, late = () => 0) {
   for (let begin = from; begin < to - 1e-9; begin += CHUNK) idle.take(chunk(begin), origin + begin - 0.08 + late(begin));
 }
 
-test('idle media are shown on the page clock, evenly, in spite of jitter', () => {
+test('plays idle media evenly on the page clock in spite of jitter', () => {
   const idle = new IdleFace();
   let begin = 0;
   let before = null;
@@ -43,7 +43,7 @@ test('idle media are shown on the page clock, evenly, in spite of jitter', () =>
   assert.ok(before > 9.6, `${before} of 10 s have been shown`);
 });
 
-test('when media are late the face holds, and goes on from there', () => {
+test('holds the face while media are late, and continues from there', () => {
   const idle = new IdleFace();
   feed(idle, 0, 0.6, 10);
   const held = shown(idle, 12);
@@ -52,7 +52,7 @@ test('when media are late the face holds, and goes on from there', () => {
   assert.ok(Math.abs(shown(idle, 12.02) - held) < 0.08);
 });
 
-test('after an utterance the face goes on where the idle clock does, whenever that is heard', () => {
+test('resumes at the idle clock after an utterance, however late that is heard', () => {
   const idle = new IdleFace();
   feed(idle, 0, 1.2, 10);
   idle.leave();
@@ -63,14 +63,14 @@ test('after an utterance the face goes on where the idle clock does, whenever th
   assert.ok(Math.abs(idle.at(13.8).seconds - 3.56) < 1e-6);
 });
 
-test('media for after an utterance do not come up before it is heard', () => {
+test('withholds idle media after an utterance until it was heard', () => {
   const idle = new IdleFace();
   feed(idle, 0, 1.2, 10);
   idle.take(chunk(1.7), 11);
   assert.ok(idle.at(11.05).seconds < 1.2);
 });
 
-test('idle clock set back to 0: the face follows', () => {
+test('follows an idle clock that is reset to 0', () => {
   const idle = new IdleFace();
   feed(idle, 5, 6, 10);
   idle.at(14.9);
@@ -78,7 +78,7 @@ test('idle clock set back to 0: the face follows', () => {
   assert.ok(idle.at(18.5).seconds < 1);
 });
 
-test('from idling to speech and back the face takes no jump', () => {
+test('the face does not jump between idling and speech', () => {
   const mixer = new FaceMixer();
   const idle = new IdleFace();
   feed(idle, 0, 2.4, 0);
@@ -93,7 +93,7 @@ test('from idling to speech and back the face takes no jump', () => {
   }
 });
 
-test('keeping still from now on is no jump either', () => {
+test('switching to still does not cause a jump', () => {
   const mixer = new FaceMixer();
   const idle = new IdleFace();
   feed(idle, 1, 3, 0);
@@ -106,7 +106,7 @@ test('keeping still from now on is no jump either', () => {
   assert.equal(mixer.values[48], 0);
 });
 
-test('a mixture can be given as a list, an object or a text', () => {
+test('accepts a mixture as a list, an object or a text', () => {
   const joy = [{ name: 'joy', intensity: 0.6 }];
   assert.deepEqual(readMix('joy 0.6'), joy);
   assert.deepEqual(readMix({ joy: 0.6 }), joy);
@@ -121,7 +121,7 @@ test('a mixture can be given as a list, an object or a text', () => {
   assert.equal(readMix({ a: 0.1, b: 0.2, c: 0.3, d: 0.4, e: 0.5 }).length, 4);
 });
 
-test('what is wanted is asked for once, and again on a new link', () => {
+test('requests idling and mood once, and again on a new link', () => {
   const sent = [];
   let up = false;
   const life = new IdleController((message) => up && sent.push(message) > 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// On a server there is no page: everything can be imported there, and nothing happens.
+// Everything can be imported on a server, without a page and without side effects.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -27,7 +27,7 @@ test('so can the bundle, which then defines nothing', async () => {
   assert.equal(globalThis.customElements, undefined);
 });
 
-test('where there are elements it is defined once, however often the script is loaded', async (t) => {
+test('in a browser defines the element once, however often the script loads', async (t) => {
   const defined = new Map();
   globalThis.customElements = {
     get: (name) => defined.get(name),

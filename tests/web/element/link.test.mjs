@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said when there is no way to the server, and when it is said.
+// Messages of the element when the server is unreachable, and when they appear.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Link } from '../../../web/element/stream/link.mjs';
@@ -30,7 +30,7 @@ function rig(t, { src = 'ws://there/v1/stream', token = null, refuses = null, fe
     ontrouble: (name, values, told) => said.push(name === null ? null : { name, ...values, ...(told ? { told } : {}) }),
   });
   link.open();
-  // One timer after the other: on a busy machine a single one is due before those that were set after it.
+  // Starts one timer after the other: on a busy machine a single one may fire before those set after it.
   const settle = async () => {
     for (let i = 0; i < 4; i++) await new Promise((resolve) => setTimeout(resolve, 5));
   };
@@ -39,7 +39,7 @@ function rig(t, { src = 'ws://there/v1/stream', token = null, refuses = null, fe
 }
 const there = { src: 'ws://there/v1/stream', server: 'http://there', origin: 'http://page' };
 
-test('the first attempt that fails is explained, the next ones only when the reason is another', async (t) => {
+test('explains the first failing attempt, and later ones only for a new reason', async (t) => {
   const { said, sockets, settle, link, hear } = rig(t);
   sockets[0].onclose();
   await settle();
@@ -61,13 +61,13 @@ test('the first attempt that fails is explained, the next ones only when the rea
   assert.equal(said.at(-1), null, 'a link that is lost is tried again before anything is said');
 });
 
-test('what the browser refuses at once', async (t) => {
+test('refused by the browser at once', async (t) => {
   await t.test('no address', (t1) => assert.equal(rig(t1, { src: 'ws://:' }).said[0].name, 'badAddress'));
-  await t.test('not from https:', (t1) => assert.equal(rig(t1, { refuses: 'SecurityError', https: true }).said[0].name, 'mixedContent'));
-  await t.test('by policy', (t1) => assert.equal(rig(t1, { refuses: 'SecurityError' }).said[0].name, 'blockedByPolicy'));
+  await t.test('insecure address on an https: page', (t1) => assert.equal(rig(t1, { refuses: 'SecurityError', https: true }).said[0].name, 'mixedContent'));
+  await t.test('blocked by policy', (t1) => assert.equal(rig(t1, { refuses: 'SecurityError' }).said[0].name, 'blockedByPolicy'));
 });
 
-test('the page’s policy is named when it was violated', async (t) => {
+test('names the violated policy of the page', async (t) => {
   const { page, said, sockets, settle } = rig(t);
   page.dispatchEvent(Object.assign(new Event('securitypolicyviolation'), { effectiveDirective: 'connect-src', blockedURI: 'ws://there/v1/stream' }));
   sockets[0].onerror();
@@ -75,7 +75,7 @@ test('the page’s policy is named when it was violated', async (t) => {
   assert.deepEqual(said.map(({ name }) => name), ['blockedByPolicy']);
 });
 
-test('a token that is missing is missed at once, one that is bad when the server says so', async (t) => {
+test('reports a missing token at once, and an invalid one when the server does', async (t) => {
   const fetches = async () => ({ status: 401 });
   await t.test('missing', async (t1) => {
     const { hear, settle, said } = rig(t1, { fetches });

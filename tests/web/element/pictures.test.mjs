@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What morphs a face of pictures: the warp, the choice of pictures, the mask, the pixels.
+// Morphing a face made of pictures: the warp, the choice of pictures, the mask, the pixels.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
@@ -16,7 +16,7 @@ import { openingOf, spaceOf } from '../../../web/element/pictures/space.mjs';
 const ANCHORS = [[20, 40], [60, 40], [40, 30], [40, 52], [40, 75]];
 const box = (inset, width, height) => [[inset, inset], [width - 1 - inset, inset], [width - 1 - inset, height - 1 - inset], [inset, height - 1 - inset]];
 
-test('the warp takes each anchor to its place, and affine maps as they are', () => {
+test('the warp maps each anchor exactly, and reproduces affine maps', () => {
   const to = ANCHORS.map(([x, y], i) => [x + 2 * i - 3, y - i * i]);
   const affine = ANCHORS.map(([x, y]) => [3 + 0.9 * x - 0.2 * y, -5 + 0.1 * x + 1.1 * y]);
   const warp = multiquadric(ANCHORS, [to, affine]);
@@ -32,7 +32,7 @@ test('the warp takes each anchor to its place, and affine maps as they are', () 
 const posesOf = () => JSON.parse(fs.readFileSync(new URL('../../../models/pictures/poses.json', import.meta.url))).poses.map(({ name, faps }) => ({ name, faps: faceValues(faps) }));
 const inSpace = (poses) => poses.map(({ name, faps }) => ({ name, at: spaceOf('mouth')(faps), opening: openingOf(faps) }));
 
-test('a pose that is met is its own picture', () => {
+test('shows the picture of a matched pose', () => {
   const pictures = inSpace(posesOf());
   pictures.forEach(({ at, opening, name }, i) => {
     const [first, ...more] = nearest(at, pictures, opening);
@@ -40,7 +40,7 @@ test('a pose that is met is its own picture', () => {
   });
 });
 
-test('lips that touch are shown by pictures of lips that touch, whatever else they do', () => {
+test('shows touching lips by pictures of touching lips, whatever else they do', () => {
   const poses = posesOf();
   const pictures = inSpace(poses);
   for (const { name, faps } of poses) {
@@ -51,29 +51,44 @@ test('lips that touch are shown by pictures of lips that touch, whatever else th
   }
 });
 
-test('nothing jumps on the way from one pose to another, though the neighbours change', () => {
+test('transitions between poses are continuous, even when the neighbours change', () => {
   const poses = posesOf();
   const pictures = inSpace(poses);
   const STEPS = 40000; // of a way that takes speech three frames at least
   let changes = 0;
   for (const [a, b] of [['p1', 'a'], ['u', 'i1'], ['f1', 'ɔ'], ['joy', 't1'], ['rest', 'surprise']]) {
     const [from, to] = [a, b].map((name) => poses.find((pose) => pose.name === name).faps);
-    let before = null;
-    for (let i = 0; i <= STEPS; i++) {
-      const faps = from.map((value, n) => value + (i / STEPS) * (to[n] - value));
-      const chosen = nearest(spaceOf('mouth')(faps), pictures, openingOf(faps));
+    const weightsAt = (share) => {
+      const faps = from.map((value, n) => value + share * (to[n] - value));
       const weights = new Float64Array(pictures.length);
-      for (const { index, weight } of chosen) weights[index] = weight;
-      const step = before ? Math.max(...weights.map((weight, k) => Math.abs(weight - before[k]))) : 0;
+      for (const { index, weight } of nearest(spaceOf('mouth')(faps), pictures, openingOf(faps))) weights[index] = weight;
+      return weights;
+    };
+    /** The greatest change between two places; where it is great, in pieces of a hundredth: steep ways shrink with the step, jumps do not. */
+    const change = (share, width, left, right) => {
+      const step = Math.max(...right.map((weight, k) => Math.abs(weight - left[k])));
+      if (step < 0.03 || width < 1e-8) return step;
+      let [last, most] = [left, 0];
+      for (let k = 1; k <= 100; k++) {
+        const next = k < 100 ? weightsAt(share + (k * width) / 100) : right;
+        most = Math.max(most, change(share + ((k - 1) * width) / 100, width / 100, last, next));
+        last = next;
+      }
+      return most;
+    };
+    let before = weightsAt(0);
+    for (let i = 1; i <= STEPS; i++) {
+      const weights = weightsAt(i / STEPS);
+      const step = change((i - 1) / STEPS, 1 / STEPS, before, weights);
       assert.ok(step < 0.03, `${a} to ${b}: a weight changes by ${step.toFixed(3)} at ${(i / STEPS).toFixed(3)}`);
-      if (before && weights.some((weight, k) => (weight > 0) !== (before[k] > 0))) changes++;
+      if (weights.some((weight, k) => (weight > 0) !== (before[k] > 0))) changes++;
       before = weights;
     }
   }
   assert.ok(changes > 10, `${changes} neighbours have changed`);
 });
 
-test('the mask is whole within, nothing outside, and half way between half', () => {
+test('the mask is opaque inside, clear outside, and half way between half', () => {
   const mask = maskOf({ width: 41, height: 41, mask: { inner: box(12, 41, 41), outer: box(4, 41, 41) } });
   const at = (x, y) => mask[y * 41 + x];
   assert.equal(at(20, 20), 1);
@@ -90,7 +105,7 @@ function region(width = 80, height = 90) {
   return new Region({ name: 'mouth', x: 0, y: 0, width, height, pictures, mask: { inner: box(6, width, height), outer: box(2, width, height) } }, [ramp, flat], { MNS: 42, MW: 100 });
 }
 
-test('a picture that is met is shown to the byte, with the mask as its alpha', () => {
+test('shows a matched picture exactly, with the mask as its alpha', () => {
   const mouth = region();
   assert.equal(mouth.update(faceValues({})), true);
   assert.equal(mouth.update(faceValues({})), false, 'nothing has changed');
@@ -98,7 +113,7 @@ test('a picture that is met is shown to the byte, with the mask as its alpha', (
   assert.equal(mouth.output[0] >>> 24, 0);
 });
 
-test('a corner that is drawn out takes the picture along', () => {
+test('moving a corner stretches the picture', () => {
   const mouth = region();
   const [width, by] = [80, 80]; // FAP units of MW
   mouth.update(faceValues({ 53: by }));
@@ -111,7 +126,7 @@ test('a corner that is drawn out takes the picture along', () => {
   assert.equal(at(3, 45), 6, 'the seam stays');
 });
 
-test('a set that is damaged is refused with what is wrong', () => {
+test('rejects a damaged set with the reason', () => {
   const image = { type: 'image/webp', data: 'AAAA' };
   const mouth = () => ({ name: 'mouth', x: 0, y: 0, width: 80, height: 90, columns: 1, sheet: image, mask: { inner: box(6, 80, 90), outer: box(2, 80, 90) }, pictures: [{ name: 'rest', faps: {}, anchors: ANCHORS }] });
   const set = () => ({ format: 'faccia-pictures', version: 1, name: 'x', width: 100, height: 100, fapu: { MNS: 42, MW: 100 }, pivot: [50, 50], reach: 10, base: image, regions: [mouth()] });
@@ -148,9 +163,9 @@ function heads(width, height) {
   };
 }
 
-test('a photograph is measured by its header, whatever its kind, before the browser decodes it', async () => {
+test('reads the size of a photograph of any format from its header, before the browser decodes it', async () => {
   for (const [name, bytes] of Object.entries(heads(16000, 15000))) {
     assert.deepEqual(pictureSize(bytes), [16000, 15000], name);
-    await assert.rejects(readPicture(new Blob([bytes])), { code: 'too_large' }, name); // this is no browser: decoding would fail otherwise
+    await assert.rejects(readPicture(new Blob([bytes])), { code: 'too_large' }, name); // Node.js cannot decode images: decoding would fail otherwise
   }
 });

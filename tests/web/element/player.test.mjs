@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What becomes of speech where the browser refuses sound, or has nothing to sound on.
+// Speech where the browser refuses sound, or has no output device.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Player } from '../../../web/element/audio/player.mjs';
@@ -14,7 +14,7 @@ function rig({ state = 'suspended', touched = false, context: has = true } = {})
     state, sampleRate: RATE, currentTime: 0, asked: 0,
     resume() {
       this.asked++;
-      return new Promise(() => {}); // kept by nobody
+      return new Promise(() => {}); // never settles
     },
     change(to) {
       this.state = to;
@@ -48,7 +48,7 @@ function rig({ state = 'suspended', touched = false, context: has = true } = {})
   return { player, context, page, sounds, world, pass, position: () => player.heard(world.now).position };
 }
 
-test('without a gesture sound is blocked, and the samples go by in silence', async () => {
+test('without a gesture sound is blocked, and the samples pass in silence', async () => {
   const { player, sounds, pass, position } = rig();
   player.open();
   player.write(new Float32Array(2000));
@@ -59,7 +59,7 @@ test('without a gesture sound is blocked, and the samples go by in silence', asy
   assert.equal(position(), 2000);
 });
 
-test('after a gesture it is on', async () => {
+test('turns sound on after a gesture', async () => {
   const { player, context, page, sounds, pass, world } = rig();
   player.open();
   player.write(new Float32Array(3000));
@@ -71,7 +71,7 @@ test('after a gesture it is on', async () => {
   assert.ok(world.driver.pushed > 1000 && world.driver.pushed < 3000, 'the rest is heard');
 });
 
-test('where sound does not begin even after a gesture there is no device, and nobody is asked for another', async () => {
+test('reports no device when sound does not start after a gesture, and asks for no further gesture', async () => {
   const { player, context, page, sounds, pass, position } = rig();
   player.open();
   await pass(400);
@@ -85,12 +85,12 @@ test('where sound does not begin even after a gesture there is no device, and no
   player.finish();
   await pass(1000);
   assert.equal(position(), 500);
-  context.change('running'); // somebody has plugged one in
+  context.change('running'); // a device has been plugged in
   await pass(40);
   assert.equal(sounds.at(-1), 'on');
 });
 
-test('on a page that was touched before, too', async () => {
+test('reports no device on a page that was touched before, too', async () => {
   const { player, sounds, pass, position } = rig({ touched: true });
   player.open();
   player.write(new Float32Array(500));
@@ -100,7 +100,7 @@ test('on a page that was touched before, too', async () => {
   assert.equal(position(), 500, 'what was to be said has gone by');
 });
 
-test('an audio clock that stands still has no device: speech goes on without, and with one when it runs again', async () => {
+test('a stalled audio clock counts as no device: speech continues in silence, and with sound when it runs again', async () => {
   const { player, context, sounds, world, pass, position } = rig({ state: 'running' });
   player.open();
   await pass(40);
@@ -119,7 +119,7 @@ test('an audio clock that stands still has no device: speech goes on without, an
   assert.equal(position(), 1500);
 });
 
-test('a page that slept is no standstill', async () => {
+test('does not mistake a suspended page for a stalled clock', async () => {
   const { player, sounds, world, pass } = rig({ state: 'running' });
   player.open();
   await pass(40);
@@ -128,7 +128,7 @@ test('a page that slept is no standstill', async () => {
   assert.deepEqual(sounds, ['on']);
 });
 
-test('a browser without sound says so', async () => {
+test('reports a browser without sound', async () => {
   const { player, sounds, pass, position } = rig({ context: false });
   player.open();
   player.write(new Float32Array(48000));
@@ -138,7 +138,7 @@ test('a browser without sound says so', async () => {
   assert.equal(position(), 48000);
 });
 
-test('closed while it waits for sound, and opened again, it asks anew', async () => {
+test('asks again when closed while waiting for sound, and reopened', async () => {
   const { player, sounds, pass } = rig();
   player.open();
   await pass(80);

@@ -14,7 +14,7 @@ const answering = (cors, opaque, before = () => {}) => (url, { mode }) => {
 };
 const ask = (...answers) => reasonOf('wss://there:1/v1/stream?token=secret#x', { fetch: answering(...answers), page });
 
-test('what is behind a WebSocket that does not open', async () => {
+test('finds out why a WebSocket does not open', async () => {
   assert.equal(await ask(null, null), 'noServer');
   assert.equal(await ask(null, 0), 'forbiddenOrigin');
   assert.equal(await ask(403, 0), 'forbiddenOrigin', 'the page’s own server, under another name');
@@ -24,26 +24,26 @@ test('what is behind a WebSocket that does not open', async () => {
   assert.equal(await ask(200, 0), 'wrongAddress', 'some other server');
 });
 
-test('what the page’s own policy forbids is not the server’s fault', async () => {
+test('does not blame the server for the page’s own policy', async () => {
   const violate = (url) => page.dispatchEvent(Object.assign(new Event('securitypolicyviolation'), { effectiveDirective: 'connect-src', blockedURI: String(url) }));
   assert.equal(await ask(null, null, violate), 'blockedByPolicy');
   assert.equal(await ask(null, null, () => violate('http://elsewhere/')), 'noServer');
 });
 
-test('no token goes where nobody is known', async () => {
+test('never sends a token to an unknown server', async () => {
   const asked = [];
   await ask(null, null, (url) => asked.push(String(url)));
   assert.deepEqual(asked, ['https://there:1/v1/stream', 'https://there:1/v1/stream']);
   assert.equal(serverOf('ws://here:8080/v1/stream'), 'http://here:8080');
 });
 
-test('whether a token is wanted', async () => {
+test('finds out whether the server requires a token', async () => {
   assert.equal(await wantsToken('ws://here/v1/stream', { fetch: async (url) => ({ status: String(url) === 'http://here/v1/rooms' ? 401 : 0 }) }), true);
   assert.equal(await wantsToken('ws://here/v1/stream', { fetch: async () => ({ status: 200 }) }), false, 'a proxy has shown one');
   assert.equal(await wantsToken('ws://here/v1/stream', { fetch: () => Promise.reject(new TypeError()) }), false);
 });
 
-test('where the stream is: as the page says, else at its own server, else at the script’s', () => {
+test('takes the stream from the page’s attribute, then the page’s server, then the script’s', () => {
   const script = 'http://daemon:8080/talking-head.js';
   assert.equal(streamAddress('https://a/v1/stream', 'http://page/x', script), 'wss://a/v1/stream');
   assert.equal(streamAddress('../v1/stream', 'http://page/x/y', script), 'ws://page/v1/stream');

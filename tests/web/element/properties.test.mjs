@@ -21,7 +21,7 @@ class Element {
 class Head extends Element {}
 addProperties(Head.prototype);
 
-test('texts and numbers are mirrored; nothing takes the attribute away', () => {
+test('reflects texts and numbers; null and undefined remove the attribute', () => {
   const head = new Head();
   head.voice = 'espeak:it+f2';
   head.rate = '180';
@@ -39,7 +39,7 @@ test('texts and numbers are mirrored; nothing takes the attribute away', () => {
   }
 });
 
-test('switches take what templates have for yes and no', () => {
+test('switches accept the truth values of templates', () => {
   const head = new Head();
   assert.deepEqual([head.captions, head.polite, head.still, head.turn], [true, true, null, null]);
   for (const no of [false, 'off', 'false', 'OFF']) {
@@ -67,7 +67,7 @@ test('the expression may be an object', () => {
   assert.deepEqual(head.expression, []);
 });
 
-test('what was set before the element was one is taken over', () => {
+test('applies properties set before the upgrade', () => {
   const plain = new Element();
   Object.assign(plain, { rate: 200, captions: 'off', other: 1 });
   Object.setPrototypeOf(plain, Head.prototype);

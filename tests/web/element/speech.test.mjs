@@ -7,7 +7,7 @@ import { Turns } from '../../../web/element/speech/turns.mjs';
 
 const RATE = 1000;
 
-/** A speech with a player that plays when it is told to, and a server that is played by the test. */
+/** A speech with a simulated player and server. */
 function rig({ linked = true, turns, state } = {}) {
   const sent = [];
   const events = [];
@@ -66,7 +66,7 @@ function rig({ linked = true, turns, state } = {}) {
 const begin = (id, utterance) => ({ type: 'begin', id, utterance, rate: RATE, fps: 25 });
 const word = (id, utterance, time, text) => ({ type: 'word', id, utterance, time, text, utf16_start: 0, utf16_end: text.length });
 
-test('what happens is told when it is heard, in order, and the promise gives the end', async () => {
+test('reports events when they are heard, in order, and the promise resolves with the end', async () => {
   const { speech, sent, names, media, hear, chunk, play } = rig();
   const promise = speech.speak('Uno due', { lang: 'it', id: 'mine' });
   assert.deepEqual(sent, [{ lang: 'it', id: 'u1', type: 'speak', text: 'Uno due' }]);
@@ -92,7 +92,7 @@ test('what happens is told when it is heard, in order, and the promise gives the
   assert.equal(speech.busy, false);
 });
 
-test('nothing begins before it sounds', () => {
+test('reports no event before its sound', () => {
   const { speech, player, names, hear, play } = rig();
   speech.speak('Uno');
   hear(begin('u1', 1));
@@ -104,7 +104,7 @@ test('nothing begins before it sounds', () => {
   assert.deepEqual(names(), ['begin']);
 });
 
-test('two utterances follow each other on the stream of samples', () => {
+test('plays two utterances one after the other on the sample stream', () => {
   const { speech, hear, chunk, play, names } = rig();
   speech.speak('a');
   speech.speak('b');
@@ -119,7 +119,7 @@ test('two utterances follow each other on the stream of samples', () => {
   assert.deepEqual(names(), ['begin', 'done', 'begin']);
 });
 
-test('the face can be asked for ahead of what is heard, without anything happening', () => {
+test('looking ahead at the face triggers no events', () => {
   const { speech, hear, chunk, play, names } = rig();
   speech.speak('a');
   hear(begin('u1', 1));
@@ -130,7 +130,7 @@ test('the face can be asked for ahead of what is heard, without anything happeni
   assert.deepEqual(names(), ['begin']);
 });
 
-test('stop silences before the server answers, and nothing of what was cut comes up', async () => {
+test('stop silences before the server answers, and drops the events that it cut', async () => {
   const { speech, player, sent, names, hear, chunk, play } = rig();
   const first = speech.speak('a');
   const second = speech.speak('b');
@@ -152,7 +152,7 @@ test('stop silences before the server answers, and nothing of what was cut comes
   assert.deepEqual(names(), ['begin', 'stopped', 'stopped']);
 });
 
-test('stop while the last half second plays, when the server is done already', async () => {
+test('stops during the last half second, after the server is done', async () => {
   const { speech, hear, chunk, play } = rig();
   const promise = speech.speak('a');
   hear(begin('u1', 1));
@@ -163,7 +163,7 @@ test('stop while the last half second plays, when the server is done already', a
   assert.equal((await promise).reason, 'stopped');
 });
 
-test('after a stop the next utterance is heard', () => {
+test('plays the next utterance after a stop', () => {
   const { speech, player, hear, chunk, play } = rig();
   speech.speak('a');
   hear(begin('u1', 1));
@@ -188,7 +188,7 @@ test('a refusal ends at once, with its error', async () => {
   assert.deepEqual(events[0], ['error', { type: 'error', code: 'unknown-language', field: 'lang' }]);
 });
 
-test('when the link is lost what has come is played out, then it fails', async () => {
+test('plays the received sound after the link is lost, then fails', async () => {
   const { speech, hear, chunk, play, events } = rig();
   const promise = speech.speak('a', { id: 7 });
   hear(begin('u1', 1));
@@ -200,7 +200,7 @@ test('when the link is lost what has come is played out, then it fails', async (
   assert.deepEqual(await promise, { type: 'end', reason: 'failed', code: 'connection-lost', id: 7 });
 });
 
-test('when the link is lost after words were told whose sound did not come, it fails where the sound ends', async () => {
+test('fails at the end of the sound when the link is lost before the sound of announced words', async () => {
   const { speech, hear, chunk, play, names, player } = rig();
   const promise = speech.speak('a', { id: 7 });
   hear(begin('u1', 1));
@@ -215,7 +215,7 @@ test('when the link is lost after words were told whose sound did not come, it f
   assert.ok(names().includes('uno') && !names().includes('due'), names().join());
 });
 
-test('words that are told for the very end come up before it, when no sound runs any more', async () => {
+test('reports words at the very end before the end event, after the sound stops', async () => {
   const { speech, hear, chunk, play, names, player } = rig();
   const promise = speech.speak('a', { id: 7 });
   hear(begin('u1', 1));
@@ -228,7 +228,7 @@ test('words that are told for the very end come up before it, when no sound runs
   assert.deepEqual(names().slice(-2), ['uno', 'done']);
 });
 
-test('what another daemon speaks again begins anew, and has one end', async () => {
+test('an utterance repeated by another daemon starts again, and has one end', async () => {
   const { speech, hear, chunk, play, names, events } = rig();
   const promise = speech.speak('a', { again: true });
   hear(begin('u1', 1));
@@ -249,7 +249,7 @@ test('what another daemon speaks again begins anew, and has one end', async () =
   assert.equal(speech.busy, false);
 });
 
-test('somebody else\'s that another daemon speaks again is another one', () => {
+test('treats another client\'s utterance repeated by another daemon as a new one', () => {
   const { speech, hear, chunk, play, names } = rig();
   speech.adopts = true;
   hear({ ...begin('theirs', 1), id: undefined });
@@ -265,7 +265,7 @@ test('somebody else\'s that another daemon speaks again is another one', () => {
   assert.equal(speech.busy, false);
 });
 
-test('what is asked for before there is a link goes out when there is one', () => {
+test('sends a request made before the connection when it opens', () => {
   const { speech, sent, link } = rig({ linked: false });
   speech.speak('a');
   assert.deepEqual(sent, []);
@@ -274,7 +274,7 @@ test('what is asked for before there is a link goes out when there is one', () =
   assert.equal(sent[0].text, 'a');
 });
 
-test('when there is none for ten seconds it fails', async () => {
+test('fails after ten seconds without a connection', async () => {
   const { speech, events, timers } = rig({ linked: false });
   const promise = speech.speak('a');
   assert.equal(timers[0].after, 10000);
@@ -283,7 +283,7 @@ test('when there is none for ten seconds it fails', async () => {
   assert.equal(events[0][1].code, 'no-connection');
 });
 
-test('a gap in the samples is filled, so that the face keeps its place', () => {
+test('fills a gap in the samples, so that the face keeps its position', () => {
   const { speech, player, hear, chunk } = rig();
   speech.speak('a');
   hear(begin('u1', 1));
@@ -292,7 +292,7 @@ test('a gap in the samples is filled, so that the face keeps its place', () => {
   assert.equal(player.written, 350);
 });
 
-test('in a room, what others ask for is heard and shown; elsewhere it is not', () => {
+test('plays and shows the requests of others in a room; ignores them elsewhere', () => {
   const { speech, names, hear, chunk, play } = rig();
   const others = { type: 'begin', id: 'theirs', utterance: 4, rate: RATE, fps: 25, markup: 'plain' };
   hear(others);
@@ -318,7 +318,7 @@ test('a pause holds the player at once, and whenever the server says so', () => 
   speech.resume();
   assert.ok(!player.held);
   hear({ type: 'resumed', stream: 's1' });
-  hear({ type: 'paused', stream: 's1', utterance: 9, time: 1, sample: 1 }); // somebody else's in a room
+  hear({ type: 'paused', stream: 's1', utterance: 9, time: 1, sample: 1 }); // another client's, in a room
   assert.ok(player.held);
   speech.stop();
   assert.ok(!player.held);
@@ -326,7 +326,7 @@ test('a pause holds the player at once, and whenever the server says so', () => 
   assert.deepEqual(names(), ['paused', 'resumed', 'paused']);
 });
 
-test('after a jump what was to be heard is not; what follows comes at its time', () => {
+test('drops pending events after a jump, and reports later ones at their time', () => {
   const { speech, player, sent, names, hear, chunk, play } = rig();
   speech.speak('Uno due tre');
   hear(begin('u1', 1));
@@ -345,7 +345,7 @@ test('after a jump what was to be heard is not; what follows comes at its time',
   assert.deepEqual(names(), ['begin', 'Uno', 'jumped', 'mark', 'tre']);
 });
 
-test('what the server cuts is silent at once, though one has not asked for it', async () => {
+test('silences at once what the server cuts, even without a request of its own', async () => {
   const { speech, player, names, hear, chunk, play } = rig();
   const first = speech.speak('Uno due');
   hear(begin('u1', 1));
@@ -372,7 +372,7 @@ function say({ hear, chunk, play, player }, id, utterance) {
 
 const texts = ({ sent }) => sent.filter(({ type }) => type === 'speak').map(({ text }) => text);
 
-test('two heads take turns: the second is sent when the first was heard, and then its promise is kept', async () => {
+test('two heads take turns: the second request is sent when the first was heard, and its promise then resolves', async () => {
   const turns = new Turns();
   const [a, b] = [rig({ turns }), rig({ turns })];
   a.speech.speak('Ciao.');
@@ -387,7 +387,7 @@ test('two heads take turns: the second is sent when the first was heard, and the
   assert.deepEqual(texts(a), ['Ciao.', 'Come stai?']);
 });
 
-test('one that need not wait does not; a stop, a pause and a lost link let the next one speak', () => {
+test('a head that does not wait speaks at once; a stop, a pause and a lost link let the next one speak', () => {
   const turns = new Turns();
   const [a, b, c] = [rig({ turns }), rig({ turns }), rig({ turns })];
   b.speech.waits = false;
@@ -410,7 +410,7 @@ test('one that need not wait does not; a stop, a pause and a lost link let the n
   assert.deepEqual(texts(b), ['Due.', 'Quattro.']);
 });
 
-test('what waits for its turn is forgotten by a stop, and by what is said instead', async () => {
+test('a stop, or replacing speech, cancels waiting requests', async () => {
   const turns = new Turns();
   const [a, b] = [rig({ turns }), rig({ turns })];
   a.speech.speak('Uno.');
@@ -422,7 +422,7 @@ test('what waits for its turn is forgotten by a stop, and by what is said instea
   assert.deepEqual(texts(b), []);
 });
 
-test('what is said before there is a connection is sent when it is there; nobody waits for a head without one', () => {
+test('sends a request made before the connection when it opens; heads without a connection delay no one', () => {
   const turns = new Turns();
   let state = 'closed';
   const [a, b] = [rig({ turns, linked: false, state: () => state }), rig({ turns })];
@@ -436,7 +436,7 @@ test('what is said before there is a connection is sent when it is there; nobody
   assert.deepEqual(texts(a), ['Uno.']);
 });
 
-test('the order holds while connections are made', () => {
+test('keeps the order while connections open', () => {
   const turns = new Turns();
   let state = 'connecting';
   const [a, b] = [rig({ turns, linked: false, state: () => state }), rig({ turns })];
@@ -451,7 +451,7 @@ test('the order holds while connections are made', () => {
   assert.deepEqual(texts(b), ['Due.']);
 });
 
-test('the end says when it was not heard', async () => {
+test('the end reports unheard speech', async () => {
   const silent = rig();
   silent.player.sound = 'blocked';
   const promise = silent.speech.speak('Uno.');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Avatars as others make them, and files that mean no good: what comes in stands where a head stands, closes its lips and lids and opens them; what does not is told
-// by one error with its place.
+// Third-party avatars, also malicious ones: an accepted avatar is placed like a head, and opens and closes its lips and lids; a refused
+// one is reported by one error with its position.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -34,7 +34,7 @@ const vertices = Object.fromEntries(POINTS.map((point) => {
 
 const read = (bytes, file = 'a.glb') => modelOf(new Uint8Array(bytes), readMap(null), file);
 
-/** Where the points of its skin are at FAPs, mm, from where a head has its eyes. */
+/** Positions of its skin points at FAPs, mm, relative to the eyes of a head. */
 function lookAt(head) {
   const mesh = head.meshes.find(({ name }) => name.startsWith('skin'));
   return (faps) => {
@@ -49,7 +49,7 @@ const LIPS = [['2.2', '2.3'], ['2.6', '2.8'], ['2.7', '2.9']];
 const LIDS = [['3.1', '3.3'], ['3.2', '3.4']];
 
 for (const [name, { bytes, lids = true, wink = true }] of Object.entries(strangeCases(whole)))
-  test(`${name}: it stands as a head does, lips meet and part, lids close`, async (t) => {
+  test(`${name}: stands upright, lips meet and part, lids close`, async (t) => {
     const { head } = await read(bytes());
     const at = lookAt(head);
     const rest = at({});
@@ -75,7 +75,7 @@ for (const [name, { bytes, lids = true, wink = true }] of Object.entries(strange
     }
   });
 
-test('names of targets, wherever they stand, and as many as there are', async () => {
+test('reads target names in any place and number', async () => {
   const ways = {
     'beside the primitive': (mesh) => (mesh.primitives[0].extras = mesh.extras) && delete mesh.extras,
     'too few': (mesh) => mesh.extras?.targetNames.pop(),
@@ -138,7 +138,7 @@ const HOSTILE = {
   'a texture that is not there': [(json) => (json.materials[1].pbrMetallicRoughness.baseColorTexture.index = 77), 'damaged', /materials\[1\]\.pbrMetallicRoughness\.baseColorTexture: there is no textures\[77\]/],
 };
 
-test('files that mean no good are told by one error with its place', async (t) => {
+test('reports malicious files by one error with its position', async (t) => {
   const cases = Object.entries(HOSTILE).map(([name, [change, reason, says]]) => [name, changed(change), reason, says]);
   cases.push(['a picture of 60000 x 60000', withPicture(png(60000, 60000)), 'too-large', /images\[0\]: 60000 x 60000/]);
   cases.push(['a picture that is none', withPicture(Buffer.alloc(64, 7)), 'damaged', /images\[0\]/]);
@@ -152,7 +152,7 @@ test('files that mean no good are told by one error with its place', async (t) =
     }, name);
 });
 
-test('a texture without a picture that is known here is left out', async () => {
+test('omits a texture whose picture format is unknown', async () => {
   const { head } = await read(changed((json) => (json.textures[0] = { extensions: { EXT_texture_unheard: { source: 0 } } })));
   assert.equal(head.meshes.find(({ name }) => name === 'skin').material.map, null);
 });
@@ -180,7 +180,7 @@ const weighed = (weights) => (json) => {
   for (const mesh of json.meshes) if (mesh.extras?.targetNames) mesh.weights = mesh.extras.targetNames.map((name) => weights[name] ?? 0);
 };
 
-test('what a file shows its shapes at is taken away: lips and lids meet as without', async () => {
+test('removes the shape weights stored in a file: lips and lids meet as without them', async () => {
   await actsAsOurs(changed(weighed({ jawOpen: 0.3, eyeBlinkLeft: 1, eyeBlinkRight: 1, mouthFunnel: 0.4 })), 'weights of meshes');
   await actsAsOurs(changed((json) => {
     for (const node of json.nodes) {
@@ -190,7 +190,7 @@ test('what a file shows its shapes at is taken away: lips and lids meet as witho
   }), 'weights of nodes');
 });
 
-test('a shape that moves nothing loses against one that does', async () => {
+test('prefers a shape that moves something over one that does not', async () => {
   const head = await actsAsOurs(changed((json) => {
     const empty = new Map();
     for (const mesh of json.meshes) {
@@ -245,4 +245,4 @@ const ODD = {
   'names that are numbers': (json) => json.nodes.forEach((node, i) => node.mesh === undefined && !json.skins?.some(({ joints }) => joints.includes(i)) && (node.name = i)),
 };
 
-for (const [name, change] of Object.entries(ODD)) test(`what real exporters write is no reason to refuse a face: ${name}`, () => actsAsOurs(changed(change), name));
+for (const [name, change] of Object.entries(ODD)) test(`accepts quirks of real exporters: ${name}`, () => actsAsOurs(changed(change), name));

@@ -10,7 +10,7 @@ function rig() {
   return { turns, granted, speaker };
 }
 
-test('utterances come in the order in which they were asked for; those of one speaker together', () => {
+test('grants turns in order of requests; requests of the current speaker join its turn', () => {
   const { turns, granted, speaker } = rig();
   const [a, b] = [speaker(), speaker()];
   turns.ask(a, 'a1');
@@ -26,7 +26,7 @@ test('utterances come in the order in which they were asked for; those of one sp
   assert.deepEqual(granted, ['a1', 'a2', 'b1', 'a3']);
 });
 
-test('one that is not polite speaks at once; others wait for it', () => {
+test('a speaker that does not wait speaks at once; others wait for it', () => {
   const { turns, granted, speaker } = rig();
   turns.ask(speaker(), 'a');
   turns.ask(speaker({ polite: false }), 'b');
@@ -37,7 +37,7 @@ test('one that is not polite speaks at once; others wait for it', () => {
   assert.deepEqual(granted, ['a', 'b', 'c']);
 });
 
-test('what is to be said first comes before the speaker’s own, at once when it is speaking', () => {
+test('a priority request precedes the speaker’s own, at once while it is speaking', () => {
   const { turns, granted, speaker } = rig();
   const [a, b] = [speaker(), speaker()];
   turns.ask(a, 'a1');
@@ -50,7 +50,7 @@ test('what is to be said first comes before the speaker’s own, at once when it
   assert.deepEqual(granted, ['a1', 'a0', 'b0', 'b1']);
 });
 
-test('one that is paused, or has no connection, keeps nobody waiting', () => {
+test('a paused or disconnected speaker delays no one', () => {
   const { turns, granted, speaker } = rig();
   const [a, b, c] = [speaker(), speaker({ reachable: false }), speaker()];
   turns.ask(a, 'a');
@@ -66,7 +66,7 @@ test('one that is paused, or has no connection, keeps nobody waiting', () => {
   assert.deepEqual(granted, ['a', 'c', 'b']);
 });
 
-test('a turn that could not be used is given back, and comes again before others', () => {
+test('a returned turn comes again before others', () => {
   const { turns, granted, speaker } = rig();
   const [a, b] = [speaker(), speaker()];
   turns.ask(a, 'a1');

@@ -38,7 +38,7 @@ head.faps = {};
 head.addEventListener('sound', ({ detail }) => detail.loudness);
 `;
 
-test('right use compiles, wrong use does not', (t) => {
+test('correct use compiles, wrong use does not', (t) => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-types-'));
   t.after(() => fs.rmSync(folder, { recursive: true }));
   fs.copyFileSync(types, path.join(folder, 'talking-head.d.ts'));
@@ -57,7 +57,7 @@ test('right use compiles, wrong use does not', (t) => {
   assert.deepEqual(found.map(({ at }) => at), [3, 4, 5, 6, 7].map((line) => `wrong.ts:${line}`), JSON.stringify(found));
 });
 
-test('they have all attributes, properties and methods that there are', () => {
+test('declare all attributes, properties and methods', () => {
   const text = fs.readFileSync(types, 'utf8');
   const inherited = ['lang', 'constructor', 'connectedCallback', 'disconnectedCallback', 'connectedMoveCallback', 'adoptedCallback', 'attributeChangedCallback', 'debug', 'debugParts'];
   const names = [...TalkingHead.observedAttributes, ...Object.getOwnPropertyNames(TalkingHead.prototype)].filter((name) => !inherited.includes(name));

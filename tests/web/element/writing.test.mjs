@@ -15,7 +15,7 @@ function rig(linked = true) {
 
 const after = (sent) => sent.map(({ type, text }) => (text === undefined ? type : `${type} ${text}`));
 
-test('what is written goes out at once, and the promise gives the end', async () => {
+test('sends written text at once, and the promise resolves with the end', async () => {
   const { speech, sent } = rig();
   const writing = speech.write({ lang: 'it' });
   writing.write('Ciao');
@@ -32,7 +32,7 @@ test('what is written goes out at once, and the promise gives the end', async ()
   assert.equal((await writing.done).reason, 'failed');
 });
 
-test('what is written before there is a connection goes out with it', () => {
+test('sends text written before the connection when it opens', () => {
   const { speech, sent, link } = rig(false);
   const writing = speech.write();
   writing.write('Prima');
@@ -44,7 +44,7 @@ test('what is written before there is a connection goes out with it', () => {
   assert.deepEqual(after(sent), ['speak Prima di tutto.', 'close']);
 });
 
-test('a stream is read to its end, in pieces of characters too, and one that breaks is closed', async () => {
+test('reads a stream to its end, across split characters, and closes after an error', async () => {
   const { speech, sent } = rig();
   const bytes = new TextEncoder().encode('È là.');
   const writing = speech.write();
@@ -64,7 +64,7 @@ test('a stream is read to its end, in pieces of characters too, and one that bre
   assert.deepEqual(after(sent.slice(-2)), ['text Fin qui', 'close']);
 });
 
-test('one is cancelled alone', async () => {
+test('cancels one of two texts', async () => {
   const { speech, sent, player } = rig();
   const [one, two] = [speech.write(), speech.write()];
   two.write('Resta.');
@@ -79,7 +79,7 @@ test('one is cancelled alone', async () => {
   assert.deepEqual(after(sent.slice(-1)), ['text Ancora.']);
 });
 
-test('captions leave out what the server leaves out', () => {
+test('captions omit what the server omits', () => {
   const source = '# Idee\n- **due** uo*va* 😀 a `casa`';
   const plain = new PlainText(source, 'markdown');
   assert.equal(plain.text, 'Idee\ndue uova  a casa');

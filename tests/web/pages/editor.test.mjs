@@ -9,7 +9,7 @@ const text = 'Buongiorno! Che bella <sorpresa> & gioia.';
 const over = (words, kind, value) => ({ kind, value, from: text.indexOf(words), to: text.indexOf(words) + words.length });
 const marks = [over('Che bella', 'affect', 'joy'), over('bella <sorpresa>', 'emphasis', 'strong'), over('gioia', 'gaze', 'left')].reduce((all, mark) => withMark(all, mark), []);
 
-test('a mark takes whole words, and the place of others of its kind', () => {
+test('a mark covers whole words, and replaces marks of its kind there', () => {
   assert.deepEqual(wholeWords(text, 13, 18), [12, 21]);
   assert.deepEqual(wholeWords('  ', 1, 1), [1, 1]);
   const all = withMark(withMark([], { kind: 'affect', value: 'joy', from: 0, to: 20 }), { kind: 'affect', value: 'fear', from: 5, to: 10 });
@@ -18,7 +18,7 @@ test('a mark takes whole words, and the place of others of its kind', () => {
   assert.deepEqual(withMark([], { kind: 'gesture', value: 'wink', from: 3, to: 9 }), [{ kind: 'gesture', value: 'wink', from: 3, to: 3 }]);
 });
 
-test('marks go along when the text is edited', () => {
+test('marks follow edits of the text', () => {
   const mark = [{ kind: 'affect', value: 'joy', from: 12, to: 21 }];
   const at = (after) => moved(mark, text, after).map(({ from, to }) => after.slice(from, to));
   assert.deepEqual(at(`Oh! ${text}`), ['Che bella']);
@@ -27,7 +27,7 @@ test('marks go along when the text is edited', () => {
   assert.deepEqual(at(''), []);
 });
 
-test('what is written is read again as it was, in every markup that can say it, however the marks cross', () => {
+test('reads written markup back unchanged, in every markup that can express it, with crossing marks', () => {
   const pieces = (each) => each.flatMap(({ kind, value, from, to }) => [...text.slice(from, to)].map((_, k) => `${kind} ${value} ${from + k}`)).sort();
   for (const markup of MARKUPS) {
     const { code, unsaid } = write(markup, text, marks, 'it');
@@ -42,12 +42,12 @@ test('what is written is read again as it was, in every markup that can say it, 
   for (const markup of MARKUPS) assert.deepEqual(read(write(markup, text, [...marks, ...points], 'it').code).marks.filter(({ from, to }) => from === to), points, markup);
 });
 
-test('what a markup cannot say is told', () => {
+test('reports what a markup cannot express', () => {
   const voice = { kind: 'voice', value: 'espeak:it', from: 0, to: 10 }, shame = { kind: 'affect', value: 'shame', from: 0, to: 10 };
   assert.deepEqual(MARKUPS.map((markup) => write(markup, text, [voice, shame], 'it').unsaid.map(({ kind }) => kind)), [['voice'], ['affect'], []]);
 });
 
-test('other documents: their text is kept, what is not understood is named, nothing hostile is slow or run', () => {
+test('other documents: keeps their text, lists unknown parts, resists hostile input', () => {
   const found = read('<?xml version="1.0"?><!-- x --><speak xml:lang="tr">Merhaba <sub alias="x">y</sub> &#x41;&lt; <break time="0.5s"/>son</speak>');
   assert.deepEqual([found.text, found.lang, found.lost], ['Merhaba y A< son', 'tr', ['sub']]);
   assert.deepEqual(found.marks, [{ kind: 'pause', value: 500, from: 13, to: 13 }]);
@@ -56,7 +56,7 @@ test('other documents: their text is kept, what is not understood is named, noth
   assert.ok(read(`<speak ${'a="b" '.repeat(5000)}`).text.length > 0);
 });
 
-test('the sentence of a place, and the marks inside a stretch', () => {
+test('finds the sentence at a position, and the marks inside a range', () => {
   assert.deepEqual(sentenceAt(text, 15, 20), [12, text.length]);
   assert.deepEqual(sentenceAt(text, 0, 4), [0, 12]);
   assert.deepEqual(within(marks, 12, 21).map(({ kind, from, to }) => [kind, from, to]), [['affect', 0, 9], ['emphasis', 4, 9]]);

@@ -17,7 +17,7 @@ const web = fileURLToPath(new URL('../../../web/', import.meta.url));
 const [element] = manifest(path.join(web, 'element/talking-head.d.ts'), path.join(web, 'docs/element/reference.md'), 'talking-head.js').modules[0].declarations;
 const server = 'http://127.0.0.1:8080';
 
-test('every attribute, property, method, event, part, custom property and slot has an example, and no example shows what is not there', () => {
+test('every attribute, property, method, event, part, custom property and slot has an example, and no example shows a missing one', () => {
   const fields = Object.fromEntries(element.attributes.map(({ name, fieldName }) => [fieldName, name]));
   const all = [
     ...element.attributes.map(({ name }) => name),
@@ -32,7 +32,7 @@ test('every attribute, property, method, event, part, custom property and slot h
   assert.deepEqual([...shown].filter((name) => !all.includes(name)), [], 'not of the element');
 });
 
-test('what an example says that it shows is in its source', () => {
+test('the source of an example contains everything that it claims to show', () => {
   for (const story of stories) {
     const text = source(story, story.attributes ?? {}, 'html', server);
     for (const name of story.shows) {
@@ -44,7 +44,7 @@ test('what an example says that it shows is in its source', () => {
   assert.equal(new Set(stories.map(({ id }) => id)).size, stories.length);
 });
 
-test('fields are of the kind that the type asks for', () => {
+test('fields match the types of their attributes', () => {
   const kind = (text, name = 'x') => controlOf({ name, type: { text } });
   assert.deepEqual(kind("'face' | 'bust' | null"), { kind: 'select', choices: ['face', 'bust'] });
   assert.deepEqual([kind('boolean').kind, kind('boolean | null').kind, kind('string | null').kind], ['checkbox', 'select', 'text']);
@@ -52,7 +52,7 @@ test('fields are of the kind that the type asks for', () => {
   for (const { name, type } of element.attributes) if (/number/.test(type?.text) && name !== 'expression') assert.ok(RANGES[name], `${name} has no bounds`);
 });
 
-test('every source compiles in each framework, and has the attributes that the element has', () => {
+test('every source compiles in each framework, and uses attributes that the element has', () => {
   for (const story of stories)
     for (const kind of Object.keys(KINDS)) {
       const given = { src: 'ws://127.0.0.1:8080/v1/stream', label: 'a "b" {c} <d>', ...story.attributes, style: '--talking-head-caption-size: 2rem' };
@@ -72,7 +72,7 @@ test('every source compiles in each framework, and has the attributes that the e
     }
 });
 
-test('an event is told in a line, without its samples', () => {
+test('prints an event in one line, without its samples', () => {
   assert.equal(inAWord({ id: 'a', faps: new Float32Array(68), words: Array(40).fill(0), text: 'x'.repeat(100) }),
     `{"id":"a","faps":"68 values","words":"40 items","text":"${'x'.repeat(79)}…"}`);
   assert.equal(inAWord(undefined), '');

@@ -3,14 +3,14 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { FapcDecoder, FapcEncoder, fapcFrame } from '../../../protocol/fapc.mjs';
+import { FapcDecoder, FapcEncoder, fapcFrame } from '../../../protocol/fapc/fapc.mjs';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../../web/pages/player/curve.js';
 import { gestureText, makeGesture } from '../../../web/pages/player/gesture.js';
 import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../../web/pages/player/file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../../protocol/fap-table.json', import.meta.url))).faps;
 
-test('a .fap file is read, and written so that it reads the same', () => {
+test('reads a .fap file, and writes it unchanged', () => {
   const flags = (on) => Array.from({ length: 68 }, (_, i) => (on.includes(i + 1) ? 1 : 0)).join(' ');
   const text = `2.1 ciao 25 3\n${flags([1, 3, 51])}\n0 0 6 63 0 120 -7\n${flags([3])}\n1 130\n${flags([])}\n2\n`;
   const faps = readFap(text);
@@ -24,7 +24,7 @@ test('a .fap file is read, and written so that it reads the same', () => {
   assert.throws(() => readFap('2.1 a 0 1\n'), { line: 1 });
 });
 
-test('a .fapc file is read; one that is cut is refused with its place', () => {
+test('reads a .fapc file; rejects a truncated one with its position', () => {
   const encoder = new FapcEncoder(0);
   const frames = [10, 60, 110].map((value) => {
     const frame = fapcFrame();
@@ -41,7 +41,7 @@ test('a .fapc file is read; one that is cut is refused with its place', () => {
   assert.throws(() => readFapc(bytes.subarray(0, -1), FapcDecoder), { code: 'bad-fap', byte: 8 });
 });
 
-test('splines go through their keys, and never beyond them', () => {
+test('splines pass through their keys, and never overshoot', () => {
   const [x, y] = [[0, 4, 9, 12, 20], [0, 100, 90, 90, -40]];
   const curve = spline(x, y);
   assert.equal(curve.length, 21);
@@ -56,7 +56,7 @@ test('splines go through their keys, and never beyond them', () => {
   assert.deepEqual(smooth([0, 0, 10, 0, 0], 1), [0, 10 / 3, 10 / 3, 10 / 3, 0]);
 });
 
-test('the other side of the face', () => {
+test('mirrors FAPs to the other side of the face', () => {
   const names = new Set(table.map(({ name }) => name));
   for (const { name } of table) {
     assert.ok(names.has(mirrored(name)), `${name} ${mirrored(name)}`);
@@ -67,7 +67,7 @@ test('the other side of the face', () => {
   assert.equal(mirrored('open_jaw'), 'open_jaw');
 });
 
-test('what was changed is taken back and done again, in order', () => {
+test('undoes and redoes changes in order', () => {
   const history = new History();
   history.add([{ number: 3, before: [1], after: [2] }]);
   history.add([{ number: 3, before: [2], after: [3] }]);
@@ -79,12 +79,12 @@ test('what was changed is taken back and done again, in order', () => {
   assert.equal(history.redo(), undefined, 'another way was taken');
 });
 
-test('a line that was drawn is the curve where it was drawn', () => {
+test('a drawn line replaces the curve in its range', () => {
   assert.deepEqual(drawnOver([1, 1, 1, 1, 1, 1], new Map([[4, 30], [2, 10]])), [1, 1, 10, 20, 30, 1]);
   assert.deepEqual(drawnOver([1, 2], new Map()), [1, 2]);
 });
 
-test('a stretch becomes a gesture of the groups that are wished for; what moves nothing becomes none', () => {
+test('turns a range into a gesture of the selected groups; rejects one without movement', () => {
   const frames = Array.from({ length: 20 }, (_, k) => Array.from({ length: 69 }, (_, n) => (n === 3 || n === 48 ? k : 0)));
   const wish = { name: 'mio', from: 2, to: 6, groups: [7] };
   const made = makeGesture({ fps: 25, frames }, table, wish);
@@ -95,7 +95,7 @@ test('a stretch becomes a gesture of the groups that are wished for; what moves 
   assert.equal(makeGesture({ fps: 1, frames }, table, { ...wish, to: 19 }), null);
 });
 
-test('a .fapc of more frames than a player holds is refused before one of them is decoded', () => {
+test('rejects a .fapc with more frames than a player holds before decoding one', () => {
   const packet = Buffer.from([64, 2, 0, 0x80, 0]);
   const header = Buffer.from('FPC1\xc4\x09\0\0', 'latin1');
   const of = (frames) => new Uint8Array(Buffer.concat([header, ...Array(Math.ceil(frames / 64)).fill(packet)]));

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { FIRST, listed, ownName, pageLanguage, spokenLanguage } from '../../../web/pages/shared/languages.js';
 
-test('the words of a page are in the first language of the browser that they exist in', () => {
+test('selects the first browser language that the page has texts for', () => {
   const known = ['it', 'pt', 'tr', 'en'];
   assert.equal(pageLanguage(['tr-TR', 'en'], known), 'tr');
   assert.equal(pageLanguage(['de-AT', 'de', 'pt-PT', 'en'], known), 'pt');
@@ -11,7 +11,7 @@ test('the words of a page are in the first language of the browser that they exi
   assert.equal(pageLanguage([], known), 'en');
 });
 
-test('the language that is spoken first is the nearest to the browser’s', () => {
+test('selects the speech language closest to the browser’s', () => {
   const offered = ['cmn', 'en', 'it', 'pt-BR', 'tr', 'pt', 'de', 'en-GB'];
   assert.equal(spokenLanguage(['it-CH'], offered), 'it');
   assert.equal(spokenLanguage(['pt'], offered), 'pt-BR', 'the one with lips of its own');
@@ -22,7 +22,7 @@ test('the language that is spoken first is the nearest to the browser’s', () =
   assert.equal(spokenLanguage(['xx'], offered, 'tr'), 'tr');
 });
 
-test('languages have their own names, the four first, the others by name', () => {
+test('lists languages by their own names, the four first, the others by name', () => {
   const { first, others } = listed(['sv', 'tr', 'de', 'en', 'pt-BR', 'es', 'it', 'de', 'x_bad'], 'it');
   assert.deepEqual(first.map(({ name }) => name), ['Italiano', 'Português (Brasil)', 'Türkçe', 'English']);
   assert.deepEqual(others.map(({ name }) => name), ['Deutsch', 'Español', 'Svenska', 'x_bad']);

@@ -21,19 +21,19 @@ const placed = layOut(affects);
 const at = (angle, radius) => ({ x: radius * Math.cos(angle), y: radius * Math.sin(angle) });
 const angleOf = (name) => placed.find((a) => a.name === name).angle;
 
-test('the basic emotions stand at equal distances, in the order of their true angles', () => {
+test('places the basic emotions at equal distances, in the order of their true angles', () => {
   const angles = placed.filter((a) => a.basic).map((a) => a.angle).sort((a, b) => a - b);
   angles.slice(1).forEach((angle, i) => assert.ok(Math.abs(angle - angles[i] - Math.PI / 3) < 1e-9));
   assert.ok(Math.abs(angleOf('joy') - Math.atan2(0.2, 0.4)) < 1e-9, 'the first one where it is');
 });
 
-test('the others lie between their neighbours, inside', () => {
+test('places the others between their neighbours, inside', () => {
   const hate = placed.find((a) => a.name === 'hate');
   assert.ok(hate.angle > angleOf('surprise') && hate.angle < angleOf('fear'));
   assert.ok(hate.radius < 1 && hate.radius > placed.find((a) => a.name === 'love').radius);
 });
 
-test('a mixture lies where it was pointed at', () => {
+test('a mixture lies where it was selected', () => {
   for (let angle = 0; angle < 2 * Math.PI; angle += 0.3)
     for (const radius of [0.2, 0.7, 1]) {
       const point = at(angle, radius), back = pointOf(mixAt(point, placed), placed);
@@ -45,7 +45,7 @@ test('a mixture lies where it was pointed at', () => {
   assert.ok(Math.abs(Math.atan2(alone.y, alone.x) - angleOf('love')) < 1e-9);
 });
 
-test('dots that would lie on each other are moved apart', () => {
+test('separates overlapping dots', () => {
   const dots = spread(placed, 0.1);
   for (const [i, a] of dots.entries())
     for (const b of dots.slice(i + 1)) assert.ok(Math.hypot(a.x - b.x, a.y - b.y) > 0.099, `${a.name} and ${b.name}`);
@@ -59,7 +59,7 @@ test('a direction is an emotion, the distance from the middle its intensity', ()
   assert.deepEqual(mixAt({ x: 0, y: 0 }, placed), []);
 });
 
-test('between two emotions there is a mixture of them, all the way round without a jump', () => {
+test('mixes two neighbouring emotions, all the way round without a jump', () => {
   const half = mixAt(at(angleOf('joy') + Math.PI / 6, 0.8), placed);
   assert.deepEqual(half.map((p) => p.name).sort(), ['joy', 'surprise']);
   assert.deepEqual(half.map((p) => p.intensity), [0.4, 0.4]);
@@ -74,12 +74,12 @@ test('between two emotions there is a mixture of them, all the way round without
   }
 });
 
-test('with no affects there is no disc, and no harm', () => {
+test('shows no disc and no error without affects', () => {
   assert.deepEqual(layOut([]), []);
   assert.deepEqual(mixAt({ x: 1, y: 0 }, []), []);
 });
 
-test('the mixture as markup', () => {
+test('writes the mixture as markup', () => {
   const mix = [{ name: 'joy', intensity: 0.6 }, { name: 'surprise', intensity: 0.2 }];
   assert.match(markupOf('apml', mix, 'Tom & <b>', 'it'), /<rheme affect="joy" intensity="0.6">Tom &amp; &lt;b&gt;<\/rheme>/);
   assert.match(markupOf('jsml', mix, 'Ciao', 'it'), /<HAPPY WEIGHT="0.6"><SURPRISED WEIGHT="0.2">Ciao<\/SURPRISED><\/HAPPY>/);
@@ -87,7 +87,7 @@ test('the mixture as markup', () => {
   assert.match(markupOf('apml', [], 'Ciao', 'it'), /<rheme>Ciao</);
 });
 
-test('the page has its words in every language, and a word for every affect', () => {
+test('the page has its texts in every language, and a word for every affect', () => {
   const { affect: known } = JSON.parse(fs.readFileSync(new URL('../../../models/expressions.json', import.meta.url)));
   for (const [lang, table] of Object.entries(words)) {
     assert.deepEqual(Object.keys(table).sort(), Object.keys(words.en).sort(), lang);

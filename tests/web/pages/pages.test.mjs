@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the pages are made of, without a page: their words, their errors, links and voices.
+// Modules of the pages, without a browser: texts, errors, links and voices.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
@@ -11,33 +11,41 @@ import { readCsv, readScene, writeCsv } from '../../../web/pages/operator/scene.
 import { voicesOf } from '../../../web/pages/shared/voice-choice.js';
 
 const folder = new URL('../../../web/pages/', import.meta.url);
-const html = (name) => fs.readFileSync(new URL(name === 'speak' ? 'speak/index.html' : `${name}/${name}.html`, folder), 'utf8');
+const source = (name) => fs.readFileSync(new URL(name === 'speak' ? 'speak/index.html' : `${name}/${name}.html`, folder), 'utf8');
+const part = (name) => fs.readFileSync(new URL(`shared/${name}.html`, folder), 'utf8');
+const html = (name) => source(name).replace(/^ *<!-- include (\w+) -->\n/gm, (_, included) => part(included));
 const { shared, errors, sayings, ...all } = texts; // three that are of no page alone
-const framed = ['speak', 'emotion', 'voices', 'avatar'];
 
-test('every word is there in every language', () => {
+test('every text exists in every language', () => {
   for (const words of Object.values(texts))
     for (const lang of ['it', 'pt', 'tr']) assert.deepEqual(Object.keys(words[lang]).sort(), Object.keys(words.en).sort(), lang);
 });
 
-test('the pages ask for no word that is not there, and share their frame', () => {
+test('the pages use existing texts only, and share their frame', () => {
   for (const name of Object.keys(all))
     for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
       assert.equal(typeof (all[name].en[word] ?? shared.en[word]), 'string', `${name}: ${word}`);
-  const frames = framed.map((name) => {
-    const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
-    return frame.join('').replace(/ aria-current="page"/, '');
-  });
-  assert.equal(new Set(frames).size, 1);
+  for (const name of Object.keys(all).filter((each) => each !== 'room'))
+    for (const included of ['header', 'access', 'footer']) assert.ok(source(name).includes(`<!-- include ${included} -->`), `${name}: ${included}`);
 });
 
-test('nothing in the pages is inline', () => {
+test('every page has a description; menu and first page link to existing pages', () => {
+  const there = fs.readdirSync(folder).flatMap((name) => (name === 'speak' ? ['./'] : [`${name}.html`]));
+  for (const name of [...Object.keys(all), 'examples']) assert.match(html(name), /<meta name="description" content=".{30,160}" \/>/, name);
+  const links = [part('header'), source('speak')].flatMap((text) => [...text.matchAll(/href="([^"#?]+)"/g)].map(([, to]) => to)).filter((to) => /\.html$|\/$/.test(to));
+  assert.ok(links.length > 12);
+  for (const link of links)
+    if (!link.startsWith('docs/')) assert.ok(there.includes(link), link);
+    else assert.ok(fs.existsSync(new URL(`../docs/${link.slice(5).replace(/\.html$|\/?$/, '') || 'index'}.md`, folder)), link);
+});
+
+test('pages contain no inline scripts or styles', () => {
   for (const name of [...Object.keys(all), 'examples']) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
   for (const name of fs.readdirSync(folder, { recursive: true }).filter((file) => file.endsWith('.js')))
     assert.doesNotMatch(fs.readFileSync(new URL(name, folder), 'utf8'), /innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b/, name);
 });
 
-test('the errors that a page can meet have words', () => {
+test('every error that a page can show has a text', () => {
   const protocol = fs.readFileSync(new URL('../../../protocol/README.md', import.meta.url), 'utf8');
   const rows = protocol.split('## Error codes')[1].split('## Limits')[0].match(/^\| `.*?\|/gm).join('');
   // what only scripts do
@@ -53,7 +61,7 @@ test('the errors that a page can meet have words', () => {
   assert.deepEqual(codes.filter((code) => !errors.it[code]), []);
 });
 
-test('places are told, and found in the text', () => {
+test('describes positions, and finds them in the text', () => {
   const say = (name, values) => `${name} ${Object.values(values).join(',')}`;
   assert.equal(placeOf({ line: 2, column: 7 }, say), 'atLine 2,7');
   assert.equal(placeOf({ byte: 0 }, say), 'atByte 0');
@@ -64,7 +72,7 @@ test('places are told, and found in the text', () => {
   assert.equal(placeIn('uno', 9, 9), 3);
 });
 
-test('a link holds what was chosen, comes back the same, and has no token', () => {
+test('a link stores the choices, restores them, and contains no token', () => {
   const state = { text: 'Così & più\nü', lang: 'pt-BR', voice: 'espeak:pt-br', rate: 200, markup: 'ssml', room: 'sala-1', captions: false };
   const link = makeLink('https://x.example/faccia/?token=secret&text=old#there', state);
   assert.ok(link.startsWith('https://x.example/faccia/?text='), link);
@@ -75,7 +83,7 @@ test('a link holds what was chosen, comes back the same, and has no token', () =
   assert.deepEqual(readLink('?rate=fast'), {});
 });
 
-test('the voices of a language: its own, then those of its varieties', () => {
+test('lists the voices of a language: its own, then those of its varieties', () => {
   const voices = ['en-GB', 'it', 'en', 'en-GB', 'pt'].map((lang, i) => ({ id: `v${i}`, lang }));
   const ids = (tag) => voicesOf(voices, tag).map(({ lang, voices: list }) => [lang, ...list.map(({ id }) => id)].join(' '));
   assert.deepEqual(ids('en'), ['en v2', 'en-GB v0 v3']);
@@ -83,7 +91,7 @@ test('the voices of a language: its own, then those of its varieties', () => {
   assert.deepEqual(ids('tr'), []);
 });
 
-test('a room’s page: its hours of sleep, what its address asks for', () => {
+test('a room’s page reads its hours of sleep and its options from the address', () => {
   assert.deepEqual(readHours('22-7'), [1320, 420]);
   assert.deepEqual(readHours('13:30-14:05'), [810, 845]);
   for (const wrong of [null, '', 'night', '25-7', '1-2-3', '22:5-7']) assert.equal(readHours(wrong), null, wrong);
@@ -94,7 +102,7 @@ test('a room’s page: its hours of sleep, what its address asks for', () => {
   assert.equal(readWish('http://h/room.html?clock=0').clock, false);
 });
 
-test('a scene goes through its table and comes back; what is wrong has its place', () => {
+test('a scene survives its table; errors have their position', () => {
   const scene = {
     title: '', lines: [
       { id: 'a', text: 'Ciao, "cara"\ncome va?', variants: ['Salve'], mood: 'joy 0.5', choices: [{ text: 'Bene', next: 'b' }, { text: 'Male' }], next: 'b' },

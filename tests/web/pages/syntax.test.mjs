@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What browsers have to read: the face of a room runs on tablets that are years old (web/docs/home/index.md), and says so to those that are older.
+// Syntax that browsers must parse: the face of a room runs on tablets that are years old (web/docs/home/index.md), and tells older
+// browsers that they are not supported.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -19,14 +20,14 @@ function imported(name, found = new Set()) {
   return found;
 }
 
-test('the page of a room is ECMAScript 2022, with all that it imports', () => {
+test('the page of a room and all its imports are ECMAScript 2022', () => {
   const files = imported('room.js');
   assert.deepEqual([...files].sort(), ['room.js', 'talking-head.js']);
   for (const name of [...files, 'talking-head-worklet.js', 'opus-decoder.js'])
     assert.doesNotThrow(() => parse(read(name), { ecmaVersion: 2022, sourceType: 'module' }), name);
 });
 
-test('a browser that is too old is told, in what it can read; others are not', () => {
+test('notifies an outdated browser, in syntax that it can parse, and no other', () => {
   const source = read('room-early.js');
   parse(source, { ecmaVersion: 5, sourceType: 'script' });
   const run = (language, Array) => {

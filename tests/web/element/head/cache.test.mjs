@@ -19,7 +19,7 @@ function slow() {
   return { told, load };
 }
 
-test('two that want the same head wait for one answer, and both hear how far it is', async () => {
+test('two requests for the same head share one answer, and both get progress', async () => {
   const { told, load } = slow();
   const heard = [[], []];
   const both = heard.map((list) => fetchOnce('a', load, (...p) => list.push(p), never()));
@@ -31,7 +31,7 @@ test('two that want the same head wait for one answer, and both hear how far it 
   assert.equal(told.loads, 1);
 });
 
-test('one that gives up takes nothing from the other; when nobody waits any more the load ends', async () => {
+test('an aborted request does not affect the other; the load ends without any', async () => {
   const { told, load } = slow();
   const [first, second] = [new AbortController(), new AbortController()];
   const one = fetchOnce('b', load, nothing, first.signal);
@@ -48,7 +48,7 @@ test('one that gives up takes nothing from the other; when nobody waits any more
   await again;
 });
 
-test('what could not be fetched is asked for anew', async () => {
+test('fetches again after a failure', async () => {
   const { told, load } = slow();
   const one = fetchOnce('c', load, nothing, never());
   told.reject(new Error('no way'));
@@ -59,7 +59,7 @@ test('what could not be fetched is asked for anew', async () => {
   assert.equal(told.loads, 2);
 });
 
-test('what has come is read once, and later ones get it without asking; what a page brings is read each time', async () => {
+test('reads a fetched model once and shares it; reads a model of the page each time', async () => {
   const { told, load } = slow();
   const coming = fetchOnce('d', load, nothing, never());
   told.resolve({ parts: 1 });
@@ -74,7 +74,7 @@ test('what has come is read once, and later ones get it without asking; what a p
   assert.notEqual(readOnce(own, read), readOnce(own, read));
 });
 
-test('what is worked out of a model is worked out once', async () => {
+test('computes derived data of a model once', async () => {
   const [model, other] = [{}, {}];
   let count = 0;
   const make = async () => ++count;
@@ -83,7 +83,7 @@ test('what is worked out of a model is worked out once', async () => {
   assert.equal(await prepareOnce(other, 'light', make), 3);
 });
 
-test('what is the same is made once, what is not is not', () => {
+test('makes equal things once, and different things separately', () => {
   let made = 0;
   const make = () => ({ number: made++ });
   const one = shared('list', 'AAAA', make);
@@ -93,7 +93,7 @@ test('what is the same is made once, what is not is not', () => {
   assert.equal(made, 3);
 });
 
-test('fingerprints of texts that differ in little differ', () => {
+test('fingerprints of similar texts differ', () => {
   const texts = Array.from({ length: 20000 }, (_, i) => `AAAA${i.toString(36).padStart(4, '0')}AAAA`);
   assert.equal(new Set(texts.map(fingerprint)).size, texts.length);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an open eye folds away comes out when it closes: pores, light and normals of the lids are then those of the closed lid.
+// Parts of the lid hidden while the eye is open appear when it closes: pores, light and normals are then those of the closed lid.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -18,7 +18,7 @@ const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json'));
 const CLOSED = faceValues({ 19: 1024, 20: 1024 });
 
 for (const name of names)
-  test(`the closed lids of ${name}`, () => {
+  test(`places the closed lids of ${name} correctly`, () => {
     const model = readModel(JSON.parse(fs.readFileSync(path.join(folder, name))));
     const part = model.parts.find((one) => one.name === 'skin');
     const drive = new Drive(model);
@@ -49,7 +49,7 @@ const sheet = (height, seen = height) => ({
   seen: { position: flat(seen), normal: flat(0).map((_, i) => Number(i % 3 === 1)) },
 });
 
-test('a fold takes no light from the place that it unfolds to; what is farther off does', () => {
+test('a fold casts no shadow on the surface that it unfolds to; distant parts do', () => {
   const sky = (...parts) => {
     const work = bakeOcclusion(parts);
     for (;;) {
@@ -63,7 +63,7 @@ test('a fold takes no light from the place that it unfolds to; what is farther o
   assert.ok(Math.abs(far - apart) < 25, `from afar ${far}, something else ${apart}`);
 });
 
-test('hair runs along strips, however these lie on the picture', () => {
+test('hair runs along strips in any orientation in the picture', () => {
   const strip = (uv) => ({ position: Float32Array.of(0, 0, 0, 60, 0, 0, 60, 9, 0, 0, 9, 0), uv: Float32Array.from(uv), index: Uint16Array.of(0, 1, 2, 0, 2, 3), smooth: null, vertices: 4 });
   const along = (uv) => Math.abs(fibres(strip(uv))[0]);
   assert.ok(along([0, 0, 0.6, 0, 0.6, 0.1, 0, 0.1]) > 0.99, 'a strip that lies');

@@ -41,7 +41,7 @@ const moving = {
   turns: [{ turn: 'jaw', ...weights(255, 128, 0, 40) }, { turn: 'yaw', ...weights(255, 200, 100, 0) }, { turn: 'pitch', ...weights(255, 200, 100, 0) }],
 };
 
-test('it is where the plain deformation puts it', () => {
+test('places vertices where the plain deformation does', () => {
   const { drive, one, influences, soft } = setUp(moving);
   assert.equal(soft.whole, false);
   assert.ok(soft.acts);
@@ -58,7 +58,7 @@ test('it is where the plain deformation puts it', () => {
   }
 });
 
-test('at rest nothing is done, and after a movement it comes back once', () => {
+test('updates nothing at rest, and once after returning to rest', () => {
   const { drive, soft } = setUp(moving);
   assert.equal(soft.update(drive.set(faceValues({}))), false);
   assert.equal(soft.update(drive.set(faceValues({ 5: 100 }))), true);
@@ -66,14 +66,14 @@ test('at rest nothing is done, and after a movement it comes back once', () => {
   assert.equal(soft.update(drive), false);
 });
 
-test('what goes wholly with the head is left to one matrix', () => {
+test('leaves parts that move entirely with the head to one matrix', () => {
   const { drive, soft } = setUp({ turns: [{ turn: 'yaw', weight: 1 }, { turn: 'pitch', weight: 1 }] });
   assert.equal(soft.whole, true);
   assert.equal(soft.acts, false);
   assert.equal(soft.update(drive.set(faceValues({ 49: 30000 }))), false);
 });
 
-test('it turns with the head here when its material asks for that', () => {
+test('turns such a part in software when its material requires it', () => {
   const { drive, one, influences } = setUp({ turns: [{ turn: 'yaw', weight: 1 }, { turn: 'pitch', weight: 1 }] });
   const soft = new SoftwareDeform(one, influences, influences.normals, drive, false);
   assert.equal(soft.whole, false);
@@ -83,7 +83,7 @@ test('it turns with the head here when its material asks for that', () => {
   soft.position.forEach((value, i) => assert.ok(Math.abs(value - position[i]) < 1e-3, `${value}, ${position[i]}`));
 });
 
-test('the views: the mouth is in the middle of its own, the bust shows more than the portrait', () => {
+test('the mouth is in the middle of its view, and the bust shows more than the portrait', () => {
   const model = {
     view: { target: [0, -20, 0], distance: 600, fov: 26 }, fapu: { MW: 50 },
     fdp: { '2.1': [0, -90, 70], '2.2': [0, -66, 90], '2.3': [0, -68, 90] },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the views show of each head, in wide, square and tall places: by where the meshes come to lie in the picture.
+// Framing of each head in wide, square and tall places: by the position of the meshes in the picture.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -31,7 +31,7 @@ const above = (points, y) => points.filter((_, i) => points[i - (i % 3) + 1] > y
 const part = (head, name) => head.parts.find((one) => one.name === name);
 
 for (const [place, aspect] of Object.entries(PLACES))
-  test(`the views fit their place: ${place}`, () => {
+  test(`the views fit their frame: ${place}`, () => {
     for (const head of heads) {
       const [chin, lips] = [head.fdp['2.1'], ['2.2', '2.3', '2.4', '2.5'].flatMap((point) => head.fdp[point])];
       const skin = part(head, 'skin');

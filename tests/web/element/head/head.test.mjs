@@ -66,7 +66,7 @@ test('positions are value times scale plus offset', () => {
   near(readModel(json({})).parts[0].position, [0, 5, 0, 10, 5, 0, 10, 15, 0, 0, 15, 0]);
 });
 
-test('something that is no head model is refused', () => {
+test('rejects data that is not a head model', () => {
   assert.throws(() => readModel({ format: 'gltf' }), ModelError);
   assert.throws(() => readModel({ ...json({}), version: 2 }), ModelError);
   assert.throws(() => readModel(json({ turns: [{ turn: 'nose', weight: 1 }] })), ModelError);
@@ -78,7 +78,7 @@ test('a move is value times unit over 1024 times delta', () => {
   near(position, [0, 5, 0, 10, 3, 1, 10, 15, 0, 0, 15, 0]);
 });
 
-test('moves count for values of their sign', () => {
+test('moves apply to values of their sign', () => {
   const moves = [move(5, 'positive', 1, [0, 1000, 0]), move(5, 'negative', 1, [1000, 0, 0])];
   near(posed({ moves }, { 5: 100 }).position.subarray(3, 6), [10, 7, 0]);
   near(posed({ moves }, { 5: -100 }).position.subarray(3, 6), [8, 5, 0]);
@@ -93,7 +93,7 @@ test('a turn rotates about its pivot, by its weight', () => {
   near(turned([0, 5, 0], jaw, 0.5), [0, 5 * Math.cos(0.5) - 10 * Math.sin(0.5), 5 * Math.sin(0.5) + 10 * Math.cos(0.5) - 10]);
 });
 
-test('the head turns last, pitch before yaw, whatever the order in the file', () => {
+test('the head turns last, pitch before yaw, regardless of the order in the file', () => {
   const list = [{ turn: 'yaw', weight: 1 }, { turn: 'pitch', weight: 1 }, { turn: 'jaw', weight: 1 }];
   const values = { 3: 200, 48: 20000, 49: 30000, 5: 100 };
   const { position } = posed({ turns: list, moves: [move(5, 'both', 2, [0, 0, 1000])] }, values);
@@ -150,7 +150,7 @@ test('vertices at a seam share their normal', () => {
   assert.deepEqual(changed.get(1), changed.get(3));
 });
 
-test('the packed influences say what the lists say', () => {
+test('the packed influences match the lists', () => {
   const turnsOf = (...pairs) => pairs.map(([turn, weight]) => ({ turn, weight }));
   const lists = {
     moves: [[], [{ slot: 3, delta: [1, 2, 3], normal: [4, 5, 6] }], [{ slot: 1, delta: [7, 8, 9], normal: [0, 0, 1] }]],
@@ -176,7 +176,7 @@ test('the packed influences say what the lists say', () => {
   });
 });
 
-test('what stands over a place takes light from it', () => {
+test('geometry above a point shades it', () => {
   const ground = sheet(4, (x, y) => [x - 20, 0, 20 - y]);
   const roof = sheet(4, (x, y) => [x - 20, 8, y - 20]);
   const up = (value, count) => Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 1 ? value : 0));
@@ -204,12 +204,12 @@ test('what stands over a place takes light from it', () => {
   assert.deepEqual(self, covered, 'hair shades hair as all else does');
 });
 
-test('the model comes over HTTP from where the stream is', () => {
+test('loads the model over HTTP from the host of the stream', () => {
   assert.equal(httpBase('ws://here:8080/v1/stream?lang=it'), 'http://here:8080/v1/');
   assert.equal(httpBase('wss://here/faccia/v1/stream'), 'https://here/faccia/v1/');
 });
 
-test('a model is put together from the parts of the stream', () => {
+test('joins a model from the parts of the stream', () => {
   const parts = [
     { index: 0, count: 3, kind: 'head', part: 'tiny', data: { name: 'tiny' } },
     { index: 1, count: 3, kind: 'texture', part: 'skin', data: { type: 'image/webp' } },
@@ -230,7 +230,7 @@ const feed = (governor, interval, frames) => {
   return changes;
 };
 
-test('quality goes down while frames are slow, and stays where they are quick enough', () => {
+test('lowers quality while frames are slow, and keeps it while they are fast', () => {
   const governor = new Governor('auto');
   assert.equal(governor.level, LEVELS[0]);
   feed(governor, 1000 / 60, 100);
@@ -243,7 +243,7 @@ test('quality goes down while frames are slow, and stays where they are quick en
   assert.equal(governor.index, 3);
 });
 
-test('it goes up again when frames are quick, but not to and fro', () => {
+test('raises it again when frames are fast, without oscillating', () => {
   const governor = new Governor('auto');
   feed(governor, 45, 30);
   assert.equal(feed(governor, 1000 / 60, 320), 1);
@@ -253,7 +253,7 @@ test('it goes up again when frames are quick, but not to and fro', () => {
   assert.equal(feed(governor, 1000 / 60, 320), 0, 'more patient the second time');
 });
 
-test('very slow frames are not waited for, and without a graphics processor it begins low', () => {
+test('reacts at once to very slow frames, and starts low without a graphics processor', () => {
   const governor = new Governor('auto');
   assert.equal(feed(governor, 400, 8), 1);
   assert.equal(governor.index, 2);
@@ -261,7 +261,7 @@ test('very slow frames are not waited for, and without a graphics processor it b
   assert.equal(new Governor('high', true).level.fine, true);
 });
 
-test('below low it goes only where pictures come sooner for it', () => {
+test('goes below low only where frames then come sooner', () => {
   const lost = new Governor('auto', true);
   feed(lost, 60, 25);
   assert.equal(lost.level.name, 'lowest');
@@ -279,7 +279,7 @@ test('below low it goes only where pictures come sooner for it', () => {
   assert.equal(far.level.name, 'low', 'what low takes is seen first');
 });
 
-test('a chosen quality is left alone', () => {
+test('keeps a selected quality', () => {
   for (const wish of ['low', 'high']) {
     const governor = new Governor(wish);
     const { level } = governor;

@@ -13,7 +13,7 @@ const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json'));
 const value = (line, x) => line.reduce((sum, factor, power) => sum + factor * x ** power, 0);
 
 for (const name of names)
-  test(`the lids of ${name} are found`, () => {
+  test(`finds the lids of ${name}`, () => {
     const model = readModel(JSON.parse(fs.readFileSync(path.join(folder, name))));
     for (const [side, upper, lower] of [['l', '3.1', '3.3'], ['r', '3.2', '3.4']]) {
       const eye = model.parts.find((part) => part.name === `eye_${side}`);
@@ -40,7 +40,7 @@ for (const name of names)
     }
   });
 
-test('where a head has no lids nothing falls on its eyes', () => {
+test('a head without lids has no shade on its eyes', () => {
   const { upper, lower } = lidsAt(lidsOf({ parts: [], turns: [], fdp: {} }, [31, 0, 0], 12), faceValues({ 19: 1024 }));
   assert.ok(Number.isFinite(upper[0]) && Number.isFinite(lower[0]));
   const open = lidsAt(lidsOf({ parts: [], turns: [], fdp: {} }, [31, 0, 0], 12), faceValues({}));

@@ -12,7 +12,7 @@ const off = (a, b) => a.reduce((most, value, i) => Math.max(most, Math.abs(value
 
 const KERNELS = ['biharmonic', 'thin-plate', 'triharmonic'];
 
-test('each kernel meets its points', () => {
+test('each kernel interpolates its points', () => {
   for (const kernel of KERNELS)
     for (const count of [4, 5, 84, 482]) {
       const from = cloud(count, 120);
@@ -22,7 +22,7 @@ test('each kernel meets its points', () => {
     }
 });
 
-test('what an affine map does to the points it does to everything', () => {
+test('extends an affine map of the points to all points', () => {
   const turned = ([x, y, z]) => [1.1 * x - 0.2 * y + 3, 0.3 * x + 0.9 * y - 7, 0.1 * y + 1.2 * z + 11];
   const map = (points) => Float64Array.from({ length: points.length }, (_, i) => turned(points.subarray(i - (i % 3), i - (i % 3) + 3))[i % 3]);
   for (const kernel of KERNELS) {
@@ -32,7 +32,7 @@ test('what an affine map does to the points it does to everything', () => {
   }
 });
 
-test('between the points it goes on without a leap', () => {
+test('is continuous between the points', () => {
   const from = cloud(60, 100);
   const warp = rbf(from, moved(from, 10));
   for (let i = 0; i < 200; i++) {
@@ -42,7 +42,7 @@ test('between the points it goes on without a leap', () => {
   }
 });
 
-test('with a reach nothing moves beyond it, and few points do', () => {
+test('with a support radius, nothing beyond it moves, and few points suffice', () => {
   const warp = rbf([0, 0, 0], [5, 0, 0], { reach: 40 });
   assert.ok(off(warp.at([0, 0, 0]), [5, 0, 0]) < 1e-9);
   assert.deepEqual(warp.at([0, 41, 0]), [0, 41, 0]);
@@ -50,7 +50,7 @@ test('with a reach nothing moves beyond it, and few points do', () => {
   assert.ok(half > 0.2 && half < 4.8);
 });
 
-test('smoothed, it misses the points a little and swings less', () => {
+test('smoothing misses the points slightly and oscillates less', () => {
   const from = cloud(50, 100);
   const to = moved(from, 10);
   const miss = (smooth) => off(rbf(from, to, { smooth }).apply(from, new Float64Array(150)), to);
@@ -58,7 +58,7 @@ test('smoothed, it misses the points a little and swings less', () => {
   assert.ok(none < 1e-6 && none < some && some < much, `${none} ${some} ${much}`);
 });
 
-test('the points may be written over, and float32 is enough', () => {
+test('the points may be overwritten in place, and float32 is sufficient', () => {
   const from = Float32Array.from(cloud(30, 100));
   const to = Float32Array.from(moved(from, 5));
   const points = from.slice();
@@ -66,7 +66,7 @@ test('the points may be written over, and float32 is enough', () => {
   assert.ok(off(points, to) < 1e-4);
 });
 
-test('what cannot be a warp says which point and why', () => {
+test('names the point and the reason why there is no warp', () => {
   const four = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1];
   const wrong = (from, to, pattern, point = -1, options) =>
     assert.throws(() => rbf(from, to, options), (error) => error instanceof WarpError && error.point === point && pattern.test(error.message));

@@ -48,7 +48,7 @@ const farthest = (part, index) => {
   return most;
 };
 
-test('many triangles go, few where the surface bends, and it stays where it was', () => {
+test('removes many triangles, few where the surface bends, and keeps the surface in place', () => {
   const part = sheet(hill);
   const [some, fewer] = run(simplify(part, { blocks: [part.position], places: 1 }, [0.1, 0.4]));
   assert.ok(some.length < 0.5 * part.index.length, `${some.length / 3} triangles`);
@@ -58,7 +58,7 @@ test('many triangles go, few where the surface bends, and it stays where it was'
   for (const corner of [0, N, N * (N + 1), (N + 1) ** 2 - 1]) assert.ok(fewer.includes(corner), 'the outline is whole');
 });
 
-test('what bends only in another pose, or differs only in light, is kept there', () => {
+test('keeps detail that bends only in another pose, or differs only in light', () => {
   const part = sheet(() => 0);
   const flat = run(simplify(part, { blocks: [part.position], places: 1 }, [0.2]))[0];
   const posed = run(simplify(part, { blocks: [part.position, sheet(hill).position], places: 2 }, [0.2]))[0];
@@ -70,7 +70,7 @@ test('what bends only in another pose, or differs only in light, is kept there',
   assert.ok(farthest(sheet(hill), posed) < 0.4, `${farthest(sheet(hill), posed)} mm`);
 });
 
-test('seams of the texture stay, and small parts are left alone', () => {
+test('keeps seams of the texture and small parts', () => {
   const part = sheet(() => 0);
   const middle = (N / 2) * (N + 1) + N / 2;
   part.smooth = Uint16Array.from({ length: part.vertices }, (_, v) => (v === middle + 1 ? middle : v));
@@ -86,7 +86,7 @@ const triangles = (index) => Array.from({ length: index.length / 3 }, (_, t) => 
   return [...corners.slice(least), ...corners.slice(0, least)].join(); // the same way round
 }).sort();
 
-test('the order in which triangles are drawn has their neighbours before them, and loses none', () => {
+test('orders triangles after their neighbours, and loses none', () => {
   const part = sheet(hill);
   const mixed = Uint16Array.from({ length: part.index.length }, (_, i) => part.index[3 * ((Math.floor(i / 3) * 617) % (part.index.length / 3)) + (i % 3)]);
   const ordered = neighboursFirst(mixed, part.vertices);

@@ -25,7 +25,7 @@ function source(t, ...answers) {
 }
 const json = () => new Response('{"name":"mara"}');
 
-test('a model comes by HTTP, beside the stream, and only once', async (t) => {
+test('fetches a model over HTTP, next to the stream, once', async (t) => {
   const { models, done } = source(t, json());
   await models.open(stream, hello, null);
   await models.open(stream, hello, null); // the stream was lost and is there again
@@ -35,13 +35,13 @@ test('a model comes by HTTP, beside the stream, and only once', async (t) => {
   assert.ok(done.progress.length && done.progress.every(({ ratio }) => ratio > 0 && ratio <= 1));
 });
 
-test('by its hash, where the server tells it: so caches keep it for good', async (t) => {
+test('fetches by hash where the server gives one, so that caches keep it permanently', async (t) => {
   const { models, done } = source(t, json());
   await models.open(stream, { models: [{ name: 'mara', hash: 'abc12' }] }, null);
   assert.deepEqual(done.fetched, ['http://example.org/x/v1/models/mara?v=abc12']);
 });
 
-test('where HTTP is closed it comes through the stream, in parts', async (t) => {
+test('fetches in parts through the stream when HTTP is closed', async (t) => {
   const { models, done } = source(t, new TypeError('no way'));
   await models.open(stream, hello, 'mara');
   assert.deepEqual(done.asked, [{ type: 'model', name: 'mara' }]);
@@ -52,7 +52,7 @@ test('where HTTP is closed it comes through the stream, in parts', async (t) => 
   assert.equal(done.fetched.length, 1, 'it is here');
 });
 
-test('what was lost with the stream is fetched anew when the stream is there again', async (t) => {
+test('fetches again after the stream was lost and restored', async (t) => {
   const { models, done } = source(t, new TypeError('the server is gone'), json());
   await models.open(stream, hello, null);
   models.take(parts[0]);
@@ -61,7 +61,7 @@ test('what was lost with the stream is fetched anew when the stream is there aga
   assert.deepEqual(done.shown, [{ name: 'mara' }]);
 });
 
-test('another one may be wished for; what is on its way is forgotten', async (t) => {
+test('a request for another model discards the pending one', async (t) => {
   const { models, done } = source(t, 'hang', json());
   const first = models.open(stream, hello, null);
   models.close();

@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { sliced } from '../../../../web/element/head/mesh/slices.mjs';
 import { strands } from '../../../../web/element/head/mesh/strands.mjs';
 
-test('strands that are narrower than a point are told from locks, however long both are', () => {
+test('distinguishes strands narrower than a point from locks of any length', () => {
   const strip = (x, width, length) => [x, 0, 0, x + width, 0, 0, x, length, 0, x + width, length, 0];
   const part = {
     position: Float32Array.from([...strip(0, 1.5, 600), ...strip(20, 40, 600), ...strip(80, 4, 30)]),
@@ -17,7 +17,7 @@ test('strands that are narrower than a point are told from locks, however long b
   assert.deepEqual(loose(5), [1, 0, 1]);
 });
 
-/** How often 600 steps of a millisecond let a page live that wants so long each time. */
+/** How often 600 steps of a millisecond let a page run that needs the given time each. */
 async function rests(pageMs) {
   let [time, count] = [0, 0];
   const steps = (function* () {
@@ -29,7 +29,7 @@ async function rests(pageMs) {
   return count;
 }
 
-test('long work takes longer slices where the page takes long, and none that holds it up', async () => {
+test('long work takes longer slices on a slow page, within a limit', async () => {
   const [quick, slow, stuck] = [await rests(4), await rests(100), await rests(5000)];
   assert.ok(quick >= 40, `${quick} rests`);
   assert.ok(slow > 10 && slow < 20, `${slow} rests`);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can be seen of a head from the front: neither what lies behind something nor what turns its back on the viewer.
+// Visible parts of a head from the front: neither hidden behind others nor facing away.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { shut, visibleTriangles, within } from '../../../../web/element/head/mesh/visibility.mjs';
@@ -30,7 +30,7 @@ function seen(parts) {
   }
 }
 
-test('what lies right behind something is not seen, what stands out beside it is', () => {
+test('hides surfaces right behind others, and keeps those that stand out', () => {
   const [front, behind] = seen([plate(40, 0), plate(20, -10)]);
   assert.equal(front, 1);
   assert.equal(behind, 0);
@@ -38,20 +38,20 @@ test('what lies right behind something is not seen, what stands out beside it is
   assert.ok(wider > 0.5 && wider < 1, `${wider}`);
 });
 
-test('what shines through hides nothing, and what is clear is not seen', () => {
+test('translucent surfaces hide nothing, and fully clear ones are invisible', () => {
   assert.deepEqual(seen([plate(40, 0, { alpha: () => 128 }), plate(20, -10)]), [1, 1]);
   assert.deepEqual(seen([plate(40, 0, { alpha: () => 0 }), plate(20, -10)]), [0, 1]);
   assert.deepEqual(seen([plate(40, 0, { hides: false }), plate(20, -10)]), [1, 1]);
 });
 
-test('a back is not seen, but where both sides are drawn', () => {
+test('hides back faces unless the material is double-sided', () => {
   const turned = plate(10, 0);
   turned.index.reverse();
   assert.deepEqual(seen([turned]), [0]);
   assert.deepEqual(seen([{ ...turned, double: true }]), [1]);
 });
 
-test('what moves by itself counts as seen', () => {
+test('parts that move by themselves count as visible', () => {
   const behind = plate(20, -10);
   behind.free = new Uint8Array(behind.vertices).fill(1, 0, 21);
   const [, share] = seen([plate(40, 0), behind]);
@@ -60,7 +60,7 @@ test('what moves by itself counts as seen', () => {
 
 const face = (faps = {}) => Float32Array.from({ length: 69 }, (_, fap) => faps[fap] ?? 0);
 
-test('a face that is turned far, seen from the side or opens its mouth wider than those is another', () => {
+test('excludes far turns, side views and mouths wider than the sampled poses', () => {
   assert.ok(within(face(), [0, 0, 1]));
   assert.ok(within(face({ 3: 600, 5: -700, 49: 20000 }), [0, 0.1, 0.99]));
   assert.ok(!within(face({ 49: 40000 }), [0, 0, 1]));
@@ -70,7 +70,7 @@ test('a face that is turned far, seen from the side or opens its mouth wider tha
   assert.ok(!within(face(), [0, Math.sin(0.3), Math.cos(0.3)]));
 });
 
-test('lips that meet are shut, those that are open at one side are not', () => {
+test('lips that meet are shut; lips open at one side are not', () => {
   assert.ok(shut(face()));
   assert.ok(shut(face({ 4: 50, 5: 50 })));
   assert.ok(!shut(face({ 4: -20 })));

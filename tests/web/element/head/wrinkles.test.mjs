@@ -14,13 +14,13 @@ test('a smooth face has no creases, raised brows fold the forehead, drawn ones t
   assert.ok(anger[0] === 0 && anger[1] > 0.8, `${anger}`);
 });
 
-test('a smile folds the skin beside the eyes, each side by itself, and never more than wholly', () => {
+test('a smile folds the skin beside the eyes, each side by itself, up to a maximum', () => {
   const [, , left, right] = at({ 41: 220, 21: 190 });
   assert.ok(left > 0.9 && right === 0);
   assert.deepEqual(at({ 41: 600, 42: 600 }).slice(2), [1, 1]);
 });
 
-test('they lie where the feature points are; without those there are none', () => {
+test('places wrinkles by feature points, and none without them', () => {
   const fdp = { '4.1': [10, 22, 30], '4.5': [52, 24, 10], '3.5': [31, 0, 13] };
   assert.deepEqual(wrinklePlace(fdp, { ES: 60, IRISD: 9 }), [22, 10, 31 + 0.27 * 60, 0]);
   assert.equal(wrinklePlace({}, { ES: 60 }), null);

@@ -10,20 +10,20 @@ function ofName(name) {
   return BigInt(hash & 0x7fffffff || 1) << 32n;
 }
 
-export class StandInHome {
+export class StandInLeader {
   /** @param {import('./redis.mjs').Redis} redis @param {string} room @param {number} token @param {{lease?: boolean}} options lease: false: does not take the lease, so it acts as a replica */
   static async open(redis, room, token, { lease = true } = {}) {
-    const home = Object.assign(new StandInHome(), { redis, room, token, name: token.toString(16).padStart(32, 'f'), heard: [] });
-    home.ear = spawn('redis-cli', ['-p', redis.port, 'subscribe', `faccia:to:${home.name}`], { stdio: ['ignore', 'pipe', 'ignore'] });
+    const leader = Object.assign(new StandInLeader(), { redis, room, token, name: token.toString(16).padStart(32, 'f'), heard: [] });
+    leader.ear = spawn('redis-cli', ['-p', redis.port, 'subscribe', `faccia:to:${leader.name}`], { stdio: ['ignore', 'pipe', 'ignore'] });
     let text = '';
-    home.ear.stdout.setEncoding('utf8').on('data', (more) => {
+    leader.ear.stdout.setEncoding('utf8').on('data', (more) => {
       const lines = (text += more).split('\n');
       text = lines.pop();
-      for (const line of lines) if (line.startsWith('{')) home.heard.push(JSON.parse(line));
+      for (const line of lines) if (line.startsWith('{')) leader.heard.push(JSON.parse(line));
     });
-    await eventually(() => redis.cli('pubsub', 'channels').includes(home.name), 'the stand-in to listen');
-    if (lease) redis.cli('set', `faccia:lease:room:${room}`, `${home.name} ${token}`, 'px', '60000');
-    return home;
+    await eventually(() => redis.cli('pubsub', 'channels').includes(leader.name), 'the stand-in to listen');
+    if (lease) redis.cli('set', `faccia:lease:room:${room}`, `${leader.name} ${token}`, 'px', '60000');
+    return leader;
   }
 
   /** Waits for a packet from a daemon. @param {string} kind @param {(head: object) => boolean} fits */
@@ -33,7 +33,7 @@ export class StandInHome {
 
   /** Sends a packet. @param {string} to @param {string} kind @param {object} rest of the head; a BigInt is written with all digits */
   tell(to, kind, rest, body = '') {
-    const head = JSON.stringify({ v: 4, kind, room: this.room, token: this.token, from: this.name, ...rest }, (_, value) => (typeof value === 'bigint' ? `#${value}` : value)).replace(/"#(\d+)"/g, '$1');
+    const head = JSON.stringify({ v: 5, kind, room: this.room, token: this.token, from: this.name, ...rest }, (_, value) => (typeof value === 'bigint' ? `#${value}` : value)).replace(/"#(\d+)"/g, '$1');
     this.redis.cli('publish', `faccia:to:${to}`, `${head}\n${body}`);
   }
 
@@ -41,7 +41,7 @@ export class StandInHome {
     this.tell(to, 'recap', { speaks: 0, past: 0 });
   }
 
-  /** Accepts a forwarded command. @param {object} order the head received */
+  /** Accepts a forwarded command. @param {object} command the head received */
   answer({ from, number, visit }, utterance) {
     this.tell(from, 'answer', { number, visit, status: 202, answer: { type: 'accepted', room: this.room, utterance } });
   }
@@ -51,10 +51,10 @@ export class StandInHome {
     this.tell(from, 'answer', { number, visit, status: 0 });
   }
 
-  /** Sends events. @param {object} order the command that caused them, or null */
-  say(to, order, ...messages) {
+  /** Sends events. @param {object} command the command that caused them, or null */
+  say(to, command, ...messages) {
     const bodies = messages.map((message) => JSON.stringify(message));
-    const whose = order ? { order: ofName(order.from) | BigInt(order.number) } : {};
+    const whose = command ? { command: ofName(command.from) | BigInt(command.number) } : {};
     this.tell(to, 'said', { parts: messages.map(({ type }, i) => ({ event: type, size: bodies[i].length, line: 0, ...whose })) }, bodies.join(''));
   }
 
