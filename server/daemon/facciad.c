@@ -19,6 +19,7 @@
 #include "server/library/work_lexicons.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -632,6 +633,13 @@ static int run(struct daemon *d) {
     return status;
 }
 
+/* Makes the C library give freed memory back. Once a block of many megabytes has been freed, it by default keeps
+ * up to 64 MB at the end of each thread's heap, where malloc_trim does not reach. Fixed limits prevent that. */
+static void limit_kept_memory(void) {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+    mallopt(M_TRIM_THRESHOLD, 2 << 20);
+}
+
 int main(int argc, char **argv) {
     struct daemon d = {.argc = argc, .argv = argv};
     struct settings_request request;
@@ -639,6 +647,7 @@ int main(int argc, char **argv) {
     char text[512];
     int status;
     program_begin();
+    limit_kept_memory();
     paths_find(&d.paths);
     if (settings_read(&d.settings, &request, PROGRAM_DAEMON, argc, argv, &d.paths, &e)) {
         fprintf(stderr, "facciad: %s (%s)\n", error_text(&e, text, sizeof text), error_name(e.code));
