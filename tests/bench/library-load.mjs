@@ -60,7 +60,7 @@ function search(perSecond, clients, first, bare) {
   const timer = setInterval(() => { for (due += (perSecond * every) / 1000; due >= 1; due--) ask(n++); }, every);
   return async () => {
     clearInterval(timer);
-    await eventually(() => !open, 'the last answers', 60000);
+    await eventually(() => !open, 'the last answers', 120000);
     for (const agent of agents) agent.destroy();
     return heard;
   };

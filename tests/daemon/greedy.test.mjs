@@ -25,8 +25,8 @@ async function served(room) {
 
 test('limits connections of one address', async () => {
   const sockets = Array.from({ length: 400 }, () => net.connect({ port: daemon.port, host: '127.0.0.1', localAddress: GREEDY }).on('error', () => {}));
-  await eventually(() => sockets.every((socket) => !socket.connecting), 'the connections to be tried', 20000);
-  await eventually(async () => (await (await daemon.get('/healthz')).json()).connections <= 260, 'those above 250 to be closed', 20000);
+  await eventually(() => sockets.every((socket) => !socket.connecting), 'the connections to be tried', 120000);
+  await eventually(async () => (await (await daemon.get('/healthz')).json()).connections <= 260, 'those above 250 to be closed', 120000);
   await served('modest-1');
   sockets.forEach((socket) => socket.destroy());
   await daemon.left(3);
@@ -37,7 +37,7 @@ test('limits rooms', async () => {
   greedy.forEach((each, i) => each.send({ type: 'join', room: `greedy-${i}`, id: 'j' }));
   const refused = () => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-rooms'));
   const joined = () => greedy.filter((each) => each.messages.some(({ type }) => type === 'joined'));
-  await eventually(() => refused().length === 5 && joined().length === 25, 'five to be refused', 20000);
+  await eventually(() => refused().length === 5 && joined().length === 25, 'five to be refused', 120000);
   await served('modest-2');
   // existing rooms can still be joined; which connections came too late is chance
   const [late] = refused(), room = `greedy-${greedy.indexOf(joined()[0])}`;
@@ -49,7 +49,7 @@ test('limits rooms', async () => {
 test('limits live voices, including one with hardly any sound', async () => {
   const greedy = await Promise.all(Array.from({ length: 10 }, () => stream(GREEDY)));
   for (const each of greedy) each.send({ type: 'voice', id: 'v', rate: 16000, lang: 'it' });
-  await eventually(() => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-voices')).length === 2, 'two to be refused', 20000);
+  await eventually(() => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-voices')).length === 2, 'two to be refused', 120000);
   const modest = await stream(MODEST);
   modest.send({ type: 'voice', id: 'm', rate: 16000, lang: 'it' });
   // the modest client sends sound, the others only two bytes now and then: their live voices are closed

@@ -141,11 +141,11 @@ const file = (method, name, body, headers = {}) => daemon.get(`/v1/library/files
 test('an editor saves the lexicon of a work, which applies at once; a faulty one is rejected with its position', async () => {
   const saved = await file('PUT', 'luna.pls', pls({ uno: 'corretto' }));
   assert.equal(saved.status, 201);
-  await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Corretto, libreria, libreria.' })), 'the corrected word', 20000);
+  await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Corretto, libreria, libreria.' })), 'the corrected word', 120000);
   const refused = await (await file('PUT', 'luna.pls', pls({ uno: 'x' }).replace('<alias>x</alias>', ''), { 'if-match': saved.headers.get('etag') })).json();
   assert.deepEqual([refused.code, refused.line], ['bad-lexicon', 3]);
   assert.equal((await file('DELETE', 'luna.pls', undefined, { 'if-match': '*' })).status, 200);
-  await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Libreria, libreria, libreria.' })), 'the lexicon to be gone', 20000);
+  await eventually(async () => ipa(await speech({ passage: 'luna:1' })) === ipa(await speech({ text: 'Libreria, libreria, libreria.' })), 'the lexicon to be gone', 120000);
 });
 
 test('exports a work as it is read aloud', () => {

@@ -104,12 +104,12 @@ test('saves abandoned by four clients delay no one, and are cleaned up', async (
   const leaving = new AbortController();
   const saving = [1, 2, 3, 4].map((i) => fetch(`${daemon.url}/v1/library/files/b${i}.md`, { method: 'PUT', body: hostile.repeat(500000), signal: leaving.signal }));
   const left = Promise.allSettled(saving);
-  await eventually(() => readers().length, 'a check', 30000);
+  await eventually(() => readers().length, 'a check', 120000);
   for (const address of ['/v1/scenes', '/v1/library/files', '/v1/library/search?q=peggio'])
     assert.equal((await fetch(`${daemon.url}${address}`, { signal: AbortSignal.timeout(10000) })).status, 200, `${address} while they are checked`);
   leaving.abort();
   await left;
-  await eventually(() => !readers().length, 'the end of all checks', 15000);
+  await eventually(() => !readers().length, 'the end of all checks', 120000);
   assert.deepEqual(fs.readdirSync(works).filter((name) => name.startsWith('b')).filter((name) => name.endsWith('.md')), []);
 });
 
@@ -121,7 +121,7 @@ test('rebuilds a damaged index while the daemon runs, and reports it once', asyn
     fs.closeSync(file);
   }
   fs.unlinkSync(path.join(works, 'zz.md'));
-  await eventually(async () => { await (await get('/v1/library/search?q=peggio')).text(); return /is damaged or of another version; rebuilding it/.test(daemon.log); }, 'a line in the log', 30000);
+  await eventually(async () => { await (await get('/v1/library/search?q=peggio')).text(); return /is damaged or of another version; rebuilding it/.test(daemon.log); }, 'a line in the log', 120000);
   await ready('the new index');
   const { results } = await (await get('/v1/library/search?q=peggio')).json();
   assert.deepEqual(results.map(({ work }) => work.id), ['zzz']);
@@ -130,7 +130,7 @@ test('rebuilds a damaged index while the daemon runs, and reports it once', asyn
 
 test('obeys SIGTERM while reading a file', async () => {
   put('again.md', hostile.repeat(500000));
-  await eventually(() => readers().length, 'the reading', 30000);
+  await eventually(() => readers().length, 'the reading', 120000);
   const started = Date.now();
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   assert.ok(Date.now() - started < 15000, 'it hangs');

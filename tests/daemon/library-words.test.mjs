@@ -131,7 +131,7 @@ before(async () => {
   for (const name of ['x', 'y', 'z']) link('.', name);
   link('..', 'below/up');
   daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index')]);
-  await eventually(async () => { all = await (await fetch(`${daemon.url}/v1/library?limit=1000`)).json(); return all.state === 'ready'; }, 'the library', 60000);
+  await eventually(async () => { all = await (await fetch(`${daemon.url}/v1/library?limit=1000`)).json(); return all.state === 'ready'; }, 'the library', 240000);
 });
 after(async () => {
   assert.equal((await daemon.stop()).code, 0, daemon.log);
@@ -275,7 +275,7 @@ test('stops reading a file that becomes a link out of the library', async () => 
   const file = path.join(works, 'below', 'real.txt');
   fs.rmSync(file);
   fs.symlinkSync(secret, file);
-  await eventually(async () => { all = await (await fetch(`${daemon.url}/v1/library?limit=1000`)).json(); return problemsOf('below/real.txt').length; }, 'the link', 30000);
+  await eventually(async () => { all = await (await fetch(`${daemon.url}/v1/library?limit=1000`)).json(); return problemsOf('below/real.txt').length; }, 'the link', 120000);
   assert.ok(!all.works.some(({ id }) => id === 'below-real'));
 });
 

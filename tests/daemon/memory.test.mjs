@@ -31,7 +31,7 @@ test('returns memory to the system', { skip }, async (t) => {
     stream.send({ type: 'speak', open: true, id: 'o', lang: 'it', text: '' });
     for (let k = 0; k < 4; k++) stream.send({ type: 'speak', id: `w${k}`, lang: 'it', text: `Parola ${i} ${k}. `.repeat(8000) });
   }
-  await eventually(() => resident() > before + 100, 'the daemon to take memory', 60000);
+  await eventually(() => resident() > before + 100, 'the daemon to take memory', 120000);
   await serve();
   const most = resident();
   for (const stream of greedy) stream.socket.terminate();

@@ -22,7 +22,7 @@ const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 20000).unref());
 
 /** Polls until the condition returns something truthy, for states without a notification. Returns that value. */
-export async function eventually(condition, what = String(condition), milliseconds = 60000) {
+export async function eventually(condition, what = String(condition), milliseconds = 120000) {
   const deadline = Date.now() + milliseconds;
   for (;;) {
     const value = await condition();
@@ -59,7 +59,7 @@ export class Daemon {
   }
 
   /** Waits until the log matches. Fails if the daemon exits first. */
-  async logged(pattern, milliseconds = 60000) {
+  async logged(pattern, milliseconds = 120000) {
     const deadline = Date.now() + milliseconds;
     for (;;) {
       const match = this.log.match(pattern);

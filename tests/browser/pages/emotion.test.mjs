@@ -227,12 +227,14 @@ test('still mode shows and holds the mood', async () => {
   const shown = () => page.evaluate(() => document.querySelector('talking-head').faps);
   await change("head.setAttribute('still', ''); head.setAttribute('expression', 'joy 0.9')");
   await page.waitForFunction(() => document.querySelector('talking-head').faps[12] > 20, null, { timeout: 60000 }); // a mouth corner
+  // a second, and then two frames: on a busy machine a second can pass without a frame
+  const later = () => page.evaluate(() => new Promise((resolve) => setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(resolve)), 1000)));
   let before; // waits until the mood has settled
   for (let now = await shown(); !isDeepStrictEqual(now, before); now = await shown()) {
     before = now;
-    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1000)));
+    await later();
   }
-  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1500)));
+  await later();
   assert.deepEqual(await shown(), before);
   await change("head.setAttribute('expression', '')");
   await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 60000 });

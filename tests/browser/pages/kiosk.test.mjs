@@ -212,7 +212,7 @@ test('never uses the cache while the daemon answers, and a new version replaces 
   await network.end();
   await once(upgraded.listen(network.port, '127.0.0.1'), 'listening');
   await page.evaluate(async () => (await navigator.serviceWorker.getRegistration('room.html')).update());
-  await eventually(async () => JSON.stringify(await page.evaluate(() => caches.keys())) === '["faccia-room-ffffffffffffffff"]', 'the new version alone', 20000);
+  await eventually(async () => JSON.stringify(await page.evaluate(() => caches.keys())) === '["faccia-room-ffffffffffffffff"]', 'the new version alone', 120000);
   await context.close();
   upgraded.closeAllConnections();
   upgraded.close();
