@@ -34,12 +34,13 @@ case $file in
     . "$root/tests/fuzz/setup.sh"
     fuzz_folder
     fuzz_seeds "$target" "$TMPDIR/seeds"
+    fuzz_corpus "$target" "$TMPDIR/corpus"
     ;;
 esac
 case $what-$file in
 packages-*) timeout -k 10 1800 node --test-reporter=tap "$file" ;;
 fuzz-* | long-*/fuzz_*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
-*/fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
+*/fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$TMPDIR/corpus" ;;
 long-*) timeout -k 10 3600 node --test --test-reporter=tap "$file" ;;
 *.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
 *) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;

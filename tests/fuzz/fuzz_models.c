@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model, split by the daemon for the socket. Byte 0 selects: a file, or edits (json_edit.c) of the
- * small head in corpus/models/head.json. */
+ * small head in tests/fuzz/head.json. */
 #include "server/api/heads.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"

@@ -8,7 +8,9 @@ usage() {
 Usage: sh tests/fuzz/run.sh TARGET [SECONDS [OPTION of libFuzzer]...]
        sh tests/fuzz/run.sh TARGET FILE...
        sh tests/fuzz/run.sh --merge TARGET
-Fuzzes the target for SECONDS (3600), runs it on files, or takes those inputs that are worth it into its corpus.
+       sh tests/fuzz/run.sh --keep TARGET FILE NAME
+Fuzzes the target for SECONDS (3600), or runs it on files. --merge adds the inputs found that reach new code to its corpus,
+--keep adds one file under a name.
 What is found stays in build/fuzz/found/TARGET, crashes lie in build/fuzz/crashes.
 TEXT
     sed -n "s/^  '\([a-z]*\)': \[.*/  \1/p" "$(dirname "$0")/meson.build"
@@ -20,7 +22,11 @@ die() {
 }
 
 merge=no
-[ "${1:-}" = --merge ] && merge=yes && shift
+keep=no
+case ${1:-} in
+--merge) merge=yes && shift ;;
+--keep) keep=yes && shift ;;
+esac
 case ${1:-} in
 '' | -h | --help)
     usage
@@ -34,6 +40,14 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 folder="$root/build/fuzz"
 . "$root/tests/fuzz/setup.sh"
 [ -f "$root/tests/fuzz/fuzz_$target.c" ] || die "no target '$target'; there are: $(cd "$root/tests/fuzz" && echo fuzz_*.c)"
+if [ $keep = yes ]; then
+    [ $# = 2 ] && [ -f "$1" ] || die "--keep wants a target, a file and a name"
+    fuzz_folder
+    fuzz_corpus "$target" "$TMPDIR/corpus"
+    cp "$1" "$TMPDIR/corpus/$2"
+    fuzz_archive "$target" "$TMPDIR/corpus"
+    exit 0
+fi
 fuzz_build "$target"
 program="$folder/tests/fuzz/fuzz_$target"
 
@@ -45,9 +59,10 @@ if [ -f "${1:-}" ]; then
 fi
 seeds="$TMPDIR/seeds"
 fuzz_seeds "$target" "$seeds"
-corpus="$root/tests/fuzz/corpus/$target"
+corpus="$TMPDIR/corpus"
+fuzz_corpus "$target" "$corpus"
 found="$folder/found/$target"
-mkdir -p "$corpus" "$found" "$folder/crashes"
+mkdir -p "$found" "$folder/crashes"
 if [ $merge = yes ]; then
     # What reaches code that neither the seeds nor the corpus reach, the shortest first.
     kept="$TMPDIR/kept"
@@ -61,7 +76,8 @@ if [ $merge = yes ]; then
     done | head -n 40 | while read -r name; do
         cp "$kept/$name" "$corpus/$(echo "$name" | cut -c 1-12)"
     done
-    echo "the corpora have $(cat "$root"/tests/fuzz/corpus/*/* | wc -c) bytes"
+    fuzz_archive "$target" "$corpus"
+    echo "the corpora have $(cat "$root"/tests/fuzz/corpus/* | wc -c) bytes"
     exit 0
 fi
 seconds=${1:-3600}
