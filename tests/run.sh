@@ -11,7 +11,7 @@ WHAT is one or more of
   - a group: unit limits fuzz protocol models web daemon browser (all of these when left out); long: the further cases of some of
     these, and each fuzz target for a minute; packages: the Debian packages and the container, built and tried in a fresh Debian
     (ten minutes; wants root);
-  - a test file: tests/daemon/api.test.mjs, tests/unit/test_markup.c;
+  - a test file: tests/daemon/api/api.test.mjs, tests/unit/markup/test_markup.c;
   - a part of test files' names: api, markup.
 
       --list   print the test files that WHAT names, and exit
@@ -33,7 +33,7 @@ named() {
     name=$(basename "$1")
     case $name in
     *.test.mjs | test_*.c) find "$root/tests" -name node_modules -prune -o -type f -name "$name" -print ;;
-    *) find "$root/tests" -name node_modules -prune -o -type f \( -name "*$name*.test.mjs" -o -path "$root/tests/unit/test_*$name*.c" \) -print ;;
+    *) find "$root/tests" -name node_modules -prune -o -type f \( -name "*$name*.test.mjs" -o -path "$root/tests/unit/*/test_*$name*.c" \) -print ;;
     esac | sort
 }
 
@@ -107,7 +107,7 @@ files() {
         ;;
     fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x | sort ;;
     limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
-        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs" "$root/tests/daemon/memory.test.mjs"
+        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/voice/limits.test.mjs" "$root/tests/daemon/programs/memory.test.mjs"
         ;;
     long)
         find "$root/tests" -name node_modules -prune -o -name '*.test.mjs' -exec grep -l "lib/long.mjs'" {} + | sort

@@ -16,10 +16,10 @@ const listed = (...what) => {
 };
 
 test('part of a name, a file or a group selects tests', () => {
-  assert.ok(listed('api').includes('tests/daemon/api.test.mjs'));
-  assert.ok(listed('markup').includes('tests/unit/test_markup.c') && listed('markup').includes('tests/daemon/markup.test.mjs'));
-  assert.deepEqual(listed('tests/daemon/api.test.mjs'), ['tests/daemon/api.test.mjs']);
-  assert.deepEqual(listed('tests/unit/test_markup.c'), ['tests/unit/test_markup.c']);
+  assert.ok(listed('api').includes('tests/daemon/api/api.test.mjs'));
+  assert.ok(listed('markup').includes('tests/unit/markup/test_markup.c') && listed('markup').includes('tests/daemon/markup/markup.test.mjs'));
+  assert.deepEqual(listed('tests/daemon/api/api.test.mjs'), ['tests/daemon/api/api.test.mjs']);
+  assert.deepEqual(listed('tests/unit/markup/test_markup.c'), ['tests/unit/markup/test_markup.c']);
   assert.deepEqual(listed('protocol'), fs.readdirSync(path.join(root, 'tests/protocol')).filter((name) => name.endsWith('.test.mjs')).sort().map((name) => `tests/protocol/${name}`));
 });
 
