@@ -633,8 +633,9 @@ static int run(struct daemon *d) {
     return status;
 }
 
-/* Makes the C library give freed memory back. Once a block of many megabytes has been freed, it by default keeps
- * up to 64 MB at the end of each thread's heap, where malloc_trim does not reach. Fixed limits prevent that. */
+/* Makes the C library give freed memory back. Once a block of many megabytes has been freed, it by default
+ * keeps up to 64 MB at the end of each thread's heap, where malloc_trim does not reach. Fixed limits prevent
+ * that. */
 static void limit_kept_memory(void) {
     mallopt(M_MMAP_THRESHOLD, 1 << 20);
     mallopt(M_TRIM_THRESHOLD, 2 << 20);

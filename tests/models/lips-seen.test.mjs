@@ -58,6 +58,24 @@ test('pictures in a folder: measures opening, spread and rounding, and reports p
   assert.ok(Math.min(open.confidence, spread.confidence, rest.confidence) > 0.7);
 });
 
+test('a film that begins in mid-speech: rest is where the lips are closed, unless it is given', () => {
+  const spoken = path.join(folder, 'spoken');
+  fs.mkdirSync(spoken);
+  for (const [i, n] of [3, 3, 6, 4, 1, 2, 3].entries()) fs.copyFileSync(file(n), path.join(spoken, `${i}.png`));
+  const { status, stdout, stderr } = run([spoken, '--fps', '10']);
+  assert.equal(status, 0, stderr);
+  const [, from, to] = /does not rest at the beginning: (\d\.\d\d) to (\d\.\d\d) s, where the lips are closed/.exec(stderr) ?? assert.fail(stderr);
+  assert.ok(Number(from) >= 0.17 && Number(to) <= 0.53, `${from} to ${to}`);
+  const rows = curves(stdout);
+  assert.equal(rows.length, 7);
+  for (const i of [0, 6]) assert.ok(rows[i].LI > 7 && rows[i].LI < 13.5, JSON.stringify(rows[i]));
+  assert.match(run([spoken, '--fps', '10', '--rest', '0.39-0.5']).stderr, /^(?!.*does not rest)/s);
+  const open = path.join(folder, 'open');
+  fs.mkdirSync(open);
+  for (const i of [1, 2, 3]) fs.copyFileSync(file(3), path.join(open, `${i}.png`));
+  assert.match(run([open, '--fps', '10']).stderr, /the lips are closed in no picture: /);
+});
+
 test('a video goes through ffmpeg (here a stub) with the same curves; a missing ffmpeg is reported', further, async () => {
   const bytes = [];
   for (let n = 1; n <= 4; n++) {

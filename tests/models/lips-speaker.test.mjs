@@ -81,7 +81,7 @@ test('eval --film compares with the options of eval, and fits nothing', () => {
   const { status, stderr, calls } = command('eval', '--film', film('her.csv'), '--text', 'Papà beve.', '--engine', 'table', '--engine', 'dominance', '--contacts', 'both', '--shift', '20', '--json', at('her.figures'), '--faccia', at('faccia'));
   assert.equal(status, 0, stderr);
   const models = `faccia --models ${path.join(root, 'models')}`;
-  assert.deepEqual(calls.map((c) => c.replace(/ (-v|--lang) .*/, '')), ['ffmpeg', `${models} align`, `${models} eval`]);
+  assert.deepEqual(calls.map((c) => c.replace(/ (-v|--certain|--lang) .*/, '')), ['ffmpeg', `${models} align`, `${models} eval`]);
   assert.match(calls[2], new RegExp(`eval --lang it --contacts both --shift 20 --json ${at('her.figures')} --engine table --engine dominance --recording .*1-her.csv --phones .*1-her.json`));
 });
 

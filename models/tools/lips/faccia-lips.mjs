@@ -21,7 +21,8 @@ pictures of a face (a folder of them in the order of their names, or a video, fo
       --markers FILE    JSON: the name or number of each marker: nose, upperLip, leftCorner, rightCorner, lowerLip, chin, leftEar, rightEar
       --tilt DEGREES    how far the plane of nose and ear lobes falls towards the nose (0: opening is measured square to it)
       --unit UNIT       of a table: mm, cm, dm, m, in (mm)
-      --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2)
+      --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2; in pictures, if
+                        the lips are apart there, the longest time in which they are closed)
       --smooth MS       standard deviation of a Gaussian over time (0)
       --iris MM         how wide the person's iris is (11.7, an adult's)
       --pupils MM       or, better, how far the pupils are from each other
@@ -55,10 +56,10 @@ function choices(argv) {
     throw new Usage(error.message);
   }
   const { values, positionals } = parsed;
-  const [from, to] = values.rest?.split('-').map(Number) ?? REST;
-  if (!(from >= 0 && to > from)) throw new Usage(`--rest ${values.rest}: FROM-TO in seconds is wanted`);
+  const rest = values.rest?.split('-').map(Number);
+  if (rest && !(rest[0] >= 0 && rest[1] > rest[0])) throw new Usage(`--rest ${values.rest}: FROM-TO in seconds is wanted`);
   return {
-    ...values, files: positionals, rest: [from, to],
+    ...values, files: positionals, rest,
     fps: number(values, 'fps', [1, 1000]), smooth: number(values, 'smooth', [0, 1000]), iris: number(values, 'iris', [5, 20]), pupils: number(values, 'pupils', [30, 90]),
     tilt: ((number(values, 'tilt', [-60, 60]) ?? 0) * Math.PI) / 180,
   };
@@ -91,12 +92,20 @@ async function watch(file, options) {
   }
   const fps = options.fps ?? VIDEO_FPS;
   const pictures = () => (folder ? film.picturesOf(file) : film.framesOf(path.resolve(file), fps));
-  return watching.watchLips(pictures, { fps, rest: options.rest, iris: options.iris, pupils: options.pupils, like: options.like, tell: progress });
+  return watching.watchLips(pictures, { fps, rest: options.rest, iris: options.iris, pupils: options.pupils, like: options.like, tell: progress() });
 }
 
-function progress(done, count) {
-  if (process.stderr.isTTY) process.stderr.write(`\r${done}${count ? ` of ${count}` : ''} pictures\u001b[K`);
-  else if (done % 250 === 0) console.error(`${done}${count ? ` of ${count}` : ''} pictures`);
+/** Returns a function that prints how far the work is: always on a terminal, otherwise every five seconds. */
+function progress() {
+  let told = Date.now();
+  return (what, done, count) => {
+    const line = `${what}: ${done}${count ? ` of ${count}` : ''} pictures`;
+    if (process.stderr.isTTY) process.stderr.write(`\r${line}\u001b[K`);
+    else if (Date.now() - told >= 5000) {
+      console.error(line);
+      told = Date.now();
+    }
+  };
 }
 
 const frames = (gaps) => gaps.slice(0, 12).map(([a, b]) => (a === b ? `${a + 1}` : `${a + 1} to ${b + 1}`)).join(', ') + (gaps.length > 12 ? ` and ${gaps.length - 12} more` : '');
@@ -120,14 +129,14 @@ async function main(argv) {
   if (!file || more.length) throw new Usage('one folder of pictures, video or file of tracks is wanted');
   try {
     const marked = Object.hasOwn(READERS, path.extname(file).toLowerCase()) && fs.statSync(file).isFile();
-    const { rows, notes = [] } = marked ? { rows: readTracks(file, options) } : await watch(file, options);
+    const { rows, rest = options.rest ?? REST, notes = [] } = marked ? { rows: readTracks(file, options) } : await watch(file, options);
     if (process.stderr.isTTY) process.stderr.write('\r\u001b[K');
     for (const note of notes) console.error(note);
     const { rows: known, gaps } = filled(rows);
     if (gaps.length) console.error(`nothing is known of frames ${frames(gaps)}: they are left out (gaps up to ${LONGEST_GAP} s are filled)`);
     if (!known.length) throw new FileError('', marked ? 'no frame has all eight markers' : 'there is no face in any picture');
-    const still = fromRest(smoothed(known, (options.smooth ?? 0) / 1000), options.rest.map((t) => t + rows[0].time));
-    if (!still) throw new FileError('', `nothing is known of the time from ${options.rest.join(' to ')} s, in which the mouth rests: --rest says another`);
+    const still = fromRest(smoothed(known, (options.smooth ?? 0) / 1000), rest.map((t) => t + rows[0].time));
+    if (!still) throw new FileError('', `nothing is known of the time from ${rest.join(' to ')} s, in which the mouth rests: --rest says another`);
     write(options.output, toCsv(still));
     console.error(`${still.length} of ${rows.length} frames, ${(rows.at(-1).time - rows[0].time).toFixed(2)} s`);
   } catch (error) {

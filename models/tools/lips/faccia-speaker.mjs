@@ -77,8 +77,10 @@ function follow(film, number, folder, options) {
   const at = (ending) => path.join(folder, `${number}-${path.parse(film).name}.${ending}`);
   if (!fs.existsSync(film)) throw new Error(`${film}: no such file`);
   fs.writeFileSync(at('txt'), words(film, options.text));
+  console.error(`${film}: aligning its sound to the words`);
   run('ffmpeg', ['-v', 'error', '-y', '-i', film, '-ac', '1', '-ar', '16000', at('wav')]);
-  faccia(options, ['align', '--lang', options.lang, '--quiet', '--text', at('txt'), '--json', at('json'), at('wav')]);
+  faccia(options, ['align', '--certain', '--lang', options.lang, '--quiet', '--text', at('txt'), '--json', at('json'), at('wav')]);
+  console.error(`${film}: following its lips`);
   const lips = OF_LIPS.flatMap((name) => (options[name] === undefined ? [] : [`--${name}`, options[name]]));
   run(process.execPath, [fileURLToPath(new URL('faccia-lips.mjs', import.meta.url)), path.resolve(film), ...lips, '-o', at('csv')]);
   return { curves: at('csv'), phones: at('json') };

@@ -13,6 +13,7 @@ import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
+import { findRest, lipsClosed } from './rest.mjs';
 import { AR, drawOf, hangOf, heldCorners, heldJaw, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/portrait/lay.mjs';
@@ -27,6 +28,7 @@ const UPPER_LIP = [[0, 13]]; // landmarks that give its height at rest,
 const MOUTH = [[61, 291]]; // and how wide the mouth
 const MOST_FRAMES = 500000;
 const REST_PICTURES = 6; // whose mean gives the look of the face
+const REST = [0, 0.2]; // s: where a film rests, if its lips are closed there
 const SIDEWAYS = 0.35; // rad: beyond it the detector guesses the far half of the mouth
 const LOST = 0.6; // of the picture's contrast: a lower similarity is not the face
 
@@ -129,15 +131,36 @@ class Watcher {
 }
 
 /**
- * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} yields the pictures from the first on, each time it is called
- * @param {{fps: number, rest: number[], iris?: number, pupils?: number, like?: string, tell?: (done: number, count?: number) => void}} options
- *   rest: from, to (s); like: the head whose lip movements serve as the model @returns {Promise<{rows: object[], notes: string[]}>} rows without
- *   values where there is no face; seen: of each parameter whether the picture shows it (parting.mjs)
+ * Returns pictures of the face at rest: those of the given time; otherwise the first ones if their lips are closed; otherwise those where a
+ * search finds closed lips.
+ * @returns {Promise<{rest: number[], still: object[], notes: string[]}>} rest: from, to (s)
  */
-export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like = 'mara', tell = () => {} }) {
-  const watcher = new Watcher(await openEye(), baseHead(like));
+async function restOf(eye, pictures, fps, given, tell) {
+  const first = await restPictures(pictures(), fps, given ?? REST);
+  if (given || (await lipsClosed(eye, first))) return { rest: given ?? REST, still: first, notes: [] };
+  const found = await findRest(eye, pictures(), fps, (done) => tell('looking for the mouth at rest', done));
+  if (!found) return { rest: REST, still: first, notes: [] };
+  const rest = [found.from, found.to];
+  const where = `${rest.map((t) => t.toFixed(2)).join(' to ')} s`;
+  const notes = [found.closed
+    ? `the mouth does not rest at the beginning: ${where}, where the lips are closed, is taken for rest; --rest says another time`
+    : `the lips are closed in no picture: ${where}, where they are least open, is taken for rest, and openings are too small; --rest says another time`];
+  return { rest, still: await restPictures(pictures(), fps, rest), notes };
+}
+
+/**
+ * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} yields the pictures from the first on, each time it is called
+ * @param {{fps: number, rest?: number[], iris?: number, pupils?: number, like?: string, tell?: (what: string, done: number, count?: number) => void}} options
+ *   rest: from, to (s), found when left out; like: the head whose lip movements serve as the model
+ * @returns {Promise<{rows: object[], rest: number[], notes: string[]}>} rows without values where there is no face; seen: of each parameter whether
+ *   the picture shows it (parting.mjs)
+ */
+export async function watchLips(pictures, { fps, rest: given, iris = IRIS, pupils, like = 'mara', tell = () => {} }) {
+  const eye = await openEye();
+  const watcher = new Watcher(eye, baseHead(like));
   const reasons = [];
-  if (!(await watcher.know(await restPictures(pictures(), fps, rest), (why) => reasons.push(why))))
+  const { rest, still, notes } = await restOf(eye, pictures, fps, given, tell);
+  if (!(await watcher.know(still, (why) => reasons.push(why))))
     throw new FileError('', `there is no face from ${rest.join(' to ')} s, while the mouth rests (${reasons[0] ?? 'no pictures'}): --rest says another time`);
   const scale = watcher.scale(iris, pupils);
   const rows = [];
@@ -151,13 +174,13 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
     if (aside) turned++;
     if (!seen) without.set(why, [...(without.get(why) ?? []), rows.length + 1]);
     rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0, seen: seen?.seen ?? UNSEEN, doubt: seen?.doubt });
-    tell(rows.length, count);
+    tell('following the lips', rows.length, count);
   }
-  const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);
+  notes.push(...[...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`));
   if (turned) notes.push(`${turned} frames from the side: less is to be believed of them, their confidence is halved`);
   const corners = heldCorners(rows);
   if (!corners.held) notes.push('the skin is too even for the corners of the mouth to be followed: AR is not seen');
   const jaw = heldJaw(corners.rows);
   if (!jaw.held) notes.push('the jaw leaps wherever the lips touch or part, as the skin of the chin is too even to show it: EM is not seen');
-  return { rows: jaw.rows, notes };
+  return { rows: jaw.rows, rest, notes };
 }

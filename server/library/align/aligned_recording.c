@@ -282,8 +282,8 @@ int aligned_recording_advance(struct aligned_recording *r, struct error *e) {
     if (r->complete)
         return 0;
     if (!r->alignment) {
-        const struct long_alignment_options options = {r->lang, *r->gender ? r->gender : NULL, r->stop,
-                                                       false};
+        const struct long_alignment_options options = {
+            .lang = r->lang, .gender = *r->gender ? r->gender : NULL, .stop = r->stop, .certain = r->certain};
         struct reference *reference = reference_get(r->reference, e);
         if (!reference)
             return -1;
@@ -367,6 +367,7 @@ struct aligned_recording *aligned_recording_open(const struct aligned_recording_
         r->text_size = size;
         r->reference = options->reference;
         r->stop = options->stop;
+        r->certain = options->certain;
         snprintf(r->lang, sizeof r->lang, "%s", options->lang);
         snprintf(r->gender, sizeof r->gender, "%s", options->gender ? options->gender : "");
         text_words_add(&r->tokens, r->text, size, 0);

@@ -20,6 +20,7 @@ struct aligned_recording_options {
     const char *gender;               /* "female", "male"; NULL = unknown */
     const struct times *times;        /* NULL = find them by alignment */
     struct reference_slot *reference; /* must outlive the recording; used for alignment only */
+    bool certain;                     /* see long_alignment_options.certain */
     const atomic_bool *stop;          /* see long_alignment_options.stop */
 };
 
@@ -63,6 +64,7 @@ struct aligned_recording {
     double until;  /* s: everything before is known */
     double rest;   /* s of sound after the end of the text */
     char lang[16], gender[16];
+    bool certain; /* the words are known to be those of the sound */
     struct reference_slot *reference;
     const atomic_bool *stop;
 };

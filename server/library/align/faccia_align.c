@@ -31,7 +31,7 @@ struct align {
     const char *sound, *text, *timing, *names, *tier, *word_tier, *gender;
     struct speech_request request; /* lang, engine, fps, still, seed */
     struct output outputs[OUTPUTS];
-    bool progress;
+    bool progress, certain;
     struct cli_lexicons lexicons;
     const struct components *components;
     const struct speech_packs *packs;
@@ -242,6 +242,8 @@ static const char usage[] =
     "      --word-tier NAME tier with the words\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male (default: detected)\n"
+    "      --certain        align even if the recording does not sound like the words: they are known to be "
+    "right\n"
     "      --lexicon FILE   pronunciations used in the recording (W3C PLS); may be repeated\n" SPEAK_HELP_FPS
         SPEAK_HELP_ENGINE SPEAK_HELP_CONTACTS SPEAK_HELP_STILL /* made of protocol/messages.json */
     "      --seed N         random seed of the face's idle motion (0)\n"
@@ -315,6 +317,7 @@ static int run(struct align *a, const struct settings *settings) {
             .text_size = script.size - skip,
             .lang = a->request.lang,
             .gender = a->gender,
+            .certain = a->certain,
             .times = a->timing ? &times : NULL,
             .reference = &reference};
         a->reading = aligned_recording_open(&options, &e);
@@ -342,25 +345,16 @@ static int run(struct align *a, const struct settings *settings) {
 /* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, struct align *a) {
     static const struct option options[] = {
-        {"text", 1, NULL, 't'},
-        {"timing", 1, NULL, 'T'},
-        {"names", 1, NULL, 'N'},
-        {"lang", 1, NULL, 'l'},
-        {"gender", 1, NULL, 'g'},
-        {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'},
-        {"contacts", 1, NULL, 1},
-        {"still", 0, NULL, 1},
-        {"seed", 1, NULL, 1},
-        {"json", 1, NULL, 'J'},
-        {"fap", 1, NULL, 'F'},
-        {"wav", 1, NULL, 'W'},
-        {"quiet", 0, NULL, 'q'},
-        {"tier", 1, NULL, 'P'},
-        {"word-tier", 1, NULL, 'O'},
-        {"help", 0, NULL, 'h'},
-        {"lexicon", 1, NULL, 'X'},
-        {0},
+        {"text", 1, NULL, 't'},    {"timing", 1, NULL, 'T'},
+        {"names", 1, NULL, 'N'},   {"lang", 1, NULL, 'l'},
+        {"gender", 1, NULL, 'g'},  {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'},  {"contacts", 1, NULL, 1},
+        {"still", 0, NULL, 1},     {"seed", 1, NULL, 1},
+        {"json", 1, NULL, 'J'},    {"fap", 1, NULL, 'F'},
+        {"wav", 1, NULL, 'W'},     {"quiet", 0, NULL, 'q'},
+        {"tier", 1, NULL, 'P'},    {"word-tier", 1, NULL, 'O'},
+        {"help", 0, NULL, 'h'},    {"lexicon", 1, NULL, 'X'},
+        {"certain", 0, NULL, 'C'}, {0},
     };
     struct error e;
     char message[400];
@@ -389,6 +383,8 @@ static int parse(int argc, char **argv, struct align *a) {
             cli_lexicons_add(&a->lexicons, optarg);
         } else if (c == 'q') {
             a->progress = false;
+        } else if (c == 'C') {
+            a->certain = true;
         } else if ((size_t)c < sizeof texts / sizeof *texts && texts[c]) {
             *texts[c] = optarg;
         } else if (request_set(&a->request, name, value, &e)) {

@@ -582,6 +582,7 @@ struct long_alignment *long_alignment_open(const struct sound_source *source, st
     c->size = size;
     c->stop = options->stop;
     c->made = options->made;
+    c->certain = options->certain;
     for (int pass = 0; pass < 2 && !c->voice_count; pass++) /* a gender without a voice: any */
         for (int i = 0; i < 2; i++) {
             const char *voice = reference_voice(reference, options->lang, genders[i]);
@@ -615,10 +616,12 @@ static bool fits(struct long_alignment *c, const struct align_map *map, size_t c
     const struct reference_span *spans = c->said.spans;
     double apart, other = chance(&recording, &c->said.speech, map, c->stop, &apart);
     c->likely = other <= 0 || apart < CHANCE_SHARE * other;
-    if (!c->likely)
+    if (!c->likely && !c->certain)
         return false;
     if (other > 0)
         c->other = other;
+    if (c->certain)
+        return true;
     double all = (double)(align_end_time(map, spans[count - 1].end) - align_time(map, 0)) /
                  (double)spans[count - 1].end;
     for (size_t i = 0; i < count; i++) {

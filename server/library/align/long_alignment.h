@@ -16,6 +16,7 @@ struct long_alignment_options {
     const char *gender;      /* "female", "male"; NULL = the closer voice */
     const atomic_bool *stop; /* becomes true to cancel; may be NULL */
     bool made;               /* a program made the recording from this text: do not check its words */
+    bool certain;            /* its words are known to be those of the text, however unlike they sound */
 };
 
 /* Times in seconds of the recording. Time not covered by a phone is a pause. */

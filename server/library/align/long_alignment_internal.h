@@ -28,7 +28,7 @@ struct long_alignment {
     const char *text;
     size_t size, at; /* remaining text */
     const atomic_bool *stop;
-    bool made;
+    bool made, certain;
     const char *voices[2], *chosen; /* chosen: NULL = undecided */
     size_t voice_count;
     double pace;  /* 0 = unknown */

@@ -52,7 +52,8 @@ static int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, co
                     char *message, size_t cap) {
     struct sound_memory memory = {sound->samples, sound->count};
     const struct sound_source source = sound_in_memory(&memory, sound->rate);
-    const struct long_alignment_options options = {voice->lang, voice->gender, stop, true};
+    const struct long_alignment_options options = {
+        .lang = voice->lang, .gender = voice->gender, .stop = stop, .made = true};
     struct error e;
     struct reference *reference = reference_get(&aligner->slot, &e);
     struct long_alignment *alignment =
