@@ -314,6 +314,7 @@ static const char usage[] =
     "      --arkit FILE     weights of ARKit's 52 shapes, in Live Link Face's columns (CSV)\n"
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
+    "      --marks FILE     sentences, words, visemes and marks, as the speech marks of Amazon Polly\n"
     "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
     "      --osc HOST:PORT  send the face in real time to an avatar that speaks the VMC protocol\n"
     "  -h, --help           print this and exit\n"
@@ -326,7 +327,23 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, MP3, FLAC, OUTPUTS };
+enum {
+    WAV,
+    FAP,
+    JSON,
+    OGG,
+    NDJSON,
+    FAPC,
+    ARKIT,
+    ARKIT_NDJSON,
+    VISEMES,
+    VTT,
+    TEXTGRID,
+    MP3,
+    FLAC,
+    MARKS,
+    OUTPUTS
+};
 enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
 enum { HEARD = -2 };          /* exit code of parse: play a recording instead */
 
@@ -411,7 +428,7 @@ static int open_outputs(struct say *s) {
     const struct export_source source = export_source_of(s->synthesis);
     static const char *const names[OUTPUTS] = {"wav",      "fap",   "json",         "ogg",     "ndjson",
                                                "fapc",     "arkit", "arkit-ndjson", "visemes", "vtt",
-                                               "textgrid", "mp3",   "flac"};
+                                               "textgrid", "mp3",   "flac",         "marks"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -462,6 +479,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"mp3", 1, NULL, OUTPUT_OPTION + MP3},
         {"flac", 1, NULL, OUTPUT_OPTION + FLAC},
+        {"marks", 1, NULL, OUTPUT_OPTION + MARKS},
         {"osc", 1, NULL, 'P'},
         {"lexicon", 1, NULL, 'X'},
         {"voice-file", 1, NULL, 'S'},

@@ -402,6 +402,8 @@ const struct export_format export_formats[] = {
      NULL, false, NULL},
     {"arkit-ndjson", NDJSON, export_arkit_free, export_arkit_weights, false, NULL},
     {"visemes", NDJSON, NULL, export_viseme_weights, true, NULL},
+    {"marks", "application/x-json-stream", true, export_marks_piece, export_marks_end, NULL, NULL, NULL, true,
+     NULL},
     {"vtt", "text/vtt; charset=utf-8", true, export_vtt_piece, export_vtt_end, NULL, NULL, NULL, false, NULL},
     {"textgrid", "text/plain; charset=utf-8", false, export_textgrid_piece, export_textgrid_end, NULL,
      export_textgrid_free, NULL, false, NULL},

@@ -85,6 +85,10 @@ void export_ndjson_piece(struct export *x, const struct media_segment *segment, 
 void export_ndjson_end(struct export *x);
 void export_ndjson_warning(struct export *x, const struct error *e);
 
+/* Speech marks as Amazon Polly writes them. */
+void export_marks_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_marks_end(struct export *x);
+
 void export_ndjson_faps(struct export *x, const struct fap_frame *frame);
 
 /* Live Link Face's columns, one row per frame; the same weights, and visemes, as members of NDJSON. */

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void put(struct export *x, json_t *line) {
     json_write(&x->out, line);
@@ -136,14 +137,13 @@ static bool is_in(const struct export *x, const struct sentence_audio *u, uint32
     return sample >= x->at && (sample < to || to == u->samples);
 }
 
-void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+/* Collects the events and frames of the piece up to `to`, sorted by time; the caller frees *out. */
+static size_t collect(struct export *x, const struct media_segment *segment, uint32_t to, struct item **out) {
     const struct sentence_audio *u = segment->audio;
     uint64_t start = (uint64_t)segment->start;
-    uint32_t end = export_frames_until(x, segment, to), first = x->frames;
+    uint32_t first = x->frames, end = x->format->member ? export_frames_until(x, segment, to) : first;
     size_t keys;
     const struct viseme_key *key = visemes_of(x, segment, &keys);
-    if (!x->segments && !x->at)
-        put_begin(x, u->sample_rate);
     size_t count = 0, most = 1 + u->word_count + u->phone_count + keys + u->mark_count + (end - first);
     struct item *items = mem_alloc(most * sizeof *items);
     if (!x->source.play && !x->at)
@@ -152,8 +152,8 @@ void export_ndjson_piece(struct export *x, const struct media_segment *segment, 
         if (is_in(x, u, u->words[i].start, to))
             items[count++] = (struct item){start + u->words[i].start, WORD, i};
     for (size_t i = 0; i < keys; i++)
-        if (key[i].to > key[i].from && is_in(x, u, (uint32_t)(key[i].from * u->sample_rate), to))
-            items[count++] = (struct item){start + (uint64_t)(key[i].from * u->sample_rate), VISEME, i};
+        if (key[i].to > key[i].from && is_in(x, u, (uint32_t)lround(key[i].from * u->sample_rate), to))
+            items[count++] = (struct item){start + (uint64_t)lround(key[i].from * u->sample_rate), VISEME, i};
     for (size_t i = 0; i < u->phone_count && !x->format->visemes; i++)
         if (is_in(x, u, u->phones[i].start, to))
             items[count++] = (struct item){start + u->phones[i].start, PHONE, i};
@@ -163,9 +163,80 @@ void export_ndjson_piece(struct export *x, const struct media_segment *segment, 
     for (; x->frames < end; x->frames++)
         items[count++] = (struct item){(uint64_t)(x->frames / x->fps * u->sample_rate), FRAME, x->frames};
     qsort(items, count, sizeof *items, by_time);
+    *out = items;
+    return count;
+}
+
+void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    struct item *items;
+    if (!x->segments && !x->at)
+        put_begin(x, segment->audio->sample_rate);
+    size_t count = collect(x, segment, to, &items);
     for (size_t i = 0; i < count; i++)
         put_item(x, segment, &items[i]);
     free(items);
+}
+
+/* Speech marks of Amazon Polly: one JSON line each, times in ms, places in bytes. */
+
+/* Polly's symbol for a viseme: by its phone, as in the table for en-US in Polly's documentation, or by the
+ * viseme of FAP 1, which every phone of every language has. */
+static const char *polly_viseme(const struct viseme_key *key) {
+    static const struct {
+        const char *ipa, *symbol;
+    } phones[] = {{"tʃ", "S"}, {"dʒ", "S"}, {"p", "p"}, {"b", "p"}, {"m", "p"}, {"d", "t"}, {"t", "t"},
+                  {"l", "t"},  {"n", "t"},  {"ʃ", "S"}, {"ʒ", "S"}, {"ð", "T"}, {"θ", "T"}, {"f", "f"},
+                  {"v", "f"},  {"k", "k"},  {"ɡ", "k"}, {"g", "k"}, {"ŋ", "k"}, {"h", "k"}, {"i", "i"},
+                  {"ɪ", "i"},  {"j", "i"},  {"ɹ", "r"}, {"r", "r"}, {"s", "s"}, {"z", "s"}, {"u", "u"},
+                  {"ʊ", "u"},  {"w", "u"},  {"ə", "@"}, {"ɚ", "@"}, {"a", "a"}, {"æ", "a"}, {"ɑ", "a"},
+                  {"e", "e"},  {"ɛ", "E"},  {"ɜ", "E"}, {"ɝ", "E"}, {"ʌ", "E"}, {"o", "o"}, {"ɔ", "O"},
+                  {"ɒ", "O"}};
+    static const char *const groups[] = {"sil", "p", "f", "T", "t", "k", "S", "s",
+                                         "t",   "r", "a", "e", "i", "o", "u"};
+    for (size_t i = 0; *key->ipa && i < sizeof phones / sizeof *phones; i++)
+        if (!strncmp(key->ipa, phones[i].ipa, strlen(phones[i].ipa)))
+            return phones[i].symbol;
+    return groups[key->viseme < sizeof groups / sizeof *groups ? key->viseme : 0];
+}
+
+static void put_mark(struct export *x, const struct media_segment *segment, const struct item *item) {
+    const struct sentence_audio *u = segment->audio;
+    json_int_t time = (json_int_t)round((double)item->sample * 1000 / x->sample_rate);
+    size_t from = u->from, to = u->to, count;
+    switch (item->kind) {
+    case WORD:
+        from = u->words[item->index].from;
+        to = u->words[item->index].to;
+        /* fall through */
+    case SENTENCE:
+        put(x, json_pack("{sI ss sI sI so}", "time", time, "type", item->kind == WORD ? "word" : "sentence",
+                         "start", (json_int_t)from, "end", (json_int_t)to, "value",
+                         json_stringn(x->source.text + from, to - from)));
+        break;
+    case VISEME:
+        put(x, json_pack("{sI ss ss}", "time", time, "type", "viseme", "value",
+                         polly_viseme(&visemes_of(x, segment, &count)[item->index])));
+        break;
+    case MARK:
+        put(x, json_pack("{sI ss ss}", "time", time, "type", "ssml", "value", u->marks[item->index].name));
+        break;
+    default:
+        break;
+    }
+}
+
+void export_marks_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    struct item *items;
+    size_t count = collect(x, segment, to, &items);
+    for (size_t i = 0; i < count; i++)
+        put_mark(x, segment, &items[i]);
+    free(items);
+}
+
+void export_marks_end(struct export *x) {
+    if (x->segments)
+        put(x, json_pack("{sI ss ss}", "time", (json_int_t)round((double)x->samples * 1000 / x->sample_rate),
+                         "type", "viseme", "value", "sil"));
 }
 
 void export_ndjson_end(struct export *x) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* SSML 1.1 (W3C Recommendation, 7 September 2010) without lexicons, contours and durations
- * (protocol/markup.md lists what is acted on), with EmotionML and the emotion elements of two vendors. */
+ * (protocol/markup.md lists what is acted on), with EmotionML and the elements of two vendors. */
 #include "server/base/sampa.h"
 #include "server/markup/languages/emotionml.h"
 #include "server/markup/styles.h"
@@ -185,18 +185,63 @@ static void begin_lookup(struct markup_reader *r, struct tag *tag) {
     buf_free(&all);
 }
 
-/* The style names an emotion. Intensity is 0.7 at the default degree, and limited to 1 for the vendor's
- * maximum of 2. */
+/* A whisper, as far as a voice that always sounds can go: quiet and level. */
+static void style_whisper(struct score_style *style) {
+    style->volume *= 0.5;
+    style->range *= 0.5;
+    style->rate *= 0.9;
+}
+
+/* The style names an emotion, or is a whisper. Intensity is 0.7 at the default degree, and limited to 1 for
+ * the vendor's maximum of 2. */
 static void begin_express_as(struct markup_reader *r, struct tag *tag) {
     const char *style = tag_take(tag, "style"), *degree = tag_take(tag, "styledegree");
     double times = 1;
     if (degree && !quantity_plain(degree, 0.01, 2, &times))
         tag_bad(tag, "styledegree", "is not from 0.01 to 2");
-    if (style && *style)
+    if (style && !strcasecmp(style, "whispering"))
+        style_whisper(&tag->frame->style);
+    else if (style && *style)
         reader_cue(r, tag->frame, tag->at, "affect", reader_affect(r, style))->intensity =
             fmin(0.7 * times, 1);
     else
         score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "express-as needs a style");
+}
+
+/* Silence at the beginning of a text. Other types are not acted on: pauses between sentences are the voice's.
+ */
+static void begin_silence(struct markup_reader *r, struct tag *tag) {
+    const char *type = tag_take(tag, "type");
+    if (type && (!strcasecmp(type, "leading") || !strcasecmp(type, "leading-exact"))) {
+        if (!style_take_pause(tag, "value", 0.001))
+            score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "silence needs its length in value");
+        return;
+    }
+    (void)tag_take(tag, "value");
+    score_warn(r->score, tag->at, ERROR_IGNORED, "silence of type \"%.40s\" is ignored", type ? type : "");
+}
+
+static void begin_bookmark(struct markup_reader *r, struct tag *tag) {
+    const char *name = tag_take(tag, "mark");
+    if (name && *name)
+        reader_mark(r, tag->at, name);
+    else
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a bookmark needs its name in mark");
+}
+
+static void begin_effect(struct markup_reader *r, struct tag *tag) {
+    static const struct choice names[] = {{"whispered", 0}, {"drc", 0}}, phonations[] = {{"soft", 0}};
+    const char *name = tag_take(tag, "name"), *phonation = tag_take(tag, "phonation");
+    const struct choice *known = name ? choice_find(names, 2, name) : NULL;
+    (void)r;
+    if (known == names)
+        style_whisper(&tag->frame->style);
+    else if (name && !known)
+        tag_bad(tag, "name", "is not whispered or drc");
+    if (phonation && choice_find(phonations, 1, phonation))
+        tag->frame->style.volume *= 0.7;
+    else if (phonation)
+        tag_bad(tag, "phonation", "is not soft");
 }
 
 static void begin_amazon(struct markup_reader *r, struct tag *tag) {
@@ -214,6 +259,10 @@ static void begin_amazon(struct markup_reader *r, struct tag *tag) {
 
 static const struct element elements[] = {
     EMOTIONML_UNUSED("action-tendency"),
+    {.name = "amazon:auto-breaths", .ignored = " volume frequency duration "},
+    {.name = "amazon:breath", .ignored = " volume duration "},
+    {.name = "amazon:domain", .ignored = " name "},
+    {.name = "amazon:effect", .begin = begin_effect, .ignored = " vocal-tract-length "},
     {.name = "amazon:emotion", .begin = begin_amazon},
     EMOTIONML_UNUSED("appraisal"),
     {.name = "audio",
@@ -221,6 +270,7 @@ static const struct element elements[] = {
      .end = end_audio,
      .ignored =
          " fetchtimeout fetchhint maxage maxstale clipBegin clipEnd repeatCount repeatDur soundLevel speed "},
+    {.name = "bookmark", .begin = begin_bookmark},
     {.name = "break", .begin = begin_break},
     EMOTIONML_CATEGORY,
     {.name = "desc", .flags = ELEMENT_SILENT},
@@ -238,10 +288,14 @@ static const struct element elements[] = {
     {.name = "mark", .begin = begin_mark},
     {.name = "meta", .flags = ELEMENT_SILENT, .quiet = " name http-equiv content "},
     {.name = "metadata", .flags = ELEMENT_SILENT},
+    {.name = "mstts:audioduration", .ignored = " value "},
+    {.name = "mstts:backgroundaudio", .ignored = " src volume fadein fadeout "},
     {.name = "mstts:express-as", .begin = begin_express_as, .ignored = " role "},
+    {.name = "mstts:silence", .begin = begin_silence},
+    {.name = "mstts:viseme", .quiet = " type "},
     {.name = "p", .flags = ELEMENT_BOUNDARY, .ignored = " onlangfailure "},
     {.name = "phoneme", .begin = begin_phoneme, .end = style_end_capture, .ignored = " type "},
-    {.name = "prosody", .begin = begin_prosody, .ignored = " duration "},
+    {.name = "prosody", .begin = begin_prosody, .ignored = " duration amazon:max-duration "},
     EMOTIONML_ABOUT("reference"),
     {.name = "s", .flags = ELEMENT_SENTENCE, .ignored = " onlangfailure "},
     {.name = "say-as", .begin = begin_say_as, .end = style_end_capture, .ignored = " detail "},

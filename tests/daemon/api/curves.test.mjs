@@ -227,6 +227,22 @@ function readBundle(bytes) {
   return messages;
 }
 
+test('speech marks of Amazon Polly: places in bytes, whole milliseconds, symbols of Polly alone', async () => {
+  const text = '<speak xml:lang="en">Però <mark name="here"/>the judge sings. Thank you!</speak>';
+  const marks = (await get(`lang=en&markup=ssml&format=marks&text=${encodeURIComponent(text)}`)).text.trim().split('\n').map((line) => JSON.parse(line));
+  const bytes = Buffer.from(text);
+  for (const { type, start, end, value } of marks) if (type === 'word' || type === 'sentence') assert.equal(String(bytes.subarray(start, end)), value);
+  assert.deepEqual(marks.filter(({ type }) => type === 'word').map(({ value }) => value), ['Però', 'the', 'judge', 'sings', 'Thank', 'you']);
+  assert.equal(marks.filter(({ type }) => type === 'sentence').length, 2);
+  for (const [i, { time }] of marks.entries()) assert.ok(Number.isInteger(time) && (i === 0 || time >= marks[i - 1].time), `line ${i}`);
+  assert.deepEqual(marks.filter(({ type }) => type === 'ssml').map(({ time, value }) => [value, time]), [['here', marks.find(({ value }) => value === 'the').time]]);
+  const visemes = marks.filter(({ type }) => type === 'viseme');
+  for (const { value } of visemes) assert.match(value, /^(p|t|S|T|f|k|i|r|s|u|@|a|e|E|o|O|sil)$/);
+  const judge = marks.find(({ value }) => value === 'judge').time - 5; // sounds may begin a moment before their word
+  assert.deepEqual(visemes.filter(({ time }) => time >= judge).slice(0, 3).map(({ value }) => value), ['S', 'E', 'S']);
+  assert.equal(visemes.at(-1).value, 'sil');
+});
+
 test('an OSC puppet gets the same weights, in real time', async () => {
   const socket = dgram.createSocket('udp4');
   socket.bind(0, '127.0.0.1');
