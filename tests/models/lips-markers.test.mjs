@@ -7,7 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { MARKERS, PARAMETERS } from '../../models/tools/lips/articulation.mjs';
+import { FURTHER, MARKERS, PARAMETERS } from '../../models/tools/lips/articulation.mjs';
 import { readMap } from '../../models/tools/lips/markers.mjs';
 import { readC3d } from '../../models/tools/lips/read-c3d.mjs';
 import { readCsv, readTrc } from '../../models/tools/lips/read-table.mjs';
@@ -111,15 +111,39 @@ test('28 markers: a map assigns the eight that count; without one an error lists
   assert.ok(Math.max(...errors(curvesIn(stdout))) < 0.1);
 });
 
-test('lost markers: fills and reports a short gap, omits and reports a long one', () => {
-  const lost = places.map((frame, i) => frame.map((p, m) => ((m === 4 && i >= 40 && i < 50) || (m === 0 && i >= 70 && i < 100) ? null : p)));
+test('lost markers: a parameter lacks confidence while one of its markers is lost; without the nose a frame is left out', () => {
+  const lost = places.map((frame, i) => frame.map((p, m) => ((m === 4 && i >= 40 && i < 50) || (m === 2 && i >= 45 && i < 90) || (m === 0 && i >= 95 && i < 118) ? null : p)));
   for (const [name, data] of [['lost.c3d', toC3d({ ...tracks, places: lost })], ['lost.trc', toTrc({ ...tracks, places: lost })], ['lost.csv', toCsv({ ...tracks, places: lost })]]) {
-    const { status, stdout, stderr } = run(put(name, data));
+    const { status, stdout, stderr } = run(put(name, data), TILT);
     assert.equal(status, 0, stderr);
-    const { rows } = curvesIn(stdout);
-    assert.equal(rows.length, COUNT - 30);
-    assert.deepEqual(rows.filter((row) => row.at(-1) === 0).map((row) => Math.round(row[0] * RATE)), [40, 41, 42, 43, 44, 45, 46, 47, 48, 49]);
-    assert.match(stderr, /frames 71 to 100: they are left out/);
+    const { names, rows } = curvesIn(stdout);
+    assert.deepEqual(names, ['time', ...PARAMETERS, 'confidence', ...PARAMETERS.map((p) => `${p}_confidence`)]);
+    assert.equal(rows.length, COUNT - 23);
+    const without = (parameter) => rows.filter((row) => row[names.indexOf(`${parameter}_confidence`)] === 0).map((row) => Math.round(row[0] * RATE));
+    const span = (from, to) => Array.from({ length: to - from }, (_, i) => from + i);
+    for (const p of ['LI', 'PI']) assert.deepEqual(without(p), span(40, 50), p);
+    assert.deepEqual(without('AR'), span(45, 90));
+    for (const p of ['LS', 'PS', 'EM']) assert.deepEqual(without(p), [], p);
+    for (const row of rows) for (const [i, p] of PARAMETERS.entries()) if (row[names.indexOf(`${p}_confidence`)]) assert.ok(Math.abs(row[1 + i] - mm[Math.round(row[0] * RATE)][i]) < 0.1, `${p} at ${row[0]}`);
+    assert.match(stderr, /frames 96 to 118: they are left out/);
+  }
+});
+
+test('--all: the other four parameters of the thesis, and velocities', () => {
+  const { status, stdout, stderr } = run(put('all.csv', toCsv(tracks)), TILT, '--all');
+  assert.equal(status, 0, stderr);
+  const { names, rows } = curvesIn(stdout);
+  const all = [...PARAMETERS, ...FURTHER];
+  assert.deepEqual(names, ['time', ...all, 'confidence', ...all.map((p) => `${p}_velocity`)]);
+  const column = (name) => rows.map((row) => row[names.indexOf(name)]);
+  const [al, am, eas, ead, ar, em, velocity] = ['AL', 'AM', 'EAS', 'EAD', 'AR', 'EM', 'EM_velocity'].map(column);
+  for (let i = 0; i < COUNT; i++) {
+    assert.ok(Math.abs(eas[i] + ead[i] - ar[i]) < 0.3, `the half widths add up: ${eas[i]} + ${ead[i]} and ${ar[i]}`);
+    const lips = (frame) => Math.hypot(...frame[1].map((x, k) => x - frame[4][k]));
+    const jaw = (frame) => Math.hypot(...frame[0].map((x, k) => x - frame[5][k]));
+    const rest = (measure) => places.slice(0, 21).reduce((sum, frame) => sum + measure(frame), 0) / 21;
+    assert.ok(Math.abs(al[i] - (lips(places[i]) - rest(lips))) < 0.02 && Math.abs(am[i] - (jaw(places[i]) - rest(jaw))) < 0.02, `frame ${i}`);
+    if (i > 0 && i < COUNT - 1) assert.ok(Math.abs(velocity[i] - ((em[i + 1] - em[i - 1]) * RATE) / 2) < 0.2, `frame ${i}`);
   }
 });
 

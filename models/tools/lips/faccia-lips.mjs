@@ -23,6 +23,7 @@ pictures of a face (a folder of them in the order of their names, or a video, fo
       --unit UNIT       of a table: mm, cm, dm, m, in (mm)
       --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2; in pictures, if
                         the lips are apart there, the longest time in which they are closed)
+      --all             also the thesis's other four parameters (of markers), and the velocity of each in mm/s
       --smooth MS       standard deviation of a Gaussian over time (0)
       --iris MM         how wide the person's iris is (11.7, an adult's)
       --pupils MM       or, better, how far the pupils are from each other
@@ -33,7 +34,7 @@ Exit status: 0 done, 1 failed, 2 wrong usage.
 
 const text = { type: 'string' };
 const OPTIONS = {
-  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, pupils: text, like: text, help: { type: 'boolean', short: 'h' },
+  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, pupils: text, like: text, all: { type: 'boolean' }, help: { type: 'boolean', short: 'h' },
 };
 const REST = [0, 0.2]; // s
 const VIDEO_FPS = 25;
@@ -134,10 +135,10 @@ async function main(argv) {
     for (const note of notes) console.error(note);
     const { rows: known, gaps } = filled(rows);
     if (gaps.length) console.error(`nothing is known of frames ${frames(gaps)}: they are left out (gaps up to ${LONGEST_GAP} s are filled)`);
-    if (!known.length) throw new FileError('', marked ? 'no frame has all eight markers' : 'there is no face in any picture');
+    if (!known.length) throw new FileError('', marked ? 'no frame has the nose, both ears and another marker' : 'there is no face in any picture');
     const still = fromRest(smoothed(known, (options.smooth ?? 0) / 1000), rest.map((t) => t + rows[0].time));
     if (!still) throw new FileError('', `nothing is known of the time from ${rest.join(' to ')} s, in which the mouth rests: --rest says another`);
-    write(options.output, toCsv(still));
+    write(options.output, toCsv(still, options.all));
     console.error(`${still.length} of ${rows.length} frames, ${(rows.at(-1).time - rows[0].time).toFixed(2)} s`);
   } catch (error) {
     throw Object.assign(error, { file: error.file ?? file });

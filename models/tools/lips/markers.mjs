@@ -40,13 +40,18 @@ function numbersOf(names, map) {
   throw new FileError('', `it has ${names.length} markers, and only eight have an order of their own: --markers says which is which (${names.slice(0, 40).join(', ')})`);
 }
 
-/** @param {import('./tracks.mjs').Tracks} tracks @param {number} tilt rad (articulation.mjs) @returns {object[]} rows (curves.mjs) */
+/**
+ * @param {import('./tracks.mjs').Tracks} tracks @param {number} tilt rad (articulation.mjs) @returns {object[]} rows (curves.mjs) of all ten parameters;
+ *   a lost marker leaves out only the parameters that need it
+ */
 export function rowsOfMarkers(tracks, map, tilt) {
   const numbers = numbersOf(tracks.names, map);
   if (!tracks.times.length) throw new FileError('', 'there are no frames');
-  return tracks.times.map((time, frame) => {
-    const places = numbers.map((number) => tracks.at(frame, number));
-    const values = places.includes(null) ? null : articulation(places, tilt);
-    return { time, values, confidence: values ? 1 : 0 };
+  const rows = tracks.times.map((time, frame) => {
+    const values = articulation(numbers.map((number) => tracks.at(frame, number)), tilt);
+    const seen = values?.map(Number.isFinite);
+    return seen?.includes(true) ? { time, values, confidence: 1, seen } : { time, values: null, confidence: 0 };
   });
+  const whole = rows.every(({ seen }) => !seen?.includes(false));
+  return whole ? rows.map(({ time, values, confidence }) => ({ time, values, confidence })) : rows.map((row) => ({ ...row, seen: row.seen ?? numbers.map(() => false) }));
 }
