@@ -139,41 +139,11 @@ static int fail_at(const char *path, const struct error *e) {
     return -1;
 }
 
-/* Replaces the last `length` bytes of the path by the suffix. */
-static char *renamed(const char *path, size_t length, const char *suffix) {
-    size_t kept = strlen(path) - length, size = kept + strlen(suffix) + 1;
-    char *out = mem_alloc(size);
-    snprintf(out, size, "%.*s%s", (int)kept, path, suffix);
-    return out;
-}
-
-static bool ends_with(const char *text, const char *end) {
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && !strcmp(text + length - tail, end);
-}
-
 static int read_recording(const char *path, const struct speech_rest *rest, struct measured_speech *r) {
-    static const char *const endings[] = {".phones.csv", ".TextGrid", ".json", ".lab", ".mlf", NULL};
     struct error e = {0};
-    char *phones = NULL;
-    if (!ends_with(path, ".csv")) {
-        cli_complain("%s: not a .csv file", path);
-        return -1;
-    }
-    if (fit_read_curves(path, r, &e))
-        return fail_at(path, &e);
-    for (size_t i = 0; endings[i] && (!phones || access(phones, F_OK)); i++) {
-        free(phones);
-        phones = renamed(path, strlen(".csv"), endings[i]);
-    }
-    if (access(phones, F_OK)) { /* the message names the first candidate */
-        free(phones);
-        phones = renamed(path, strlen(".csv"), endings[0]);
-    }
-    int result = phone_times_read(phones, r, &e) ? fail_at(phones, &e) : 0;
-    free(phones);
-    if (!result && (rest ? measured_speech_subtract_rest(r, rest, &e) : measured_speech_check(r, &e)))
-        result = fail_at(path, &e);
+    char *at = NULL;
+    int result = recording_read(path, rest, r, &at, &e) ? fail_at(at, &e) : 0;
+    free(at);
     return result;
 }
 
@@ -187,7 +157,7 @@ static bool same_curves(const struct measured_speech *a, const struct measured_s
 static int read_recordings(struct fitting *f, char **paths, int count, const struct speech_rest *rest) {
     f->recordings = mem_alloc(((size_t)count + 1) * sizeof *f->recordings);
     for (int i = 0; i < count; i++) {
-        if (ends_with(paths[i], ".phones.csv"))
+        if (recording_is_phones(paths[i]))
             continue; /* *.csv matches the files of phones, too */
         struct measured_speech *r = &f->recordings[f->count++];
         if (read_recording(paths[i], rest, r))

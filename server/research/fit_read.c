@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Accepted headings of the phone's name. */
 static const char *const phone_columns[] = {"start", "end",     "ipa",   "phone", "label",
@@ -397,5 +398,50 @@ int phone_times_read(const char *path, struct measured_speech *r, struct error *
     buf_free(&text);
     if (!result)
         to_ipa(r);
+    return result;
+}
+
+/* Replaces the last `length` bytes of the path by the suffix. */
+static char *renamed(const char *path, size_t length, const char *suffix) {
+    size_t kept = strlen(path) - length, size = kept + strlen(suffix) + 1;
+    char *out = mem_alloc(size);
+    snprintf(out, size, "%.*s%s", (int)kept, path, suffix);
+    return out;
+}
+
+static bool ends_with(const char *text, const char *end) {
+    size_t length = strlen(text), tail = strlen(end);
+    return length > tail && !strcmp(text + length - tail, end);
+}
+
+bool recording_is_phones(const char *path) {
+    return ends_with(path, ".phones.csv");
+}
+
+int recording_read(const char *path, const struct speech_rest *rest, struct measured_speech *r, char **at,
+                   struct error *e) {
+    static const char *const endings[] = {".phones.csv", ".TextGrid", ".json", ".lab", ".mlf", NULL};
+    char *phones = NULL;
+    *at = mem_strdup(path);
+    if (!ends_with(path, ".csv"))
+        return error_set(e, ERROR_BAD_CURVES, "not a .csv file");
+    if (fit_read_curves(path, r, e))
+        return -1;
+    for (size_t i = 0; endings[i] && (!phones || access(phones, F_OK)); i++) {
+        free(phones);
+        phones = renamed(path, strlen(".csv"), endings[i]);
+    }
+    if (access(phones, F_OK)) { /* the message names the first candidate */
+        free(phones);
+        phones = renamed(path, strlen(".csv"), endings[0]);
+    }
+    int result = phone_times_read(phones, r, e);
+    if (result) {
+        free(*at);
+        *at = mem_strdup(phones);
+    } else {
+        result = rest ? measured_speech_subtract_rest(r, rest, e) : measured_speech_check(r, e);
+    }
+    free(phones);
     return result;
 }

@@ -17,4 +17,11 @@ int fit_read_curves(const char *path, struct measured_speech *r, struct error *e
  * may be IPA, X-SAMPA or ARPAbet, detected from all names together. -1 with *e ("bad-curves"). */
 int phone_times_read(const char *path, struct measured_speech *r, struct error *e);
 
+/* Reads NAME.csv, and its phones from the file beside it (NAME.phones.csv, .TextGrid, .json, .lab or .mlf).
+ * Makes the curves relative to rest unless `rest` is NULL. -1 with *e ("bad-curves") and in *at the file in
+ * question, which the caller frees. */
+int recording_read(const char *path, const struct speech_rest *rest, struct measured_speech *r, char **at,
+                   struct error *e);
+bool recording_is_phones(const char *path); /* NAME.phones.csv */
+
 #endif
