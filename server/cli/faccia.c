@@ -24,6 +24,7 @@ static const struct {
     {"stimuli", stimuli_main, "create a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "create a speech pack from recordings of a speaker"},
+    {"corpus", corpus_main, "choose sentences that cover a language's sounds, to be recorded"},
     {"visemes", visemes_main, "group the phones of a recorded speaker by the look of the lips"},
     {"speaker", speaker_main, "create a speech pack from a film of a speaker"},
 #endif
