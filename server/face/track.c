@@ -125,6 +125,10 @@ static void add_life(const struct face_layer *layer, double t, double faps[FAP_C
 }
 
 void face_placement_sample(struct face_placement *p, double t, struct fap_frame *frame) {
+    face_placement_frame(p, t, 0, frame);
+}
+
+void face_placement_frame(struct face_placement *p, double t, double period, struct fap_frame *frame) {
     const struct face_track *track = p->track;
     const struct speech_fapu *fapu = track->speech.add ? &track->fapu : face_idle_fapu;
     double faps[FAP_COUNT + 1] = {0};
@@ -137,7 +141,7 @@ void face_placement_sample(struct face_placement *p, double t, struct fap_frame 
             fapmap_add(fapu, p->mouth, faps);
         else
             track->speech.add(track->speech.self, t, &p->speech_cursor, faps);
-        contacts_at(&track->contacts, t, &p->contact_cursor, demand);
+        contacts_at(&track->contacts, t, period, &p->contact_cursor, demand);
     }
     if (p->expresses) {
         expression_layer_blend(&p->express, t, demand, faps, &frame->expression);

@@ -40,7 +40,8 @@ void media_segment_frame(const struct media_segment *segment, struct face_placem
         face_placement_sample_around(placement, k / fps, frame_of(segment, k), frame);
         return;
     }
-    face_placement_sample(placement, k / fps - (double)segment->start / segment->audio->sample_rate, frame);
+    face_placement_frame(placement, k / fps - (double)segment->start / segment->audio->sample_rate, 1 / fps,
+                         frame);
 }
 
 uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps) {

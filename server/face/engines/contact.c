@@ -212,8 +212,8 @@ static double weight_at(const struct contact *c, double t) {
     return x * x * (3 - 2 * x);
 }
 
-void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
-                 struct contact_demand demand[CONTACT_TEETH + 1]) {
+static void demand_at(const struct contacts *contacts, double t, size_t *cursor,
+                      struct contact_demand demand[CONTACT_TEETH + 1]) {
     for (int k = 0; k <= CONTACT_TEETH; k++)
         demand[k] = (struct contact_demand){0};
     size_t i = *cursor;
@@ -227,6 +227,21 @@ void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
         double weight = weight_at(c, t);
         if (weight > demand[c->rule->kind].weight)
             demand[c->rule->kind] = (struct contact_demand){c->rule, weight};
+    }
+}
+
+void contacts_at(const struct contacts *contacts, double t, double period, size_t *cursor,
+                 struct contact_demand demand[CONTACT_TEETH + 1]) {
+    demand_at(contacts, t, cursor, demand);
+    size_t i = *cursor;
+    while (i > 0 && contacts->items[i - 1].end > t - period)
+        i--;
+    for (; i < contacts->count && contacts->items[i].begin < t + period; i++) {
+        const struct contact *c = &contacts->items[i];
+        double middle = (c->begin + c->end) / 2 - t;
+        bool between = (c->begin > t && c->end < t + period) || (c->end < t && c->begin > t - period);
+        if (between && middle >= -period / 2 && middle < period / 2)
+            demand[c->rule->kind] = (struct contact_demand){c->rule, 1};
     }
 }
 

@@ -40,9 +40,10 @@ struct contact_demand {
 void contacts_from(const struct phone_segments *g, struct contacts *out);
 void contacts_free(struct contacts *contacts);
 
-/* Gets the demands at t, indexed by kind (CONTACT_LIPS, CONTACT_TEETH). *cursor is zero-initialised and
- * kept between calls. */
-void contacts_at(const struct contacts *contacts, double t, size_t *cursor,
+/* Gets the demands at t, indexed by kind (CONTACT_LIPS, CONTACT_TEETH), for a frame that stands for `period`
+ * s (0: the instant): a contact that lies between two frames is demanded in full in the nearer one. *cursor
+ * is zero-initialised and kept between calls. */
+void contacts_at(const struct contacts *contacts, double t, double period, size_t *cursor,
                  struct contact_demand demand[CONTACT_TEETH + 1]);
 
 /* Minimum opening of vowels, the counterpart of contacts: viewers take a vowel that does not open for a

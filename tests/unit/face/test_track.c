@@ -83,6 +83,41 @@ static void closes_bilabials_at_every_rate(void **state) {
 }
 
 /* A layer that opens the lips as far as possible. */
+/* However few frames there are, each closure is in the frame before or after it, at any phase. */
+static void shows_closures_between_frames(void **state) {
+    static const double rates[] = {25, 15, 12, 10, 6};
+    int between = 0;
+    for (size_t r = 0; r < 2 * sizeof rates / sizeof *rates; r++) {
+        double period = 1 / rates[r / 2];
+        struct sentence_audio *u =
+            utter("a.250 p.060 a.250 m.050 i.240 b.055 e.260 f.070 a.300", r % 2 ? 0.8 : 1);
+        struct face_track *track = track_of(*state, u);
+        for (double phase = 0; phase < period; phase += period / 7) {
+            struct face_placement *p = face_placement_new(track, u, &(struct placement_options){0});
+            for (size_t i = 0; i < u->phone_count; i++) {
+                if (!is_bilabial(&u->phones[i]))
+                    continue;
+                double start = (double)u->phones[i].start / RATE, end = (double)u->phones[i].end / RATE;
+                struct fap_frame f, sampled;
+                bool shown = false, without = false;
+                for (double t = phase + period * floor((start - phase) / period); t < end + period;
+                     t += period) {
+                    face_placement_frame(p, t, period, &f);
+                    face_placement_sample(p, t, &sampled);
+                    shown |= is_closed(&f);
+                    without |= is_closed(&sampled);
+                }
+                assert_true(shown);
+                between += !without;
+            }
+            face_placement_free(p);
+        }
+        face_track_free(track);
+        done(u);
+    }
+    assert_in_range(between, 10, 1000); /* instants alone would miss so many */
+}
+
 static void open_wide(void *self, double t, double faps[FAP_COUNT + 1]) {
     (void)self;
     (void)t;
@@ -575,6 +610,7 @@ static void names_its_engines(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closes_bilabials_at_every_rate),
+        cmocka_unit_test(shows_closures_between_frames),
         cmocka_unit_test(shows_closures_that_last_no_time),
         cmocka_unit_test(no_layer_opens_a_closure),
         cmocka_unit_test(no_layer_closes_a_vowel),
