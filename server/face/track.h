@@ -60,10 +60,9 @@ void face_placement_add(struct face_placement *placement, struct face_layer laye
  * rounded. Fastest with increasing t; the cost does not depend on the sentence's length. */
 void face_placement_sample(struct face_placement *placement, double t, struct fap_frame *frame);
 
-/* The same for a frame that stands for `period` s, until the next one: a closure of the lips that lies between
- * two frames is shown in the nearer one. */
-void face_placement_frame(struct face_placement *placement, double t, double period,
-                          struct fap_frame *frame);
+/* The same for a frame that stands for `period` s, until the next one: a closure of the lips that lies
+ * between two frames is shown in the nearer one. */
+void face_placement_frame(struct face_placement *placement, double t, double period, struct fap_frame *frame);
 
 /* The same around a mouth from another source: jaw, lips and tongue are those of the frame, except that
  * the mood moves the corners vertically. Its other FAPs are added to life, scaled by life's strength; if
