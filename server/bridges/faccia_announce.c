@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia-say: speaks an announcement in a room, from a shell script or timer, and reports whether it was
- * heard. */
+ * heard. faccia-ask, the same program: asks a question, and prints the answer that is chosen. */
 #include "server/base/mem.h"
 #include "server/base/program.h"
 #include "server/bridges/bridge.h"
 #include <getopt.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,10 @@
 
 static const char usage[] =
     "Usage: faccia-say [OPTION]... TEXT...\n"
-    "Makes the face in a room of a running facciad say the text. TEXT - is standard input.\n"
+    "       faccia-ask --choices 'YES|NO' [OPTION]... TEXT...\n"
+    "Makes the face in a room of a running facciad say the text. TEXT - is standard input. With --choices it "
+    "is a\n"
+    "question: the answers are offered there, and the one that somebody chooses is printed.\n"
     "\n"
     "  -r, --room NAME       the room (FACCIA_ROOM, else home)\n"
     "  -u, --url URL         the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
@@ -21,6 +25,8 @@ static const char usage[] =
     "  -q, --if-quiet        only if nothing is being said there\n"
     "  -p, --priority WORD   background, chat (default) or alarm\n"
     "  -t, --topic NAME      topic: replaces queued texts of the same topic\n"
+    "  -c, --choices TEXTS   answers to offer, separated by |: at most 8\n"
+    "      --seconds N       how long to wait for one after the question has been said (60)\n"
     "  -l, --lang TAG, -v, --voice ID, --rate N, --markup NAME\n"
     "                        as in faccia say\n"
     "  -h, --help            print this and exit\n"
@@ -28,7 +34,7 @@ static const char usage[] =
     "Exit status: 0 accepted, or with --wait heard to its end; 1 failed; 2 wrong usage; 3 there is no "
     "listener;\n"
     "4 something is being said (--if-quiet); 5 it was cut short; 6 not heard: the browsers there\n"
-    "play no sound until a user clicks or taps (--wait).\n";
+    "play no sound until a user clicks or taps (--wait); 7 nobody has chosen an answer (--choices).\n";
 
 enum {
     EXIT_HEARD = 0,
@@ -37,9 +43,11 @@ enum {
     EXIT_NOBODY = 3,
     EXIT_BUSY = 4,
     EXIT_CUT = 5,
-    EXIT_BLOCKED = 6
+    EXIT_BLOCKED = 6,
+    EXIT_UNANSWERED = 7
 };
 enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* clients play media within that time */ };
+enum { PATIENCE = 60 /* s */, PATIENCE_MOST = 86400, WITHDRAWN_MS = 3000 };
 
 enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
 
@@ -51,6 +59,10 @@ struct announcement {
     char id[40];
     uv_timer_t last; /* runs until the end has been played */
     bool wait, said;
+    const char *choices; /* answers, separated by |; NULL: no question */
+    int seconds;         /* of patience for an answer */
+    bool asked, offered; /* sent to the room; there until somebody chooses */
+    uv_signal_t signals[2];
     int status;
 };
 
@@ -67,6 +79,23 @@ static void note_error(struct announcement *a, const json_t *error) {
     a->status = code && !strcmp(code, "unheard") ? EXIT_NOBODY
                 : code && !strcmp(code, "busy")  ? EXIT_BUSY
                                                  : EXIT_FAILED;
+}
+
+/* Offers the answers in the room; with none, withdraws them. */
+static void offer(struct announcement *a, const char *answers, remote_answered *answered) {
+    json_t *list = json_array();
+    for (const char *from = answers; from && *from;) {
+        size_t length = strcspn(from, "|");
+        json_array_append_new(list, json_stringn(from, length));
+        from += length + (from[length] == '|');
+    }
+    json_t *message = json_pack("{ss ss so}", "type", "choices", "id", a->id, "choices", list);
+    if (answers)
+        json_object_set_new(message, "question", json_string((char *)a->text.data));
+    char *text = json_dumps(message, JSON_COMPACT);
+    remote_command(a->remote, a->members[ROOM].value, text, answered, a);
+    free(text);
+    json_decref(message);
 }
 
 static void on_answer(void *ctx, const struct remote_answer *answer) {
@@ -94,15 +123,53 @@ static void say(struct announcement *a) {
     a->said = true;
 }
 
+static void on_unanswered(uv_timer_t *timer) {
+    fputs("faccia-ask: nobody has chosen an answer\n", stderr);
+    leave(timer->data, EXIT_UNANSWERED);
+}
+
 static void on_heard(uv_timer_t *timer) {
-    leave(timer->data, EXIT_HEARD);
+    struct announcement *a = timer->data;
+    if (a->choices)
+        uv_timer_start(timer, on_unanswered, (uint64_t)a->seconds * 1000, 0);
+    else
+        leave(a, EXIT_HEARD);
+}
+
+static void on_offered(void *ctx, const struct remote_answer *answer) {
+    struct announcement *a = ctx;
+    if (answer->status == 200 || answer->status == 202 || answer->status == 204) {
+        say(a);
+    } else {
+        fprintf(stderr, "faccia-ask: %s\n", answer->why);
+        leave(a, EXIT_FAILED);
+    }
+}
+
+/* The room's answers: somebody has chosen one, or others have taken their place. */
+static void note_choice(struct announcement *a, const char *type, const json_t *message, bool ours) {
+    const char *text = json_string_value(json_object_get(message, "text"));
+    if (!strcmp(type, "chosen") && ours && text) {
+        a->offered = false;
+        puts(text);
+        leave(a, EXIT_HEARD);
+    } else if (!strcmp(type, "choices") && ours) {
+        a->offered = true;
+    } else if (!strcmp(type, "choices") && a->offered) {
+        a->offered = false;
+        fputs("faccia-ask: the question was withdrawn\n", stderr);
+        leave(a, EXIT_UNANSWERED);
+    }
 }
 
 static void on_event(void *ctx, const char *type, const json_t *message) {
     struct announcement *a = ctx;
     const char *id = json_string_value(json_object_get(message, "id"));
     const char *reason = json_string_value(json_object_get(message, "reason"));
-    if (!id || strcmp(id, a->id))
+    bool ours = id && !strcmp(id, a->id);
+    if (a->choices)
+        note_choice(a, type, message, ours);
+    if (!ours)
         return;
     if (!strcmp(type, "error")) {
         note_error(a, message);
@@ -123,11 +190,39 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
 static void on_following(void *ctx, const char *why) {
     struct announcement *a = ctx;
     if (!why) {
-        say(a);
+        if (!a->choices)
+            say(a);
+        else if (!a->asked)
+            offer(a, a->choices, on_offered);
+        a->asked = true;
         return;
     }
     fprintf(stderr, "faccia-say: cannot follow the room: %s\n", why);
     leave(a, EXIT_FAILED);
+}
+
+static void on_withdrawn(void *ctx, const struct remote_answer *answer) {
+    struct announcement *a = ctx;
+    (void)answer;
+    uv_stop(&a->loop);
+}
+
+static void on_late(uv_timer_t *timer) {
+    uv_stop(timer->loop);
+}
+
+static void on_signal(uv_signal_t *signal, int number) {
+    (void)number;
+    leave(signal->data, EXIT_FAILED);
+}
+
+/* Takes the answers away again, so that nobody answers a question that is over. */
+static void withdraw(struct announcement *a) {
+    int status = a->status;
+    offer(a, NULL, on_withdrawn);
+    uv_timer_start(&a->last, on_late, WITHDRAWN_MS, 0);
+    uv_run(&a->loop, UV_RUN_DEFAULT);
+    a->status = status;
 }
 
 static int announce(struct announcement *a, const struct daemon_address *place) {
@@ -140,13 +235,24 @@ static int announce(struct announcement *a, const struct daemon_address *place) 
     }
     uv_timer_init(&a->loop, &a->last);
     a->last.data = a;
+    for (int i = 0; i < 2; i++) {
+        uv_signal_init(&a->loop, &a->signals[i]);
+        a->signals[i].data = a;
+        uv_unref((uv_handle_t *)&a->signals[i]);
+        if (a->choices)
+            uv_signal_start(&a->signals[i], on_signal, i ? SIGTERM : SIGINT);
+    }
     if (a->wait)
         remote_follow(a->remote, a->members[ROOM].value, &events, a);
     else
         say(a);
     uv_run(&a->loop, UV_RUN_DEFAULT);
+    if (a->offered)
+        withdraw(a);
     remote_free(a->remote);
     uv_close((uv_handle_t *)&a->last, NULL);
+    for (int i = 0; i < 2; i++)
+        uv_close((uv_handle_t *)&a->signals[i], NULL);
     uv_run(&a->loop, UV_RUN_DEFAULT);
     uv_loop_close(&a->loop);
     return a->status;
@@ -172,8 +278,14 @@ static int read_text(struct buf *text, int count, char **words) {
     return -1;
 }
 
+static int seconds_of(const char *text) {
+    char *end;
+    long seconds = strtol(text, &end, 10);
+    return *text && !*end && seconds >= 1 && seconds <= PATIENCE_MOST ? (int)seconds : -1;
+}
+
 static int read_options(struct announcement *a, struct daemon_address *place, int argc, char **argv) {
-    enum { TOKEN_FILE = 256, OPT_RATE, OPT_MARKUP };
+    enum { TOKEN_FILE = 256, OPT_RATE, OPT_MARKUP, OPT_SECONDS };
     static const struct option options[] = {{"room", 1, NULL, 'r'},
                                             {"url", 1, NULL, 'u'},
                                             {"token-file", 1, NULL, TOKEN_FILE},
@@ -185,10 +297,12 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
                                             {"voice", 1, NULL, 'v'},
                                             {"rate", 1, NULL, OPT_RATE},
                                             {"markup", 1, NULL, OPT_MARKUP},
+                                            {"choices", 1, NULL, 'c'},
+                                            {"seconds", 1, NULL, OPT_SECONDS},
                                             {"help", 0, NULL, 'h'},
                                             {"version", 0, NULL, 'V'},
                                             {0}};
-    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:l:v:h", options, NULL)) != -1;) {
+    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:l:v:c:h", options, NULL)) != -1;) {
         enum member member = c == 'r'          ? ROOM
                              : c == 'p'        ? PRIORITY
                              : c == 't'        ? TOPIC
@@ -205,6 +319,12 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
             return EXIT_FAILED;
         else if (c == 'w')
             a->wait = true;
+        else if (c == 'c')
+            a->choices = optarg, a->wait = true;
+        else if (c == OPT_SECONDS && (a->seconds = seconds_of(optarg)) < 0)
+            return fprintf(stderr, "faccia-ask: --seconds: must be a whole number from 1 to %d\n",
+                           PATIENCE_MOST),
+                   EXIT_USAGE;
         else if (c == 'q')
             a->members[MODE].value = "quiet";
         else if (c == 'h')
@@ -214,6 +334,9 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
         else if (c == '?')
             return fputs("Try 'faccia-say --help'.\n", stderr), EXIT_USAGE;
     }
+    const char *name = strrchr(argv[0], '/');
+    if (!a->choices && !strcmp(name ? name + 1 : argv[0], "faccia-ask"))
+        return fputs("faccia-ask: --choices is missing: the answers, separated by |\n", stderr), EXIT_USAGE;
     if (optind < argc)
         return -1;
     fputs(usage, stderr);
@@ -223,7 +346,7 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
 int main(int argc, char **argv) {
     static const char *const names[MEMBERS] = {"room", "lang",     "voice", "rate", "markup",
                                                "mode", "priority", "topic", "id"};
-    struct announcement a = {0};
+    struct announcement a = {.seconds = PATIENCE};
     struct daemon_address place;
     const char *room = getenv("FACCIA_ROOM");
     program_begin();

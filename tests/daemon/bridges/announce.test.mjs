@@ -24,12 +24,12 @@ after(async () => {
 /** Runs faccia-say. Returns its status and standard error. */
 async function run(options, { input, url = daemon.url, env = {} } = {}) {
   const child = spawn(path.join(build, 'server/bridges/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
-  let stderr = '';
+  let stderr = '', stdout = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text));
-  child.stdout.resume();
+  child.stdout.setEncoding('utf8').on('data', (text) => (stdout += text));
   child.stdin.end(input);
   const [status] = await once(child, 'close');
-  return { status, stderr: saidBy(stderr) };
+  return { status, stderr: saidBy(stderr), ...(stdout ? { stdout } : {}) };
 }
 const kitchen = ['--room', 'kitchen', '--lang', 'it'];
 
@@ -116,4 +116,36 @@ test('sends a token to a daemon that requires one', async () => {
   assert.equal((await run([...kitchen, '--token-file', token, 'Ciao.'], { url: own.url })).status, 0);
   assert.equal((await own.stop()).code, 0);
   fs.rmSync(folder, { recursive: true });
+});
+
+test('--choices: prints the answer that somebody chooses, before or after the question is said', async () => {
+  for (const early of [true, false]) {
+    kiosk.messages.length = 0;
+    const asked = run([...kitchen, '--choices', 'Sì|Non ancora', '--seconds', '60', 'Hai preso la medicina?']);
+    const { id, question, choices } = await kiosk.wait({ type: 'choices' });
+    assert.deepEqual([question, choices], ['Hai preso la medicina?', ['Sì', 'Non ancora']]);
+    if (!early) await kiosk.wait({ type: 'end', id, reason: 'done' }, { milliseconds: 60000 });
+    kiosk.send({ type: 'choose', id, choice: 1 });
+    assert.deepEqual(await asked, { status: 0, stderr: '', stdout: 'Non ancora\n' });
+  }
+});
+
+test('--choices: status 7 without an answer in time, or when others take its place; the answers are withdrawn', async () => {
+  kiosk.messages.length = 0;
+  const asked = run([...kitchen, '--choices', 'Sì|No', '--seconds', '1', 'Sei lì?']);
+  await kiosk.wait({ type: 'choices', choices: ['Sì', 'No'] });
+  assert.deepEqual(await asked, { status: 7, stderr: 'faccia-ask: nobody has chosen an answer\n' });
+  await kiosk.wait({ type: 'choices', choices: [] });
+  const replaced = run([...kitchen, '--choices', 'Sì|No', 'E adesso?']);
+  await kiosk.wait({ type: 'choices', question: 'E adesso?' });
+  kiosk.send({ type: 'choices', id: 'mine', choices: ['Tè', 'Caffè'] });
+  assert.deepEqual(await replaced, { status: 7, stderr: 'faccia-ask: the question was withdrawn\n' });
+  kiosk.send({ type: 'choose', id: 'mine', choice: 0 });
+  await kiosk.wait({ type: 'chosen', id: 'mine' });
+  const nobody = await run(['--room', 'attic', '--lang', 'it', '--choices', 'Sì|No', 'Chi è là?']);
+  assert.equal(nobody.status, 3, nobody.stderr);
+  const many = await run([...kitchen, '--choices', 'a|b|c|d|e|f|g|h|i', 'Quale?']);
+  assert.equal(many.status, 1);
+  assert.match(many.stderr, /up to 8 texts/);
+  assert.equal((await run([...kitchen, '--choices', 'Sì|No', '--seconds', 'soon', 'Quando?'])).status, 2);
 });
