@@ -62,7 +62,7 @@ const fallback = await build({
   metafile: true,
 });
 note(fallback.metafile);
-// Turns pictures into heads: loaded by a page when it receives a picture. The daemon serves a .gz unchanged.
+// Turns pictures into heads: loaded by a page when it receives a picture.
 const portrait = await build({
   ...common,
   entryPoints: [path.join(here, 'portrait/page.mjs')],
@@ -88,7 +88,6 @@ for (const [folder, files] of [['@tensorflow/tfjs-backend-wasm/dist', [wasm]], [
     inputs.add(path.join(here, 'node_modules', folder, file));
     copyFileSync(path.join(here, 'node_modules', folder, file), path.join(out, file));
   }
-for (const file of ['portrait.js', wasm]) writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
 const avatar = await build({
   ...common,
   entryPoints: [path.join(here, 'element/avatar/avatar.mjs')],
@@ -166,6 +165,10 @@ inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));
 // what the page of examples makes its fields of
 writeFileSync(path.join(out, 'custom-elements.json'), JSON.stringify(manifest(types, path.join(here, 'docs/element/reference.md'), 'talking-head.js')));
+
+// The daemon serves FILE.gz as it is, and starts sooner than if it had to compress. meson.build lists the same files.
+for (const file of readdirSync(out).filter((name) => /\.(js|css|html|wasm)$/.test(name) || name === 'custom-elements.json' || name === 'faps.json'))
+  writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
 const faps = path.join(here, '../protocol/fap-table.json');
 inputs.add(faps);
 copyFileSync(faps, path.join(out, 'faps.json'));
