@@ -56,7 +56,7 @@ static const struct voice *by_language(const struct selecting *c, const char *la
         int fit = voice_lang_fit(voices[i].lang, lang);
         double score = 16 * has_gender(&voices[i], gender) + 4 * preference(preferred, &voices[i]) +
                        !strcmp(voices[i].plugin, plugin) + 0.1 * fit;
-        if (fit == 3 && strchr(lang, '-'))
+        if (fit == VOICE_LANG_SAME && strchr(lang, '-'))
             score += 8; /* the regional variety was requested */
         if (fit && score > best_score) {
             best = &voices[i];
@@ -265,6 +265,23 @@ static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
     return voice && has_gender(voice, gender) ? voice : NULL;
 }
 
+/* Returns a voice of the regional variety if one was requested ("en-GB"), of the given voice's gender if
+ * possible; otherwise the given voice. */
+static const struct voice *voice_of_region(const struct voice_pool *pool, const struct speech_packs *packs,
+                                           const char *lang, const struct voice *voice) {
+    struct selecting c = {.packs = packs};
+    if (!strchr(lang, '-') || voice_lang_fit(voice->lang, lang) == VOICE_LANG_SAME)
+        return voice;
+    c.voices.voices = voice_pool_voices(pool, &c.voices.count);
+    const struct voice *same = by_language(&c, lang, voice->gender, voice->plugin), *other;
+    if (same && voice_lang_fit(same->lang, lang) == VOICE_LANG_SAME)
+        return same;
+    for (size_t i = 0; i < c.voices.count; i++) /* none of that gender */
+        if (voice_lang_fit((other = &c.voices.voices[i])->lang, lang) == VOICE_LANG_SAME)
+            return other;
+    return voice;
+}
+
 /* Chooses the voice and language of a text, and prepares its script. */
 
 /* About three seconds of speech. A slow voice synthesises each further part while the previous one plays. */
@@ -320,16 +337,19 @@ static int choose_voice(struct synthesis *s, struct error *e) {
     const struct speech_pack *pack = speech_packs_find(packs, lang);
     if (!pack)
         return no_language(s->pipeline, lang, e);
+    const char *region = lang;
     if (!speech_pack_is_general(pack))
         lang = speech_pack_lang(pack);
     const struct voice *voice =
         voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(pack), e);
     if (!voice)
         return -1;
+    if (!s->request.voice)
+        voice = voice_of_region(s->pipeline->voices, packs, region, voice);
     const char *gender = request_gender(&s->request);
     if (gender && !s->request.voice && strcmp(voice->gender, gender)) {
         const struct voice *other =
-            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, voice->plugin);
+            select_voice_of_gender(s->pipeline->voices, packs, region, gender, voice->plugin);
         if (other)
             voice = other;
     }

@@ -177,7 +177,7 @@ int voice_lang_fit(const char *lang, const char *wanted) {
     lang = lang_usual(lang);
     size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
     if (!strcasecmp(lang, wanted))
-        return 3;
+        return VOICE_LANG_SAME;
     if (!strncasecmp(lang, wanted, length) && lang[length] == '-')
         return 2;
     return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);

@@ -129,6 +129,7 @@ struct sentence_request {
 
 /* Compares a voice's language with the wanted one (BCP 47): 3 the same tag, 2 a variety of it ("en" finds
  * "en-GB"), 1 the same language, 0 another. Tags are normalised with lang_usual. */
+enum { VOICE_LANG_SAME = 3 };
 int voice_lang_fit(const char *lang, const char *wanted);
 
 /* The request's prosody for one voice. */

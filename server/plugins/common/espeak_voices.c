@@ -54,7 +54,7 @@ static void add(struct es_voices *voices, const espeak_VOICE *voice) {
         *c = (char)tolower((unsigned char)*c);
     snprintf(v->file, sizeof v->file, "%s", file);
     snprintf(v->name, sizeof v->name, "%s", voice->name);
-    write_tag(v->lang, sizeof v->lang, tag);
+    write_tag(v->lang, sizeof v->lang, strcmp(tag, "pt") ? tag : "pt-pt"); /* its plain pt is European */
     copy_langs(v->langs, sizeof v->langs, voice->languages);
     if (!es_voices_find(voices, v->id))
         voices->count++;

@@ -28,6 +28,21 @@ test('a gender selects among the voices of the language; a name takes precedence
   assert.equal((await spoken('lang=it&gender=neither')).code, 'bad-field');
 });
 
+test('a region selects a voice of that variety, of the usual gender; without one there, the language suffices', async () => {
+  for (const [lang, wanted] of [['en-GB', /^espeak:en-gb(\+|$)/], ['en-US', /^espeak:en-us/], ['pt-PT', /^espeak:pt(\+|$)/], ['pt-BR', /^espeak:pt-br/], ['pt', /^espeak:pt-br/], ['it-CH', /^espeak:it/], ['es-MX', /^espeak:es(\+|-|$)/]]) {
+    const { voice } = await spoken(`lang=${lang}`);
+    assert.match(voice, wanted, lang);
+  }
+  assert.equal(genderOf((await spoken('lang=en-GB')).voice), genderOf((await spoken('lang=en')).voice));
+  const { voice } = await spoken('lang=en-GB&gender=male');
+  assert.equal(voices.find(({ id }) => id === voice).lang, 'en-GB');
+  assert.equal(genderOf(voice), 'male');
+  const european = await (await daemon.get('/v1/speech?format=json&lang=pt-PT&text=Bom%20dia%2C%20tia.')).json();
+  const brazilian = await (await daemon.get('/v1/speech?format=json&lang=pt-BR&text=Bom%20dia%2C%20tia.')).json();
+  const ipa = ({ phones }) => phones.map((phone) => phone.ipa).join('');
+  assert.ok(/d?ʒ/.test(ipa(brazilian)) && !/d?ʒ/.test(ipa(european)), `${ipa(european)} and ${ipa(brazilian)}`);
+});
+
 test('faccia voices --model lists the voices that suit a head', () => {
   const list = JSON.parse(execFileSync(faccia, ['voices', '--model', 'bruno', '--json'])).voices;
   assert.ok(list.length && list.every(({ gender }) => gender === 'male'));
