@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* /v1/library, /library and /oembed. The library answers in other threads. */
 #include "server/api/api_internal.h"
+#include "server/api/library/cast_offer.h"
 #include "server/api/library/library_page.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
@@ -21,6 +22,7 @@ struct asking {
     atomic_bool given_up;        /* the same, for the thread */
     struct api *api;
     struct library_question question;
+    struct cast_offer *offer;
     enum library_form form;
     const char *base, *section; /* see library_page.h */
     char *texts[10];            /* strings of the question */
@@ -34,6 +36,7 @@ static void free_asking(struct asking *a) {
     for (size_t i = 0; i < a->text_count; i++)
         free(a->texts[i]);
     buf_free(&a->answer);
+    cast_offer_free(a->offer);
     free(a);
 }
 
@@ -107,6 +110,10 @@ static bool read_path(struct asking *a, const char *path) {
             path += 9;
             q->kind = LIBRARY_SECTION;
             q->section = part(a, &path);
+        } else if (!strcmp(path, "cast")) {
+            q->kind = LIBRARY_CAST;
+            q->offer = a->offer = cast_offer_new(a->api);
+            return true;
         }
         return !*path;
     } else {

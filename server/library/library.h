@@ -36,6 +36,7 @@ struct library_question {
     enum {
         LIBRARY_LIST,
         LIBRARY_WORK,    /* needs work */
+        LIBRARY_CAST,    /* needs work, offer */
         LIBRARY_SECTION, /* needs work, section */
         LIBRARY_PASSAGE, /* needs passage */
         LIBRARY_SEARCH,
@@ -44,8 +45,16 @@ struct library_question {
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
     unsigned most;               /* number of works */
+    const struct cast_offer *offer;
     const atomic_bool *given_up; /* becomes true when the client is gone; NULL: never */
 };
+
+/* The cast of the work of a passage ("WORK", "WORK:SECTION..."), chosen anew each time from the index, the file
+ * beside the work and the offer. Callable from any thread. -1 with *e. Free it with cast_free. */
+struct cast;
+struct cast_offer;
+int library_cast(struct library *library, const char *passage, const struct cast_offer *offer,
+                 struct cast *cast, struct error *e);
 
 /* Writes the answer as JSON; callable from any thread. -1 with *e: "unknown-work", "unknown-section",
  * "unknown-passage", "bad-query", "bad-field", "search-too-long" (or given up), "bad-index". */

@@ -2,6 +2,7 @@
 #include "server/base/json/error_json.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/library/cast.h"
 #include "server/library/library_internal.h"
 #include "server/library/recordings/alignments.h"
 #include <stdio.h>
@@ -631,6 +632,18 @@ static json_t *describe_work(struct library *l, struct index_reader *r, const ch
     return answer;
 }
 
+static json_t *describe_cast(struct library *l, struct index_reader *r, const struct library_question *q,
+                             struct error *e) {
+    struct cast cast;
+    json_t *answer = NULL;
+    if (!library_cast_of(l, r, q->work, q->offer, &cast, e)) {
+        answer = cast_json(&cast);
+        json_object_set_new(answer, "work", json_string(q->work));
+    }
+    cast_free(&cast);
+    return answer;
+}
+
 int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
     struct index_reader *r = library_reader(l, e);
     struct answer_limit limit =
@@ -646,6 +659,9 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         break;
     case LIBRARY_WORK:
         answer = describe_work(l, r, q->work, e);
+        break;
+    case LIBRARY_CAST:
+        answer = describe_cast(l, r, q, e);
         break;
     case LIBRARY_SECTION:
         answer = library_section_json(l, r, q->work, q->section, e);

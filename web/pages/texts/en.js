@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'A table of mouth shapes of the server is broken. Whoever runs it has to mend it.',
   'bad-expressions': 'The expressions of the server are broken. Whoever runs it has to mend them.',
   'bad-normalization': 'The server’s words for numbers and dates are broken. Whoever runs it has to mend them.',
+  'bad-cast': 'A cast of the library is broken. Whoever runs the server has to mend it.',
   'bad-lexicon': 'A lexicon of pronunciations of the server is broken. Whoever runs it has to mend it.',
   guessed: 'Some words may be read differently from what you meant.',
   unspoken: 'Some characters cannot be spoken and were left out.',

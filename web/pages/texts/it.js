@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'Una tabella delle forme della bocca del server è guasta. Chi lo gestisce deve ripararla.',
   'bad-expressions': 'Le espressioni del server sono guaste. Chi lo gestisce deve ripararle.',
   'bad-normalization': 'Le parole per numeri e date del server sono guaste. Chi lo gestisce deve ripararle.',
+  'bad-cast': 'Una distribuzione delle parti della biblioteca è guasta. Chi gestisce il server deve correggerla.',
   'bad-lexicon': 'Un lessico di pronunce del server è guasto. Chi lo gestisce deve correggerlo.',
   guessed: 'Qualche parola può essere stata letta diversamente da come era intesa.',
   unspoken: 'Alcuni caratteri non si possono pronunciare e sono stati tralasciati.',

@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'Sunucunun bir ağız biçimleri tablosu bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-expressions': 'Sunucunun ifade dosyası bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-normalization': 'Sunucunun sayı ve tarih sözcükleri bozuk. Sunucuyu yöneten kişi onları onarmalı.',
+  'bad-cast': 'Kitaplığın bir rol dağılımı bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-lexicon': 'Sunucunun bir söyleyiş sözlüğü bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   guessed: 'Bazı sözler amaçlanandan farklı okunmuş olabilir.',
   unspoken: 'Bazı karakterler söylenemez; atlandılar.',
