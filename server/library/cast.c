@@ -102,6 +102,7 @@ struct choosing {
     const struct cast_offer *offer;
     unsigned *uses;  /* of each voice */
     int *fits, best; /* of each voice; the best fit of all */
+    enum person_sex usual; /* of most persons of the work: that of those whose sex is not known */
 };
 
 /* The cost of giving a voice once more: a worse kind counts as three who share a better one. */
@@ -165,7 +166,7 @@ static bool keep_voice(struct cast *cast, struct cast_member *m, struct choosing
 }
 
 static void give_voice(struct cast_member *m, struct choosing *c) {
-    size_t i = cheapest(c, sexes[m->sex]);
+    size_t i = cheapest(c, sexes[m->sex == SEX_UNKNOWN ? c->usual : m->sex]);
     double shift = 1;
     if (i == SIZE_MAX) {
         i = cheapest(c, "");
@@ -184,11 +185,9 @@ static void give_voice(struct cast_member *m, struct choosing *c) {
 
 /* ---- heads ---- */
 
-static const char *gender_of(const struct cast_member *m) {
-    return sexes[m->sex];
-}
-
-static void give_head(struct cast *cast, struct cast_member *m, const struct cast_offer *o, unsigned *uses) {
+static void give_head(struct cast *cast, struct cast_member *m, const struct cast_offer *o, enum person_sex usual,
+                      unsigned *uses) {
+    const char *gender = sexes[m->sex == SEX_UNKNOWN ? usual : m->sex];
     size_t found = SIZE_MAX;
     for (size_t i = 0; m->head && i < o->head_count; i++)
         if (!strcmp(o->heads[i].name, m->head)) {
@@ -205,7 +204,7 @@ static void give_head(struct cast *cast, struct cast_member *m, const struct cas
             const struct cast_head *head = &o->heads[i];
             bool child = !strcmp(head->age, "child");
             bool fits = any || (child == (m->age == AGE_CHILD) &&
-                                (child || !*gender_of(m) || !strcmp(head->gender, gender_of(m))));
+                                (child || !*gender || !strcmp(head->gender, gender)));
             if (fits && (found == SIZE_MAX || uses[i] < uses[found]))
                 found = i;
         }
@@ -226,15 +225,19 @@ void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *o
             c.best = c.fits[i];
     }
     keep_voice(cast, &cast->narrator, &c);
-    for (size_t i = 0; i < cast->count; i++)
+    int men = 0;
+    for (size_t i = 0; i < cast->count; i++) {
         judge(&cast->members[i], lang);
+        men += cast->members[i].sex == SEX_MALE ? 1 : cast->members[i].sex == SEX_FEMALE ? -1 : 0;
+    }
+    c.usual = men > 0 ? SEX_MALE : men < 0 ? SEX_FEMALE : SEX_UNKNOWN;
     for (size_t i = 0; i < cast->count; i++) {
         struct cast_member *m = &cast->members[i];
         if (keep_voice(cast, m, &c))
             set_factors(m, 0, 1);
         else
             give_voice(m, &c);
-        give_head(cast, m, offer, heads);
+        give_head(cast, m, offer, c.usual, heads);
     }
     cast->narrator.pitch = cast->narrator.pitch ? cast->narrator.pitch : 1;
     cast->narrator.rate = cast->narrator.rate ? cast->narrator.rate : 1;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/daemon/library_setup.h"
 #include "server/export/export.h"
+#include "server/library/faccia_cast.h"
 #include "server/library/library_files.h"
 #include "server/library/publish/epub_book.h"
 #include "server/library/work.h"
@@ -450,9 +452,27 @@ static void check(struct checking *all, const char *folder, const char *path, co
     work_meta_free(&meta);
 }
 
+static void check_cast(struct checking *all, const char *folder, const char *path) {
+    FILE *file = open_file_below(folder, path);
+    struct buf text = {0};
+    struct error e;
+    int bad = file ? buf_add_stream(&text, file, CAST_FILE_BYTES) : errno;
+    if (bad)
+        error_set(&e, ERROR_BAD_CAST, "%s", strerror(bad));
+    if (bad || cast_check(text.data, text.size, &e)) {
+        char said[400];
+        printf("%s: %s (%s)\n", path, error_text(&e, said, sizeof said), error_name(e.code));
+        all->serious++;
+    }
+    buf_free(&text);
+    if (file)
+        fclose(file);
+}
+
 int library_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] =
         "Usage: faccia library [check] [--words] DIR\n"
+        "       faccia library cast [--json] FILE\n"
         "       faccia library export [OPTION]... DIR WORK\n"
         "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML), and prints their "
         "contents and\n"
@@ -461,6 +481,7 @@ int library_main(int argc, char **argv, const struct settings *settings) {
         "      --words  compare the words read with the words of the source, which a second reader counts\n"
         "               independently; report those that are lost, doubled, glued to the next, or divided\n"
         "\n"
+        "cast shows who speaks in a play, and how: see faccia library cast --help\n"
         "export writes a work as a read-aloud book, captions, and more: see faccia library export --help\n";
     struct checking all = {0};
     const struct cli_option options[] = {{.name = "words", .kind = CLI_FLAG, .out = &all.words}, {0}};
@@ -468,6 +489,8 @@ int library_main(int argc, char **argv, const struct settings *settings) {
     struct error e;
     if (argc > 1 && !strcmp(argv[1], "export"))
         return library_export_main(argc - 1, argv + 1, settings);
+    if (argc > 1 && !strcmp(argv[1], "cast"))
+        return library_cast_main(argc - 1, argv + 1, settings);
     if (argc > 1 && !strcmp(argv[1], "check")) {
         argc--;
         argv++;
@@ -486,6 +509,8 @@ int library_main(int argc, char **argv, const struct settings *settings) {
     }
     for (size_t i = 0; i < files.count; i++)
         check(&all, argv[optind], files.list[i].path, settings->lang);
+    for (size_t i = 0; i < files.cast_count; i++)
+        check_cast(&all, argv[optind], files.casts[i].path);
     if (all.words)
         print_words("all", &all.counted);
     printf("%zu works, %zu passages, %zu bytes; %zu problems, %zu hints\n", all.sections, all.passages,
