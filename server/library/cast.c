@@ -56,6 +56,7 @@ void cast_free(struct cast *cast) {
         member_free(&cast->members[i]);
     member_free(&cast->narrator);
     free(cast->members);
+    free(cast->file);
     *cast = (struct cast){0};
 }
 
@@ -72,8 +73,9 @@ static void judge(struct cast_member *m, const char *lang) {
         m->sex = cast_sex_of_name(m->name, lang);
         m->sex_from = m->sex == SEX_UNKNOWN ? FROM_NOTHING : FROM_NAME;
     }
-    if (m->age == AGE_UNKNOWN)
-        m->age = cast_age_of_words(m->about);
+    if (m->age != AGE_UNKNOWN)
+        return;
+    m->age = cast_age_of_words(m->about);
     if (m->age == AGE_ADULT)
         m->age = cast_age_of_words(m->name);
 }
@@ -82,10 +84,10 @@ static void judge(struct cast_member *m, const char *lang) {
 
 /* Kinds of voices, best first. Recordings read one work each, so they take no parts. */
 static int tier_of(const struct cast_voice *v) {
-    return !strncmp(v->id, "recording:", 10)  ? -1
-           : !strcmp(v->quality, "neural")    ? 0
-           : !strcmp(v->quality, "formant")   ? 2
-                                              : 1;
+    return !strncmp(v->id, "recording:", 10) ? -1
+           : !strcmp(v->quality, "neural")   ? 0
+           : !strcmp(v->quality, "formant")  ? 2
+                                             : 1;
 }
 
 /* 2: that variety; 1: the language; 0: another one. */
@@ -100,8 +102,8 @@ static int fit_of(const char *voice, const char *lang) {
 
 struct choosing {
     const struct cast_offer *offer;
-    unsigned *uses;  /* of each voice */
-    int *fits, best; /* of each voice; the best fit of all */
+    unsigned *uses;        /* of each voice */
+    int *fits, best;       /* of each voice; the best fit of all */
     enum person_sex usual; /* of most persons of the work: that of those whose sex is not known */
 };
 
@@ -145,7 +147,10 @@ static void note(struct cast *cast, const struct cast_member *m, const char *wha
     if (cast->problem_count == CAST_PROBLEMS)
         return;
     char field[64];
-    snprintf(field, sizeof field, "cast.%.40s.%s", m->id, what);
+    if (m->id)
+        snprintf(field, sizeof field, "cast.%.40s.%s", m->id, what);
+    else
+        snprintf(field, sizeof field, "narrator.%s", what);
     error_in_field(&cast->problems[cast->problem_count++], ERROR_BAD_CAST, field,
                    "there is no %s \"%.80s\"; another is used", what, name);
 }
@@ -185,8 +190,8 @@ static void give_voice(struct cast_member *m, struct choosing *c) {
 
 /* ---- heads ---- */
 
-static void give_head(struct cast *cast, struct cast_member *m, const struct cast_offer *o, enum person_sex usual,
-                      unsigned *uses) {
+static void give_head(struct cast *cast, struct cast_member *m, const struct cast_offer *o,
+                      enum person_sex usual, unsigned *uses) {
     const char *gender = sexes[m->sex == SEX_UNKNOWN ? usual : m->sex];
     size_t found = SIZE_MAX;
     for (size_t i = 0; m->head && i < o->head_count; i++)
@@ -239,6 +244,8 @@ void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *o
             give_voice(m, &c);
         give_head(cast, m, offer, c.usual, heads);
     }
+    if (cast->narrator.head)
+        give_head(cast, &cast->narrator, offer, SEX_UNKNOWN, heads);
     cast->narrator.pitch = cast->narrator.pitch ? cast->narrator.pitch : 1;
     cast->narrator.rate = cast->narrator.rate ? cast->narrator.rate : 1;
     free(c.uses);
@@ -288,6 +295,6 @@ json_t *cast_json(const struct cast *cast) {
         }
         json_array_append_new(problems, p);
     }
-    return json_pack("{sb so so so}", "file_used", cast->file, "narrator", member_json(&cast->narrator),
-                     "cast", members, "problems", problems);
+    return json_pack("{ss? so so so}", "file", cast->file, "narrator", member_json(&cast->narrator), "cast",
+                     members, "problems", problems);
 }

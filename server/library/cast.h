@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 enum {
-    CAST_MOST = 500,          /* members; those who say least are left out, and speak as the narrator does */
+    CAST_MOST = 500, /* members; those who say least are left out, and speak as the narrator does */
     CAST_FILE_BYTES = 256 << 10,
     CAST_PROBLEMS = 20,
 };
@@ -37,7 +37,7 @@ struct cast {
     struct cast_member narrator;
     struct cast_member *members; /* who says most comes first */
     size_t count;
-    bool file; /* there is one beside the work */
+    char *file; /* the one beside the work, relative to the folder; NULL: none */
     struct error problems[CAST_PROBLEMS];
     size_t problem_count;
 };

@@ -25,10 +25,11 @@ int library_cast_beside(const char *folder, const char *path, struct cast *cast,
     const int why = errno;
     struct buf text = {0};
     int result = 0;
-    free(place);
-    if (!file && (!place || why == ENOENT))
+    if (!file && (!place || why == ENOENT)) {
+        free(place);
         return 0;
-    cast->file = true;
+    }
+    cast->file = place;
     int bad = file ? buf_add_stream(&text, file, CAST_FILE_BYTES) : why;
     if (bad == EFBIG)
         result = error_set(e, ERROR_BAD_CAST, "a cast may have at most %d bytes", CAST_FILE_BYTES);
@@ -44,9 +45,10 @@ int library_cast_beside(const char *folder, const char *path, struct cast *cast,
 
 /* Reads the members of a work from the index. */
 static int read_members(struct index_reader *r, const char *work, struct cast *cast, struct error *e) {
-    sqlite3_stmt *s = library_prepare(
-        r, "SELECT id, name, about, sex, age, sex_from, passages, characters FROM person WHERE work = ? ORDER BY place",
-        e);
+    sqlite3_stmt *s = library_prepare(r,
+                                      "SELECT id, name, about, sex, age, sex_from, passages, characters FROM "
+                                      "person WHERE work = ? ORDER BY place",
+                                      e);
     if (!s)
         return -1;
     sqlite3_bind_text(s, 1, work, -1, SQLITE_STATIC);
@@ -63,8 +65,8 @@ static int read_members(struct index_reader *r, const char *work, struct cast *c
     return 0;
 }
 
-int library_cast_of(struct library *l, struct index_reader *r, const char *work, const struct cast_offer *offer,
-                    struct cast *cast, struct error *e) {
+int library_cast_of(struct library *l, struct index_reader *r, const char *work,
+                    const struct cast_offer *offer, struct cast *cast, struct error *e) {
     sqlite3_stmt *s = library_prepare(r, "SELECT path, lang FROM work WHERE name = ?", e);
     char *path = NULL, *lang = NULL;
     struct error bad;
@@ -80,9 +82,10 @@ int library_cast_of(struct library *l, struct index_reader *r, const char *work,
     int result = path ? read_members(r, work, cast, e)
                       : error_in_field(e, ERROR_UNKNOWN_WORK, "work", "unknown work '%.80s'", work);
     if (!result && library_cast_beside(l->folder, path, cast, &bad)) {
-        cast_free(cast); /* it may have been applied in part */
+        struct cast partly = *cast;
+        *cast = (struct cast){.file = partly.file ? mem_strdup(partly.file) : NULL};
+        cast_free(&partly);
         result = read_members(r, work, cast, e);
-        cast->file = true;
         cast->problems[cast->problem_count++] = bad;
     }
     if (!result)

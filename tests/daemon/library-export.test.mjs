@@ -196,7 +196,7 @@ test('serves feed, sitemap, citations and descriptions in their standard forms',
 
   await kept('/library/sitemap.xml', 'application/xml', 'sitemap.xml');
   const places = python('import json,sys\nimport xml.etree.ElementTree as T\nprint(json.dumps([e.text for e in T.parse(sys.argv[1]).iter("{http://www.sitemaps.org/schemas/sitemap/0.9}loc")]))', file('sitemap.xml'));
-  assert.deepEqual(places.sort(), ['detto', 'kuslar-tr', 'la-lanterna', 'mare', 'o-farol', 'segni', 'the-clock'].map((id) => `${daemon.url}/library/${id}`));
+  assert.deepEqual(places.sort(), ['detto', 'kuslar-tr', 'la-chiave', 'la-lanterna', 'mare', 'o-farol', 'segni', 'the-clock'].map((id) => `${daemon.url}/library/${id}`));
 
   await kept('/library/segni.bib', 'application/x-bibtex', 'segni.bib');
   const [entry] = python('import bibtexparser,json,sys\nfrom bibtexparser.customization import convert_to_unicode\nprint(json.dumps([convert_to_unicode(e) for e in bibtexparser.load(open(sys.argv[1])).entries]))', file('segni.bib'));

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Who speaks in a play: the cast by the source and by WORK.cast.json, and speech with it.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import Ajv from 'ajv/dist/2020.js';
+import { Daemon, build, eventually, root } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-cast-'));
+const works = path.join(folder, 'works');
+const program = path.join(build, 'server/cli/faccia');
+const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
+const ajv = new Ajv({ strict: false });
+for (const name of ['library', 'cast']) ajv.addSchema(JSON.parse(fs.readFileSync(path.join(root, `protocol/schema/${name}.json`))), name);
+const PLAY = path.join(root, 'models/library/la-chiave.xml');
+
+let daemon, voices;
+const ask = async (address, status = 200, options = {}) => {
+  const response = await fetch(`${daemon.url}${address}`, options);
+  const text = await response.text();
+  assert.equal(response.status, status, text);
+  return text ? JSON.parse(text) : null;
+};
+const castOf = async (work) => {
+  const cast = await ask(`/v1/library/works/${work}/cast`);
+  const check = ajv.getSchema('library#/$defs/cast');
+  assert.ok(check(cast), ajv.errorsText(check.errors));
+  return cast;
+};
+const byId = ({ cast }) => Object.fromEntries(cast.map((member) => [member.id, member]));
+const tei = (persons, speeches, lang = 'it') =>
+  `<TEI xml:lang="${lang}"><teiHeader><profileDesc><particDesc><listPerson>${persons}</listPerson></particDesc></profileDesc></teiHeader><text><body><div>${speeches}</div></body></text></TEI>`;
+
+before(async () => {
+  fs.mkdirSync(works);
+  fs.copyFileSync(PLAY, path.join(works, 'la-chiave.xml'));
+  put('parole.xml', tei('', '<castList><castItem><role>Donna Elvira</role>, <roleDesc>vedova</roleDesc></castItem><castItem><role>Momolo</role>, <roleDesc>servo di Donna Elvira</roleDesc></castItem><castItem><role>Il Notaio</role></castItem><castItem><role>Andrea</role></castItem></castList><sp><speaker>ELV.</speaker><p>Chi è là, a quest\'ora?</p></sp><sp><speaker>Momolo.</speaker><p>Sono io.</p></sp><sp><speaker>NOTAIO</speaker><p>E io.</p></sp><sp><speaker>Andrea</speaker><p>Anche.</p></sp><sp><speaker>Voce</speaker><p>No.</p></sp>'));
+  put('due.xml', tei('<person xml:id="a" sex="2"><persName>Uno</persName></person><person xml:id="b"><sex value="M"/><persName>Ada</persName><age value="80"/></person><personGrp xml:id="c" sex="FEMALE"><name>Coro</name></personGrp>', '<sp who="#a"><p>Uno.</p></sp><sp who="#b"><p>Due, due.</p></sp><sp who="#a #c"><p>T.</p></sp>'));
+  put('coro.xml', tei(Array.from({ length: 700 }, (_, i) => `<person xml:id="p${i}" sex="FEMALE"/>`).join(''), Array.from({ length: 700 }, (_, i) => `<sp who="#p${i}"><p>Parola ${'x'.repeat(i % 50)}.</p></sp>`).join('')));
+  daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
+  await eventually(async () => (await ask('/v1/library')).state === 'ready', 'the library');
+  voices = new Map((await ask('/v1/voices')).voices.map((voice) => [voice.id, voice]));
+});
+after(async () => {
+  assert.equal((await daemon.stop()).code, 0, daemon.log);
+  fs.rmSync(folder, { recursive: true });
+});
+
+test('the persons of a play have their sex and age from the source, voices of that sex, and nobody speaks as another does', async () => {
+  const all = await castOf('la-chiave');
+  const cast = byId(all);
+  assert.deepEqual(Object.keys(cast).sort(), ['anselmo', 'lisetta', 'lisetta+tullio', 'nina', 'tullio']);
+  assert.deepEqual(['anselmo', 'lisetta', 'nina', 'tullio'].map((id) => [cast[id].name, cast[id].sex, cast[id].age, cast[id].about]), [['Anselmo', 'male', 'old', 'vecchio orologiaio'], ['Lisetta', 'female', 'adult', 'fornaia'], ['Nina', 'female', 'child', 'bambina'], ['Tullio', 'male', 'adult', 'barcaiolo']]);
+  for (const { sex, voice } of all.cast.filter((member) => member.sex)) {
+    assert.equal(voices.get(voice).gender, sex);
+    assert.equal(voices.get(voice).lang.slice(0, 2), 'it');
+  }
+  assert.equal(new Set(all.cast.map(({ voice, pitch, rate }) => `${voice} ${pitch} ${rate}`)).size, 5);
+  const heads = new Map((await ask('/v1/models')).models.map((model) => [model.name, model]));
+  assert.equal(heads.get(cast.anselmo.head).voice.gender, 'male');
+  assert.equal(heads.get(cast.lisetta.head).voice.gender, 'female');
+  assert.equal(new Set(['anselmo', 'lisetta', 'nina', 'tullio'].map((id) => cast[id].head)).size, 4);
+  assert.deepEqual(await castOf('la-chiave'), all); // the same again
+  const order = all.cast.map(({ characters }) => characters);
+  assert.deepEqual(order, [...order].sort((a, b) => b - a));
+});
+
+test('without marks of sex, names and descriptions tell; abbreviated names are found in the cast list', async () => {
+  const cast = byId(await castOf('parole'));
+  assert.deepEqual(Object.fromEntries(Object.values(cast).map(({ id, name, sex, sex_from }) => [id, [name, sex, sex_from]])), {
+    elv: ['Donna Elvira', 'female', 'description'],
+    momolo: ['Momolo', 'male', 'description'],
+    notaio: ['Il Notaio', 'male', 'description'],
+    andrea: ['Andrea', 'male', 'name'],
+    voce: ['Voce', undefined, undefined],
+  });
+  assert.equal(voices.get(cast.voce.voice).gender, 'male'); // as most others
+});
+
+test('sex in numbers, elements and groups; several who speak at once', async () => {
+  const cast = byId(await castOf('due'));
+  assert.deepEqual([cast.a.sex, cast.b.sex, cast.b.age, cast['a+c'].sex], ['female', 'male', 'old', 'female']);
+  const { blocks } = await ask('/v1/library/works/due/sections/1');
+  assert.deepEqual(blocks.map(({ who, speaker }) => [who, speaker]), [['a', 'Uno'], ['b', 'Ada'], ['a+c', 'Uno, Coro']]);
+});
+
+test('a cast has at most 500 members: those who say most', async () => {
+  const { cast } = await castOf('coro');
+  assert.equal(cast.length, 500);
+  assert.ok(cast.every(({ id }) => Number(id.slice(1)) % 50 >= 14));
+});
+
+test('a file beside the work decides otherwise, at once, and its faults are told with their place', async () => {
+  const own = (await castOf('la-chiave')).cast.find(({ id }) => id === 'tullio');
+  const file = { narrator: { pitch: 0.9 }, cast: { anselmo: { voice: own.voice, pitch: 0.5, head: 'samuel', affect: 'sad' }, nina: { sex: 'male', age: 'adult' } } };
+  const check = ajv.getSchema('cast');
+  assert.ok(check(file), ajv.errorsText(check.errors));
+  put('la-chiave.cast.json', JSON.stringify(file));
+  let all = await castOf('la-chiave');
+  let cast = byId(all);
+  assert.deepEqual([all.file, all.problems, all.narrator], ['la-chiave.cast.json', [], { pitch: 0.9, rate: 1 }]);
+  assert.deepEqual([cast.anselmo.voice, cast.anselmo.pitch, cast.anselmo.head, cast.anselmo.affect], [own.voice, 0.5, 'samuel', 'sad']);
+  assert.deepEqual([cast.nina.sex, cast.nina.sex_from, cast.nina.age, voices.get(cast.nina.voice).gender], ['male', 'file', 'adult', 'male']);
+
+  put('la-chiave.cast.json', '{"narrator":{"voice":"none:x"},"cast":{"anselmo":{"voice":"none:x","head":"nobody"},"pantalone":{"pitch":1}}}');
+  all = await castOf('la-chiave');
+  assert.deepEqual(all.problems.map(({ code, field }) => [code, field]).sort(), [['bad-cast', 'cast.anselmo.head'], ['bad-cast', 'cast.anselmo.voice'], ['bad-cast', 'cast.pantalone'], ['bad-cast', 'narrator.voice']]);
+  assert.equal(voices.get(byId(all).anselmo.voice).gender, 'male');
+
+  for (const [text, place] of [
+    ['{"cast":{\n"anselmo":{"pitch":9}}}', { field: 'cast.anselmo.pitch' }],
+    ['{"cast":{"anselmo":{"sex":"boh"}}}', { field: 'cast.anselmo.sex' }],
+    ['{"cast":{"anselmo":{"colour":"red"}}}', { field: 'cast.anselmo.colour' }],
+    ['{"cast":[]}', { field: 'cast' }],
+    ['{"cast":{},\n"cast":{}}', { line: 2 }],
+    ['{\n "cast": {"anselmo" 3}}', { line: 2 }],
+    ['', { line: 1 }],
+    [' '.repeat(300000), {}],
+  ]) {
+    put('la-chiave.cast.json', text);
+    all = await castOf('la-chiave');
+    assert.equal(all.problems.length, 1, text.slice(0, 80));
+    assert.equal(all.problems[0].code, 'bad-cast');
+    for (const [name, value] of Object.entries(place)) assert.equal(all.problems[0][name], value, text.slice(0, 80));
+    assert.equal(byId(all).anselmo.sex, 'male'); // the rest is chosen as without the file
+    const said = spawnSync(program, ['library', 'cast', path.join(works, 'la-chiave.xml')], { encoding: 'utf8' });
+    assert.equal(said.status, 1);
+    assert.match(said.stdout, /bad-cast/);
+    assert.equal(spawnSync(program, ['library', 'check', works], { encoding: 'utf8' }).status, 1);
+  }
+  const refused = await ask('/v1/library/files/la-chiave.cast.json', 400, { method: 'PUT', body: '{"cast":{"anselmo":{"pitch":9}}}' });
+  assert.deepEqual([refused.code, refused.field], ['bad-cast', 'cast.anselmo.pitch']);
+  await eventually(async () => (await ask('/v1/library')).problems.some(({ file, code }) => file === 'la-chiave.cast.json' && code === 'bad-cast'), 'the problem in the list');
+  await ask('/v1/library/files/la-chiave.cast.json', 200, { method: 'DELETE', headers: { 'if-match': '*' } });
+  await eventually(async () => !(await ask('/v1/library')).problems.length, 'the end of the problem');
+  assert.equal((await castOf('la-chiave')).file, null);
+  await ask('/v1/library/works/nothing/cast', 404);
+});
+
+test('faccia library cast shows what the daemon answers', async () => {
+  const said = spawnSync(program, ['library', 'cast', '--json', path.join(works, 'la-chiave.xml')], { encoding: 'utf8' });
+  assert.equal(said.status, 0, said.stderr);
+  const { work, ...rest } = await castOf('la-chiave');
+  assert.equal(work, 'la-chiave');
+  assert.deepEqual(JSON.parse(said.stdout), rest);
+  const lines = spawnSync(program, ['library', 'cast', path.join(works, 'la-chiave.xml')], { encoding: 'utf8' }).stdout;
+  assert.match(lines, /^anselmo +Anselmo +male +source +old/m);
+});
