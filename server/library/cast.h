@@ -74,6 +74,16 @@ int cast_check(const void *data, size_t size, struct error *e);
  * of one. Without a voice of that sex, the pitch of another is changed. */
 void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *offer);
 
+/* A stretch of a text that somebody speaks, in UTF-16 units. */
+struct cast_speech {
+    size_t start, end;
+    char *who; /* id */
+};
+
+/* Who speaks a text, as `speakers` of speak; speeches ascend. voices: each has the voice of the cast. NULL:
+ * nobody is told. Free it. */
+char *cast_speakers(const struct cast *cast, const struct cast_speech *speeches, size_t count, bool voices);
+
 const struct cast_member *cast_find(const struct cast *cast, const char *id);
 void cast_free(struct cast *cast);
 

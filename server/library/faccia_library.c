@@ -67,7 +67,7 @@ static int flush(struct library_export_output *o) {
 }
 
 static int library_export_segment(struct library_export_files *files, const struct narration *narration,
-                                  const struct media_segment *segment, const char *text, const char *markup) {
+                                  const struct media_segment *segment, const struct synthesis *speech) {
     if (narration->samples + segment->audio->samples >= UINT32_MAX) {
         cli_complain("this takes more than %.0f hours", (double)UINT32_MAX / narration->rate / 3600);
         return -1;
@@ -78,8 +78,9 @@ static int library_export_segment(struct library_export_files *files, const stru
         struct library_export_output *o = &files->outputs[i];
         if (!o->path)
             continue;
-        o->export.source.text = text;
-        o->export.source.markup = markup;
+        o->export.source.text = synthesis_request(speech)->text;
+        o->export.source.markup = synthesis_markup(speech);
+        o->export.source.speech = synthesis_has_speakers(speech) ? speech : NULL;
         export_segment(&o->export, segment);
         if (o->export.format->streams && flush(o))
             return -1;
@@ -140,7 +141,8 @@ static const char usage[] =
     "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
     "      --wav FILE       the sound, mono, 16 bits\n"
     "      --ogg FILE       the sound, as Opus in Ogg\n"
-    "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work\n"
+    "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work (of a\n"
+    "                       play: the voices that 'faccia library cast' shows)\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "      --sentences      highlight sentences and lines in the book instead of words\n"
@@ -160,9 +162,9 @@ struct exporting {
     unsigned sections, done;
 };
 
-static int on_segment(void *ctx, const struct media_segment *segment, const char *text, const char *markup) {
+static int on_segment(void *ctx, const struct media_segment *segment, const struct synthesis *speech) {
     struct exporting *x = ctx;
-    return library_export_segment(&x->files, &x->narration, segment, text, markup);
+    return library_export_segment(&x->files, &x->narration, segment, speech);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
@@ -270,6 +272,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     struct cli cli = {0};
     struct error e;
     struct lexicons lexicons = {0};
+    struct cast cast = {0};
     char *config = NULL, voice[80];
     bool recorded = x->voice && !strcmp(x->voice, "recording");
     if (recorded && !(config = with_recording(x, settings)))
@@ -285,11 +288,17 @@ static int speak(struct exporting *x, const struct settings *settings) {
         cli_complain_of(&e);
         x->failed = true;
     }
+    if (!x->failed && !x->silent && cast_of_file(x->folder, x->file, &cli, settings, &cast, &e)) {
+        cli_complain_of(&e);
+        x->failed = true;
+    }
     if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
         x->narration = (struct narration){.pipeline = &cli.components.pipeline,
                                           .request = &x->request,
                                           .lexicons = &lexicons,
                                           .lang = x->meta.lang,
+                                          .cast = &cast,
+                                          .cast_voices = !x->voice,
                                           .any_lang = recorded,
                                           .sentences = x->narration.sentences,
                                           .segment = on_segment,
@@ -310,6 +319,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     }
     if (!x->silent)
         cli_close(&cli);
+    cast_free(&cast);
     lexicons_free(&lexicons);
     free(config);
     return x->failed ? EXIT_FAILED : EXIT_DONE;

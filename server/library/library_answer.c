@@ -48,7 +48,7 @@ static json_t *library_newest_json(struct index_reader *r, unsigned most, struct
 
 /* ---- sections and passages, to be shown ---- */
 
-#define ROW_COLUMNS "name, part, first_line, line_count, lang, shape, text, source, markup, kind, runs"
+#define ROW_COLUMNS "name, part, first_line, line_count, lang, shape, text, source, markup, kind, runs, who"
 
 /* Selects number, title, level, first and last row of a section, and its work. NULL with *e. The caller
  * finalises it. */
@@ -177,6 +177,8 @@ struct found_passage {
     struct buf text, source; /* source: what is spoken, if it differs from the text */
     struct found_run *runs;  /* stretches of the text in another language or not spoken; they may nest */
     size_t run_count, run_cap;
+    struct cast_speech *speeches; /* adjacent ones of one speaker are joined */
+    size_t speech_count, speech_cap;
     struct utf16_counter units; /* counts UTF-16 units of the text read so far */
     char n[32];
 };
@@ -203,8 +205,15 @@ static int split(const char *id, struct found_passage *p, struct error *e) {
     return 0;
 }
 
+static void free_speeches(struct cast_speech *speeches, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        free(speeches[i].who);
+    free(speeches);
+}
+
 static void found_passage_free(struct found_passage *p) {
     free(p->runs);
+    free_speeches(p->speeches, p->speech_count);
     buf_free(&p->text);
     buf_free(&p->source);
 }
@@ -266,6 +275,35 @@ static void add_runs(struct found_passage *p, sqlite3_stmt *row, size_t byte) {
     }
 }
 
+static void add_speech(struct found_passage *p, size_t start, size_t end, const char *who) {
+    struct cast_speech *last = p->speech_count ? &p->speeches[p->speech_count - 1] : NULL;
+    if (start >= end)
+        return;
+    if (last && last->end == start && !strcmp(last->who, who)) {
+        last->end = end;
+        return;
+    }
+    p->speeches = mem_grow(p->speeches, &p->speech_cap, p->speech_count + 1, sizeof *p->speeches);
+    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who)};
+}
+
+/* Notes who speaks a row whose text starts at `byte` of the gathered text. `runs`: the first run of the row,
+ * some of which may be stage directions that the narrator speaks. */
+static void add_who(struct found_passage *p, sqlite3_stmt *row, size_t byte, size_t runs, bool directions) {
+    const char *who = index_text(row, 11);
+    int kind = sqlite3_column_int(row, 9);
+    if (!*who || kind == BLOCK_SPEAKER || kind == BLOCK_STAGE)
+        return;
+    size_t at = utf16_offset(&p->units, (char *)p->text.data, byte);
+    size_t end = utf16_offset(&p->units, (char *)p->text.data, p->text.size);
+    for (size_t i = runs; directions && i < p->run_count; i++)
+        if (!*p->runs[i].lang && p->runs[i].start >= at) {
+            add_speech(p, at, p->runs[i].start, who);
+            at = p->runs[i].end;
+        }
+    add_speech(p, at, end, who);
+}
+
 /* Clips the runs to [from, to) and makes them relative to `from`. */
 static void cut_runs(struct found_passage *p, size_t from, size_t to) {
     size_t count = 0;
@@ -277,6 +315,17 @@ static void cut_runs(struct found_passage *p, size_t from, size_t to) {
             p->runs[count++] = run;
     }
     p->run_count = count;
+    count = 0;
+    for (size_t i = 0; i < p->speech_count; i++) {
+        struct cast_speech speech = p->speeches[i];
+        speech.start = (speech.start > from ? speech.start : from) - from;
+        speech.end = (speech.end < to ? speech.end : to) - (speech.end < from ? speech.end : from);
+        if (speech.end > speech.start)
+            p->speeches[count++] = speech;
+        else
+            free(speech.who);
+    }
+    p->speech_count = count;
 }
 
 /* Reduces the text to its line `n`, from 0. */
@@ -296,13 +345,14 @@ static void keep_line(struct found_passage *p, size_t n) {
 }
 
 /* Gathers the passage from the rows. False: it does not exist. */
-static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
+static bool gather(struct found_passage *p, sqlite3_stmt *rows, const struct library_reading *how) {
     size_t line = p->name[0] == 'l' ? strtoul(p->name + 1, NULL, 10) : 0;
     bool any = false;
-    while (p->text.size <= most && sqlite3_step(rows) == SQLITE_ROW) {
+    while (p->text.size <= how->most && sqlite3_step(rows) == SQLITE_ROW) {
         size_t first = (size_t)sqlite3_column_int64(rows, 2), count = (size_t)sqlite3_column_int64(rows, 3);
         int kind = sqlite3_column_int(rows, 9);
-        bool spoken = kind == BLOCK_HEAD || kind == BLOCK_PARAGRAPH || kind == BLOCK_VERSE;
+        bool spoken = kind == BLOCK_HEAD || kind == BLOCK_PARAGRAPH || kind == BLOCK_VERSE ||
+                      (how->names && kind == BLOCK_SPEAKER) || (how->directions && kind == BLOCK_STAGE);
         bool here = line       ? count && line >= first && line < first + count
                     : *p->name ? !strcmp(p->name, index_text(rows, 0))
                                : spoken;
@@ -316,8 +366,11 @@ static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
             buf_add(&p->text, index_text(rows, 6), (size_t)sqlite3_column_bytes(rows, 6));
         else
             append_part(&p->text, rows);
-        if (p->text.size)
-            add_runs(p, rows, p->text.size - (size_t)sqlite3_column_bytes(rows, 6));
+        if (p->text.size) {
+            const size_t byte = p->text.size - (size_t)sqlite3_column_bytes(rows, 6), runs = p->run_count;
+            add_runs(p, rows, byte);
+            add_who(p, rows, byte, runs, how->directions);
+        }
         any = true;
         if (line) {
             keep_line(p, line - first);
@@ -331,13 +384,13 @@ static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
 }
 
 /* Finds a passage. Reading stops soon after `most` bytes of text. -1 with *e. */
-static int find_passage(struct index_reader *r, const char *id, size_t most, struct found_passage *p,
-                        struct error *e) {
+static int find_passage(struct index_reader *r, const char *id, const struct library_reading *how,
+                        struct found_passage *p, struct error *e) {
     *p = (struct found_passage){0};
     if (split(id, p, e))
         return -1;
     sqlite3_stmt *s = section_row(r, p->work, p->section, e), *rows = s ? rows_with(r, p, s, e) : NULL;
-    bool bad = s && !rows, any = rows && gather(p, rows, most);
+    bool bad = s && !rows, any = rows && gather(p, rows, how);
     sqlite3_finalize(s);
     sqlite3_finalize(rows); /* finalised last, so that library_reader_look sees its error */
     if (any)
@@ -346,9 +399,22 @@ static int find_passage(struct index_reader *r, const char *id, size_t most, str
     return bad ? -1 : error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "unknown passage '%.100s'", id);
 }
 
-static json_t *library_passage_json(struct index_reader *r, const char *id, struct error *e) {
+/* Who speaks which part of the text. */
+static json_t *speeches_json(const struct found_passage *p) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < p->speech_count; i++)
+        json_array_append_new(list, json_pack("{sI sI ss}", "start", (json_int_t)p->speeches[i].start, "end",
+                                              (json_int_t)p->speeches[i].end, "who", p->speeches[i].who));
+    return list;
+}
+
+static json_t *library_passage_json(struct index_reader *r, const struct library_question *q, struct error *e) {
+    const char *id = q->passage;
+    const struct library_reading how = {.most = SIZE_MAX,
+                                        .directions = q->directions && !strcmp(q->directions, "spoken"),
+                                        .names = q->names && !strcmp(q->names, "true")};
     struct found_passage p;
-    if (find_passage(r, id, SIZE_MAX, &p, e))
+    if (find_passage(r, id, &how, &p, e))
         return NULL;
     sqlite3_stmt *s = section_row(r, p.work, p.section, e);
     json_t *answer = NULL;
@@ -361,6 +427,8 @@ static json_t *library_passage_json(struct index_reader *r, const char *id, stru
                       library_text(s, 6), "lang", library_text(s, 7), "recording", sqlite3_column_int(s, 9));
     if (answer && *p.name)
         json_object_set_new(answer, "block", passage_id(p.work, p.section, p.block));
+    if (answer && p.speech_count)
+        json_object_set_new(answer, "speeches", speeches_json(&p));
     sqlite3_finalize(s);
     found_passage_free(&p);
     return answer;
@@ -407,7 +475,7 @@ static int blank(struct buf *text, double units, struct error *e) {
 }
 
 /* Blanks what is not spoken, keeping byte and UTF-16 offsets. Returns the languages of the rest. */
-static char *direct(struct found_passage *p) {
+static char *direct(struct found_passage *p, bool directions) {
     struct buf languages = {0};
     struct utf16_counter at = {0};
     for (size_t i = 0; i < p->run_count; i++) {
@@ -415,7 +483,7 @@ static char *direct(struct found_passage *p) {
         if (*run->lang) {
             buf_printf(&languages, "%s%zu-%zu:%s", languages.size ? " " : "", run->start, run->end,
                        run->lang);
-        } else {
+        } else if (!directions) {
             size_t from = utf16_byte(&at, (char *)p->text.data, p->text.size, run->start);
             size_t to = utf16_byte(&at, (char *)p->text.data, p->text.size, run->end);
             utf8_blank((char *)p->text.data + from, to - from);
@@ -426,13 +494,13 @@ static char *direct(struct found_passage *p) {
     return (char *)languages.data;
 }
 
-int library_passage(struct library *l, const char *id, double from, size_t most, struct library_passage *out,
-                    struct error *e) {
+int library_passage(struct library *l, const char *id, const struct library_reading *how,
+                    struct library_passage *out, struct error *e) {
     static const char *const markups[] = {"apml", "jsml", "ssml", NULL};
     struct found_passage found;
     *out = (struct library_passage){.markup = "plain"};
     struct index_reader *r = library_reader(l, e);
-    int result = r ? find_passage(r, id, most, &found, e) : -1;
+    int result = r ? find_passage(r, id, how, &found, e) : -1;
     if (r)
         library_reader_look(r);
     if (r && r->damaged && result)
@@ -441,11 +509,11 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
         library_reader_done(l, r);
     if (result)
         return -1;
-    bool whole = found.source.size && from <= 0;
+    bool whole = found.source.size && how->from <= 0;
     struct buf *text = whole ? &found.source : &found.text;
-    out->languages = whole || !found.text.size ? NULL : direct(&found);
-    if (from > 0)
-        result = blank(text, from, e);
+    out->languages = whole || !found.text.size ? NULL : direct(&found, how->directions);
+    if (how->from > 0)
+        result = blank(text, how->from, e);
     if (result) {
         free(out->languages);
         out->languages = NULL;
@@ -453,6 +521,12 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
         out->text = mem_strndup(text->size ? (char *)text->data : "", text->size);
         out->lang = mem_strdup(found.lang);
         out->voice = voice_of(l, found.work);
+        out->speeches = whole ? NULL : found.speeches;
+        out->speech_count = whole ? 0 : found.speech_count;
+        if (!whole) {
+            found.speeches = NULL;
+            found.speech_count = 0;
+        }
         for (const char *const *m = markups; whole && *m; m++)
             if (!strcmp(*m, found.markup))
                 out->markup = *m;
@@ -462,6 +536,7 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
 }
 
 void library_passage_free(struct library_passage *p) {
+    free_speeches(p->speeches, p->speech_count);
     free(p->text);
     free(p->lang);
     free(p->languages);
@@ -667,7 +742,7 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         answer = library_section_json(l, r, q->work, q->section, e);
         break;
     case LIBRARY_PASSAGE:
-        answer = library_passage_json(r, q->passage, e);
+        answer = library_passage_json(r, q, e);
         break;
     case LIBRARY_SEARCH:
         answer = library_search_json(r, q, &limit, e);
