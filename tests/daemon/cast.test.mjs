@@ -149,3 +149,110 @@ test('faccia library cast shows what the daemon answers', async () => {
   const lines = spawnSync(program, ['library', 'cast', path.join(works, 'la-chiave.xml')], { encoding: 'utf8' }).stdout;
   assert.match(lines, /^anselmo +Anselmo +male +source +old/m);
 });
+
+// ---- speech
+
+const lines = async (query) => {
+  const response = await fetch(`${daemon.url}/v1/speech?${new URLSearchParams({ format: 'ndjson', ...query })}`);
+  const text = await response.text();
+  assert.equal(response.status, 200, text);
+  return text.trim().split('\n').map((line) => JSON.parse(line));
+};
+/** What each person says: [id, words] without repetitions of the id. */
+const turns = (events) => {
+  const found = [];
+  let who = null;
+  for (const { type, speaker, text } of events) {
+    if (type === 'speaker' && speaker !== who) found.push([(who = speaker), '']);
+    if (type === 'word') found.at(-1)[1] += `${found.at(-1)[1] && ' '}${text}`;
+  }
+  return found;
+};
+const SCENE = [['', 'Scena prima'], ['lisetta', 'Buongiorno Anselmo È ancora caldo'], ['anselmo', 'Caldo Tutto è caldo qui tranne i miei orologi Ho perso la chiave'], ['lisetta', 'Quale chiave'], ['anselmo', 'Quella che li carica tutti Senza di lei non so che ora è'], ['tullio', 'È l\'ora della barca Chi viene all\'isola'], ['anselmo', 'Nessuno finché non la trovo']];
+/** Mean pitch of a WAV's voiced parts, by autocorrelation. */
+const pitchOf = async (query) => {
+  const wav = Buffer.from(await (await fetch(`${daemon.url}/v1/speech?${new URLSearchParams({ format: 'wav', ...query })}`)).arrayBuffer());
+  const rate = wav.readUInt32LE(24);
+  const pcm = new Int16Array(wav.buffer, wav.byteOffset + 44, (wav.length - 44) >> 1);
+  const size = Math.round(rate * 0.05), found = [];
+  for (let at = 0; at + 2 * size < pcm.length; at += size) {
+    let best = 0, lag = 0, power = 0;
+    for (let i = 0; i < size; i++) power += pcm[at + i] ** 2;
+    for (let k = Math.round(rate / 400); k < rate / 60 && k < size; k++) {
+      let sum = 0;
+      for (let i = 0; i < size; i++) sum += pcm[at + i] * pcm[at + i + k];
+      if (sum > best) [best, lag] = [sum, k];
+    }
+    if (power / size > 1e6 && best > 0.6 * power) found.push(rate / lag);
+  }
+  return found.sort((a, b) => a - b)[found.length >> 1];
+};
+
+test('a scene is spoken by its persons, and events tell who speaks', async () => {
+  assert.deepEqual(turns(await lines({ passage: 'la-chiave:2' })), SCENE);
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', passage: 'la-chiave:2', id: 's' });
+  await stream.wait({ type: 'end', id: 's' });
+  assert.deepEqual(turns(stream.messages), SCENE);
+  assert.deepEqual([...new Set(stream.messages.filter(({ type }) => type === 'speaker').map(({ name }) => name))], ['', 'Lisetta', 'Anselmo', 'Tullio']);
+  stream.socket.close();
+  const man = await pitchOf({ passage: 'la-chiave:2:p2' }), woman = await pitchOf({ passage: 'la-chiave:2:p1' });
+  assert.ok(man * 1.2 < woman, `${man} Hz, ${woman} Hz`);
+});
+
+test('stage directions and names are spoken by the narrator when that is asked for', async () => {
+  const all = turns(await lines({ passage: 'la-chiave:3', directions: 'spoken', names: 'true' }));
+  assert.deepEqual(all.slice(0, 5), [['', 'Scena seconda Entra Nina con qualcosa in mano Nina'], ['nina', 'Nonno'], ['', 'piangendo'], ['nina', 'l\'ho presa io Volevo che il giorno durasse di più'], ['', 'Anselmo piano']]);
+  assert.ok(!turns(await lines({ passage: 'la-chiave:3' })).some(([, said]) => /piangendo|Escono/.test(said)));
+  const { text, speeches } = await ask('/v1/library/passages/la-chiave:3?directions=spoken&names=true');
+  assert.equal(text.slice(speeches[0].start, speeches[0].end).trim(), 'Nonno,');
+  const words = (await lines({ passage: 'la-chiave:3', directions: 'spoken', names: 'true' })).filter(({ type }) => type === 'word');
+  for (const word of words) assert.equal(text.slice(word.utf16_start, word.utf16_end), word.text);
+});
+
+test('one voice speaks all if it is named or the cast is off; who speaks is still told', async () => {
+  const voice = [...voices.keys()].find((id) => id.startsWith('espeak:it'));
+  for (const query of [{ voice }, { cast: 'off' }]) assert.deepEqual(turns(await lines({ passage: 'la-chiave:2', ...query })), SCENE);
+  const pitches = await Promise.all([['la-chiave:2:p1', { cast: 'off' }], ['la-chiave:2:p2', { cast: 'off' }], ['la-chiave:2:p2', { voice, cast: 'on' }]].map(([passage, more]) => pitchOf({ passage, ...more })));
+  assert.ok(pitches[1] > 0.8 * pitches[0] && pitches[2] < 0.8 * pitches[0], pitches.join(' '));
+});
+
+test('a text names who of a work speaks it, or who speaks which part', async () => {
+  const [begin, ...rest] = await lines({ text: 'Ciao a tutti.', work: 'la-chiave:2', speaker: 'anselmo', lang: 'it' });
+  assert.equal(begin.voice, byId(await castOf('la-chiave')).anselmo.voice);
+  assert.deepEqual(turns(rest), [['anselmo', 'Ciao a tutti']]);
+  assert.equal(rest.find(({ type }) => type === 'speaker').name, 'Anselmo');
+  assert.deepEqual(turns(await lines({ text: 'Ciao.', speaker: 'Chiunque', lang: 'it' })), [['Chiunque', 'Ciao']]);
+  const speakers = JSON.stringify([{ id: 'a', name: 'A & <B>', gender: 'male', pitch: 0.8, at: '7-14 17-22' }, { id: 'b', at: '0-6' }]);
+  const text = 'Primo, secondo e terzo già.';
+  assert.deepEqual(turns(await lines({ text, speakers, lang: 'it' })), [['b', 'Primo'], ['a', 'secondo'], ['', 'e'], ['a', 'terzo'], ['', 'già']]);
+  const vtt = await (await fetch(`${daemon.url}/v1/speech?${new URLSearchParams({ text: 'Ciao. Addio.', lang: 'it', format: 'vtt', speakers: JSON.stringify([{ id: 'a', name: 'A & <B>', at: '0-5' }]) })}`)).text();
+  assert.match(vtt, /^<v A &amp; &lt;B&gt;>Ciao\.$/m);
+  assert.match(vtt, /^Addio\.$/m);
+  for (const [bad, why] of [['{}', /array/], ['[{"id":"a","at":"5-2"}]', /\[0\]\.at/], ['[{"id":"a","at":"0-9"},{"id":"b","at":"3-4"}]', /same part/], ['[{"id":"a","at":"0-9","pitch":9}]', /pitch/], ['[{"at":"0-9"}]', /id/], ['[ ', /end of file/]]) {
+    const error = await ask(`/v1/speech?${new URLSearchParams({ text, speakers: bad, lang: 'it', format: 'ndjson' })}`, 400);
+    assert.deepEqual([error.code, error.field], ['bad-field', 'speakers']);
+    assert.match(error.message, why);
+  }
+});
+
+test('captions, TextGrid and JSON say who speaks, over HTTP and in exported files', async () => {
+  const get = async (format) => (await fetch(`${daemon.url}/v1/speech?${new URLSearchParams({ passage: 'la-chiave:2', format })}`)).text();
+  const vtt = await get('vtt');
+  assert.match(vtt, /^Scena <[\d:.]+>prima$/m);
+  assert.match(vtt, /^<v Lisetta>Buongiorno, <[\d:.]+>Anselmo\.$/m);
+  assert.match(vtt, /^<v Tullio>/m);
+  const grid = await get('textgrid');
+  assert.match(grid, /size = 4/);
+  assert.match(grid, /name = "speakers"[^]*text = "Lisetta"[^]*text = "Anselmo"[^]*text = "Tullio"/);
+  const timed = JSON.parse(await get('json'));
+  const check = new Ajv({ strict: false }).compile(JSON.parse(fs.readFileSync(path.join(root, 'protocol/schema/timed.json'))));
+  assert.ok(check(timed), JSON.stringify(check.errors));
+  assert.deepEqual([...new Set(timed.speakers.map(({ id }) => id))], ['', 'lisetta', 'anselmo', 'tullio']);
+  assert.deepEqual([...new Set(timed.words.map(({ speaker }) => speaker))], [undefined, 'lisetta', 'anselmo', 'tullio']);
+  const file = (name) => path.join(folder, name);
+  const made = spawnSync(program, ['library', 'export', works, 'la-chiave', '--vtt', file('a.vtt'), '--textgrid', file('a.TextGrid')], { encoding: 'utf8' });
+  assert.equal(made.status, 0, made.stderr);
+  assert.match(fs.readFileSync(file('a.vtt'), 'utf8'), /^<v Nina>Nonno/m);
+  assert.match(fs.readFileSync(file('a.TextGrid'), 'utf8'), /name = "speakers"[^]*text = "Lisetta e Tullio"/);
+});
