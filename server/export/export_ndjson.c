@@ -106,8 +106,8 @@ static void put_item(struct export *x, const struct media_segment *segment, cons
         break;
     case SPEAKER: {
         const struct speaker *who = export_speaker(x, u->from);
-        put(x, json_pack("{ss sf ss ss}", "type", "speaker", "time", time, "speaker", who ? who->id : "", "name",
-                         who ? who->name : ""));
+        put(x, json_pack("{ss sf ss ss}", "type", "speaker", "time", time, "speaker", who ? who->id : "",
+                         "name", who ? who->name : ""));
         break;
     }
     case WORD: {

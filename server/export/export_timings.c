@@ -295,9 +295,9 @@ void export_vtt_end(struct export *x) {
         put_head(x);
 }
 
-/* TextGrid: sentences, words, phones (IPA) and, if the request tells, speakers in Praat's long text format (Praat manual, "TextGrid file
- * formats"). Intervals are contiguous, empty where nothing is spoken. A tier starts with its number of
- * intervals, so everything is written at the end, about 60 bytes per phone. */
+/* TextGrid: sentences, words, phones (IPA) and, if the request tells, speakers in Praat's long text format
+ * (Praat manual, "TextGrid file formats"). Intervals are contiguous, empty where nothing is spoken. A tier
+ * starts with its number of intervals, so everything is written at the end, about 60 bytes per phone. */
 
 enum { TIERS = 4, TIERS_ALWAYS = 3 };
 
@@ -355,8 +355,8 @@ void export_textgrid_piece(struct export *x, const struct media_segment *segment
             x->source.text + u->from, u->to - u->from);
     const struct speaker *who = export_speaker(x, u->from);
     if (u->word_count && who)
-        add(&tiers[3], start + u->words[0].start, start + u->words[u->word_count - 1].end, u->sample_rate, who->name,
-            strlen(who->name));
+        add(&tiers[3], start + u->words[0].start, start + u->words[u->word_count - 1].end, u->sample_rate,
+            who->name, strlen(who->name));
     add_words(&tiers[1], x, segment);
     for (size_t i = 0; i < u->phone_count; i++)
         add(&tiers[2], start + u->phones[i].start, start + u->phones[i].end, u->sample_rate, u->phones[i].ipa,

@@ -37,7 +37,8 @@ static int read_manner(const struct json_place *at, struct cast_member *m) {
 }
 
 static int read_member(const struct json_place *at, struct cast_member *m) {
-    static const char *const known[] = {"name", "sex", "age", "voice", "head", "affect", "pitch", "rate", NULL};
+    static const char *const known[] = {"name",   "sex",   "age",  "voice", "head",
+                                        "affect", "pitch", "rate", NULL};
     static const char *const sexes[] = {"female", "male", NULL};
     static const char *const ages[] = {"child", "adult", "old", NULL};
     size_t choice;

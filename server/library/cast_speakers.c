@@ -40,7 +40,8 @@ static void add_entry(json_t *list, json_t *entry, struct buf *at) {
 }
 
 /* The narrator's manner, if the file beside the work gives it one. */
-static void add_narrator(json_t *list, const struct cast *cast, const struct cast_speech *speeches, size_t count) {
+static void add_narrator(json_t *list, const struct cast *cast, const struct cast_speech *speeches,
+                         size_t count) {
     const struct cast_member *m = &cast->narrator;
     struct buf at = {0};
     size_t end = 0;

@@ -114,7 +114,10 @@ static void set_person(struct cast_member *m, const struct work_person *p) {
     m->about = p->about ? mem_strdup(p->about) : NULL;
     m->sex = p->sex;
     m->sex_from = p->sex == SEX_UNKNOWN ? FROM_NOTHING : FROM_SOURCE;
-    m->age = !p->age ? AGE_UNKNOWN : p->age >= OLD_YEARS ? AGE_OLD : p->age <= CHILD_YEARS ? AGE_CHILD : AGE_ADULT;
+    m->age = !p->age                 ? AGE_UNKNOWN
+             : p->age >= OLD_YEARS   ? AGE_OLD
+             : p->age <= CHILD_YEARS ? AGE_CHILD
+                                     : AGE_ADULT;
 }
 
 /* Several who speak together ("a+b"): their common sex. */

@@ -6,21 +6,27 @@
 
 /* Words in Italian, English, Portuguese, Turkish, French, German and Spanish, separated by spaces. */
 static const char female[] =
-    " donna donne dama signora signorina contessa marchesa duchessa principessa regina imperatrice locandiera ostessa "
+    " donna donne dama signora signorina contessa marchesa duchessa principessa regina imperatrice "
+    "locandiera ostessa "
     "serva cameriera fantesca balia moglie figlia sorella madre mamma zia nonna suocera nuora cognata vedova "
-    "nipotina fanciulla ragazza bambina vecchia sposa monaca suora badessa strega dea ninfa pastora pastorella "
+    "nipotina fanciulla ragazza bambina vecchia sposa monaca suora badessa strega dea ninfa pastora "
+    "pastorella "
     "contadina padrona comica ballerina cantante lavandaia sarta fata comare madama cuoca prima "
     "lady queen empress mrs miss madam mistress duchess countess princess wife daughter sister mother aunt "
-    "grandmother widow woman women girl maid nurse hostess gentlewoman witch goddess nymph shepherdess abbess nun "
-    "dona senhora rainha condessa duquesa princesa mulher esposa filha irma mae tia avo viuva moca menina criada "
+    "grandmother widow woman women girl maid nurse hostess gentlewoman witch goddess nymph shepherdess "
+    "abbess nun "
+    "dona senhora rainha condessa duquesa princesa mulher esposa filha irma mae tia avo viuva moca menina "
+    "criada "
     "ama freira "
     "hanim hanimefendi kadin kiz kizi karisi annesi anne ablasi abla teyze hala nine gelin kralice prenses "
-    "madame mademoiselle mme mlle reine femme fille soeur mere tante veuve suivante servante comtesse marquise "
+    "madame mademoiselle mme mlle reine femme fille soeur mere tante veuve suivante servante comtesse "
+    "marquise "
     "duchesse "
     "frau fraulein konigin grafin herzogin prinzessin tochter schwester mutter witwe magd gattin "
     "senora reina hija hermana madre mujer viuda ";
 static const char male[] =
-    " don signor signore sior uomo conte marchese duca principe re imperatore servo servitore cameriere marito "
+    " don signor signore sior uomo conte marchese duca principe re imperatore servo servitore cameriere "
+    "marito "
     "figlio fratello padre babbo zio nonno suocero genero cognato vedovo fanciullo ragazzo bambino vecchio "
     "sposo cavaliere capitano dottore mercante oste avvocato soldato messo frate sacerdote notaio garzone "
     "gondoliere barcaiolo padrone maestro pastore contadino calzolaio barbiere cuoco guardiano dio mago "
@@ -31,14 +37,17 @@ static const char male[] =
     "monsieur roi comte marquis duc mari fils frere pere oncle valet chevalier "
     "herr konig kaiser graf herzog prinz sohn bruder vater onkel knecht diener hauptmann ritter mann "
     "senor rey hijo hermano hombre caballero ";
-static const char old[] = " vecchio vecchia anziano anziana nonno nonna old aged grandfather grandmother velho velha "
-                          "idoso idosa avo yasli ihtiyar dede nine vieux vieille alt alter alte viejo vieja ";
-static const char child[] = " bambino bambina fanciullino fanciullina bimbo bimba child boy girl page crianca menino "
-                            "menina cocuk enfant kind knabe nino nina ";
+static const char old[] =
+    " vecchio vecchia anziano anziana nonno nonna old aged grandfather grandmother velho velha "
+    "idoso idosa avo yasli ihtiyar dede nine vieux vieille alt alter alte viejo vieja ";
+static const char child[] =
+    " bambino bambina fanciullino fanciullina bimbo bimba child boy girl page crianca menino "
+    "menina cocuk enfant kind knabe nino nina ";
 
 /* Given names in -a of men, and in -o or -e of women, whose ending would deceive. */
-static const char men_in_a[] = " andrea luca nicola battista mattia elia gianluca tobia isaia geremia barnaba "
-                               "enea agrippa silla cinna galba seneca catilina giuda papa poeta duca ";
+static const char men_in_a[] =
+    " andrea luca nicola battista mattia elia gianluca tobia isaia geremia barnaba "
+    "enea agrippa silla cinna galba seneca catilina giuda papa poeta duca ";
 static const char women_in_o[] = " saffo dido calipso ero erato clio ino ";
 
 static bool has(const char *list, const char *word) {

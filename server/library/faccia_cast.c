@@ -100,8 +100,8 @@ static void print_member(const json_t *m) {
     printf("%-20s %-24s %-6s %-13s %-6s %-16s %-8s pitch %.2f rate %.2f %5lld passages\n", text_of(m, "id"),
            text_of(m, "name"), *text_of(m, "sex") ? text_of(m, "sex") : "-", *from ? from : "-",
            *text_of(m, "age") ? text_of(m, "age") : "-", *text_of(m, "voice") ? text_of(m, "voice") : "-",
-           *text_of(m, "head") ? text_of(m, "head") : "-",
-           json_number_value(json_object_get(m, "pitch")), json_number_value(json_object_get(m, "rate")),
+           *text_of(m, "head") ? text_of(m, "head") : "-", json_number_value(json_object_get(m, "pitch")),
+           json_number_value(json_object_get(m, "rate")),
            (long long)json_integer_value(json_object_get(m, "passages")));
 }
 

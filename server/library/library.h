@@ -46,13 +46,13 @@ struct library_question {
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
     const char *directions, *names; /* of a passage, as in a request: "spoken", "true" */
-    unsigned most;               /* number of works */
+    unsigned most;                  /* number of works */
     const struct cast_offer *offer;
     const atomic_bool *given_up; /* becomes true when the client is gone; NULL: never */
 };
 
-/* The cast of the work of a passage ("WORK", "WORK:SECTION..."), chosen anew each time from the index, the file
- * beside the work and the offer. Callable from any thread. -1 with *e. Free it with cast_free. */
+/* The cast of the work of a passage ("WORK", "WORK:SECTION..."), chosen anew each time from the index, the
+ * file beside the work and the offer. Callable from any thread. -1 with *e. Free it with cast_free. */
 int library_cast(struct library *library, const char *passage, const struct cast_offer *offer,
                  struct cast *cast, struct error *e);
 

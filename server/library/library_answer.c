@@ -408,7 +408,8 @@ static json_t *speeches_json(const struct found_passage *p) {
     return list;
 }
 
-static json_t *library_passage_json(struct index_reader *r, const struct library_question *q, struct error *e) {
+static json_t *library_passage_json(struct index_reader *r, const struct library_question *q,
+                                    struct error *e) {
     const char *id = q->passage;
     const struct library_reading how = {.most = SIZE_MAX,
                                         .directions = q->directions && !strcmp(q->directions, "spoken"),

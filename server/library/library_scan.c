@@ -227,7 +227,8 @@ static int take_cast(struct pass *p, const char *path, struct index_file *file, 
         fclose(in);
     buf_free(&text);
     file->work[0] = '\0';
-    return index_remove(&p->writer, path, e) || (!well && index_add_problem(&p->writer, path, &why, true, e)) ||
+    return index_remove(&p->writer, path, e) ||
+                   (!well && index_add_problem(&p->writer, path, &why, true, e)) ||
                    index_file_set(&p->writer, path, file, e)
                ? -1
                : 0;

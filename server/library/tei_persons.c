@@ -9,10 +9,12 @@
 enum { PERSON_TEXT_MAX = 200 }; /* bytes of a name or a description */
 
 static enum person_sex sex_of(const char *text) {
-    static const char *const female[] = {"f", "2", "w", "female", "femmina", "donna", "femminile", "feminino",
-                                         "feminine", "mulher", "weiblich", "kad\u0131n", "woman", NULL};
-    static const char *const male[] = {"m", "1", "male", "maschio", "uomo", "maschile", "masculino",
-                                       "masculine", "homem", "m\u00E4nnlich", "erkek", "man", NULL};
+    static const char *const female[] = {"f",        "2",          "w",        "female",   "femmina",
+                                         "donna",    "femminile",  "feminino", "feminine", "mulher",
+                                         "weiblich", "kad\u0131n", "woman",    NULL};
+    static const char *const male[] = {"m",        "1",         "male",      "maschio", "uomo",
+                                       "maschile", "masculino", "masculine", "homem",   "m\u00E4nnlich",
+                                       "erkek",    "man",       NULL};
     char word[24];
     size_t size = 0;
     text += strspn(text, " \t\r\n");
@@ -132,10 +134,10 @@ void tei_persons_start(struct tei_persons *o, unsigned depth, const char *name, 
 }
 
 void tei_persons_text(struct tei_persons *o, const char *text, size_t size) {
-    struct buf *to = o->name_at                                        ? &o->name
-                     : o->sex_at || o->age_at                          ? &o->word
+    struct buf *to = o->name_at                                             ? &o->name
+                     : o->sex_at || o->age_at                               ? &o->word
                      : o->about_at || (o->cast_item && o->at && !o->out_at) ? &o->about
-                                                                       : NULL;
+                                                                            : NULL;
     if (to && to->size + size < PERSON_TEXT_MAX)
         buf_add(to, text, size);
 }

@@ -3,8 +3,8 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/language_runs.h"
-#include "server/markup/speaker_runs.h"
 #include "server/markup/markdown.h"
+#include "server/markup/speaker_runs.h"
 #include "server/markup/verse.h"
 #include <stdlib.h>
 #include <string.h>

@@ -43,8 +43,8 @@ static int read_ranges(struct speaker_runs *runs, const struct json_place *up, s
     for (const char *c = written + strspn(written, " "); *c; c += strspn(c, " ")) {
         unsigned long start, end;
         int length = 0;
-        if (!isdigit((unsigned char)*c) || sscanf(c, "%10lu-%10lu%n", &start, &end, &length) != 2 || start >= end ||
-            (c[length] && c[length] != ' '))
+        if (!isdigit((unsigned char)*c) || sscanf(c, "%10lu-%10lu%n", &start, &end, &length) != 2 ||
+            start >= end || (c[length] && c[length] != ' '))
             return json_place_fail(&at, "must be ranges \"START-END\" of the text, separated by spaces");
         runs->list = mem_grow(runs->list, &runs->cap, runs->count + 1, sizeof *runs->list);
         runs->list[runs->count++] = (struct speaker_run){start, end, speaker};
@@ -54,8 +54,8 @@ static int read_ranges(struct speaker_runs *runs, const struct json_place *up, s
 }
 
 static int read_speaker(struct speaker_runs *runs, const struct json_place *at) {
-    static const char *const known[] = {"id",    "name", "voice",  "gender", "pitch",
-                                        "rate",  "at",   "affect", NULL};
+    static const char *const known[] = {"id",   "name", "voice",  "gender", "pitch",
+                                        "rate", "at",   "affect", NULL};
     static const char *const genders[] = {"female", "male", NULL};
     struct speaker *s = &runs->speakers[runs->speaker_count];
     const struct json_place gender = json_place_key(at, "gender");

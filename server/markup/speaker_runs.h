@@ -11,9 +11,9 @@
 enum { SPEAKERS_MAX = 1000 };
 
 struct speaker {
-    char *id, *name;              /* id "": the narrator */
+    char *id, *name;               /* id "": the narrator */
     char *voice, *gender, *affect; /* NULL: the request's */
-    double pitch, rate;           /* factors */
+    double pitch, rate;            /* factors */
 };
 
 struct speaker_run {

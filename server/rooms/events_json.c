@@ -136,10 +136,10 @@ static void put_place(struct buf *out, const struct stream_event *e) {
 
 const char *event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
-        [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",         [STREAM_SPEAKER] = "speaker",
-        [STREAM_MARK] = "mark",       [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
-        [STREAM_END] = "end",         [STREAM_PHONE] = "phone",       [STREAM_PAUSED] = "paused",
-        [STREAM_RESUMED] = "resumed", [STREAM_JUMPED] = "jumped",
+        [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
+        [STREAM_SPEAKER] = "speaker", [STREAM_MARK] = "mark",         [STREAM_WARNING] = "warning",
+        [STREAM_ERROR] = "error",     [STREAM_END] = "end",           [STREAM_PHONE] = "phone",
+        [STREAM_PAUSED] = "paused",   [STREAM_RESUMED] = "resumed",   [STREAM_JUMPED] = "jumped",
     };
     return types[kind];
 }

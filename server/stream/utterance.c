@@ -124,7 +124,8 @@ static struct stream_event place_of(struct utterance *t, enum stream_event_kind 
                                  .text = text + start};
 }
 
-static void say_speaker(struct utterance *t, const struct stream_sink *sink, void *ctx, size_t byte, uint32_t at) {
+static void say_speaker(struct utterance *t, const struct stream_sink *sink, void *ctx, size_t byte,
+                        uint32_t at) {
     const struct speaker *who = synthesis_speaker(t->source->text, byte);
     struct stream_event event = {.kind = STREAM_SPEAKER, .sample = (uint32_t)(t->segments[0].start + at)};
     event.text = who ? who->id : "";

@@ -139,7 +139,8 @@ static void read_text(struct synthesis *s) {
     if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
         return;
     const char *speakers = s->request.speakers;
-    if (speakers && speaker_runs_read(&s->speakers, speakers, s->request.text, s->request.text_size, &r->error)) {
+    if (speakers &&
+        speaker_runs_read(&s->speakers, speakers, s->request.text, s->request.text_size, &r->error)) {
         language_runs_free(&runs);
         return;
     }

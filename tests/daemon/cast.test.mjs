@@ -248,7 +248,7 @@ test('captions, TextGrid and JSON say who speaks, over HTTP and in exported file
   const timed = JSON.parse(await get('json'));
   const check = new Ajv({ strict: false }).compile(JSON.parse(fs.readFileSync(path.join(root, 'protocol/schema/timed.json'))));
   assert.ok(check(timed), JSON.stringify(check.errors));
-  assert.deepEqual([...new Set(timed.speakers.map(({ id }) => id))], ['', 'lisetta', 'anselmo', 'tullio']);
+  assert.deepEqual([...new Set(timed.speakers.map(({ id }) => id))], ['lisetta', 'anselmo', 'tullio']);
   assert.deepEqual([...new Set(timed.words.map(({ speaker }) => speaker))], [undefined, 'lisetta', 'anselmo', 'tullio']);
   const file = (name) => path.join(folder, name);
   const made = spawnSync(program, ['library', 'export', works, 'la-chiave', '--vtt', file('a.vtt'), '--textgrid', file('a.TextGrid')], { encoding: 'utf8' });

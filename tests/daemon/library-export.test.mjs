@@ -142,7 +142,7 @@ test('exports captions, TextGrid and face of a whole work together', () => {
   }
   assert.match(cues.map(([, , text]) => text.replace(/<[^>]*>/g, '').replaceAll('\n', ' ')).join(' '), /la barca dorme legata alla riva;.*slow and steady.*da sola\./);
   const grid = fs.readFileSync(file('mare.TextGrid'), 'utf8');
-  assert.deepEqual([...grid.matchAll(/name = "(\w+)"/g)].map(([, name]) => name), ['sentences', 'words', 'phones']);
+  assert.deepEqual([...grid.matchAll(/name = "(\w+)"/g)].map(([, name]) => name), ['sentences', 'words', 'phones', 'speakers']);
   for (const tier of grid.split(/item \[\d\]:/).slice(1)) {
     const intervals = [...tier.matchAll(/intervals \[(\d+)\]:\s+xmin = (\S+)\s+xmax = (\S+)\s+text = "((?:[^"]|"")*)"/g)];
     assert.equal(intervals.length, Number(tier.match(/size = (\d+)/)[1]));
@@ -190,7 +190,7 @@ test('serves feed, sitemap, citations and descriptions in their standard forms',
 
   await kept('/library/feed.xml', 'application/atom+xml', 'feed.xml');
   const feed = python('import feedparser,json,sys\nf=feedparser.parse(sys.argv[1])\nprint(json.dumps([f.bozo, f.version, [[e.title, e.link, e.updated] for e in f.entries]]))', file('feed.xml'));
-  assert.deepEqual([!!feed[0], feed[1], feed[2].length], [false, 'atom10', 7]);
+  assert.deepEqual([!!feed[0], feed[1], feed[2].length], [false, 'atom10', 8]);
   assert.deepEqual(feed[2][0].slice(1), [`${daemon.url}/library/kuslar-tr`, '2031-01-02T03:04:05Z']);
   assert.equal((await daemon.get(new URL(feed[2][0][1]).pathname)).status, 200);
 

@@ -10,9 +10,9 @@
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
+#include "server/library/cast.h"
 #include "server/library/library.h"
 #include "server/library/work.h"
-#include "server/library/cast.h"
 #include "server/library/work_lexicons.h"
 #include <stdlib.h>
 #include <string.h>

@@ -31,10 +31,9 @@ static void add_heads(struct owned *o, const struct heads *heads) {
     o->offer.head_count = heads->count;
     for (size_t i = 0; i < heads->count; i++) {
         json_t *voice = heads->list[i].voice ? json_loads(heads->list[i].voice, 0, NULL) : NULL;
-        o->heads[i] =
-            (struct cast_head){keep(&o->texts, heads->list[i].name),
-                               keep(&o->texts, json_string_value(json_object_get(voice, "gender"))),
-                               keep(&o->texts, json_string_value(json_object_get(voice, "age")))};
+        o->heads[i] = (struct cast_head){keep(&o->texts, heads->list[i].name),
+                                         keep(&o->texts, json_string_value(json_object_get(voice, "gender"))),
+                                         keep(&o->texts, json_string_value(json_object_get(voice, "age")))};
         json_decref(voice);
     }
 }
@@ -54,12 +53,13 @@ struct cast_offer *cast_offer_new(const struct api *api) {
     add_heads(o, &api->heads);
     add_voices(o, api->offer.now(api->offer.ctx));
     for (size_t i = 0; i < o->offer.head_count; i++)
-        o->heads[i] = (struct cast_head){placed(&o->texts, o->heads[i].name), placed(&o->texts, o->heads[i].gender),
-                                         placed(&o->texts, o->heads[i].age)};
+        o->heads[i] =
+            (struct cast_head){placed(&o->texts, o->heads[i].name), placed(&o->texts, o->heads[i].gender),
+                               placed(&o->texts, o->heads[i].age)};
     for (size_t i = 0; i < o->offer.voice_count; i++)
-        o->voices[i] =
-            (struct cast_voice){placed(&o->texts, o->voices[i].id), placed(&o->texts, o->voices[i].lang),
-                                placed(&o->texts, o->voices[i].gender), placed(&o->texts, o->voices[i].quality)};
+        o->voices[i] = (struct cast_voice){
+            placed(&o->texts, o->voices[i].id), placed(&o->texts, o->voices[i].lang),
+            placed(&o->texts, o->voices[i].gender), placed(&o->texts, o->voices[i].quality)};
     o->offer.voices = o->voices;
     o->offer.heads = o->heads;
     return &o->offer;

@@ -73,7 +73,8 @@ static int resolve_speaker(const struct api *api, struct speech_request *request
 }
 
 /* The recording of the work, if the request asks for it. */
-static int resolve_voice(struct speech_request *request, const struct library_passage *passage, struct error *e) {
+static int resolve_voice(struct speech_request *request, const struct library_passage *passage,
+                         struct error *e) {
     if (!request->voice || strcmp(request->voice, "recording") != 0)
         return 0;
     if (!passage->voice)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/publish/narration.h"
 #include "server/base/mem.h"
-#include "server/library/cast.h"
 #include "server/base/utf8.h"
+#include "server/library/cast.h"
 #include "server/synthesis/media_segment.h"
 #include "server/voice/sentence_audio.h"
 #include <stdlib.h>
@@ -16,14 +16,14 @@ struct narration_places {
     size_t *numbers, *starts; /* of the section; start bytes in the text */
     size_t count, cap, numbers_cap, starts_cap;
     struct buf joined;
-    const char *text;            /* the complete text, NUL-terminated */
+    const char *text; /* the complete text, NUL-terminated */
     struct cast_speech *speeches;
     size_t speech_count, speech_cap;
-    struct buf languages;        /* stretches in other languages, in the syntax of a request */
-    struct utf16_counter units;  /* units of the text */
+    struct buf languages;              /* stretches in other languages, in the syntax of a request */
+    struct utf16_counter units;        /* units of the text */
     struct utf16_counter speech_units; /* the same, for speeches */
-    struct utf16_counter source; /* of a block in markup */
-    size_t at, at_units;         /* position in its text: byte, and UTF-16 units before it */
+    struct utf16_counter source;       /* of a block in markup */
+    size_t at, at_units;               /* position in its text: byte, and UTF-16 units before it */
 };
 
 /* ---- sample rates: voices of several languages may differ, a work has one rate ---- */

@@ -30,8 +30,8 @@ struct narration {
     bool cast_voices;                /* they have voices of their own */
     bool any_lang;                   /* the voice speaks every language, as a recording does */
     bool sentences;                  /* units are sentences instead of words */
-    /* Receives a sentence, with its start in samples of the work. Byte offsets refer to the text of speech, which is in
-     * its markup. All segments have the same rate. Nonzero: stop. */
+    /* Receives a sentence, with its start in samples of the work. Byte offsets refer to the text of speech,
+     * which is in its markup. All segments have the same rate. Nonzero: stop. */
     int (*segment)(void *ctx, const struct media_segment *segment, const struct synthesis *speech);
     void (*problem)(void *ctx, const struct error *e, bool warning);
     void *ctx;
