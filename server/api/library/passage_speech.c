@@ -19,13 +19,19 @@ static void set_speakers(struct speech_request *request, const struct cast *cast
     request->speakers = cast_speakers(cast, speeches, count, voices);
 }
 
-/* The usual words per minute of a voice. */
-static double pace_of(const struct api *api, const char *voice) {
+static const struct offer_voice *voice_of(const struct api *api, const char *id) {
     const struct offer *offer = api->offer.now(api->offer.ctx);
-    for (size_t i = 0; voice && i < offer->voice_count; i++)
-        if (!strcmp(offer->voices[i].id, voice))
-            return offer->voices[i].words_per_minute;
-    return 0;
+    for (size_t i = 0; id && i < offer->voice_count; i++)
+        if (!strcmp(offer->voices[i].id, id))
+            return &offer->voices[i];
+    return NULL;
+}
+
+/* Whether the voice speaks the request's language, or that is not named. */
+static bool speaks(const struct offer_voice *voice, const struct speech_request *request) {
+    size_t primary = request->lang ? strcspn(request->lang, "-_") : 0;
+    return !request->lang ||
+           (strcspn(voice->lang, "-") == primary && !strncmp(voice->lang, request->lang, primary));
 }
 
 static double within(double value, double least, double most) {
@@ -36,11 +42,13 @@ static double within(double value, double least, double most) {
 static void cast_text(const struct api *api, struct speech_request *request, const struct cast *cast,
                       const struct cast_member *m) {
     if (casts_voices(request)) {
-        const char *voice = m->voice;
-        double pace = request->rate > 0 ? request->rate : pace_of(api, voice);
-        if (voice) {
+        const struct offer_voice *voice = voice_of(api, m->voice);
+        double pace = request->rate > 0 ? request->rate : voice ? voice->words_per_minute : 0;
+        if (voice && speaks(voice, request)) {
             free(request->voice);
-            request->voice = mem_strdup(voice);
+            request->voice = mem_strdup(voice->id);
+        } else if (m->sex != SEX_UNKNOWN) { /* words in another language, in the same kind of voice */
+            request->gender = m->sex == SEX_MALE ? GENDER_MALE : GENDER_FEMALE;
         }
         request->pitch = within(request->pitch * m->pitch, 0.25, 4);
         request->rate = pace > 0 && m->rate != 1 ? within(pace * m->rate, 40, 500) : request->rate;
