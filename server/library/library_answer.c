@@ -408,12 +408,22 @@ static json_t *speeches_json(const struct found_passage *p) {
     return list;
 }
 
+/* One of two words; absent: the first. -1 with *e. */
+static int read_choice(const char *field, const char *text, const char *no, const char *yes, bool *out,
+                       struct error *e) {
+    *out = text && !strcmp(text, yes);
+    return text && !*out && strcmp(text, no) != 0
+               ? error_in_field(e, ERROR_BAD_FIELD, field, "must be %s or %s", no, yes)
+               : 0;
+}
+
 static json_t *library_passage_json(struct index_reader *r, const struct library_question *q,
                                     struct error *e) {
     const char *id = q->passage;
-    const struct library_reading how = {.most = SIZE_MAX,
-                                        .directions = q->directions && !strcmp(q->directions, "spoken"),
-                                        .names = q->names && !strcmp(q->names, "true")};
+    struct library_reading how = {.most = SIZE_MAX};
+    if (read_choice("directions", q->directions, "silent", "spoken", &how.directions, e) ||
+        read_choice("names", q->names, "false", "true", &how.names, e))
+        return NULL;
     struct found_passage p;
     if (find_passage(r, id, &how, &p, e))
         return NULL;

@@ -205,6 +205,9 @@ test('stage directions and names are spoken by the narrator when that is asked f
   assert.deepEqual(all.slice(0, 5), [['', 'Scena seconda Entra Nina con qualcosa in mano Nina'], ['nina', 'Nonno'], ['', 'piangendo'], ['nina', 'l\'ho presa io Volevo che il giorno durasse di più'], ['', 'Anselmo piano']]);
   assert.ok(!turns(await lines({ passage: 'la-chiave:3' })).some(([, said]) => /piangendo|Escono/.test(said)));
   const { text, speeches } = await ask('/v1/library/passages/la-chiave:3?directions=spoken&names=true');
+  for (const [query, field] of [['directions=loud', 'directions'], ['names=yes', 'names']]) assert.deepEqual((await ask(`/v1/library/passages/la-chiave:3?${query}`, 400)).field, field);
+  const known = ajv.getSchema('library#/$defs/passage');
+  assert.ok(known(await ask('/v1/library/passages/la-chiave:3')), ajv.errorsText(known.errors));
   assert.equal(text.slice(speeches[0].start, speeches[0].end).trim(), 'Nonno,');
   const words = (await lines({ passage: 'la-chiave:3', directions: 'spoken', names: 'true' })).filter(({ type }) => type === 'word');
   for (const word of words) assert.equal(text.slice(word.utf16_start, word.utf16_end), word.text);
