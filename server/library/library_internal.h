@@ -171,6 +171,12 @@ void *library_scan(void *library);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct answer_limit *limit, struct error *e);
 
+/* library_passage.c */
+json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
+                             const char *section, struct error *e);
+json_t *library_passage_json(struct index_reader *reader, const struct library_question *question,
+                             struct error *e);
+
 json_t *library_prerender_json(struct library *library); /* NULL: prerendering is off */
 
 /* A limit that expires `ms` milliseconds from now. */

@@ -23,7 +23,7 @@ before(async () => {
     globalThis.heard = [];
     document.addEventListener('DOMContentLoaded', () => {
       for (const type of ['speaker', 'word', 'begin'])
-        document.getElementById('head').addEventListener(type, ({ detail }) => heard.push({ type, ...detail, head: document.getElementById('head').getAttribute('model'), shown: document.getElementById('who').textContent }));
+        document.getElementById('head').addEventListener(type, ({ detail }) => globalThis.heard.push({ type, ...detail, head: document.getElementById('head').getAttribute('model'), shown: document.getElementById('who').textContent }));
     });
   });
   await page.goto(`${daemon.url}/library.html#la-chiave:2`);
@@ -37,11 +37,11 @@ after(async () => {
 
 /** Reads the section to the end of a word, and returns what was heard: [speaker, words]. */
 async function read(until) {
-  await page.evaluate(() => (heard.length = 0));
+  await page.evaluate(() => (globalThis.heard.length = 0));
   await page.click('#play');
-  await page.waitForFunction((word) => heard.some(({ type, text }) => type === 'word' && text.includes(word)), until);
+  await page.waitForFunction((word) => globalThis.heard.some(({ type, text }) => type === 'word' && text.includes(word)), until);
   await page.keyboard.press('Escape');
-  const events = await page.evaluate(() => heard);
+  const events = await page.evaluate(() => globalThis.heard);
   const found = [];
   for (const { type, speaker, text } of events)
     if (type === 'word') {
