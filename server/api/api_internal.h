@@ -211,7 +211,8 @@ int play_post(struct exchange *x); /* POST /v1/play?room= */
 /* library_routes.c */
 int library_get(struct exchange *x); /* GET /v1/library and below */
 
-/* Replaces the passage that a request names by its text. -1 with *e, which names a field of the request. */
+/* library/passage_speech.c: replaces the passage that a request names by its text, and gives those who speak
+ * the voices of the work's cast. -1 with *e, which names a field of the request. */
 int passage_resolve(const struct api *api, struct speech_request *request, struct error *e);
 
 /* room_routes.c */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* /v1/library, /library and /oembed. The library answers in other threads. */
 #include "server/api/api_internal.h"
+#include "server/api/library/cast_offer.h"
 #include "server/api/library/library_page.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
@@ -21,6 +22,7 @@ struct asking {
     atomic_bool given_up;        /* the same, for the thread */
     struct api *api;
     struct library_question question;
+    struct cast_offer *offer;
     enum library_form form;
     const char *base, *section; /* see library_page.h */
     char *texts[10];            /* strings of the question */
@@ -34,6 +36,7 @@ static void free_asking(struct asking *a) {
     for (size_t i = 0; i < a->text_count; i++)
         free(a->texts[i]);
     buf_free(&a->answer);
+    cast_offer_free(a->offer);
     free(a);
 }
 
@@ -107,6 +110,10 @@ static bool read_path(struct asking *a, const char *path) {
             path += 9;
             q->kind = LIBRARY_SECTION;
             q->section = part(a, &path);
+        } else if (!strcmp(path, "cast")) {
+            q->kind = LIBRARY_CAST;
+            q->offer = a->offer = cast_offer_new(a->api);
+            return true;
         }
         return !*path;
     } else {
@@ -233,6 +240,8 @@ int library_get(struct exchange *x) {
         q->author = member(a, request, "author");
         q->work = member(a, request, "work");
     }
+    q->directions = member(a, request, "directions");
+    q->names = member(a, request, "names");
     q->limit = member(a, request, "limit");
     q->after = member(a, request, "after");
     a->x = x;
@@ -243,43 +252,5 @@ int library_get(struct exchange *x) {
         return exchange_error(x, &e);
     }
     exchange_set_work(x, (struct exchange_work){.free = leave, .self = a, .costly = true});
-    return 0;
-}
-
-int passage_resolve(const struct api *api, struct speech_request *request, struct error *e) {
-    struct library_passage passage;
-    if (!request->passage)
-        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "is only for passages") : 0;
-    if (request->text)
-        return error_in_field(e, ERROR_BAD_FIELD, "passage", "cannot be combined with a text");
-    if (!api->options.library)
-        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "this server has no library");
-    if (library_passage(api->options.library, request->passage, request->from, api->options.text_bytes,
-                        &passage, e))
-        return -1;
-    if (request->voice && !strcmp(request->voice, "recording")) {
-        if (!passage.voice) {
-            library_passage_free(&passage);
-            return error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no recording of it");
-        }
-        free(request->voice);
-        request->voice = mem_strdup(passage.voice);
-    }
-    free(request->languages);
-    request->languages = passage.voice && request->voice && !strcmp(request->voice, passage.voice)
-                             ? NULL /* a recording contains all its languages */
-                             : passage.languages;
-    if (request->languages)
-        passage.languages = NULL;
-    request->text = passage.text;
-    request->text_size = strlen(passage.text);
-    passage.text = NULL;
-    free(request->markup);
-    request->markup = mem_strdup(passage.markup);
-    if (!request->lang) {
-        request->lang = passage.lang;
-        passage.lang = NULL;
-    }
-    library_passage_free(&passage);
     return 0;
 }

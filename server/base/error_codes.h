@@ -128,6 +128,7 @@
     X(BAD_BOUNDARIES, "bad-boundaries", 0, "this is not a table of phone boundaries") \
     X(BAD_NORMALIZATION, "bad-normalization", 0, "this is not a file of normalisation rules") \
     X(BAD_LEXICON, "bad-lexicon", 400, "this is not a pronunciation lexicon") \
+    X(BAD_CAST, "bad-cast", 400, "this is not the cast of a work") \
     X(BAD_MODEL, "bad-model", 0, "this is not a head model") \
     X(BAD_FAP, "bad-fap", 400, "this is not a .fap file") \
     X(BAD_SOUND, "bad-sound", 400, "this is not a readable sound file") \

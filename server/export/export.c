@@ -420,11 +420,16 @@ const struct export_format *export_by_name(const char *name) {
 struct export_source export_source_of(const struct synthesis *synthesis) {
     const struct speech_request *request = synthesis_request(synthesis);
     return (struct export_source){.text = request->text,
+                                  .speech = synthesis_has_speakers(synthesis) ? synthesis : NULL,
                                   .lang = synthesis_lang(synthesis),
                                   .voice = synthesis_voice(synthesis)->id,
                                   .engine = synthesis_engine(synthesis),
                                   .markup = synthesis_markup(synthesis),
                                   .fps = request->fps};
+}
+
+const struct speaker *export_speaker(const struct export *x, size_t byte) {
+    return x->source.speech ? synthesis_speaker(x->source.speech, byte) : NULL;
 }
 
 void export_begin(struct export *x, const struct export_format *format, const struct export_source *source) {
@@ -470,6 +475,7 @@ void export_free(struct export *x) {
     buf_free(&x->words);
     buf_free(&x->marks);
     buf_free(&x->sentences);
+    buf_free(&x->speakers);
     buf_free(&x->warnings);
     buf_free(&x->script);
 }

@@ -17,6 +17,7 @@
 /* Metadata of the segments' source. Borrowed. */
 struct export_source {
     const char *text, *lang, *voice, *engine, *markup; /* of a speech */
+    const struct synthesis *speech;                    /* tells who speaks; NULL = nobody */
     const char *play;                                  /* name of a recording, else NULL */
     double fps;
     uint32_t frames; /* expected number; 0 = unknown. If known, faces can be streamed */
@@ -38,6 +39,7 @@ struct export {
     size_t segments;                       /* number written */
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
+    struct buf speakers;                   /* likewise, if the request says who speaks */
     struct buf sentences;                  /* likewise, for an aligned recording */
     struct buf script;                     /* parts of the script that are not written yet */
     struct utf16_counter utf16, script_utf16;
@@ -56,6 +58,9 @@ void export_warning(struct export *x, const struct error *e);
 void export_script(struct export *x, const struct score *script, size_t sentence);
 void export_end(struct export *x);
 void export_free(struct export *x);
+
+/* Who speaks a byte of the text; NULL: nobody in particular. */
+const struct speaker *export_speaker(const struct export *x, size_t byte);
 
 /* Writes a WAV header for mono 16-bit sound; samples = UINT32_MAX if unknown. */
 enum { WAV_HEADER_BYTES = 44 };

@@ -25,7 +25,7 @@ static double seconds(uint64_t samples, uint32_t rate) {
 /* An event or frame of a segment. */
 struct item {
     uint64_t sample; /* of the speech */
-    enum { SENTENCE, WORD, PHONE, VISEME, MARK, FRAME } kind;
+    enum { SENTENCE, SPEAKER, WORD, PHONE, VISEME, MARK, FRAME } kind;
     size_t index;
 };
 
@@ -105,6 +105,12 @@ static void put_item(struct export *x, const struct media_segment *segment, cons
     case SENTENCE:
         put(x, span(x, "sentence", item, u->samples, u->from, u->to));
         break;
+    case SPEAKER: {
+        const struct speaker *who = export_speaker(x, u->from);
+        put(x, json_pack("{ss sf ss ss}", "type", "speaker", "time", time, "speaker", who ? who->id : "",
+                         "name", who ? who->name : ""));
+        break;
+    }
     case WORD: {
         const struct word *w = &u->words[item->index];
         json_t *line = span(x, "word", item, w->end - w->start, w->from, w->to);
@@ -144,10 +150,12 @@ static size_t collect(struct export *x, const struct media_segment *segment, uin
     uint32_t first = x->frames, end = x->format->member ? export_frames_until(x, segment, to) : first;
     size_t keys;
     const struct viseme_key *key = visemes_of(x, segment, &keys);
-    size_t count = 0, most = 1 + u->word_count + u->phone_count + keys + u->mark_count + (end - first);
+    size_t count = 0, most = 2 + u->word_count + u->phone_count + keys + u->mark_count + (end - first);
     struct item *items = mem_alloc(most * sizeof *items);
     if (!x->source.play && !x->at)
         items[count++] = (struct item){start, SENTENCE, 0};
+    if (x->source.speech && !x->at)
+        items[count++] = (struct item){start, SPEAKER, 0};
     for (size_t i = 0; i < u->word_count; i++)
         if (is_in(x, u, u->words[i].start, to))
             items[count++] = (struct item){start + u->words[i].start, WORD, i};

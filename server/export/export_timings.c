@@ -61,10 +61,19 @@ void export_json_piece(struct export *x, const struct media_segment *segment, ui
                       seconds(start + w->start, rate), "end", seconds(start + w->end, rate), "byte_start",
                       (json_int_t)w->from, "byte_end", (json_int_t)w->to, "utf16_start",
                       (json_int_t)utf16_start, "utf16_end", (json_int_t)utf16_offset(&x->utf16, text, w->to));
+        const struct speaker *who = export_speaker(x, w->from);
+        if (who && *who->id)
+            json_object_set_new(word, "speaker", json_string(who->id));
         if (x->source.aligned)
             json_object_set_new(word, "confidence", json_real(round(100 * (1 - (double)w->doubt)) / 100));
         add_member(&x->words, !x->words.size, word);
     }
+    const struct speaker *speaker = export_speaker(x, u->from);
+    if (speaker && u->word_count && !segment->wait)
+        add_member(&x->speakers, !x->speakers.size,
+                   json_pack("{ss ss sf sf}", "id", speaker->id, "name", speaker->name, "start",
+                             seconds(start + u->words[0].start, rate), "end",
+                             seconds(start + u->words[u->word_count - 1].end, rate)));
     for (size_t i = 0; i < u->mark_count; i++)
         add_member(
             &x->marks, !x->marks.size,
@@ -126,6 +135,8 @@ void export_json_end(struct export *x) {
     }
     if (x->source.aligned)
         add_list(x, "sentences", &x->sentences);
+    if (x->source.speech)
+        add_list(x, "speakers", &x->speakers);
     add_list(x, "marks", &x->marks);
     add_list(x, "warnings", &x->warnings);
     buf_printf(&x->out, "],\n \"rate\":%u,\"duration\":%.12g}\n", x->sample_rate, duration);
@@ -145,6 +156,7 @@ struct cue_text {
     uint64_t start;    /* ms */
     uint64_t last, to; /* of the previous word, ms: start and end */
     size_t characters;
+    const struct speaker *who; /* NULL: nobody in particular */
 };
 
 static void put_time(struct buf *out, uint64_t ms) {
@@ -181,6 +193,19 @@ static void put_text(struct cue_text *c, size_t from, size_t to) {
     }
 }
 
+/* A voice span (4.2.2), which lasts to the end of the cue. */
+static void put_voice(struct buf *out, const char *name) {
+    buf_printf(out, "<v ");
+    for (const char *c = name; *c; c++)
+        if (*c == '&')
+            buf_printf(out, "&amp;");
+        else if (*c == '<' || *c == '>')
+            buf_printf(out, *c == '<' ? "&lt;" : "&gt;");
+        else
+            buf_add(out, *c == '\n' || *c == '\r' ? " " : c, 1);
+    buf_printf(out, ">");
+}
+
 static void end_cue(struct cue_text *c) {
     while (c->line.size && strchr(" \n", c->line.data[c->line.size - 1]))
         c->line.size--;
@@ -189,6 +214,8 @@ static void end_cue(struct cue_text *c) {
         buf_printf(&c->x->out, " --> ");
         put_time(&c->x->out, c->to > c->start ? c->to : c->start + 1);
         buf_printf(&c->x->out, "\n");
+        if (c->who && *c->who->name)
+            put_voice(&c->x->out, c->who->name);
         buf_add(&c->x->out, c->line.data, c->line.size);
         buf_printf(&c->x->out, "\n\n");
     }
@@ -240,6 +267,7 @@ void export_vtt_piece(struct export *x, const struct media_segment *segment, uin
     const struct sentence_audio *u = segment->audio;
     const char *markup = x->source.markup;
     struct cue_text c = {.x = x, .text = x->source.text, .tagged = markup && strcmp(markup, "plain") != 0};
+    c.who = export_speaker(x, u->from);
     size_t at = u->from;
     (void)to;
     if (x->at)
@@ -267,11 +295,11 @@ void export_vtt_end(struct export *x) {
         put_head(x);
 }
 
-/* TextGrid: sentences, words and phones (IPA) in Praat's long text format (Praat manual, "TextGrid file
- * formats"). Intervals are contiguous, empty where nothing is spoken. A tier starts with its number of
- * intervals, so everything is written at the end, about 60 bytes per phone. */
+/* TextGrid: sentences, words, phones (IPA) and, if the request tells, speakers in Praat's long text format
+ * (Praat manual, "TextGrid file formats"). Intervals are contiguous, empty where nothing is spoken. A tier
+ * starts with its number of intervals, so everything is written at the end, about 60 bytes per phone. */
 
-enum { TIERS = 3 };
+enum { TIERS = 4, TIERS_ALWAYS = 3 };
 
 struct tier {
     struct buf intervals;
@@ -280,7 +308,7 @@ struct tier {
 };
 
 struct textgrid {
-    struct tier tiers[TIERS]; /* sentences, words, phones */
+    struct tier tiers[TIERS]; /* sentences, words, phones, speakers */
 };
 
 static void put_interval(struct tier *t, uint64_t to, uint32_t rate, const char *text, size_t size) {
@@ -325,6 +353,10 @@ void export_textgrid_piece(struct export *x, const struct media_segment *segment
     if (u->word_count)
         add(&tiers[0], start + u->words[0].start, start + u->words[u->word_count - 1].end, u->sample_rate,
             x->source.text + u->from, u->to - u->from);
+    const struct speaker *who = export_speaker(x, u->from);
+    if (u->word_count && who)
+        add(&tiers[3], start + u->words[0].start, start + u->words[u->word_count - 1].end, u->sample_rate,
+            who->name, strlen(who->name));
     add_words(&tiers[1], x, segment);
     for (size_t i = 0; i < u->phone_count; i++)
         add(&tiers[2], start + u->phones[i].start, start + u->phones[i].end, u->sample_rate, u->phones[i].ipa,
@@ -332,16 +364,17 @@ void export_textgrid_piece(struct export *x, const struct media_segment *segment
 }
 
 void export_textgrid_end(struct export *x) {
-    static const char *const names[TIERS] = {"sentences", "words", "phones"};
+    static const char *const names[TIERS] = {"sentences", "words", "phones", "speakers"};
     double duration = x->sample_rate ? (double)x->samples / x->sample_rate : 0;
     struct textgrid *grid = x->coder;
     if (!grid)
         return;
+    const size_t tiers = grid->tiers[TIERS_ALWAYS].count || x->source.speech ? TIERS : TIERS_ALWAYS;
     buf_printf(&x->out,
                "File type = \"ooTextFile\"\nObject class = \"TextGrid\"\n\nxmin = 0\nxmax = %.9g\n"
-               "tiers? <exists>\nsize = %d\nitem []:\n",
-               duration, TIERS);
-    for (size_t i = 0; i < TIERS; i++) {
+               "tiers? <exists>\nsize = %zu\nitem []:\n",
+               duration, tiers);
+    for (size_t i = 0; i < tiers; i++) {
         struct tier *t = &grid->tiers[i];
         if (x->samples > t->end)
             put_interval(t, x->samples, x->sample_rate, "", 0);

@@ -12,7 +12,17 @@ void work_meta_free(struct work_meta *m) {
     char *const texts[] = {m->title, m->author, m->lang, m->date, m->publisher, m->licence, m->source};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         free(texts[i]);
+    work_persons_free(m->persons, m->person_count);
     *m = (struct work_meta){0};
+}
+
+void work_persons_free(struct work_person *persons, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        free(persons[i].id);
+        free(persons[i].name);
+        free(persons[i].about);
+    }
+    free(persons);
 }
 
 void work_meta_set(char **field, const char *text) {
@@ -39,6 +49,7 @@ static void block_free(struct block *b) {
     free(b->lines);
     free(b->lang);
     free(b->speaker);
+    free(b->who);
     free(b->n);
     free(b->source);
     buf_free(&b->text);
@@ -136,6 +147,7 @@ int builder_close(struct builder *b) {
         build_end(b);
     flush(b, true);
     free(b->speaker);
+    free(b->who);
     free(b->pending);
     return b->stopped ? -1 : 0;
 }
@@ -160,6 +172,8 @@ static void name_block(struct builder *b, struct block *block) {
         snprintf(block->name, sizeof block->name, "%c%u", letters[block->kind], count);
     if (letters[block->kind] && block->kind != BLOCK_NOTE && b->speaker && !block->speaker)
         block->speaker = mem_strdup(b->speaker);
+    if (letters[block->kind] && block->kind != BLOCK_NOTE && b->who && !block->who)
+        block->who = mem_strdup(b->who);
 }
 
 static struct block *open_block(struct builder *b, enum block_kind kind) {
@@ -171,7 +185,8 @@ static struct block *open_block(struct builder *b, enum block_kind kind) {
     b->open[b->depth++] = block;
     b->space = b->soft = b->cut = false;
     b->line_break = BREAK_NONE;
-    if (weigh(b, BLOCK_WEIGHT + (block->speaker ? strlen(block->speaker) : 0)))
+    if (weigh(b, BLOCK_WEIGHT + (block->speaker ? strlen(block->speaker) : 0) +
+                     (block->who ? strlen(block->who) : 0)))
         look_at_clock(b);
     return block;
 }
@@ -539,6 +554,11 @@ void build_page(struct builder *b, const char *n) {
 void build_speaker(struct builder *b, const char *name) {
     free(b->speaker);
     b->speaker = name && *name ? name_of(name) : NULL;
+}
+
+void build_who(struct builder *b, const char *who) {
+    free(b->who);
+    b->who = who && *who ? name_of(who) : NULL;
 }
 
 void build_problem(struct builder *b, const struct error *e, bool serious) {

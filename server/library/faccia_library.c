@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/daemon/library_setup.h"
 #include "server/export/export.h"
+#include "server/library/faccia_cast.h"
 #include "server/library/library_files.h"
 #include "server/library/publish/epub_book.h"
 #include "server/library/work.h"
@@ -65,7 +67,7 @@ static int flush(struct library_export_output *o) {
 }
 
 static int library_export_segment(struct library_export_files *files, const struct narration *narration,
-                                  const struct media_segment *segment, const char *text, const char *markup) {
+                                  const struct media_segment *segment, const struct synthesis *speech) {
     if (narration->samples + segment->audio->samples >= UINT32_MAX) {
         cli_complain("this takes more than %.0f hours", (double)UINT32_MAX / narration->rate / 3600);
         return -1;
@@ -76,8 +78,9 @@ static int library_export_segment(struct library_export_files *files, const stru
         struct library_export_output *o = &files->outputs[i];
         if (!o->path)
             continue;
-        o->export.source.text = text;
-        o->export.source.markup = markup;
+        o->export.source.text = synthesis_request(speech)->text;
+        o->export.source.markup = synthesis_markup(speech);
+        o->export.source.speech = synthesis_has_speakers(speech) ? speech : NULL;
         export_segment(&o->export, segment);
         if (o->export.format->streams && flush(o))
             return -1;
@@ -138,7 +141,9 @@ static const char usage[] =
     "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
     "      --wav FILE       the sound, mono, 16 bits\n"
     "      --ogg FILE       the sound, as Opus in Ogg\n"
-    "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work\n"
+    "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work (of "
+    "a\n"
+    "                       play: the voices that 'faccia library cast' shows)\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "      --sentences      highlight sentences and lines in the book instead of words\n"
@@ -158,9 +163,9 @@ struct exporting {
     unsigned sections, done;
 };
 
-static int on_segment(void *ctx, const struct media_segment *segment, const char *text, const char *markup) {
+static int on_segment(void *ctx, const struct media_segment *segment, const struct synthesis *speech) {
     struct exporting *x = ctx;
-    return library_export_segment(&x->files, &x->narration, segment, text, markup);
+    return library_export_segment(&x->files, &x->narration, segment, speech);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
@@ -268,6 +273,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     struct cli cli = {0};
     struct error e;
     struct lexicons lexicons = {0};
+    struct cast cast = {0};
     char *config = NULL, voice[80];
     bool recorded = x->voice && !strcmp(x->voice, "recording");
     if (recorded && !(config = with_recording(x, settings)))
@@ -283,11 +289,17 @@ static int speak(struct exporting *x, const struct settings *settings) {
         cli_complain_of(&e);
         x->failed = true;
     }
+    if (!x->failed && !x->silent && cast_of_file(x->folder, x->file, &cli, settings, &cast, &e)) {
+        cli_complain_of(&e);
+        x->failed = true;
+    }
     if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
         x->narration = (struct narration){.pipeline = &cli.components.pipeline,
                                           .request = &x->request,
                                           .lexicons = &lexicons,
                                           .lang = x->meta.lang,
+                                          .cast = &cast,
+                                          .cast_voices = !x->voice,
                                           .any_lang = recorded,
                                           .sentences = x->narration.sentences,
                                           .segment = on_segment,
@@ -308,6 +320,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
     }
     if (!x->silent)
         cli_close(&cli);
+    cast_free(&cast);
     lexicons_free(&lexicons);
     free(config);
     return x->failed ? EXIT_FAILED : EXIT_DONE;
@@ -450,9 +463,27 @@ static void check(struct checking *all, const char *folder, const char *path, co
     work_meta_free(&meta);
 }
 
+static void check_cast(struct checking *all, const char *folder, const char *path) {
+    FILE *file = open_file_below(folder, path);
+    struct buf text = {0};
+    struct error e;
+    int bad = file ? buf_add_stream(&text, file, CAST_FILE_BYTES) : errno;
+    if (bad)
+        error_set(&e, ERROR_BAD_CAST, "%s", strerror(bad));
+    if (bad || cast_check(text.data, text.size, &e)) {
+        char said[400];
+        printf("%s: %s (%s)\n", path, error_text(&e, said, sizeof said), error_name(e.code));
+        all->serious++;
+    }
+    buf_free(&text);
+    if (file)
+        fclose(file);
+}
+
 int library_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] =
         "Usage: faccia library [check] [--words] DIR\n"
+        "       faccia library cast [--json] FILE\n"
         "       faccia library export [OPTION]... DIR WORK\n"
         "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML), and prints their "
         "contents and\n"
@@ -461,6 +492,7 @@ int library_main(int argc, char **argv, const struct settings *settings) {
         "      --words  compare the words read with the words of the source, which a second reader counts\n"
         "               independently; report those that are lost, doubled, glued to the next, or divided\n"
         "\n"
+        "cast shows who speaks in a play, and how: see faccia library cast --help\n"
         "export writes a work as a read-aloud book, captions, and more: see faccia library export --help\n";
     struct checking all = {0};
     const struct cli_option options[] = {{.name = "words", .kind = CLI_FLAG, .out = &all.words}, {0}};
@@ -468,6 +500,8 @@ int library_main(int argc, char **argv, const struct settings *settings) {
     struct error e;
     if (argc > 1 && !strcmp(argv[1], "export"))
         return library_export_main(argc - 1, argv + 1, settings);
+    if (argc > 1 && !strcmp(argv[1], "cast"))
+        return library_cast_main(argc - 1, argv + 1, settings);
     if (argc > 1 && !strcmp(argv[1], "check")) {
         argc--;
         argv++;
@@ -486,6 +520,8 @@ int library_main(int argc, char **argv, const struct settings *settings) {
     }
     for (size_t i = 0; i < files.count; i++)
         check(&all, argv[optind], files.list[i].path, settings->lang);
+    for (size_t i = 0; i < files.cast_count; i++)
+        check_cast(&all, argv[optind], files.casts[i].path);
     if (all.words)
         print_words("all", &all.counted);
     printf("%zu works, %zu passages, %zu bytes; %zu problems, %zu hints\n", all.sections, all.passages,

@@ -2,6 +2,7 @@
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/library/cast.h"
 #include "server/library/library_internal.h"
 #include <jansson.h>
 #include <sqlite3.h>
@@ -10,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "4"
+#define SCHEMA "5"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -30,12 +31,16 @@ static const char schema[] =
     "INTEGER, "
     "part INTEGER, start INTEGER, first_line INTEGER, line_count INTEGER, lang TEXT, shape TEXT, text TEXT, "
     "source TEXT, "
-    "markup TEXT, runs TEXT);"
+    "markup TEXT, runs TEXT, who TEXT);"
     "CREATE INDEX IF NOT EXISTS passage_name ON passage (work, section, name);"
     "CREATE INDEX IF NOT EXISTS passage_line ON passage (work, section, first_line) WHERE line_count > 0;"
     "CREATE TABLE IF NOT EXISTS problem (path TEXT, code TEXT, line INTEGER, col INTEGER, message TEXT, "
     "serious "
     "INTEGER);"
+    "CREATE TABLE IF NOT EXISTS person (work TEXT, place INTEGER, id TEXT, name TEXT, about TEXT, sex "
+    "INTEGER, "
+    "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, PRIMARY KEY (work, place)) WITHOUT "
+    "ROWID;"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
     "CREATE VIRTUAL TABLE IF NOT EXISTS found USING fts5 (word, stem, content='', "
     "tokenize='unicode61 remove_diacritics 2');"
@@ -284,8 +289,10 @@ static void add_lines(json_t *shape, const struct block *b) {
 }
 
 char *index_shape(const struct block *b) {
-    json_t *shape = json_pack("{ss ss* ss* ss* ss*}", "kind", kinds[b->kind], "lang", b->lang, "speaker",
-                              b->speaker, "n", b->n, "markup", b->markup);
+    char who[CAST_ID_BYTES];
+    cast_id_of_block(b, who);
+    json_t *shape = json_pack("{ss ss* ss* ss* ss* ss*}", "kind", kinds[b->kind], "lang", b->lang, "speaker",
+                              b->speaker, "who", *who ? who : NULL, "n", b->n, "markup", b->markup);
     if (b->kind == BLOCK_HEAD)
         json_object_set_new(shape, "level", json_integer(b->level));
     if (b->item)
@@ -310,12 +317,14 @@ enum {
     DROP_ROWS,
     DROP_SECTIONS,
     DROP_WORK,
+    DROP_CAST,
     DROP_PROBLEMS,
     ADD_ROW,
     ADD_FOUND,
     ADD_SECTION,
     ADD_WORK,
     ADD_PROBLEM,
+    ADD_PERSON,
 };
 
 static void bind_text(sqlite3_stmt *s, int at, const char *text) {
@@ -407,7 +416,8 @@ int index_remove(struct index_writer *w, const char *path, struct error *e) {
         }
         if (remove_rows(w, first, last, e) ||
             drop(w, DROP_SECTIONS, "DELETE FROM section WHERE work = ?", file.work, e) ||
-            drop(w, DROP_WORK, "DELETE FROM work WHERE name = ?", file.work, e))
+            drop(w, DROP_WORK, "DELETE FROM work WHERE name = ?", file.work, e) ||
+            drop(w, DROP_CAST, "DELETE FROM person WHERE work = ?", file.work, e))
             return -1;
     }
     return drop(w, DROP_PROBLEMS, "DELETE FROM problem WHERE path = ?", path, e) ||
@@ -461,10 +471,11 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
                    struct error *e) {
     const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
     size_t size = part->to - part->from;
+    char who[CAST_ID_BYTES];
     struct buf runs = {0};
     runs_of(b, part, &runs);
     sqlite3_stmt *s = index_statement(
-        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     sqlite3_bind_int64(s, 1, w->next);
     sqlite3_bind_text(s, 2, work, -1, SQLITE_STATIC);
     sqlite3_bind_int(s, 3, (int)section);
@@ -481,6 +492,8 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
     sqlite3_bind_text(s, 14, b->markup, -1, SQLITE_STATIC);
     if (runs.size)
         sqlite3_bind_text(s, 15, (char *)runs.data, (int)runs.size, SQLITE_STATIC);
+    if (cast_id_of_block(b, who))
+        sqlite3_bind_text(s, 16, who, -1, SQLITE_STATIC);
     int result = index_step(w, s, e);
     sqlite3_clear_bindings(s);
     buf_free(&runs);
@@ -555,6 +568,27 @@ int index_add_work(struct index_writer *w, const char *name, const char *path, c
     sqlite3_bind_int64(s, 13, w->next - 1);
     sqlite3_bind_int(s, 14, recording);
     return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+int index_add_cast(struct index_writer *w, const char *work, const struct cast *cast, struct error *e) {
+    for (size_t i = 0; i < cast->count; i++) {
+        const struct cast_member *m = &cast->members[i];
+        sqlite3_stmt *s =
+            index_statement(w, ADD_PERSON, "INSERT INTO person VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        bind_text(s, 1, work);
+        sqlite3_bind_int64(s, 2, (int64_t)i);
+        bind_text(s, 3, m->id);
+        bind_text(s, 4, m->name);
+        bind_text(s, 5, m->about);
+        sqlite3_bind_int(s, 6, (int)m->sex);
+        sqlite3_bind_int(s, 7, (int)m->age);
+        sqlite3_bind_int(s, 8, (int)m->sex_from);
+        sqlite3_bind_int64(s, 9, (int64_t)m->passages);
+        sqlite3_bind_int64(s, 10, (int64_t)m->characters);
+        if (index_step(w, s, e) < 0)
+            return -1;
+    }
+    return 0;
 }
 
 int index_add_problem(struct index_writer *w, const char *path, const struct error *problem, bool serious,

@@ -6,6 +6,7 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/work/reader_process.h"
+#include "server/library/cast.h"
 #include "server/library/recordings/alignments.h"
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -36,6 +37,7 @@ struct library_question {
     enum {
         LIBRARY_LIST,
         LIBRARY_WORK,    /* needs work */
+        LIBRARY_CAST,    /* needs work, offer */
         LIBRARY_SECTION, /* needs work, section */
         LIBRARY_PASSAGE, /* needs passage */
         LIBRARY_SEARCH,
@@ -43,9 +45,16 @@ struct library_question {
     } kind;
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
-    unsigned most;               /* number of works */
+    const char *directions, *names; /* of a passage, as in a request: "spoken", "true" */
+    unsigned most;                  /* number of works */
+    const struct cast_offer *offer;
     const atomic_bool *given_up; /* becomes true when the client is gone; NULL: never */
 };
+
+/* The cast of the work of a passage ("WORK", "WORK:SECTION..."), chosen anew each time from the index, the
+ * file beside the work and the offer. Callable from any thread. -1 with *e. Free it with cast_free. */
+int library_cast(struct library *library, const char *passage, const struct cast_offer *offer,
+                 struct cast *cast, struct error *e);
 
 /* Writes the answer as JSON; callable from any thread. -1 with *e: "unknown-work", "unknown-section",
  * "unknown-passage", "bad-query", "bad-field", "search-too-long" (or given up), "bad-index". */
@@ -87,6 +96,8 @@ void library_metrics(struct library *library, struct buf *out);
 /* The spoken form of a passage. Free it with library_passage_free. */
 struct library_passage {
     char *text, *lang;
+    struct cast_speech *speeches; /* who speaks, ascending; the narrator speaks the rest */
+    size_t speech_count;
     char *languages;    /* stretches in other languages, in the syntax of a request; NULL: none */
     char *voice;        /* the voice of its recording; NULL: none */
     const char *markup; /* "plain" or the markup of the text; static */
@@ -95,7 +106,13 @@ struct library_passage {
 /* from: UTF-16 units to replace by spaces at the beginning. most: bytes after which a text may end early.
  * -1 with *e: "unknown-passage", "bad-field". Reads the index in the calling thread; the time depends on
  * the passage, not on its section. */
-int library_passage(struct library *library, const char *id, double from, size_t most,
+struct library_reading {
+    double from;
+    size_t most;
+    bool directions; /* stage directions are spoken; those of a section that stand alone, too */
+    bool names;      /* of a section: the names of those who speak, too */
+};
+int library_passage(struct library *library, const char *id, const struct library_reading *how,
                     struct library_passage *out, struct error *e);
 void library_passage_free(struct library_passage *passage);
 

@@ -2,6 +2,7 @@
 #include "server/library/library_files.h"
 #include "server/base/files.h"
 #include "server/base/mem.h"
+#include "server/library/cast.h"
 #include "server/library/words.h"
 #include "server/library/work.h"
 #include "server/library/work_lexicons.h"
@@ -48,6 +49,8 @@ static void add(struct library_files *files, const char *path, const struct stat
         add_to(&files->sounds, &files->sound_count, &files->sound_cap, file);
     else if (library_lexicon_is(path))
         add_to(&files->lexicons, &files->lexicon_count, &files->lexicon_cap, file);
+    else if (cast_file_is(path))
+        add_to(&files->casts, &files->cast_count, &files->cast_cap, file);
     else
         free(file.path);
 }
@@ -111,6 +114,8 @@ int library_files_list(struct library_files *files, const char *folder, struct e
         qsort(files->sounds, files->sound_count, sizeof *files->sounds, compare);
     if (files->lexicon_count)
         qsort(files->lexicons, files->lexicon_count, sizeof *files->lexicons, compare);
+    if (files->cast_count)
+        qsort(files->casts, files->cast_count, sizeof *files->casts, compare);
     return result;
 }
 
@@ -124,12 +129,16 @@ void library_files_free(struct library_files *files) {
     for (size_t i = 0; i < files->lexicon_count; i++)
         free(files->lexicons[i].path);
     free(files->lexicons);
+    for (size_t i = 0; i < files->cast_count; i++)
+        free(files->casts[i].path);
+    free(files->casts);
     *files = (struct library_files){0};
 }
 
 bool library_files_has(const struct library_files *files, const char *path) {
     const struct library_file key = {.path = (char *)path};
-    return files->count && bsearch(&key, files->list, files->count, sizeof key, compare);
+    return (files->count && bsearch(&key, files->list, files->count, sizeof key, compare)) ||
+           (files->cast_count && bsearch(&key, files->casts, files->cast_count, sizeof key, compare));
 }
 
 const struct library_file *library_files_sound(const struct library_files *files, const char *path) {

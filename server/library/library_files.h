@@ -24,6 +24,8 @@ struct library_files {
     size_t sound_count, sound_cap;
     struct library_file *lexicons; /* sorted by path */
     size_t lexicon_count, lexicon_cap;
+    struct library_file *casts; /* sorted by path */
+    size_t cast_count, cast_cap;
 };
 
 /* files must be zeroed. Skips names that begin with a dot, visits each folder once and never leaves the

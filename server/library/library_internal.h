@@ -25,7 +25,7 @@ enum { PART_LINES = 12, PART_BYTES = 4000 };
 struct index_writer {
     sqlite3 *sql;
     struct stems *stems;
-    sqlite3_stmt *statements[16];
+    sqlite3_stmt *statements[20];
     bool open;         /* a transaction is open */
     size_t characters; /* written in the open transaction */
     int64_t next;      /* next row id */
@@ -71,6 +71,8 @@ int index_add_section(struct index_writer *writer, const char *work, const char 
 /* Adds the work itself, after its sections. */
 int index_add_work(struct index_writer *writer, const char *name, const char *path, const char *hash,
                    const struct work_meta *meta, int64_t first_row, bool recording, struct error *e);
+/* Adds who speaks in a work. */
+int index_add_cast(struct index_writer *writer, const char *work, const struct cast *cast, struct error *e);
 int index_add_problem(struct index_writer *writer, const char *path, const struct error *problem,
                       bool serious, struct error *e);
 
@@ -169,6 +171,12 @@ void *library_scan(void *library);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct answer_limit *limit, struct error *e);
 
+/* library_passage.c */
+json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
+                             const char *section, struct error *e);
+json_t *library_passage_json(struct index_reader *reader, const struct library_question *question,
+                             struct error *e);
+
 json_t *library_prerender_json(struct library *library); /* NULL: prerendering is off */
 
 /* A limit that expires `ms` milliseconds from now. */
@@ -176,6 +184,10 @@ struct answer_limit answer_limit_in(unsigned ms, const atomic_bool *given_up);
 
 /* True when the limit has passed; sets late. */
 bool answer_is_late(struct answer_limit *limit);
+
+/* library_cast.c: library_cast with a connection. */
+int library_cast_of(struct library *library, struct index_reader *reader, const char *work,
+                    const struct cast_offer *offer, struct cast *cast, struct error *e);
 
 /* Call after statements: notes whether SQLite found the file damaged. */
 void library_reader_look(struct index_reader *reader);

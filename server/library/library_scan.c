@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/files.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/library/cast.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
 #include "server/library/work.h"
@@ -121,6 +123,7 @@ struct taking {
     struct pass *pass;
     const char *path, *name;
     struct work_meta meta;
+    struct cast_tally tally;
     struct error error;
     bool failed;
 };
@@ -128,6 +131,7 @@ struct taking {
 static int on_section(void *ctx, const struct section *section) {
     struct taking *t = ctx;
     struct library *l = t->pass->library;
+    cast_tally_section(&t->tally, section);
     t->failed = t->failed || index_add_section(&t->pass->writer, t->name,
                                                t->meta.lang ? t->meta.lang : l->lang, section, &t->error);
     return t->failed || atomic_load(&l->stop);
@@ -171,6 +175,8 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     int64_t first = p->writer.next;
     int result = t.failed ? -1 : work_read_apart(&l->reader, l->folder, path, &t.meta, &sink, &l->stop, &why);
     bool some = p->writer.next > first;
+    struct cast cast = {0};
+    cast_tally_take(&t.tally, &t.meta, &cast);
     if (!t.failed && result)
         t.failed = index_add_problem(&p->writer, path, &why, true, &t.error);
     if (!t.failed && some) {
@@ -178,7 +184,8 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
         library_file_name(path, false, title);
         work_meta_set(&t.meta.title, title);
         t.failed = index_add_work(&p->writer, file->work, path, file->hash, &t.meta, first,
-                                  library_file_has_sound(l->folder, path), &t.error);
+                                  library_file_has_sound(l->folder, path), &t.error) ||
+                   index_add_cast(&p->writer, file->work, &cast, &t.error);
     }
     if (!some)
         file->work[0] = '\0';
@@ -186,6 +193,7 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
         t.failed = index_file_set(&p->writer, path, file, &t.error);
     if (t.failed)
         *e = t.error;
+    cast_free(&cast);
     work_meta_free(&t.meta);
     return t.failed ? -1 : 0;
 }
@@ -196,6 +204,31 @@ static int refuse(struct pass *p, const char *path, struct index_file *file, str
     error_set(&why, ERROR_BAD_WORK, "%s", WORK_OUTSIDE);
     file->work[0] = '\0';
     return index_remove(&p->writer, path, e) || index_add_problem(&p->writer, path, &why, true, e) ||
+                   index_file_set(&p->writer, path, file, e)
+               ? -1
+               : 0;
+}
+
+/* Reports what is wrong with a cast, which is read again whenever it is asked for. */
+static int take_cast(struct pass *p, const char *path, struct index_file *file, struct error *e) {
+    struct buf text = {0};
+    struct error why;
+    FILE *in = open_file_below(p->library->folder, path);
+    int bad = in ? buf_add_stream(&text, in, CAST_FILE_BYTES) : errno;
+    bool well = !bad && !cast_check(text.data, text.size, &why);
+    if (bad)
+        error_set(&why, ERROR_BAD_CAST, "%s", strerror(bad));
+    else if (!well && why.place == PLACE_FIELD) { /* the table of problems knows lines only */
+        struct error in_field = why;
+        char said[sizeof why.message + sizeof why.field];
+        error_set(&why, why.code, "%.250s", error_text(&in_field, said, sizeof said));
+    }
+    if (in)
+        fclose(in);
+    buf_free(&text);
+    file->work[0] = '\0';
+    return index_remove(&p->writer, path, e) ||
+                   (!well && index_add_problem(&p->writer, path, &why, true, e)) ||
                    index_file_set(&p->writer, path, file, e)
                ? -1
                : 0;
@@ -215,6 +248,8 @@ static int look(struct pass *p, const struct library_file *f, struct error *e) {
     snprintf(known.hash, sizeof known.hash, "%s", hashed ? hash : "");
     if (index_begin(&p->writer, e))
         return -1;
+    if (cast_file_is(f->path) && !same)
+        return take_cast(p, f->path, &known, e);
     if (f->outside)
         return refuse(p, f->path, &known, e);
     return same ? index_file_set(&p->writer, f->path, &known, e) : take(p, f->path, &known, e);
@@ -257,6 +292,8 @@ static int read_all(struct pass *p, struct error *e) {
         if (!result && p->writer.characters > COMMIT_CHARACTERS)
             result = index_commit(&p->writer, e);
     }
+    for (size_t i = 0; !result && i < files.cast_count && !atomic_load(&l->stop); i++)
+        result = look(p, &files.casts[i], e);
     if (!result && !atomic_load(&l->stop))
         result = library_recorded(l, &p->writer, &files, e);
     if (atomic_load(&l->stop))

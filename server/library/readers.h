@@ -16,7 +16,7 @@ struct builder {
     unsigned depth;
     struct block *pending; /* insets that follow the block */
     size_t pending_count, pending_cap;
-    char *speaker;
+    char *speaker, *who;
     char verse[24];            /* number of the last line of verse */
     const char *lang;          /* language of what comes next; owned by the reader */
     unsigned sections, told;   /* counts */
@@ -95,6 +95,7 @@ void build_inset_end(struct builder *b);
 
 void build_page(struct builder *b, const char *n);
 void build_speaker(struct builder *b, const char *name); /* NULL: no speaker from here on */
+void build_who(struct builder *b, const char *who);      /* ids of who speaks; NULL: none */
 
 /* Reports a problem to the sink; only the first PROBLEMS_MAX are reported. */
 void build_problem(struct builder *b, const struct error *e, bool serious);
@@ -173,11 +174,29 @@ int plain_work_read(const char *data, size_t size, struct work_meta *meta, struc
 int markup_work_read(const char *data, size_t size, const char *markup, struct work_meta *meta,
                      struct builder *builder, struct error *e);
 
-/* tei_outline.c: collected in a first pass. */
-struct tei_person {
-    char *id, *name;
+/* tei_persons.c: the persons that a document lists, collected while it is walked. */
+struct tei_persons {
+    struct work_person *list; /* in document order */
+    size_t count, cap;
+    struct work_person **by_id; /* those with an id, each once, sorted */
+    size_t id_count;
+    struct work_person now; /* the one that is open */
+    struct buf name, about, word;
+    unsigned at, name_at, about_at, sex_at, age_at, out_at; /* depths of the open elements; 0: none */
+    bool cast_item;                                         /* text outside other elements describes */
 };
 
+/* Call them for each element and text, then tei_persons_done before the rest. */
+void tei_persons_start(struct tei_persons *persons, unsigned depth, const char *name,
+                       const char **attributes);
+void tei_persons_text(struct tei_persons *persons, const char *text, size_t size);
+void tei_persons_end(struct tei_persons *persons, unsigned depth);
+void tei_persons_done(struct tei_persons *persons);
+const struct work_person *tei_persons_find(const struct tei_persons *persons, const char *id);
+void tei_persons_take(struct tei_persons *persons, struct work_meta *meta); /* moves them */
+void tei_persons_free(struct tei_persons *persons);
+
+/* tei_outline.c: collected in a first pass. */
 struct tei_outline {
     unsigned *choices; /* which child of each CHOICE to read, in document order */
     size_t count, cap;
@@ -185,17 +204,13 @@ struct tei_outline {
     size_t note_count, note_cap;
     bool *speeches; /* whether each SPEECH has a speaker's name, in document order */
     size_t speech_count, speech_cap;
-    struct tei_person *persons; /* sorted by id */
-    size_t person_count, person_cap;
+    struct tei_persons persons;
 };
 
 /* Fills the outline. Errors in the document are left to the second pass. */
 void tei_outline_read(struct tei_outline *outline, const char *data, size_t size);
 void tei_outline_free(struct tei_outline *outline);
 bool tei_outline_has_note(const struct tei_outline *outline, const char *id);
-
-/* Name of the person with that id, or NULL. */
-const char *tei_outline_person(const struct tei_outline *outline, const char *id);
 
 /* tei_elements.c: what the TEI reader does with an element. */
 enum tei_act {

@@ -349,24 +349,29 @@ static void choose(struct tei *t, struct tei_frame *f, const struct xml_walk *w,
     }
 }
 
-/* Names who speaks where the text does not: by the list of persons, else by the id. */
+/* Notes who speaks, and names them where the text does not: by the list of persons, else by the id. */
 static void name_speaker(struct tei *t, const char *who) {
-    struct buf names = {0};
+    struct buf names = {0}, ids = {0};
     const size_t speech = t->speech - 1;
-    if (!who || (speech < t->outline.speech_count && t->outline.speeches[speech]))
+    if (!who)
         return;
     for (; *(who += strspn(who, " \t\r\n")) && names.size < FIELD_BYTES_MAX;) {
         size_t size = strcspn(who, " \t\r\n");
         const char *hash = memchr(who, '#', size), *id = hash ? hash + 1 : who;
         char *key = mem_strndup(id, (size_t)(who + size - id));
-        const char *name = tei_outline_person(&t->outline, key);
-        buf_printf(&names, "%s%s", names.size ? ", " : "", name ? name : key);
+        const struct work_person *person = tei_persons_find(&t->outline.persons, key);
+        buf_printf(&names, "%s%s", names.size ? ", " : "", person && *person->name ? person->name : key);
+        buf_printf(&ids, "%s%s", ids.size ? "+" : "", key);
         free(key);
         who += size;
     }
     buf_add(&names, "", 1);
-    build_speaker(t->b, (char *)names.data);
+    buf_add(&ids, "", 1);
+    build_who(t->b, (char *)ids.data);
+    if (speech >= t->outline.speech_count || !t->outline.speeches[speech])
+        build_speaker(t->b, (char *)names.data);
     buf_free(&names);
+    buf_free(&ids);
 }
 
 static bool is_inline(enum tei_act act) {
@@ -547,6 +552,7 @@ static void end_other(struct tei *t, const struct tei_frame *f) {
     case ACT_SPEECH:
         build_end(t->b);
         build_speaker(t->b, NULL);
+        build_who(t->b, NULL);
         break;
     case ACT_EXPANSION:
         t->expansions--;
@@ -659,6 +665,7 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
     b->where = NULL;
     work_meta_set(&meta->date, t->first_date);
     free(t->first_date);
+    tei_persons_take(&t->outline.persons, meta);
     tei_outline_free(&t->outline);
     if (*t->frames[1].lang) {
         free(meta->lang);

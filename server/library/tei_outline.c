@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* First pass over a TEI document, for what stands after the place where it is needed: which alternative of
  * choice and app to read, the ids of notes, which speeches name their speaker, and the persons' names. */
-#include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/library/readers.h"
 #include <stdlib.h>
@@ -14,15 +13,10 @@ struct alternatives {
     int best;
 };
 
-enum { PERSON_NAME_MAX = 200 };
-
 struct outline_walk {
     struct tei_outline *outline;
     struct alternatives frames[WORK_DEPTH_MAX + 1];
     size_t speeches[WORK_DEPTH_MAX + 1]; /* number + 1 of the speech around the element; 0: none */
-    char *person;                        /* id of the person whose name is awaited */
-    unsigned person_at, name_at;         /* depths of the person and of the name; 0: none */
-    struct buf name;
     uint64_t bytes;
     bool stop;
 };
@@ -41,43 +35,6 @@ static int rank_of(const char *name, const char **attributes) {
     if (rank && cert)
         rank += !strcmp(cert, "high") ? 1 : !strcmp(cert, "low") ? -1 : 0;
     return rank;
-}
-
-/* A person of the header or of the cast list: its id, then its first name. */
-static void start_person(struct outline_walk *o, const struct xml_walk *w, const char *name,
-                         const char **attributes) {
-    static const char *const persons[] = {"person", "personGrp", "castItem", "role", NULL};
-    static const char *const names[] = {"persName", "name", "role", NULL};
-    const char *id = xml_is_one(name, persons) ? xml_attribute(attributes, "id") : NULL;
-    if (id && !o->name_at) {
-        free(o->person);
-        o->person = mem_strdup(id);
-        o->person_at = w->depth;
-    }
-    if (o->person && !o->name_at && xml_is_one(name, names))
-        o->name_at = w->depth;
-    else if (o->name_at && o->name.size)
-        buf_add(&o->name, " ", 1); /* separates the parts of a name */
-}
-
-/* Adds the name without needless white space. */
-static void keep_person(struct outline_walk *o) {
-    struct tei_outline *out = o->outline;
-    char *name = mem_alloc(o->name.size + 1), *to = name;
-    for (size_t i = 0; i < o->name.size; i++)
-        if (!strchr(" \t\r\n", o->name.data[i]))
-            *to++ = (char)o->name.data[i];
-        else if (to > name && to[-1] != ' ')
-            *to++ = ' ';
-    to -= to > name && to[-1] == ' ';
-    *to = '\0';
-    if (to > name) {
-        out->persons = mem_grow(out->persons, &out->person_cap, out->person_count + 1, sizeof *out->persons);
-        out->persons[out->person_count++] = (struct tei_person){o->person, name};
-        o->person = NULL;
-    } else {
-        free(name);
-    }
 }
 
 static void outline_start(struct xml_walk *w, const char *name, const char **attributes) {
@@ -107,7 +64,7 @@ static void outline_start(struct xml_walk *w, const char *name, const char **att
     } else if (o->speeches[w->depth] && tei_act_of(name) == ACT_SPEAKER) {
         out->speeches[o->speeches[w->depth] - 1] = true;
     }
-    start_person(o, w, name, attributes);
+    tei_persons_start(&out->persons, w->depth, name, attributes);
     const char *id = !strcmp(name, "note") ? xml_attribute(attributes, "id") : NULL;
     if (id) {
         out->notes = mem_grow(out->notes, &out->note_cap, out->note_count + 1, sizeof *out->notes);
@@ -120,32 +77,18 @@ static void outline_start(struct xml_walk *w, const char *name, const char **att
 static void outline_end(struct xml_walk *w, const char *name) {
     struct outline_walk *o = w->ctx;
     (void)name;
-    if (o->name_at == w->depth) {
-        keep_person(o);
-        buf_free(&o->name);
-        o->name_at = 0;
-    }
-    if (o->person_at == w->depth) {
-        free(o->person);
-        o->person = NULL;
-        o->person_at = 0;
-    }
+    tei_persons_end(&o->outline->persons, w->depth);
 }
 
 static void outline_text(struct xml_walk *w, const char *text, size_t size) {
     struct outline_walk *o = w->ctx;
-    if (o->name_at && o->name.size + size < PERSON_NAME_MAX)
-        buf_add(&o->name, text, size);
+    tei_persons_text(&o->outline->persons, text, size);
     o->bytes += size;
     o->stop = o->bytes > 2 * (uint64_t)WORK_BYTES_MAX; /* nested entities: the second pass stops earlier */
 }
 
 static int compare_ids(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static int compare_persons(const void *a, const void *b) {
-    return strcmp(((const struct tei_person *)a)->id, ((const struct tei_person *)b)->id);
 }
 
 void tei_outline_read(struct tei_outline *outline, const char *data, size_t size) {
@@ -157,21 +100,14 @@ void tei_outline_read(struct tei_outline *outline, const char *data, size_t size
     xml_walk(&walk, data, size, &ignored);
     if (outline->note_count)
         qsort(outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
-    if (outline->person_count)
-        qsort(outline->persons, outline->person_count, sizeof *outline->persons, compare_persons);
-    free(o->person);
-    buf_free(&o->name);
+    tei_persons_done(&outline->persons);
     free(o);
 }
 
 void tei_outline_free(struct tei_outline *outline) {
     for (size_t i = 0; i < outline->note_count; i++)
         free(outline->notes[i]);
-    for (size_t i = 0; i < outline->person_count; i++) {
-        free(outline->persons[i].id);
-        free(outline->persons[i].name);
-    }
-    free(outline->persons);
+    tei_persons_free(&outline->persons);
     free(outline->notes);
     free(outline->speeches);
     free(outline->choices);
@@ -180,13 +116,4 @@ void tei_outline_free(struct tei_outline *outline) {
 bool tei_outline_has_note(const struct tei_outline *outline, const char *id) {
     return outline->note_count &&
            bsearch(&id, outline->notes, outline->note_count, sizeof *outline->notes, compare_ids);
-}
-
-const char *tei_outline_person(const struct tei_outline *outline, const char *id) {
-    const struct tei_person key = {.id = (char *)id};
-    const struct tei_person *found =
-        outline->person_count
-            ? bsearch(&key, outline->persons, outline->person_count, sizeof key, compare_persons)
-            : NULL;
-    return found ? found->name : NULL;
 }

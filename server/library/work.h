@@ -40,6 +40,7 @@ struct block {
     enum block_kind kind;
     char name[16]; /* within the section: "p2"; "" if it has none */
     char *lang, *speaker, *n;
+    char *who; /* id of who speaks, as in the source (several joined by +); NULL: from the name */
     struct buf text;
     char *source; /* MARKUP: spoken instead of the text */
     const char *markup;
@@ -62,9 +63,22 @@ struct section {
     unsigned continued; /* lines that continue another one's verse */
 };
 
+enum person_sex { SEX_UNKNOWN, SEX_FEMALE, SEX_MALE };
+
+/* A person of a play or dialogue, as the source lists it. */
+struct work_person {
+    char *id;    /* "": listed without one */
+    char *name;  /* "": the id is all that is known */
+    char *about; /* description; NULL: none */
+    enum person_sex sex;
+    unsigned age; /* years; 0: unknown */
+};
+
 struct work_meta {
     char *title, *author, *lang, *date, *publisher, *licence, *source;
     const char *format;
+    struct work_person *persons; /* in the order of the source */
+    size_t person_count;
 };
 
 struct work_sink {
@@ -88,9 +102,11 @@ enum {
     BLOCK_BYTES_MAX = 1 << 20, /* a longer one continues in another */
     NOTE_DEPTH_MAX = 4,
     PROBLEMS_MAX = 50, /* reported for a file */
+    PERSONS_MAX = 2000,
 };
 
 void work_meta_free(struct work_meta *meta);
+void work_persons_free(struct work_person *persons, size_t count);
 
 /* Sets a metadata field unless it is set. */
 void work_meta_set(char **field, const char *text);

@@ -248,6 +248,7 @@ static void put_block(struct buf *b, const struct block *block) {
     wire_put_string(b, block->name);
     wire_put_string(b, block->lang);
     wire_put_string(b, block->speaker);
+    wire_put_string(b, block->who);
     wire_put_string(b, block->n);
     wire_put_string(b, block->source);
     wire_put_string(b, block->markup);
@@ -305,6 +306,14 @@ static int say_done(struct saying *s, const struct work_meta *m, int result, con
     begin_frame(s, FRAME_DONE);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         wire_put_string(&s->frame, texts[i]);
+    wire_put_u32(&s->frame, (uint32_t)m->person_count);
+    for (size_t i = 0; i < m->person_count; i++) {
+        wire_put_string(&s->frame, m->persons[i].id);
+        wire_put_string(&s->frame, m->persons[i].name);
+        wire_put_string(&s->frame, m->persons[i].about);
+        wire_put_u32(&s->frame, m->persons[i].sex);
+        wire_put_u32(&s->frame, m->persons[i].age);
+    }
     wire_put_u32(&s->frame, !result);
     put_error(&s->frame, result ? e : &none);
     end_frame(s);
@@ -424,6 +433,7 @@ static void get_block(struct wire_reader *r, struct block *b) {
     snprintf(b->name, sizeof b->name, "%s", name ? name : "");
     b->lang = copy_text(r);
     b->speaker = copy_text(r);
+    b->who = copy_text(r);
     b->n = copy_text(r);
     b->source = copy_text(r);
     b->markup = get_one_of(r, markups);
@@ -471,6 +481,19 @@ static void get_meta(struct wire_reader *r, struct work_meta *m) {
         *texts[i] = copy_text(r);
     }
     m->format = get_one_of(r, formats);
+    work_persons_free(m->persons, m->person_count);
+    m->person_count = 0;
+    const size_t count = get_below(r, PERSONS_MAX + 1);
+    m->persons = mem_alloc((count + 1) * sizeof *m->persons);
+    for (; m->person_count < count && !r->bad; m->person_count++) {
+        struct work_person *p = &m->persons[m->person_count];
+        p->id = copy_text(r);
+        p->name = copy_text(r);
+        p->about = copy_text(r);
+        p->sex = (enum person_sex)get_below(r, SEX_MALE + 1);
+        p->age = wire_get_u32(r);
+        r->bad = r->bad || !p->id || !p->name;
+    }
 }
 
 struct hearing {

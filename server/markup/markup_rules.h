@@ -32,7 +32,8 @@ struct markup_rules {
     const void *sign_lexicons;     /* its first argument */
     bool verse_pauses;             /* a line of verse without punctuation has a pause, if sense asks for it */
     const struct affects *affects; /* known affects; NULL: names stay unchanged */
-    const struct language_runs *runs; /* parts of a plain text in other languages; may be NULL */
+    const struct speaker_runs *speakers; /* who speaks which part of a plain text; may be NULL */
+    const struct language_runs *runs;    /* parts of a plain text in other languages; may be NULL */
     const char *const
         *lexicons; /* names that a text may give (SSML's lexicon), NULL-terminated; NULL: none */
     bool lenient;  /* no kind was stated: tags of a malformed document are left out, not an error */

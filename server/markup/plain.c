@@ -4,6 +4,7 @@
 #include "server/base/utf8.h"
 #include "server/markup/language_runs.h"
 #include "server/markup/markdown.h"
+#include "server/markup/speaker_runs.h"
 #include "server/markup/verse.h"
 #include <stdlib.h>
 #include <string.h>
@@ -406,6 +407,15 @@ static void add_lines(struct score *score, const char *text, size_t at, size_t t
     add_text(score, text, at, to, end, style);
 }
 
+static struct score_style style_of(struct score *score, const struct speaker *who) {
+    struct score_style style = score_plain_style;
+    style.voice = who->voice ? score_strndup(score, who->voice, strlen(who->voice)) : NULL;
+    style.gender = !who->voice && who->gender ? score_strndup(score, who->gender, strlen(who->gender)) : NULL;
+    style.pitch = who->pitch;
+    style.rate = who->rate;
+    return style;
+}
+
 /* Adds text in one language, starting at `at`. *run: index of the next language run. Returns the end. */
 static size_t add_run(struct score *score, const char *text, size_t at, size_t end,
                       const struct markup_rules *rules, size_t *run) {
@@ -421,10 +431,12 @@ static size_t add_run(struct score *score, const char *text, size_t at, size_t e
         to = word_end(text, next->to, end);
     else if (!inside && begin < end)
         to = begin;
+    const bool foreign = inside && !(rules->lang && !strcmp(rules->lang, next->lang));
+    const struct speaker *who = speaker_runs_at(rules ? rules->speakers : NULL, at, NULL);
     const struct score_style *own = NULL;
-    if (inside && !(rules->lang && !strcmp(rules->lang, next->lang))) {
-        struct score_style style = score_plain_style;
-        style.lang = score_strndup(score, next->lang, strlen(next->lang));
+    if (foreign || who) {
+        struct score_style style = who ? style_of(score, who) : score_plain_style;
+        style.lang = foreign ? score_strndup(score, next->lang, strlen(next->lang)) : NULL;
         own = score_keep_style(score, &style);
     }
     add_lines(score, text, at, to, end, rules, own);
@@ -453,6 +465,22 @@ static void add_items(struct score *score, const char *text, size_t at, size_t e
     score_end_sentence(score);
 }
 
+/* A usual mood is milder than an outburst. */
+#define MOOD_INTENSITY 0.6
+
+/* Adds a sentence with its speaker's mood. */
+static void add_sentence(struct score *score, const char *text, size_t at, size_t end,
+                         const struct markup_rules *rules, size_t *run) {
+    const struct speaker *who = speaker_runs_at(rules ? rules->speakers : NULL, at, NULL);
+    const bool mood = who && who->affect;
+    const size_t cue = score->cue_count;
+    if (mood)
+        score_add_cue(score, "affect", who->affect, at)->intensity = MOOD_INTENSITY;
+    add_items(score, text, at, end, rules, run);
+    if (mood)
+        score->cues[cue].last = score->item_count;
+}
+
 static int read_all(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                     struct error *e) {
     size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines), run = 0;
@@ -462,11 +490,17 @@ static int read_all(struct score *score, const char *text, size_t size, const st
             const char *why = markup_why_given_up(rules, &code);
             return error_at_byte(e, code, at, "%s", why);
         }
-        size_t length = plain_sentence(text + at, size - at, rules), end = at + length;
+        size_t length = plain_sentence(text + at, size - at, rules), edge = size;
+        if (rules)
+            speaker_runs_at(rules->speakers, at, &edge);
+        length = edge > at && edge - at < length ? edge - at : length; /* a sentence has one speaker */
+        size_t end = at + length;
         while (end > at && strchr(" \t\r\n\v\f", text[end - 1]))
             end--;
-        add_items(score, text, at, end, rules, &run);
+        add_sentence(score, text, at, end, rules, &run);
         at += length;
+        while (at < size && strchr(" \t\r\n\v\f", text[at]))
+            at++;
     }
     return 0;
 }

@@ -249,8 +249,8 @@ void channel_replicate(struct channel *c, const struct channel_item *said) {
 
 /* Returns whether the event begins in a chunk; the chunk follows at once, so the event waits for it. */
 static bool is_of_chunk(enum stream_event_kind kind) {
-    return kind == STREAM_BEGIN || kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK ||
-           kind == STREAM_PHONE;
+    return kind == STREAM_BEGIN || kind == STREAM_SENTENCE || kind == STREAM_SPEAKER || kind == STREAM_WORD ||
+           kind == STREAM_MARK || kind == STREAM_PHONE;
 }
 
 /* Returns whether there are local listeners, and no listener, local or remote, can hear: the sound of all

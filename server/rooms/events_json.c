@@ -137,9 +137,9 @@ static void put_place(struct buf *out, const struct stream_event *e) {
 const char *event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
         [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
-        [STREAM_MARK] = "mark",       [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
-        [STREAM_END] = "end",         [STREAM_PHONE] = "phone",       [STREAM_PAUSED] = "paused",
-        [STREAM_RESUMED] = "resumed", [STREAM_JUMPED] = "jumped",
+        [STREAM_SPEAKER] = "speaker", [STREAM_MARK] = "mark",         [STREAM_WARNING] = "warning",
+        [STREAM_ERROR] = "error",     [STREAM_END] = "end",           [STREAM_PHONE] = "phone",
+        [STREAM_PAUSED] = "paused",   [STREAM_RESUMED] = "resumed",   [STREAM_JUMPED] = "jumped",
     };
     return types[kind];
 }
@@ -159,6 +159,11 @@ void event_write(struct buf *out, const struct stream_event *e, const char *stre
     case STREAM_SENTENCE:
     case STREAM_WORD:
         put_place(out, e);
+        break;
+    case STREAM_SPEAKER:
+        put_time(out, e);
+        put_text(out, "speaker", e->text);
+        put_text(out, "name", e->name);
         break;
     case STREAM_MARK:
         put_time(out, e);

@@ -48,6 +48,10 @@ void event_line(struct buf *line, const struct stream_event *e) {
         add_seconds(line, e, e->sample);
         add_text(line, e->text, e->end - e->start);
         break;
+    case STREAM_SPEAKER:
+        add_seconds(line, e, e->sample);
+        add(line, *e->name ? e->name : NULL);
+        break;
     case STREAM_MARK:
     case STREAM_PHONE:
     case STREAM_JUMPED:

@@ -47,6 +47,7 @@ void late_join_event(struct late_join *late_join, enum stream_event_kind kind, u
         forget_sentence(late_join);
         keep(late_join, message);
         break;
+    case STREAM_SPEAKER:
     case STREAM_WORD:
     case STREAM_MARK:
         keep(late_join, message);

@@ -37,6 +37,7 @@ struct idle_options {
 enum stream_event_kind {
     STREAM_BEGIN,
     STREAM_SENTENCE,
+    STREAM_SPEAKER,
     STREAM_WORD,
     STREAM_MARK,
     STREAM_PHONE,
@@ -56,7 +57,9 @@ struct stream_event {
     uint64_t command;                          /* of its request (speech_request.h) */
     uint32_t sample_rate, sample, duration;    /* for events with a time; END: total duration, in samples */
     size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: range in the text, end exclusive */
-    const char *text;          /* WORD: end - start bytes of text; MARK, JUMPED: name; PHONE: IPA */
+    const char *text;          /* WORD: end - start bytes of text; MARK, JUMPED: name; PHONE: IPA;
+                                * SPEAKER: id */
+    const char *name;          /* SPEAKER */
     const struct error *error; /* WARNING, ERROR */
     const char *reason; /* END: "done", "stopped", "failed"; NULL = continued on another node, not reported */
     bool blocked;       /* END: every listener's browser blocked the sound */

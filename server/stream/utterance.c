@@ -124,13 +124,25 @@ static struct stream_event place_of(struct utterance *t, enum stream_event_kind 
                                  .text = text + start};
 }
 
+static void say_speaker(struct utterance *t, const struct stream_sink *sink, void *ctx, size_t byte,
+                        uint32_t at) {
+    const struct speaker *who = synthesis_speaker(t->source->text, byte);
+    struct stream_event event = {.kind = STREAM_SPEAKER, .sample = (uint32_t)(t->segments[0].start + at)};
+    event.text = who ? who->id : "";
+    event.name = who ? who->name : "";
+    utterance_give(t, sink, ctx, event);
+}
+
 /* Reports what begins before the cut and was not reported yet. */
 static void say_events(struct utterance *t, const struct stream_sink *sink, void *ctx) {
     const struct media_segment *segment = &t->segments[0];
     const struct sentence_audio *u = segment->audio;
     bool last = t->cut.at == u->samples;
-    if (!t->sentence_said && t->source->text && !segment->wait)
+    if (!t->sentence_said && t->source->text && !segment->wait) {
         utterance_give(t, sink, ctx, place_of(t, STREAM_SENTENCE, segment->skip, u->samples, u->from, u->to));
+        if (synthesis_has_speakers(t->source->text))
+            say_speaker(t, sink, ctx, u->from, segment->skip);
+    }
     t->sentence_said = true;
     for (; t->cut.word < u->word_count && (last || u->words[t->cut.word].start < t->cut.at); t->cut.word++) {
         const struct word *w = &u->words[t->cut.word];

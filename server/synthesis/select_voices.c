@@ -420,7 +420,8 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .abbreviations = abbreviations ? abbreviations : speech_pack_abbreviations(s->pack),
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
-        .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage && !s->request.languages,
+        .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage &&
+                        !s->request.languages && !s->request.speakers,
         .verse_pauses = s->request.verse == VERSE_PAUSE,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,

@@ -41,22 +41,36 @@ enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 /* How lines that end without punctuation are read. */
 enum speech_verse { VERSE_RUN_ON, VERSE_PAUSE };
 
+/* Whether the speakers of a passage have the voices of the work's cast. */
+enum speech_cast {
+    SPEAK_CAST_AUTO, /* if the request names no voice */
+    SPEAK_CAST_ON,
+    SPEAK_CAST_OFF,
+};
+
+enum speech_directions { DIRECTIONS_SILENT, DIRECTIONS_SPOKEN };
+
 struct speech_request {
     char *text; /* as received: not validated, may contain NUL */
     size_t text_size;
-    char *passage;               /* id of a passage of the library, spoken instead of a text */
-    double from;                 /* where to start in the passage, UTF-16 units */
-    char *languages;             /* stretches of a plain text in other languages (language_runs.h) */
-    char *id;                    /* the client's id for the utterance, at most 64 bytes; NULL = none */
-    char *lang, *voice, *engine; /* NULL = the default */
-    enum voice_gender gender;    /* of the voice, if `voice` is NULL */
-    char *markup;                /* NULL = plain */
-    double rate;                 /* words per minute, 40..500; 0 = the voice's own */
-    double pitch, volume;        /* factors, 0.25..4 */
-    double fps;                  /* 1..120 */
-    double seed;                 /* integer, 0..2^53; negative = not given */
-    double life;                 /* strength of idle motion, 0..2; negative = not given */
-    char *affect;                /* emotion of the whole text; NULL = none */
+    char *passage;   /* id of a passage of the library, spoken instead of a text */
+    double from;     /* where to start in the passage, UTF-16 units */
+    char *languages; /* stretches of a plain text in other languages (language_runs.h) */
+    char *speaker;   /* who speaks: any name, or an id of the cast of `work`; NULL = nobody */
+    char *speakers;  /* who speaks which stretch of a plain text (speaker_runs.h) */
+    enum speech_cast cast;
+    enum speech_directions directions; /* of a passage */
+    bool names;                        /* of a passage: the speakers' names are spoken */
+    char *id;                          /* the client's id for the utterance, at most 64 bytes; NULL = none */
+    char *lang, *voice, *engine;       /* NULL = the default */
+    enum voice_gender gender;          /* of the voice, if `voice` is NULL */
+    char *markup;                      /* NULL = plain */
+    double rate;                       /* words per minute, 40..500; 0 = the voice's own */
+    double pitch, volume;              /* factors, 0.25..4 */
+    double fps;                        /* 1..120 */
+    double seed;                       /* integer, 0..2^53; negative = not given */
+    double life;                       /* strength of idle motion, 0..2; negative = not given */
+    char *affect;                      /* emotion of the whole text; NULL = none */
     enum speech_blend blend;
     enum face_contacts contacts; /* whether to close lips that must touch, whatever the engine produces */
     enum speech_normalize normalize;

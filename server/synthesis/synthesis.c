@@ -49,6 +49,16 @@ const char *synthesis_markup(const struct synthesis *s) {
     return s->markup->name;
 }
 
+bool synthesis_has_speakers(const struct synthesis *s) {
+    return s->request.speaker || s->speakers.count;
+}
+
+const struct speaker *synthesis_speaker(const struct synthesis *s, size_t byte) {
+    if (s->speakers.count)
+        return speaker_runs_at(&s->speakers, byte, NULL);
+    return s->request.speaker ? &s->alone : NULL;
+}
+
 const struct speech_request *synthesis_request(const struct synthesis *s) {
     return &s->request;
 }
@@ -128,7 +138,14 @@ static void read_text(struct synthesis *s) {
     const char *languages = s->request.languages;
     if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
         return;
+    const char *speakers = s->request.speakers;
+    if (speakers &&
+        speaker_runs_read(&s->speakers, speakers, s->request.text, s->request.text_size, &r->error)) {
+        language_runs_free(&runs);
+        return;
+    }
     rules.runs = &runs;
+    rules.speakers = &s->speakers;
     rules.limit = &limit;
     r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
     language_runs_free(&runs);
@@ -239,6 +256,7 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
+    s->alone = (struct speaker){.id = s->request.speaker, .name = s->request.speaker, .pitch = 1, .rate = 1};
     if (s->request.contacts == CONTACTS_ENGINE)
         s->request.contacts = pipeline->default_contacts;
     int result = check_affect(s, e) || gather_lexicons(s, request->around, e) || decode_text(s, e) ? -1 : 0;
@@ -507,6 +525,7 @@ void synthesis_free(struct synthesis *s) {
     speculation_drop(s);
     writing_free(s);
     free_result(s);
+    speaker_runs_free(&s->speakers);
     request_free(&s->request);
     lexicons_free(&s->lexicons);
     expressions_free(s->expressions);

@@ -9,6 +9,7 @@
 #include "server/base/suggest.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/packs/speech_pack.h"
+#include "server/markup/speaker_runs.h"
 #include "server/normalize/normalizers.h"
 #include "server/synthesis/media_segment.h"
 #include "server/synthesis/pipeline.h"
@@ -80,6 +81,12 @@ const struct voice *synthesis_voice(const struct synthesis *synthesis);
 const char *synthesis_lang(const struct synthesis *synthesis);
 const char *synthesis_engine(const struct synthesis *synthesis);
 const char *synthesis_markup(const struct synthesis *synthesis); /* detected markup: "plain", "ssml"... */
+/* Who speaks the byte of the text; NULL: nobody in particular. */
+const struct speaker *synthesis_speaker(const struct synthesis *synthesis, size_t byte);
+
+/* True if the request says who speaks. */
+bool synthesis_has_speakers(const struct synthesis *synthesis);
+
 /* The request, with its text converted to UTF-8. */
 const struct speech_request *synthesis_request(const struct synthesis *synthesis);
 

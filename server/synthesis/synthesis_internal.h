@@ -7,6 +7,7 @@
 #include "server/face/packs/speech_pack.h"
 #include "server/face/track.h"
 #include "server/markup/open_text.h"
+#include "server/markup/speaker_runs.h"
 #include "server/normalize/lexicon.h"
 #include "server/normalize/normalizers.h"
 #include "server/synthesis/synthesis.h"
@@ -89,8 +90,10 @@ struct synthesis {
     const struct pipeline *pipeline;
     const struct expressions *expressions; /* a reference to the version at the start */
     struct speech_request request;
-    struct lexicons lexicons; /* by precedence: its own, the work's, the room's, the daemon's */
-    size_t lexicon_warned;    /* warnings of its own lexicon reported so far */
+    struct lexicons lexicons;     /* by precedence: its own, the work's, the room's, the daemon's */
+    struct speaker_runs speakers; /* of the request; read with the text */
+    struct speaker alone;         /* who speaks all of it, if there are none; borrows from the request */
+    size_t lexicon_warned;        /* warnings of its own lexicon reported so far */
     const struct markup_kind *markup;
     const struct score *score; /* the script; NULL until the text is parsed */
     uv_work_t work;

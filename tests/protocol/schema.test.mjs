@@ -77,6 +77,7 @@ const whole = {
     text: 'x',
   },
   end: { stream: 's', utterance: 1, reason: 'done', duration: 1 },
+  speaker: { stream: 's', utterance: 1, time: 0, sample: 0, speaker: 'a', name: 'A' },
   error: { code: 'bad-json', message: 'x', byte: 0, line: 1, column: 1 },
   warning: { stream: 's', utterance: 1, code: 'ignored', message: 'x' },
 };

@@ -145,8 +145,8 @@ export class Presentation {
   /** @returns {boolean} whether the captions have changed */
   #hear(now) {
     this.speech.tick(now);
-    const { captions, options } = this.speech.heard(now)?.utterance ?? {};
-    return this.captions.show(captions?.lineOf(this.captions.size) ?? null, options?.lang);
+    const { captions, options, speaker } = this.speech.heard(now)?.utterance ?? {};
+    return this.captions.show(captions?.lineOf(this.captions.size) ?? null, options?.lang, speaker?.name);
   }
 
   #frame(now, ahead) {

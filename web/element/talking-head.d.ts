@@ -56,6 +56,16 @@ export interface SpeakOptions {
   from?: number;
   /** Ranges of a plain text in other languages: "START-END:LANG", in UTF-16 units, separated by spaces, such as "6-18:la 30-41:fr". For a passage, the library knows them. */
   languages?: string;
+  /** Who speaks the text: any name, or with `work` an id of its cast; returned in speaker events, captions and exports. At most 208 bytes. */
+  speaker?: string;
+  /** Who speaks which ranges of a plain text: a JSON array of {id, name, voice, gender, pitch, rate, affect, at}, where `at` is like "0-12 30-44" in UTF-16 units. For a passage, the library knows them. At most 1048576 bytes. */
+  speakers?: string;
+  /** Whether the speakers of a passage have the voices of the work's cast. auto: if no voice is named; on: always; `voice` is the narrator's; off: one voice speaks everything. */
+  cast?: 'auto' | 'on' | 'off';
+  /** Whether the narrator speaks the stage directions of a passage. */
+  directions?: 'silent' | 'spoken';
+  /** Whether the narrator speaks the speakers' names in a section of the library. */
+  names?: boolean;
   /** The client's name for the utterance; returned in every message about it. At most 64 bytes. */
   id?: string;
   /** A tag of hello.languages or hello.more_languages (BCP 47, such as pt-BR), or a POSIX locale that names one (it_IT.UTF-8). When left out: what the root element of markup says, else hello.lang. */
@@ -250,6 +260,24 @@ export interface ServerWord {
   utf16_end: number;
   /** The word as in the input. */
   text: string;
+}
+/** A person begins or continues to speak: sent with each sentence of an utterance whose request says who speaks. */
+export interface ServerSpeaker {
+  type: 'speaker';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** Its number on the stream. */
+  utterance: number;
+  /** The client's id for it, if given. At most 64 bytes. */
+  id?: string;
+  /** Seconds. */
+  time: number;
+  /** The same in samples at the utterance's rate. */
+  sample: number;
+  /** The id; empty: the narrator. */
+  speaker: string;
+  /** The name to show; empty: the narrator. */
+  name: string;
 }
 /** A phone begins; only if requested. */
 export interface ServerPhone {
@@ -514,6 +542,7 @@ export interface TalkingHeadEventMap {
   begin: CustomEvent<ServerBegin>;
   sentence: CustomEvent<ServerSentence>;
   word: CustomEvent<ServerWord>;
+  speaker: CustomEvent<ServerSpeaker>;
   phone: CustomEvent<ServerPhone>;
   mark: CustomEvent<ServerMark>;
   paused: CustomEvent<ServerPaused>;

@@ -15,6 +15,7 @@ export const captionStyle = `
   .captions.empty { display: none; }
   .over .captions { position: absolute; inset-inline: 0; inset-block-end: 0; }
   .captions p { margin: 0; }
+  .who { font-weight: 600; }
   .said { color: color-mix(in srgb, currentcolor var(--talking-head-said-strength, 72%), transparent); }
   .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
     border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a);
@@ -87,7 +88,7 @@ function make(name, attributes = {}, children = [], namespace = 'http://www.w3.o
 /** Makes the content of the shadow root. @returns {Node[]} */
 export function parts() {
   const icon = (d) => make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d }, [], SVG)], SVG);
-  const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
+  const line = ['who', 'said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
   const stage = make('div', { class: 'stage', part: 'stage' }, [
     make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
     make('canvas', { part: 'canvas', role: 'img' }),

@@ -10,6 +10,7 @@
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/expression/gestures.h"
+#include "server/library/cast.h"
 #include "server/library/library.h"
 #include "server/library/work.h"
 #include "server/library/work_lexicons.h"
@@ -394,10 +395,11 @@ int gestures_serve(struct exchange *x) {
 }
 
 #ifdef HAVE_LIBRARY
-/* Lexicons are read in this process, as those of requests are; works in another one. */
+/* Lexicons and casts are read in this process, as those of requests are; works in another one. */
 static int check_file(const struct reader *reader, const char *name, const void *data, size_t size,
                       const atomic_bool *given_up, struct error *e) {
     return library_lexicon_is(name) ? library_lexicon_check(data, size, e)
+           : cast_file_is(name)     ? cast_check(data, size, e)
                                     : work_check_apart(reader, name, data, size, given_up, e);
 }
 

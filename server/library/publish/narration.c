@@ -2,6 +2,7 @@
 #include "server/library/publish/narration.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/library/cast.h"
 #include "server/synthesis/media_segment.h"
 #include "server/voice/sentence_audio.h"
 #include <stdlib.h>
@@ -15,11 +16,14 @@ struct narration_places {
     size_t *numbers, *starts; /* of the section; start bytes in the text */
     size_t count, cap, numbers_cap, starts_cap;
     struct buf joined;
-    const char *text;            /* the complete text, NUL-terminated */
-    struct buf languages;        /* stretches in other languages, in the syntax of a request */
-    struct utf16_counter units;  /* units of the text */
-    struct utf16_counter source; /* of a block in markup */
-    size_t at, at_units;         /* position in its text: byte, and UTF-16 units before it */
+    const char *text; /* the complete text, NUL-terminated */
+    struct cast_speech *speeches;
+    size_t speech_count, speech_cap;
+    struct buf languages;              /* stretches in other languages, in the syntax of a request */
+    struct utf16_counter units;        /* units of the text */
+    struct utf16_counter speech_units; /* the same, for speeches */
+    struct utf16_counter source;       /* of a block in markup */
+    size_t at, at_units;               /* position in its text: byte, and UTF-16 units before it */
 };
 
 /* ---- sample rates: voices of several languages may differ, a work has one rate ---- */
@@ -78,6 +82,16 @@ static void add_language(struct narration_places *p, const struct block *block, 
                utf16_offset(&p->units, (char *)p->joined.data, start + m->end), m->value);
 }
 
+static void add_speech(struct narration_places *p, const struct block *block) {
+    char who[CAST_ID_BYTES];
+    if (block->source || !cast_id_of_block(block, who))
+        return;
+    size_t start = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size - block->text.size);
+    size_t end = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size);
+    p->speeches = mem_grow(p->speeches, &p->speech_cap, p->speech_count + 1, sizeof *p->speeches);
+    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who)};
+}
+
 /* An empty line separates blocks. A block with its own source stands alone. */
 static void narration_places_add(struct narration_places *p, const struct block *block, size_t number) {
     if (p->count)
@@ -94,6 +108,7 @@ static void narration_places_add(struct narration_places *p, const struct block 
         block_spoken(block, &p->joined);
     for (size_t i = 0; i < block->mark_count && !block->source; i++)
         add_language(p, block, &block->marks[i]);
+    add_speech(p, block);
 }
 
 static void narration_places_end(struct narration_places *p) {
@@ -105,6 +120,9 @@ static void narration_places_free(struct narration_places *p) {
     free(p->blocks);
     free(p->numbers);
     free(p->starts);
+    for (size_t i = 0; i < p->speech_count; i++)
+        free(p->speeches[i].who);
+    free(p->speeches);
     buf_free(&p->joined);
     buf_free(&p->languages);
     *p = (struct narration_places){0};
@@ -221,7 +239,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
     uint64_t start = run->within + r->samples - (uint64_t)run->before;
     narration_units_add(&run->places, run->part, segment.audio, start, r->sentences);
     r->samples += segment.audio->samples;
-    if (!r->stopped && r->segment(r->ctx, &segment, run->places.text, synthesis_markup(run->synthesis)))
+    if (!r->stopped && r->segment(r->ctx, &segment, run->synthesis))
         r->stopped = true;
     media_segment_free(&segment);
     if (r->stopped)
@@ -260,6 +278,9 @@ static void request_of(const struct narration *r, const struct run *run, struct 
     request->languages = run->places.languages.size && !r->any_lang
                              ? mem_strndup((char *)run->places.languages.data, run->places.languages.size)
                              : NULL;
+    request->speakers = r->cast ? cast_speakers(r->cast, run->places.speeches, run->places.speech_count,
+                                                r->cast_voices && !strcmp(lang, r->lang))
+                                : NULL;
     free(request->markup);
     request->markup = mem_strdup(b->source ? b->markup : "plain");
     if (!r->any_lang && strcmp(lang, r->lang) != 0) {

@@ -26,11 +26,13 @@ struct narration {
     struct speech_request *request;  /* voice: for text in `lang`; borrowed */
     const struct lexicons *lexicons; /* of the work; NULL = none; borrowed */
     const char *lang;                /* of the work */
+    const struct cast *cast;         /* voices of those who speak; NULL = nobody is told; borrowed */
+    bool cast_voices;                /* they have voices of their own */
     bool any_lang;                   /* the voice speaks every language, as a recording does */
     bool sentences;                  /* units are sentences instead of words */
-    /* Receives a sentence, with its start in samples of the work. Byte offsets refer to text, which is in
-     * that markup. All segments have the same rate. Nonzero: stop. */
-    int (*segment)(void *ctx, const struct media_segment *segment, const char *text, const char *markup);
+    /* Receives a sentence, with its start in samples of the work. Byte offsets refer to the text of speech,
+     * which is in its markup. All segments have the same rate. Nonzero: stop. */
+    int (*segment)(void *ctx, const struct media_segment *segment, const struct synthesis *speech);
     void (*problem)(void *ctx, const struct error *e, bool warning);
     void *ctx;
     uint32_t rate;    /* Hz; 0 = nothing spoken yet */

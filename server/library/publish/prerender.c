@@ -81,7 +81,8 @@ static void open_section(struct prerender *a) {
     struct error e;
     char id[112];
     snprintf(id, sizeof id, "%s:%u", a->place.work, a->section);
-    if (library_passage(a->library, id, 0, a->text_bytes, &passage, &e)) { /* the work has changed */
+    const struct library_reading how = {.most = a->text_bytes};
+    if (library_passage(a->library, id, &how, &passage, &e)) { /* the work has changed */
         on_finished(a, 0);
         return;
     }

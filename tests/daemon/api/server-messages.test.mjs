@@ -55,7 +55,7 @@ async function alone() {
   await ask('{"type":', { type: 'error', code: 'bad-json', byte: '...' });
   await ask({ type: 'rate', id: 'r', rate: 'fast' }, { type: 'error', field: 'rate', id: 'r' });
   await ask({ type: 'model' }, ({ type, index, count }) => type === 'model' && index === count - 1);
-  await ask({ type: 'speak', id: 'w', markup: 'ssml', phones: true, text: '<speak>Sì, <mark name="m"/>\n<bark/> no.</speak>' }, { type: 'end', id: 'w', reason: 'done' });
+  await ask({ type: 'speak', id: 'w', markup: 'ssml', phones: true, speaker: 'Anna', text: '<speak>Sì, <mark name="m"/>\n<bark/> no.</speak>' }, { type: 'end', id: 'w', reason: 'done' });
   await ask({ type: 'speak', id: 'x', markup: 'ssml', text: '<speak>Sì.' }, { type: 'end', id: 'x', reason: 'failed' });
   stream.send({ type: 'idle' });
   await stream.until(() => stream.chunks.some(({ utterance }) => utterance === 0));

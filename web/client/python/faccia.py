@@ -41,8 +41,8 @@ CLIENT_MESSAGES = frozenset(
 # </client messages>
 # <server messages: made by protocol/make-messages.py>
 SERVER_MESSAGES = frozenset(
-    "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
-    "choices chosen state calibrated lexicon expressed consent observers".split()
+    "hello begin sentence word speaker phone mark paused resumed jumped warning error end joined left authorized model "
+    "pong choices chosen state calibrated lexicon expressed consent observers".split()
 )
 # </server messages>
 

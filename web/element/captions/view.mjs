@@ -10,10 +10,10 @@ const OVER_SHARE = 0.17; // share of the picture's height below the chin
 
 /** The captions on the page. */
 export class CaptionView {
-  /** @param {HTMLElement} box with the elements .said, .word and .rest */
+  /** @param {HTMLElement} box with the elements .who, .said, .word and .rest */
   constructor(box) {
     this.box = box;
-    this.spans = ['said', 'word', 'rest'].map((name) => box.querySelector(`.${name}`));
+    this.spans = ['who', 'said', 'word', 'rest'].map((name) => box.querySelector(`.${name}`));
     this.key = '';
     this.timer = 0;
     this.size = CAPTION_CHARACTERS; // how many characters there is room for
@@ -37,16 +37,17 @@ export class CaptionView {
 
   /**
    * @param {{said: string, word: string, rest: string}|null} line @param {string} [lang] of the text
+   * @param {string} [who] name of who speaks
    * @returns {boolean} whether they have changed
    */
-  show(line, lang) {
+  show(line, lang, who) {
     if (!line) {
       if (this.key && !this.timer) this.timer = setTimeout(() => this.clear(), LINGER_MS);
       return false;
     }
     clearTimeout(this.timer);
     this.timer = 0;
-    const parts = [line.said, line.word, line.rest];
+    const parts = [who ? `${who}: ` : '', line.said, line.word, line.rest];
     const key = parts.join('\u0000');
     if (key === this.key) return false;
     this.key = key;
@@ -59,7 +60,7 @@ export class CaptionView {
     clearTimeout(this.timer);
     this.timer = 0;
     this.key = '';
-    this.#write(['', '', '']);
+    this.#write(['', '', '', '']);
   }
 
   #measure() {

@@ -116,7 +116,7 @@ export class Reader {
     const words = whole.words.filter((at) => at >= base).map((at) => at - base);
     const piece = { ...whole, text: whole.text.slice(base), words };
     const work = whole.at[0]?.node.parentElement?.closest('[data-passage]')?.dataset.passage; // whose lexicons hold
-    this.#request(index, base, markedUp(piece, this.#id(index)), { mode, markup: 'ssml', ...(work ? { work } : {}), ...this.#voice(piece.lang) });
+    this.#request(index, base, markedUp(piece, this.#id(index)), { mode, markup: 'ssml', ...(work ? { work } : {}), ...(piece.speaker ? { speaker: piece.speaker } : {}), ...this.#voice(piece.lang) });
   }
 
   #id(index) {

@@ -8,10 +8,14 @@ const SILENT = `script, style, template, noscript, iframe, object, audio, video,
   [role~="doc-endnotes"], [role~="note"], [role~="doc-pagebreak"]`;
 const LONGEST = 600; // characters of one request
 
+/** An aside in a speech, such as a stage direction: it counts in the places of a passage, but is not read. */
+const ASIDE = '[data-aside]';
+
 /**
- * @typedef {Object} Stretch text of one language that no block interrupts
+ * @typedef {Object} Stretch text of one language and one speaker that no block interrupts
  * @property {string} text white space as single spaces
  * @property {string} lang of the nearest `lang` attribute; empty: of none
+ * @property {string} [speaker] of the nearest `data-speaker` attribute; empty: the narrator
  * @property {{node: Text, offset: number}[]} at where each character stands
  */
 
@@ -24,17 +28,20 @@ const unread = (element) =>
   element.checkVisibility?.() === false ||
   (element.tagName === 'SUP' && element.firstElementChild?.matches('a[href^="#"]'));
 
-/** @param {Element} root @returns {Stretch[]} in the order of the text */
-export function stretchesOf(root) {
+/**
+ * @param {Element} root @param {{asides?: boolean}} [options] asides: they are kept
+ * @returns {Stretch[]} in the order of the text
+ */
+export function stretchesOf(root, { asides = true } = {}) {
   const found = [];
   let open = null;
   const close = () => {
     if (open?.text.trim()) found.push(open);
     open = null;
   };
-  const add = (node, lang) => {
-    if (open && open.lang !== lang && /\S/.test(node.data)) close();
-    open ??= { text: '', lang, at: [] };
+  const add = (node, lang, speaker) => {
+    if (open && (open.lang !== lang || open.speaker !== speaker) && /\S/.test(node.data)) close();
+    open ??= { text: '', lang, speaker, at: [] };
     for (let offset = 0; offset < node.data.length; offset++) {
       const sign = node.data[offset];
       const blank = /\s/.test(sign);
@@ -43,14 +50,15 @@ export function stretchesOf(root) {
       open.at.push({ node, offset });
     }
   };
-  const walk = (element, lang) => {
+  const walk = (element, lang, speaker) => {
     const block = BLOCKS.has(element.tagName);
     if (block) close();
     for (const child of element.childNodes) {
-      if (child.nodeType === 3) add(child, lang);
+      if (child.nodeType === 3) add(child, lang, speaker);
       else if (child.nodeType !== 1 || unread(child)) continue;
       else if (child.tagName === 'BR') space();
-      else walk(child, child.getAttribute('lang') ?? lang);
+      else if (!asides && child.matches(ASIDE)) space();
+      else walk(child, child.getAttribute('lang') ?? lang, child.getAttribute('data-speaker') ?? speaker);
     }
     if (block) close();
     else if (element.hasAttribute('data-line')) space();
@@ -61,7 +69,7 @@ export function stretchesOf(root) {
     open.text += ' ';
     open.at.push(open.at.at(-1));
   };
-  walk(root, languageOf(root));
+  walk(root, languageOf(root), root.closest('[data-speaker]')?.getAttribute('data-speaker') ?? undefined);
   close();
   return found;
 }
@@ -100,6 +108,7 @@ const escape = (text) => text.replace(/[&<>"]/g, (sign) => ESCAPES[sign]);
  * @typedef {Object} Piece what one request says
  * @property {string} text @property {string} lang @property {{node: Text, offset: number}[]} at
  * @property {number[]} words where in the text one can begin
+ * @property {string} [speaker] who says it
  * @property {string} [passage] of the library, instead of the text
  */
 
@@ -120,11 +129,11 @@ export function passagesOf(root) {
 
 /** @param {Element} root @returns {Piece[]} */
 export function piecesOf(root) {
-  return stretchesOf(root).flatMap(({ text, lang, at }) =>
+  return stretchesOf(root, { asides: false }).flatMap(({ text, lang, speaker, at }) =>
     sentencesIn(text, lang).flatMap(([start, end]) => {
       const said = text.slice(start, end).trimEnd();
       if (!/[\p{L}\p{N}]/u.test(said)) return [];
-      return [{ text: said, lang, at: at.slice(start, start + said.length), words: wordsIn(said) }];
+      return [{ text: said, lang, speaker, at: at.slice(start, start + said.length), words: wordsIn(said) }];
     }),
   );
 }

@@ -169,7 +169,7 @@ export class Speech {
     else if (message.type === 'end') this.#close(utterance, message);
     else if (utterance.cancelled) return;
     else if (message.type === 'begin') this.#begin(utterance, message);
-    else if (utterance.item && ['sentence', 'word', 'mark', 'phone'].includes(message.type))
+    else if (utterance.item && ['sentence', 'speaker', 'word', 'mark', 'phone'].includes(message.type))
       this.timeline.schedule(utterance.item, message.time, message);
   }
 
@@ -337,8 +337,10 @@ export class Speech {
 
   #happen(utterance, message) {
     if (message.type === 'sentence') utterance.captions.sentence(message);
+    if (message.type === 'speaker') utterance.speaker = { id: message.speaker, name: message.name };
     if (message.type === 'word') utterance.captions.heard(message);
     if (message.type === 'end') this.#end(utterance, message);
+    else if (message.type === 'word' && utterance.speaker) this.emit('word', { ...this.#detail(utterance, message), speaker: utterance.speaker });
     else this.emit(message.type, this.#detail(utterance, message));
   }
 

@@ -82,6 +82,15 @@ const speechStories = [
     actions: { speak: ['Speak', (head) => head.speak('La mamma parla piano.', { phones: true })] },
   },
   {
+    id: 'dialogue', group: speaking, title: 'A dialogue',
+    about: 'Each person has a voice of its own. The event tells who speaks, and so do the captions.',
+    shows: ['@speaker', '::who'], attributes: { lang: 'it' },
+    css: 'talking-head::part(who) { font-variant: small-caps; }',
+    actions: { speak: ['Speak', (head) => head.speak('Chi è? Sono io.', {
+      speakers: JSON.stringify([{ id: 'anna', name: 'Anna', gender: 'female', at: '0-6' }, { id: 'ugo', name: 'Ugo', gender: 'male', at: '7-15' }]),
+    })] },
+  },
+  {
     id: 'wrong', group: speaking, title: 'Errors',
     about: 'Markup that claims to be SSML but is not gives an error with its place. Text that cannot be spoken gives a warning. The face stays alive.',
     shows: ['@error', '@warning'], attributes: { lang: 'en' },

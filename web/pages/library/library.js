@@ -9,6 +9,7 @@ import { openKeys } from './keys.js';
 import { lineOf, Listening } from './listening.js';
 import { canKeep, forget, keep, kept, KeptSpeech, startWorker } from './offline.js';
 import { Recording } from './recording.js';
+import { Roles } from './roles.js';
 import { Search } from './search.js';
 import { showText } from './text.js';
 import { library as words } from '../texts/index.js';
@@ -23,6 +24,7 @@ const passage = $('passage');
 const spoken = new KeptSpeech();
 const state = { section: null, titles: new Map(), going: null };
 const choices = new Choices(frame, passage, spoken);
+const roles = new Roles(frame, passage, (address) => frame.access.load(address));
 const listening = new Listening(frame, passage, {
   spoken,
   async next() {
@@ -110,6 +112,7 @@ async function openSection(work, number) {
   document.title = `${section.title || about.title} · ${about.title} · faccia`;
   recording.show(section, addresses[1]);
   choices.section = section;
+  roles.show(section);
   return true;
 }
 
@@ -242,4 +245,4 @@ const opened = texts.catch(() => {}).then(() => frame.loadHead()).catch(() => {}
 await texts;
 $('keep').hidden = !(await startWorker());
 await opened;
-choices.voices = (await load('v1/voices'))?.voices ?? [];
+choices.voices = roles.voices = (await load('v1/voices'))?.voices ?? [];

@@ -51,7 +51,11 @@ function inline(block, from, to, signs) {
         while (rest.length && rest[0].start < at) inner.push(rest.shift());
         const element = make(MARKS[mark.kind] ?? 'span', {}, piece(mark.start, at, inner, depth + 1));
         if (mark.lang) element.lang = mark.lang;
-        if (mark.kind === 'stage') element.className = 'stage';
+        if (mark.kind === 'stage') {
+          element.className = 'stage';
+          element.setAttribute('data-aside', '');
+          element.setAttribute('data-speaker', '');
+        }
         here.append(element);
       }
     }
@@ -112,6 +116,7 @@ function setText({ blocks, work }) {
     if (block.id) set.id = block.id;
     if (block.id && block.kind !== 'note') set.dataset.passage = block.id;
     if (block.lang && block.lang !== work.lang) set.lang = block.lang;
+    if (block.who) set.dataset.speaker = block.who;
     return set;
   });
 }

@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'A table of mouth shapes of the server is broken. Whoever runs it has to mend it.',
   'bad-expressions': 'The expressions of the server are broken. Whoever runs it has to mend them.',
   'bad-normalization': 'The server’s words for numbers and dates are broken. Whoever runs it has to mend them.',
+  'bad-cast': 'A cast of the library is broken. Whoever runs the server has to mend it.',
   'bad-lexicon': 'A lexicon of pronunciations of the server is broken. Whoever runs it has to mend it.',
   guessed: 'Some words may be read differently from what you meant.',
   unspoken: 'Some characters cannot be spoken and were left out.',
@@ -198,6 +199,7 @@ export const library = {
   problems: 'Files with errors: {n}. List them with: faccia library.',
   alignWaits: 'The recording is waiting to be aligned with the text.', aligning: 'The recording is being aligned with the text.', alignFailed: 'The recording cannot be aligned with the text: {why}', differs: 'Where text and recording differ',
   unheard: 'not in the recording', perhapsUnheard: 'perhaps not in the recording', unwritten: '{n} s of the recording are not in the text', hearIt: 'Hear it in another voice',
+  roles: 'Characters', faces: 'A face for each', directions: 'Read stage directions', names: 'Read names',
 };
 
 export const operator = {

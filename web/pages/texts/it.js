@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'Una tabella delle forme della bocca del server è guasta. Chi lo gestisce deve ripararla.',
   'bad-expressions': 'Le espressioni del server sono guaste. Chi lo gestisce deve ripararle.',
   'bad-normalization': 'Le parole per numeri e date del server sono guaste. Chi lo gestisce deve ripararle.',
+  'bad-cast': 'Una distribuzione delle parti della biblioteca è guasta. Chi gestisce il server deve correggerla.',
   'bad-lexicon': 'Un lessico di pronunce del server è guasto. Chi lo gestisce deve correggerlo.',
   guessed: 'Qualche parola può essere stata letta diversamente da come era intesa.',
   unspoken: 'Alcuni caratteri non si possono pronunciare e sono stati tralasciati.',
@@ -205,6 +206,7 @@ export const library = {
   problems: 'File non letti per intero: {n}. Li elenca: faccia library.',
   alignWaits: 'La registrazione attende di essere accostata al testo.', aligning: 'La registrazione viene accostata al testo.', alignFailed: 'La registrazione non si può accostare al testo: {why}', differs: 'Dove testo e registrazione differiscono',
   unheard: 'manca nella registrazione', perhapsUnheard: 'forse manca nella registrazione', unwritten: '{n} s della registrazione non sono nel testo', hearIt: 'Ascolta con un’altra voce',
+  roles: 'Personaggi', faces: 'Un volto per ciascuno', directions: 'Leggi le didascalie', names: 'Leggi i nomi',
 };
 
 export const operator = {

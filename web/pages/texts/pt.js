@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'Uma tabela de formas da boca do servidor está com defeito. Quem o administra precisa consertá-la.',
   'bad-expressions': 'As expressões do servidor estão com defeito. Quem o administra precisa consertá-las.',
   'bad-normalization': 'As palavras para números e datas do servidor estão com defeito. Quem o administra precisa consertá-las.',
+  'bad-cast': 'Um elenco da biblioteca está com defeito. Quem administra o servidor precisa consertá-lo.',
   'bad-lexicon': 'Um léxico de pronúncias do servidor está com defeito. Quem o administra precisa consertá-lo.',
   guessed: 'Algo pode ter sido lido de outro modo que o pretendido.',
   unspoken: 'Alguns caracteres não podem ser pronunciados e foram deixados de fora.',
@@ -205,6 +206,7 @@ export const library = {
   problems: 'Arquivos não lidos por inteiro: {n}. Veja-os com: faccia library.',
   alignWaits: 'A gravação espera para ser alinhada ao texto.', aligning: 'A gravação está sendo alinhada ao texto.', alignFailed: 'A gravação não pode ser alinhada ao texto: {why}', differs: 'Onde texto e gravação diferem',
   unheard: 'falta na gravação', perhapsUnheard: 'talvez falte na gravação', unwritten: '{n} s da gravação não estão no texto', hearIt: 'Ouvir com outra voz',
+  roles: 'Personagens', faces: 'Um rosto para cada um', directions: 'Ler as rubricas', names: 'Ler os nomes',
 };
 
 export const operator = {

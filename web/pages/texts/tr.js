@@ -92,6 +92,7 @@ export const errors = {
   'bad-shape-table': 'Sunucunun bir ağız biçimleri tablosu bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-expressions': 'Sunucunun ifade dosyası bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-normalization': 'Sunucunun sayı ve tarih sözcükleri bozuk. Sunucuyu yöneten kişi onları onarmalı.',
+  'bad-cast': 'Kitaplığın bir rol dağılımı bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   'bad-lexicon': 'Sunucunun bir söyleyiş sözlüğü bozuk. Sunucuyu yöneten kişi onu onarmalı.',
   guessed: 'Bazı sözler amaçlanandan farklı okunmuş olabilir.',
   unspoken: 'Bazı karakterler söylenemez; atlandılar.',
@@ -205,6 +206,7 @@ export const library = {
   problems: '{n} dosya bütünüyle okunamadı: faccia library listeler.',
   alignWaits: 'Kayıt, metne yerleştirilmeyi bekliyor.', aligning: 'Kayıt metne yerleştiriliyor.', alignFailed: 'Kayıt metne yerleştirilemiyor: {why}', differs: 'Metinle kaydın ayrıldığı yerler',
   unheard: 'kayıtta yok', perhapsUnheard: 'belki kayıtta yok', unwritten: 'Kaydın {n} saniyesi metinde yok', hearIt: 'Başka bir sesle dinle',
+  roles: 'Kişiler', faces: 'Her birine bir yüz', directions: 'Sahne yönergelerini oku', names: 'Adları oku',
 };
 
 export const operator = {

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page of the library with a play: who speaks is shown, heard, and has a face of its own.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { violations } from '../../lib/axe.mjs';
+import { launch } from '../../lib/browser.mjs';
+import { artefacts, Daemon, eventually, root } from '../../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-play-'));
+let daemon, browser, page;
+before(async () => {
+  fs.mkdirSync(path.join(folder, 'works'));
+  fs.copyFileSync(path.join(root, 'models/library/la-chiave.xml'), path.join(folder, 'works/la-chiave.xml'));
+  daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index')]);
+  await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
+  browser = await launch({ webgl: false });
+  page = await browser.newPage({ viewport: { width: 1100, height: 800 }, locale: 'it-IT', serviceWorkers: 'block', reducedMotion: 'reduce' });
+  page.setDefaultTimeout(90000);
+  await page.addInitScript(() => {
+    globalThis.heard = [];
+    document.addEventListener('DOMContentLoaded', () => {
+      for (const type of ['speaker', 'word', 'begin'])
+        document.getElementById('head').addEventListener(type, ({ detail }) => globalThis.heard.push({ type, ...detail, head: document.getElementById('head').getAttribute('model'), shown: document.getElementById('who').textContent }));
+    });
+  });
+  await page.goto(`${daemon.url}/library.html#la-chiave:2`);
+  await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 5);
+});
+after(async () => {
+  await browser?.close();
+  assert.equal((await daemon.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
+});
+
+/** Reads the section to the end of a word, and returns what was heard: [speaker, words]. */
+async function read(until) {
+  await page.evaluate(() => (globalThis.heard.length = 0));
+  await page.click('#play');
+  await page.waitForFunction((word) => globalThis.heard.some(({ type, text }) => type === 'word' && text.includes(word)), until);
+  await page.keyboard.press('Escape');
+  const events = await page.evaluate(() => globalThis.heard);
+  const found = [];
+  for (const { type, speaker, text } of events)
+    if (type === 'word') {
+      const who = speaker?.name ?? '';
+      if (found.at(-1)?.[0] !== who) found.push([who, '']);
+      found.at(-1)[1] += `${text} `;
+    }
+  return { events, found: found.map(([who, said]) => [who, said.trim()]) };
+}
+
+test('the persons are listed, and each is heard with its own voice and face, without stage directions', async () => {
+  await page.click('#roles summary');
+  assert.match(await page.textContent('#persons li:first-child'), /^Anselmo vecchio orologiaio · uomo/);
+  assert.deepEqual(await violations(page), []);
+  await page.screenshot({ path: path.join(artefacts, 'play.png') });
+  const { events, found } = await read('Quale');
+  assert.deepEqual(found.map(([who]) => who), ['', 'Lisetta', 'Anselmo', 'Lisetta']);
+  assert.match(found[1][1], /^Buongiorno,? Anselmo\.? È ancora caldo/);
+  assert.ok(!found.some(([, said]) => /posando|ira|bottega/.test(said)), JSON.stringify(found));
+  const voices = new Set(events.filter(({ type }) => type === 'begin').map(({ voice }) => voice));
+  assert.ok(voices.size >= 3, [...voices].join(' ')); // Lisetta's, Anselmo's, the narrator's
+  const cast = Object.fromEntries((await (await daemon.get('/v1/library/works/la-chiave/cast')).json()).cast.map((member) => [member.id, member]));
+  const said = events.filter(({ type, speaker }) => type === 'word' && speaker);
+  assert.ok(said.length > 10);
+  for (const { speaker, head, shown } of said) assert.deepEqual([head, shown], [cast[speaker.id].head, speaker.name]);
+  assert.notEqual(cast.lisetta.head, cast.anselmo.head);
+});
+
+test('stage directions and names are read by a narrator when that is chosen', async () => {
+  for (const id of ['directions', 'names']) await page.check(`#${id}`);
+  await page.evaluate(() => document.getElementById('passage').querySelector('h2').scrollIntoView());
+  await page.goto(`${daemon.url}/library.html#la-chiave:3`);
+  await page.waitForFunction(() => document.querySelector('#passage h2, #passage h3')?.textContent === 'Scena seconda');
+  const { found } = await read('presa');
+  assert.deepEqual(found.map(([who]) => who), ['', 'Nina', '', 'Nina']);
+  assert.match(found[0][1], /Scena seconda .*Entra Nina.* Nina$/);
+  assert.match(found[2][1], /piangendo/);
+  await page.uncheck('#faces');
+  assert.equal(await page.evaluate(() => document.getElementById('head').getAttribute('model')), null);
+});
