@@ -400,7 +400,8 @@ static void on_segment(void *ctx, struct media_segment segment) {
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct film *f = ctx;
     char text[400];
-    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    cli_complain("%s%s%s", warning ? "warning: " : "", f->from ? "--from: " : "",
+                 error_text(e, text, sizeof text));
     f->failed |= !warning;
 }
 
@@ -658,9 +659,9 @@ static int start(struct film *f, const char *head, double fps) {
                                      .fps = fps,
                                      .start = f->at > 0 ? f->at : 0,
                                      .count = f->count};
-    f->coder = film_coder_open(&f->cli.loop, &coding, &coder_calls, f, &e);
-    f->browser = f->coder ? film_browser_open(&f->cli.loop, &scene, &browser_calls, f, &e) : NULL;
-    if (f->browser)
+    f->coder = film_coder_new(&f->cli.loop, &coder_calls, f);
+    f->browser = film_browser_new(&f->cli.loop, &browser_calls, f);
+    if (!film_coder_start(f->coder, &coding, &e) && !film_browser_start(f->browser, &scene, &e))
         return 0;
     fail(f, &e);
     return -1;

@@ -296,23 +296,23 @@ static int start_browser(struct film_browser *b, uv_loop_t *loop, const struct f
     return b->process ? 0 : -1;
 }
 
-struct film_browser *film_browser_open(uv_loop_t *loop, const struct film_scene *scene,
-                                       const struct film_browser_calls *calls, void *ctx, struct error *e) {
+struct film_browser *film_browser_new(uv_loop_t *loop, const struct film_browser_calls *calls, void *ctx) {
     struct film_browser *b = mem_alloc(sizeof *b);
     b->calls = calls;
     b->ctx = ctx;
-    b->count = scene->count;
-    b->picture_bytes = (size_t)4 * scene->width * scene->height;
     uv_timer_init(loop, &b->timer);
     b->timer.data = b;
-    if (!add_files(b, scene, e) && !open_server(b, loop, e) && !start_browser(b, loop, scene, e)) {
-        watch(b);
-        return b;
-    }
-    film_browser_close(b);
-    uv_run(loop, UV_RUN_DEFAULT);
-    film_browser_free(b);
-    return NULL;
+    return b;
+}
+
+int film_browser_start(struct film_browser *b, const struct film_scene *scene, struct error *e) {
+    uv_loop_t *loop = b->timer.loop;
+    b->count = scene->count;
+    b->picture_bytes = (size_t)4 * scene->width * scene->height;
+    if (add_files(b, scene, e) || open_server(b, loop, e) || start_browser(b, loop, scene, e))
+        return -1;
+    watch(b);
+    return 0;
 }
 
 void film_browser_taken(struct film_browser *b) {

@@ -38,9 +38,10 @@ const char *film_browser_found(void);
 
 struct film_browser;
 
-/* Strings of the scene are borrowed. NULL with *e: "film-failed", or as http_server_open. */
-struct film_browser *film_browser_open(uv_loop_t *loop, const struct film_scene *scene,
-                                       const struct film_browser_calls *calls, void *ctx, struct error *e);
+struct film_browser *film_browser_new(uv_loop_t *loop, const struct film_browser_calls *calls, void *ctx);
+
+/* Strings of the scene are borrowed until it returns. -1 with *e: "film-failed", or as http_server_open. */
+int film_browser_start(struct film_browser *browser, const struct film_scene *scene, struct error *e);
 
 /* One more picture has been used: the page may draw another. */
 void film_browser_taken(struct film_browser *browser);

@@ -214,29 +214,27 @@ static void on_written(void *ctx, int status) {
     c->calls->taken(c->ctx);
 }
 
-struct film_coder *film_coder_open(uv_loop_t *loop, const struct film_coding *coding,
-                                   const struct film_coder_calls *calls, void *ctx, struct error *e) {
+struct film_coder *film_coder_new(uv_loop_t *loop, const struct film_coder_calls *calls, void *ctx) {
     struct film_coder *c = mem_alloc(sizeof *c);
-    struct words words = {0};
-    command(&words, coding);
     c->calls = calls;
     c->ctx = ctx;
     uv_timer_init(loop, &c->timer);
     c->timer.data = c;
+    return c;
+}
+
+int film_coder_start(struct film_coder *c, const struct film_coding *coding, struct error *e) {
+    struct words words = {0};
+    command(&words, coding);
     const struct film_process_options options = {.args = words.list,
                                                  .given = coding->file,
                                                  .as = OUTPUT_FD,
                                                  .folder = coding->folder,
                                                  .ended = on_ended,
                                                  .ctx = c};
-    c->process = film_process_start(loop, &options, e);
+    c->process = film_process_start(c->timer.loop, &options, e);
     words_free(&words);
-    if (c->process)
-        return c;
-    film_coder_close(c);
-    uv_run(loop, UV_RUN_DEFAULT);
-    film_coder_free(c);
-    return NULL;
+    return c->process ? 0 : -1;
 }
 
 void film_coder_add(struct film_coder *c, struct buf *pixels) {

@@ -36,9 +36,10 @@ const char *film_coder_found(void);
 
 struct film_coder;
 
-/* Strings are borrowed. NULL with *e ("film-failed"). */
-struct film_coder *film_coder_open(uv_loop_t *loop, const struct film_coding *coding,
-                                   const struct film_coder_calls *calls, void *ctx, struct error *e);
+struct film_coder *film_coder_new(uv_loop_t *loop, const struct film_coder_calls *calls, void *ctx);
+
+/* Strings are borrowed until it returns. -1 with *e ("film-failed"). */
+int film_coder_start(struct film_coder *coder, const struct film_coding *coding, struct error *e);
 
 /* Adds a picture and takes its buffer. Empty: the one before once more. */
 void film_coder_add(struct film_coder *coder, struct buf *pixels);
