@@ -29,11 +29,12 @@ static const char usage[] =
     "fast as this machine can. Needs ffmpeg and a browser without a window, such as "
     "chromium-headless-shell.\n"
     "\n"
-    "  -o, --output FILE    the film: .mp4, .webm or .gif; numbered pictures and their sound: name-%05d.png\n"
+    "  -o, --output FILE    the film: .mp4, .webm; without sound .gif, .webp; numbered pictures and\n"
+    "                       a sound file: name-%05d.png\n"
     "  -m, --model NAME     a head that 'faccia models' lists (the first)\n"
     "      --size WxH       pixels (640x480)\n"
     "      --background COLOUR|IMAGE|transparent\n"
-    "                       a colour as in CSS, or an image file (#dfe3e8); transparent: .webm, .gif, .png\n"
+    "                       a colour as in CSS, or an image file (#dfe3e8); transparent: not .mp4\n"
     "      --view portrait|face|bust|mouth\n"
     "                       what is seen of the head (portrait)\n"
     "      --quality low|fine|high\n"
@@ -163,10 +164,12 @@ static int take_output(struct film *f, const char *path) {
         f->format = FILM_WEBM;
     else if (ends_in(path, ".gif"))
         f->format = FILM_GIF;
+    else if (ends_in(path, ".webp"))
+        f->format = FILM_WEBP;
     else if (ends_in(path, ".png"))
         f->format = numbered(path, &length) ? FILM_PICTURES : FILM_STILL;
     else
-        return wrong("--output", path, "a name that ends in .mp4, .webm, .gif or .png");
+        return wrong("--output", path, "a name that ends in .mp4, .webm, .gif, .webp or .png");
     return -1;
 }
 
@@ -226,7 +229,7 @@ static int check(const struct film *f, const struct speech_request *request) {
     if (f->at < 0 && f->format == FILM_STILL)
         return refuse("--output: give --at SECONDS for one picture, or a number for each (name-%05d.png)");
     if (f->transparent && f->format == FILM_MP4)
-        return refuse("--background: .mp4 cannot be transparent; .webm, .gif and .png can");
+        return refuse("--background: .mp4 cannot be transparent; .webm, .gif, .webp and .png can");
     if (f->captions == FILM_CAPTIONS_TRACK && !track)
         return refuse(
             "--captions: only .mp4 and .webm have a track of captions; burn puts them in the picture");

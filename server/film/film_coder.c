@@ -100,6 +100,8 @@ static void add_filters(struct words *w, const struct film_coding *c) {
                    ",format=rgba,split[a][b];[a]palettegen=reserve_transparent=%d[p];"
                    "[b][p]paletteuse=dither=bayer:bayer_scale=4",
                    c->transparent);
+    else if (c->format == FILM_WEBP)
+        buf_printf(&f, ",format=%s", c->transparent ? "rgba,format=bgra" : "bgra");
     else
         buf_printf(&f, ",format=%s", c->transparent ? "rgba" : "rgb24");
     word(w, "-vf");
@@ -125,6 +127,9 @@ static void add_coders(struct words *w, const struct film_coding *c) {
         break;
     case FILM_GIF:
         say(w, "-f gif");
+        break;
+    case FILM_WEBP:
+        say(w, "-c:v libwebp_anim -quality 80 -loop 0 -f webp");
         break;
     case FILM_PICTURES:
         say(w, "-c:v png -pred mixed -f image2 -start_number 1");

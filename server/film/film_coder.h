@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <uv.h>
 
-enum film_format { FILM_MP4, FILM_WEBM, FILM_GIF, FILM_PICTURES, FILM_STILL };
+enum film_format { FILM_MP4, FILM_WEBM, FILM_GIF, FILM_WEBP, FILM_PICTURES, FILM_STILL };
 
 enum film_captions { FILM_CAPTIONS_NONE, FILM_CAPTIONS_BURN, FILM_CAPTIONS_TRACK };
 
