@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia film: speaks a text, or takes a recorded face, and films the head that the page would show. */
-#include "protocol/say_options.h"
 #include "server/base/mem.h"
-#include "server/cli/cli.h"
+#include "server/cli/film_options.h"
+#include "server/face/high_level.h"
 #include "server/film/film_browser.h"
-#include "server/film/film_coder.h"
 #include "server/film/film_media.h"
 #include "server/synthesis/recording.h"
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <ftw.h>
 #include <glob.h>
 #include <jansson.h>
@@ -22,50 +19,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char usage[] =
-    "Usage: faccia film [OPTION]... -o FILE (TEXT | --file FILE | - | --from FILE.fap)\n"
-    "Speaks TEXT, a file, or standard input (-), and films the head as the page draws it: frame by frame, "
-    "as\n"
-    "fast as this machine can. Needs ffmpeg and a browser without a window, such as "
-    "chromium-headless-shell.\n"
-    "\n"
-    "  -o, --output FILE    the film: .mp4, .webm; without sound .gif, .webp; numbered pictures and\n"
-    "                       a sound file: name-%05d.png\n"
-    "  -m, --model NAME     a head that 'faccia models' lists (the first)\n"
-    "      --size WxH       pixels (640x480)\n"
-    "      --background COLOUR|IMAGE|transparent\n"
-    "                       a colour as in CSS, or an image file (#dfe3e8); transparent: not .mp4\n"
-    "      --view portrait|face|bust|mouth\n"
-    "                       what is seen of the head (portrait)\n"
-    "      --quality low|fine|high\n"
-    "                       of drawing; high: soft edges, slower (fine)\n"
-    "      --captions burn|track\n"
-    "                       the words as captions: in the picture, or beside it (.mp4, .webm)\n"
-    "      --lossless       keeps every pixel and every sample of the sound (.mp4; few players read it)\n"
-    "      --at SECONDS     one picture (.png) of that moment\n"
-    "      --from FILE.fap  films a recorded face\n"
-    "      --audio FILE     its sound (default: a file of the same name beside it, or silence); for a text, "
-    "the\n"
-    "                       folder of sound files that it may refer to\n"
-    "  -f, --file FILE      the text\n"
-    "      --lexicon FILE   pronunciation lexicon (W3C PLS); may be repeated\n" SPEAK_HELP
-    "  -h, --help           print this and exit\n"
-    "Exit status: 0 filmed, 1 failed, 2 wrong usage.\n";
-
-enum { SIDE_MIN = 16, SIDE_MAX = 4096, PIXELS_MAX = 3840 * 2160, SIGNALS = 3, GIF_BYTES_MAX = 1 << 30 };
+enum { SIGNALS = 3, GIF_BYTES_MAX = 1 << 30 };
 
 struct film {
     const struct settings *settings;
     struct cli cli;
-    struct cli_lexicons lexicons;
-    /* options; NULL = not given */
-    const char *output, *model, *background, *view, *level, *from, *audio;
-    unsigned width, height;
-    double at; /* negative: the whole */
-    bool lossless, transparent;
-    enum film_format format;
-    enum film_captions captions;
-    bool fps_given;
+    struct film_options o;
     /* speaking */
     struct synthesis *synthesis;
     struct recording *recording;
@@ -76,6 +35,7 @@ struct film {
     struct film_coder *coder;
     struct cli_file file;
     uv_signal_t signals[SIGNALS];
+    struct buf sheet;        /* filter that makes one picture of all */
     char folder[64];         /* for what the programs need */
     char pictures[PATH_MAX]; /* folder of unfinished pictures, beside the finished ones; "": none */
     unsigned count, drawn;   /* pictures */
@@ -83,226 +43,6 @@ struct film {
     int signal;              /* that has ended the film; 0: none */
     bool finished, failed;
 };
-
-/* Options */
-
-static int wrong(const char *what, const char *text, const char *expected) {
-    cli_complain("%s: invalid value '%s': expected %s", what, text, expected);
-    return EXIT_USAGE;
-}
-
-static int take_size(struct film *f, const char *text) {
-    int used = 0;
-    bool well = sscanf(text, "%4ux%4u%n", &f->width, &f->height, &used) == 2 && !text[used];
-    if (!well || f->width < SIDE_MIN || f->height < SIDE_MIN || f->width > SIDE_MAX || f->height > SIDE_MAX ||
-        f->width * f->height > PIXELS_MAX)
-        return wrong("--size", text, "WxH, 16 to 4096 pixels each, at most those of 3840x2160");
-    return -1;
-}
-
-/* Chooses one of the words; -1 after a message. */
-static int choose(const char *option, const char *text, const char *const *words, const char *expected) {
-    for (int i = 0; words[i]; i++)
-        if (!strcmp(words[i], text))
-            return i;
-    wrong(option, text, expected);
-    return -1;
-}
-
-static int take_view(struct film *f, const char *text) {
-    static const char *const views[] = {"portrait", "face", "bust", "mouth", NULL};
-    int i = choose("--view", text, views, "portrait, face, bust or mouth");
-    f->view = i > 0 ? views[i] : NULL;
-    return i < 0 ? EXIT_USAGE : -1;
-}
-
-static int take_quality(struct film *f, const char *text) {
-    static const char *const levels[] = {"low", "fine", "high", NULL};
-    int i = choose("--quality", text, levels, "low, fine or high");
-    f->level = i < 0 ? NULL : levels[i];
-    return i < 0 ? EXIT_USAGE : -1;
-}
-
-static int take_captions(struct film *f, const char *text) {
-    static const char *const kinds[] = {"burn", "track", NULL};
-    int i = choose("--captions", text, kinds, "burn or track");
-    f->captions = i == 0 ? FILM_CAPTIONS_BURN : FILM_CAPTIONS_TRACK;
-    return i < 0 ? EXIT_USAGE : -1;
-}
-
-static int take_at(struct film *f, const char *text) {
-    char *end;
-    f->at = strtod(text, &end);
-    return end == text || *end || !(f->at >= 0 && f->at <= FILM_SECONDS_MAX)
-               ? wrong("--at", text, "seconds from the beginning")
-               : -1;
-}
-
-/* Returns the place of a pattern's "%d" or "%05d" if that is all it has of the kind, or NULL. */
-static const char *numbered(const char *path, size_t *length) {
-    const char *percent = strchr(path, '%'), *name = strrchr(path, '/');
-    if (!percent || (name && percent < name))
-        return NULL;
-    *length = 1 + strspn(percent + 1, "0123456789");
-    if (percent[(*length)++] != 'd' || *length > 4 || (percent[1] != '0' && *length > 2) ||
-        strchr(percent + *length, '%'))
-        return NULL;
-    return percent;
-}
-
-static bool ends_in(const char *path, const char *suffix) {
-    size_t size = strlen(path), length = strlen(suffix);
-    return size > length && !strcmp(path + size - length, suffix);
-}
-
-static int take_output(struct film *f, const char *path) {
-    size_t length;
-    f->output = path;
-    if (ends_in(path, ".mp4"))
-        f->format = FILM_MP4;
-    else if (ends_in(path, ".webm"))
-        f->format = FILM_WEBM;
-    else if (ends_in(path, ".gif"))
-        f->format = FILM_GIF;
-    else if (ends_in(path, ".webp"))
-        f->format = FILM_WEBP;
-    else if (ends_in(path, ".png"))
-        f->format = numbered(path, &length) ? FILM_PICTURES : FILM_STILL;
-    else
-        return wrong("--output", path, "a name that ends in .mp4, .webm, .gif, .webp or .png");
-    return -1;
-}
-
-enum { OUTPUT = 256, MODEL, SIZE, BACKGROUND, VIEW, QUALITY, CAPTIONS, LOSSLESS, AT, FROM, AUDIO, LEXICON };
-
-/* Returns an exit code, or -1 to continue. */
-static int take_own(struct film *f, int option, char *text) {
-    switch (option) {
-    case OUTPUT:
-        return take_output(f, text);
-    case MODEL:
-        f->model = text;
-        return -1;
-    case SIZE:
-        return take_size(f, text);
-    case BACKGROUND:
-        f->background = text;
-        f->transparent = !strcmp(text, "transparent");
-        return -1;
-    case VIEW:
-        return take_view(f, text);
-    case QUALITY:
-        return take_quality(f, text);
-    case CAPTIONS:
-        return take_captions(f, text);
-    case LOSSLESS:
-        f->lossless = true;
-        return -1;
-    case AT:
-        return take_at(f, text);
-    case FROM:
-        f->from = text;
-        return -1;
-    case AUDIO:
-        f->audio = text;
-        return -1;
-    default:
-        cli_lexicons_add(&f->lexicons, text);
-        return -1;
-    }
-}
-
-static int refuse(const char *why) {
-    cli_complain("%s", why);
-    return EXIT_USAGE;
-}
-
-/* Checks that the options fit each other. Returns an exit code after a message, or -1. */
-static int check(const struct film *f, const struct speech_request *request) {
-    bool track = f->format == FILM_MP4 || f->format == FILM_WEBM;
-    if (!f->output)
-        return refuse("no output: give a file (-o film.mp4)");
-    if (request->open)
-        return refuse("--open: a film is made of a whole text");
-    if (f->at >= 0 && f->format != FILM_STILL)
-        return refuse("--at: one picture is a .png");
-    if (f->at < 0 && f->format == FILM_STILL)
-        return refuse("--output: give --at SECONDS for one picture, or a number for each (name-%05d.png)");
-    if (f->transparent && f->format == FILM_MP4)
-        return refuse("--background: .mp4 cannot be transparent; .webm, .gif, .webp and .png can");
-    if (f->captions == FILM_CAPTIONS_TRACK && !track)
-        return refuse(
-            "--captions: only .mp4 and .webm have a track of captions; burn puts them in the picture");
-    if (f->captions && f->from)
-        return refuse("--captions: a recorded face has no words");
-    if (f->lossless && f->format != FILM_MP4)
-        return refuse("--lossless is for .mp4; .png is lossless anyway");
-    if (track && !f->lossless && (f->width % 2 || f->height % 2))
-        return refuse("--size: the sides of .mp4 and .webm must be even");
-    if (f->format == FILM_GIF && fmod(100, request->fps) != 0)
-        return refuse("--fps: a GIF counts hundredths of a second: choose 1, 2, 4, 5, 10, 20, 25 or 50");
-    return -1;
-}
-
-/* Returns an exit code, or -1 to continue. */
-static int parse(int argc, char **argv, struct film *f, struct speech_request *request, struct buf *text) {
-    static const struct option options[] = {
-        SPEAK_OPTIONS{"file", 1, NULL, 'f'},
-        {"output", 1, NULL, OUTPUT},
-        {"model", 1, NULL, MODEL},
-        {"size", 1, NULL, SIZE},
-        {"background", 1, NULL, BACKGROUND},
-        {"view", 1, NULL, VIEW},
-        {"quality", 1, NULL, QUALITY},
-        {"captions", 1, NULL, CAPTIONS},
-        {"lossless", 0, NULL, LOSSLESS},
-        {"at", 1, NULL, AT},
-        {"from", 1, NULL, FROM},
-        {"audio", 1, NULL, AUDIO},
-        {"lexicon", 1, NULL, LEXICON},
-        {"help", 0, NULL, 'h'},
-        {0},
-    };
-    static const char letters[] = SPEAK_LETTERS "f:o:m:h";
-    const char *path = NULL;
-    struct error e;
-    char message[400];
-    int most = cli_option_count(argc, argv, letters, options), status = -1;
-    for (int c, at; status < 0 && (at = -1, c = getopt_long(most, argv, letters, options, &at)) != -1;) {
-        for (int i = 0; at < 0 && options[i].name; i++)
-            at = options[i].val == c ? i : -1;
-        if (c == 'h' || c == '?') {
-            fputs(c == 'h' ? usage : "Try 'faccia film --help'.\n", c == 'h' ? stdout : stderr);
-            return c == 'h' ? EXIT_DONE : EXIT_USAGE;
-        }
-        if (c == 'f') {
-            path = optarg;
-        } else if (c >= OUTPUT || c == 'o' || c == 'm') {
-            status = take_own(f, c == 'o' ? OUTPUT : c == 'm' ? MODEL : c, optarg);
-        } else {
-            const char *word = optarg ? optarg : "true";
-            struct request_value value = {REQUEST_WORD, word, strlen(word), 0};
-            f->fps_given |= !strcmp(options[at].name, "fps");
-            if (request_set(request, options[at].name, value, &e)) {
-                cli_complain("--%s", error_text(&e, message, sizeof message));
-                status = EXIT_USAGE;
-            }
-        }
-    }
-    status = status < 0 ? check(f, request) : status;
-    if (status >= 0)
-        return status;
-    if (f->from && (path || optind < argc))
-        return refuse("--from films a recorded face: there can be no text");
-    if (f->from)
-        return -1;
-    status = cli_text(argc, argv, path, text);
-    if (status < 0)
-        request_set(
-            request, "text",
-            (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0}, &e);
-    return status;
-}
 
 /* What is needed is there, or it is said how to get it. */
 static int check_programs(void) {
@@ -335,9 +75,9 @@ static json_t *find_head(const struct film *f, char file[PATH_MAX]) {
     char pattern[PATH_MAX];
     glob_t found;
     json_t *best = NULL;
-    const char *name = f->model ? f->model : "*";
+    const char *name = f->o.model ? f->o.model : "*";
     snprintf(pattern, sizeof pattern, "%s/heads/%s.json", f->settings->models, name);
-    if (strchr(name, '/') || (f->model && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
+    if (strchr(name, '/') || (f->o.model && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
         cli_complain("--model: unknown head '%s'; 'faccia models' lists them", name);
         return NULL;
     }
@@ -403,7 +143,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct film *f = ctx;
     char text[400];
-    cli_complain("%s%s%s", warning ? "warning: " : "", f->from ? "--from: " : "",
+    cli_complain("%s%s%s", warning ? "warning: " : "", f->o.from ? "--from: " : "",
                  error_text(e, text, sizeof text));
     f->failed |= !warning;
 }
@@ -419,10 +159,10 @@ static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_
 static int speak(struct film *f, const struct speech_request *request) {
     struct error e;
     char message[400];
-    if (cli_open(&f->cli, cli_lexicons_with(&f->lexicons, f->settings)))
+    if (cli_open(&f->cli, cli_lexicons_with(&f->o.lexicons, f->settings)))
         return EXIT_FAILED;
-    if (f->audio)
-        f->cli.components.pipeline.sounds = f->audio;
+    if (f->o.audio)
+        f->cli.components.pipeline.sounds = f->o.audio;
     f->synthesis = synthesis_open(&f->cli.components.pipeline, request, &callbacks, f, &e);
     if (!f->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));
@@ -441,11 +181,11 @@ static int speak(struct film *f, const struct speech_request *request) {
 }
 
 static int read_recording(struct film *f) {
-    struct recording_source source = {.name = mem_strdup(f->from),
-                                      .fap_path = mem_strdup(f->from),
-                                      .sound_path = f->audio ? mem_strdup(f->audio) : NULL,
+    struct recording_source source = {.name = mem_strdup(f->o.from),
+                                      .fap_path = mem_strdup(f->o.from),
+                                      .sound_path = f->o.audio ? mem_strdup(f->o.audio) : NULL,
                                       .fap_bytes_max = (size_t)1 << 30};
-    const struct export_source origin = {.play = f->from};
+    const struct export_source origin = {.play = f->o.from};
     uv_loop_init(&f->cli.loop);
     if (cli_load(&f->cli.components, f->settings, COMPONENTS_SPEECH | COMPONENTS_EXPRESSIONS, &f->cli.loop)) {
         recording_source_free(&source);
@@ -461,6 +201,38 @@ static int read_recording(struct film *f) {
     film_media_end(&f->media);
     recording_free(f->recording);
     f->recording = NULL;
+    return EXIT_DONE;
+}
+
+/* A face for each viseme of FAP 1 that the language has, and the filter that labels and arranges them. */
+static int pose_visemes(struct film *f) {
+    enum { VISEMES = 15, ACROSS = 5 };
+    const struct export_source source = {.fps = 1};
+    uv_loop_init(&f->cli.loop);
+    if (cli_load(&f->cli.components, f->settings, COMPONENTS_SPEECH | COMPONENTS_EXPRESSIONS, &f->cli.loop))
+        return EXIT_FAILED;
+    const struct speech_pack *pack = speech_packs_find(&f->cli.components.packs, f->o.visemes);
+    if (!pack || (speech_pack_is_general(pack) && strcmp(f->o.visemes, SPEECH_PACK_GENERAL) != 0)) {
+        cli_complain("--visemes: no mouth shapes for the language '%s'", f->o.visemes);
+        return EXIT_FAILED;
+    }
+    struct face_high_level *high = face_high_level_new(pack, f->cli.components.pipeline.expressions);
+    film_media_begin(&f->media, &source);
+    f->begun = true;
+    for (uint8_t i = 0; i < VISEMES; i++) {
+        const struct fap_frame alone = {.mask = {1}, .viseme = {.select1 = i, .blend = 63}};
+        struct fap_frame frame = alone;
+        face_high_level_expand(high, &frame, 1);
+        if (i && !memcmp(frame.mask, alone.mask, sizeof alone.mask))
+            continue; /* the language has no such sound */
+        buf_printf(&f->sheet, "drawtext=font=sans:fontsize=h/10:x=h/20:y=h/20:text=%s:enable=eq(n\\,%u),",
+                   export_viseme_names[i], film_media_faces(&f->media));
+        film_media_add_face(&f->media, &frame);
+    }
+    face_high_level_free(high);
+    unsigned count = film_media_faces(&f->media), across = count < ACROSS ? count : ACROSS;
+    buf_printf(&f->sheet, "tile=%ux%u", across, (count + across - 1) / across);
+    buf_add(&f->sheet, "", 1);
     return EXIT_DONE;
 }
 
@@ -498,12 +270,12 @@ static int write_file(const struct film *f, const char *name, const struct buf *
 /* Numbered pictures appear together, when all are there. */
 static int open_pictures(struct film *f) {
     char folder[PATH_MAX], place[PATH_MAX];
-    snprintf(folder, sizeof folder, "%s", f->output);
+    snprintf(folder, sizeof folder, "%s", f->o.output);
     if (!realpath(dirname(folder), place) ||
         (size_t)snprintf(f->pictures, sizeof f->pictures, "%s/.faccia-film-XXXXXX", place) >=
             sizeof f->pictures ||
         !mkdtemp(f->pictures)) {
-        cli_complain("%s: %s", f->output, strerror(errno));
+        cli_complain("%s: %s", f->o.output, strerror(errno));
         f->pictures[0] = '\0';
         return -1;
     }
@@ -522,7 +294,7 @@ static int publish_one(const struct film *f, const char *from, const char *to) {
 /* Names the sound after the pictures: hello.wav for hello-%05d.png. */
 static void sound_name(const char *pattern, char out[PATH_MAX]) {
     size_t length;
-    int before = (int)(numbered(pattern, &length) - pattern);
+    int before = (int)(film_numbered(pattern, &length) - pattern);
     while (before && strchr("-_. ", pattern[before - 1]))
         before--;
     bool named = before && pattern[before - 1] != '/';
@@ -532,16 +304,16 @@ static void sound_name(const char *pattern, char out[PATH_MAX]) {
 static int publish_pictures(const struct film *f) {
     char name[32], to[PATH_MAX];
     size_t length;
-    const char *number = numbered(f->output, &length);
+    const char *number = film_numbered(f->o.output, &length);
     int width = atoi(number + 1);
     for (unsigned k = 1; k <= f->count; k++) {
         snprintf(name, sizeof name, "%u.png", k);
-        snprintf(to, sizeof to, "%.*s%0*u%s", (int)(number - f->output), f->output, width, k,
+        snprintf(to, sizeof to, "%.*s%0*u%s", (int)(number - f->o.output), f->o.output, width, k,
                  number + length);
         if (publish_one(f, name, to))
             return -1;
     }
-    sound_name(f->output, to);
+    sound_name(f->o.output, to);
     struct cli_file sound;
     if (cli_create(&sound, to))
         return -1;
@@ -552,10 +324,10 @@ static int publish_pictures(const struct film *f) {
 /* Filming */
 
 static void tell(struct film *f) {
-    enum { EVERY_MS = 200, PARTS = 10 };
+    enum { EVERY_MS = 200, PARTS = 10, LEAST = 20 };
     uint64_t now = uv_now(&f->cli.loop);
     unsigned part = f->count / PARTS ? f->count / PARTS : 1;
-    if (f->count == 1 ||
+    if (f->count < LEAST ||
         (isatty(STDERR_FILENO) ? now < f->told + EVERY_MS && f->drawn < f->count : f->drawn % part))
         return;
     f->told = now;
@@ -623,44 +395,45 @@ static int write_files(struct film *f) {
     return write_file(f, "sound.wav", &f->media.sound.out) ||
                    write_file(f, "captions.vtt", &f->media.captions.out)
                ? -1
-           : f->format == FILM_PICTURES ? open_pictures(f)
-                                        : cli_create(&f->file, f->output);
+           : f->o.format == FILM_PICTURES ? open_pictures(f)
+                                          : cli_create(&f->file, f->o.output);
 }
 
 static int start(struct film *f, const char *head, double fps) {
     static const struct film_browser_calls browser_calls = {on_picture, on_failed};
     static const struct film_coder_calls coder_calls = {on_taken, on_coded};
-    bool file = f->background && !f->transparent && !access(f->background, R_OK);
+    bool file = f->o.background && !f->o.transparent && !access(f->o.background, R_OK);
     char pattern[PATH_MAX + 16];
     struct error e;
     snprintf(pattern, sizeof pattern, "%s/%%d.png", f->pictures);
-    const struct film_coding coding = {.format = f->format,
-                                       .width = f->width,
-                                       .height = f->height,
+    const struct film_coding coding = {.format = f->o.format,
+                                       .width = f->o.width,
+                                       .height = f->o.height,
                                        .fps = fps,
-                                       .transparent = f->transparent,
-                                       .lossless = f->lossless,
+                                       .transparent = f->o.transparent,
+                                       .lossless = f->o.lossless,
                                        .folder = f->folder,
-                                       .sound = (f->format == FILM_MP4 || f->format == FILM_WEBM) &&
+                                       .sound = (f->o.format == FILM_MP4 || f->o.format == FILM_WEBM) &&
                                                 f->media.sound.samples,
-                                       .captions = f->captions,
+                                       .captions = f->o.captions,
                                        .file = f->file.file ? fileno(f->file.file) : -1,
-                                       .pattern = pattern};
+                                       .pattern = pattern,
+                                       .filter = (char *)f->sheet.data};
     const struct film_scene scene = {.web = f->settings->api.web,
                                      .head = head,
                                      .folder = f->folder,
-                                     .width = f->width,
-                                     .height = f->height,
-                                     .level = f->level ? f->level : "fine",
-                                     .view = f->view,
-                                     .colour = f->transparent || file ? NULL
-                                               : f->background        ? f->background
-                                                                      : "#dfe3e8",
-                                     .image = file ? f->background : NULL,
+                                     .width = f->o.width,
+                                     .height = f->o.height,
+                                     .level = f->o.level ? f->o.level : "fine",
+                                     .view = f->o.view,
+                                     .colour = f->o.transparent || file ? NULL
+                                               : f->o.background        ? f->o.background
+                                                                        : "#dfe3e8",
+                                     .image = file ? f->o.background : NULL,
                                      .faces = &f->media.faces.out,
                                      .rate = f->media.faces.fps,
                                      .fps = fps,
-                                     .start = f->at > 0 ? f->at : 0,
+                                     .start = f->o.at > 0 ? f->o.at : 0,
                                      .count = f->count};
     f->coder = film_coder_new(&f->cli.loop, &coder_calls, f);
     f->browser = film_browser_new(&f->cli.loop, &browser_calls, f);
@@ -677,14 +450,14 @@ static unsigned count_pictures(const struct film *f, double fps) {
         cli_complain("film: the text takes longer than %d minutes", FILM_SECONDS_MAX / 60);
         return 0;
     }
-    if (f->at >= seconds) {
-        cli_complain("--at: %g is after the end, at %g seconds", f->at, seconds);
+    if (f->o.at >= seconds) {
+        cli_complain("--at: %g is after the end, at %g seconds", f->o.at, seconds);
         return 0;
     }
-    unsigned count = f->at >= 0                  ? 1
+    unsigned count = f->o.at >= 0                ? 1
                      : fps == f->media.faces.fps ? film_media_faces(&f->media)
                                                  : (unsigned)ceil(seconds * fps - 1e-9);
-    if (f->format == FILM_GIF && (double)count * f->width * f->height * 4 > GIF_BYTES_MAX) {
+    if (f->o.format == FILM_GIF && (double)count * f->o.width * f->o.height * 4 > GIF_BYTES_MAX) {
         cli_complain("film: %u pictures of this size are too many for a GIF: make it smaller, or a .webm",
                      count);
         return 0;
@@ -693,7 +466,12 @@ static unsigned count_pictures(const struct film *f, double fps) {
 }
 
 static int shoot(struct film *f, const char *head, const struct speech_request *request) {
-    double fps = f->from && !f->fps_given ? f->media.faces.fps : request->fps;
+    bool sheet = f->o.visemes != NULL;
+    f->o.width = f->o.width ? f->o.width : sheet ? 240 : 640;
+    f->o.height = f->o.height ? f->o.height : sheet ? 240 : 480;
+    double fps = sheet                          ? f->media.faces.fps
+                 : f->o.from && !f->o.fps_given ? f->media.faces.fps
+                                                : request->fps;
     f->count = count_pictures(f, fps);
     if (!f->count)
         return EXIT_FAILED;
@@ -701,7 +479,7 @@ static int shoot(struct film *f, const char *head, const struct speech_request *
     if (!write_files(f) && !start(f, head, fps)) {
         while (!f->finished && uv_run(&f->cli.loop, UV_RUN_ONCE))
             ;
-        if (!f->failed && f->format == FILM_PICTURES)
+        if (!f->failed && f->o.format == FILM_PICTURES)
             f->failed = publish_pictures(f) != 0;
     } else {
         f->failed = true;
@@ -726,27 +504,28 @@ static int run(struct film *f, struct speech_request *request) {
         return EXIT_FAILED;
     suit(request, model);
     json_decref(model);
-    int status = f->from ? read_recording(f) : speak(f, request);
+    int status = f->o.visemes ? pose_visemes(f) : f->o.from ? read_recording(f) : speak(f, request);
     components_stop_voices(&f->cli.components);
     uv_run(&f->cli.loop, UV_RUN_DEFAULT);
     if (!status)
         status = f->failed ? EXIT_FAILED : shoot(f, head, request);
     if (f->begun)
         film_media_free(&f->media);
+    buf_free(&f->sheet);
     uv_loop_close(&f->cli.loop);
     components_free(&f->cli.components);
     return status;
 }
 
 int film_main(int argc, char **argv, const struct settings *settings) {
-    struct film f = {.settings = settings, .width = 640, .height = 480, .at = -1};
+    struct film f = {.settings = settings, .o.at = -1};
     struct speech_request request;
     struct buf text = {0};
     request_init(&request);
-    int status = parse(argc, argv, &f, &request, &text);
+    int status = film_options_read(argc, argv, &f.o, &request, &text);
     if (status < 0)
         status = run(&f, &request);
-    cli_lexicons_free(&f.lexicons);
+    cli_lexicons_free(&f.o.lexicons);
     request_free(&request);
     buf_free(&text);
     if (f.signal) {

@@ -88,7 +88,7 @@ static void add_filters(struct words *w, const struct film_coding *c) {
     buf_printf(&f, "vflip,%s", c->transparent ? "format=gbrap,unpremultiply=inplace=1" : "format=rgb24");
     if (c->captions == FILM_CAPTIONS_BURN)
         buf_printf(&f,
-                   ",%ssubtitles=f=captions.vtt%s:force_style='FontName=sans-serif,FontSize=15,MarginV=12'",
+                   ",%ssubtitles=f=captions.vtt%s:force_style='FontName=sans-serif,FontSize=19,MarginV=12'",
                    c->transparent ? "format=rgba," : "", c->transparent ? ":alpha=1" : "");
     if (c->filter)
         buf_printf(&f, ",%s", c->filter);

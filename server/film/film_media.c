@@ -66,7 +66,3 @@ void film_media_free(struct film_media *m) {
 unsigned film_media_faces(const struct film_media *m) {
     return m->faces.frames;
 }
-
-double film_media_seconds(const struct film_media *m) {
-    return m->sound.sample_rate ? (double)m->sound.samples / m->sound.sample_rate : 0;
-}

@@ -26,6 +26,5 @@ void film_media_end(struct film_media *media);
 void film_media_free(struct film_media *media);
 
 unsigned film_media_faces(const struct film_media *media); /* number of faces */
-double film_media_seconds(const struct film_media *media); /* length of the sound */
 
 #endif

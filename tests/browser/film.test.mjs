@@ -107,6 +107,26 @@ test('numbered pictures and one picture are those of the film, with its sound', 
   assert.ok(pictures('one.png', 160 * 120 * 3)[0].equals(shown[7]));
 });
 
+test('a sheet shows the visemes of a language', () => {
+  const [width, height] = [160, 120];
+  const cell = (sheet, k) => {
+    const rows = Array.from({ length: height }, (_, y) => {
+      const from = 3 * (5 * width * (Math.floor(k / 5) * height + y) + (k % 5) * width);
+      return sheet.subarray(from, from + 3 * width);
+    });
+    return Buffer.concat(rows);
+  };
+  const [it, en] = ['it', 'en'].map((lang) => {
+    film(`${lang}.png`, '--visemes', lang, '--model', 'mara', '--view', 'mouth', ...SMALL);
+    const [sheet] = pictures(`${lang}.png`, 5 * width * 3 * height * 3);
+    return Array.from({ length: 15 }, (_, k) => cell(sheet, k));
+  });
+  const [rest, lips, open] = [0, 1, 10].map((k) => dark(it[k]));
+  assert.ok(open > Math.max(rest, lips) + 20, `${rest} ${lips} ${open}`);
+  assert.equal(new Set(it.map((one) => one.toString('latin1'))).size, 15);
+  assert.ok(it[1].equals(en[1]) && !it[14].equals(en[14])); // English has an u of its own
+});
+
 test('a recorded face is filmed with its own sound, at another rate too', () => {
   fs.writeFileSync(at('said.fap'), said.fap);
   fs.writeFileSync(at('other.wav'), said.wav);
@@ -183,6 +203,8 @@ for (const [what, args, status, message] of [
   ['a rate that a GIF cannot have', ['-o', 'x.gif', '--fps', '30', 'Ciao'], 2, /--fps/],
   ['a moment after the end', ['-o', at('x.png'), '--at', '99', 'Ciao'], 1, /--at: 99 is after the end/],
   ['a folder that is not there', ['-o', at('no/x.mp4'), 'Ciao'], 1, /No such file/],
+  ['visemes of an unknown language', ['-o', at('x.png'), '--visemes', 'xx'], 1, /--visemes: no mouth shapes for the language 'xx'/],
+  ['visemes and a text', ['-o', at('x.png'), '--visemes', 'it', 'Ciao'], 2, /--visemes: there can be no text/],
   ['no recording', ['-o', at('x.mp4'), '--from', at('no.fap')], 1, /--from: .*no\.fap/],
 ])
   test(`refuses ${what}`, () => {
