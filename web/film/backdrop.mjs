@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, CustomBlending, DataTexture, LinearFilter, Mesh, OneFactor, OneMinusDstAlphaFactor, OrthographicCamera, PlaneGeometry, Scene,
-  ShaderMaterial, Texture, Vector2,
+  AddEquation, CustomBlending, DataTexture, LinearFilter, Mesh, OneFactor, OneMinusDstAlphaFactor, OrthographicCamera,
+  PlaneGeometry, Scene, ShaderMaterial, Texture, Vector2,
 } from 'three';
 
 const NO_IMAGE = new DataTexture(new Uint8Array(4), 1, 1);
@@ -16,7 +16,8 @@ export function covering(image, width, height) {
 export class Backdrop {
   /**
    * @param {import('three').WebGLRenderer} renderer
-   * @param {{colour?: number[], image?: ImageBitmap, width: number, height: number}} look colour: red, green, blue, 0 to 1; the size of the picture
+   * @param {{colour?: number[], image?: ImageBitmap, width: number, height: number}} look colour: red, green, blue, 0 to 1;
+   *   the size of the picture
    */
   constructor(renderer, { colour = [0, 0, 0], image = null, width, height }) {
     this.renderer = renderer;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /**
- * The page that `faccia film` opens: draws the pictures of a film one after the other, on the film's own clock, as fast as it can. The job, the
- * head and the faces lie beside it; pictures leave by a WebSocket as pixels (red, green, blue, alpha multiplied in; the lowest line first), an
- * empty message for a picture like the one before. What comes back is the number of pictures that are taken.
+ * The page that `faccia film` opens: draws the pictures of a film one after the other, on the film's own clock, as fast as it
+ * can. The job, the head and the faces lie beside it. Pictures leave by a WebSocket as pixels (RGBA with the alpha multiplied
+ * in, the lowest line first); an empty message is a picture like the one before. The answer is the number of pictures taken.
  */
 import { FAP_VALUES, FaceTrack } from '../element/face/face-track.mjs';
 import { calibrate } from '../element/head/model/calibrate.mjs';
@@ -31,7 +31,8 @@ const fetched = async (name) => {
 /** @param {string} colour as in CSS @returns {number[]} red, green, blue, 0 to 1 */
 function readColour(colour) {
   if (!CSS.supports('color', colour)) throw new Error(`the background '${colour}' is neither a file nor a colour`);
-  const context = new OffscreenCanvas(1, 1).getContext('2d');
+  const canvas = Object.assign(document.createElement('canvas'), { width: 1, height: 1 });
+  const context = canvas.getContext('2d');
   context.fillStyle = colour;
   context.fillRect(0, 0, 1, 1);
   const [red, green, blue, alpha] = context.getImageData(0, 0, 1, 1).data;
@@ -60,7 +61,7 @@ function trackOf(bytes, rate) {
 async function open({ width, height, level, view: framing }) {
   const model = readModel(await (await fetched('model.json')).json());
   const view = new View(document.querySelector('canvas'));
-  view.renderer.getContext().canvas.addEventListener('webglcontextlost', () => {
+  view.renderer.domElement.addEventListener('webglcontextlost', () => {
     throw new Error('the browser has lost its drawing context');
   });
   const head = await Head.create(model.calibration ? calibrate(model, model.calibration, 'calibration.') : model, { software: view.software });
