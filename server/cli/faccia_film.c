@@ -258,6 +258,8 @@ static void remove_folder(const char *path) {
 
 static int write_file(const struct film *f, const char *name, const struct buf *bytes) {
     char path[PATH_MAX];
+    if (!bytes->size)
+        return 0;
     snprintf(path, sizeof path, "%s/%s", f->folder, name);
     FILE *file = fopen(path, "wbx");
     bool well = file && fwrite(bytes->data, 1, bytes->size, file) == bytes->size;
@@ -313,6 +315,8 @@ static int publish_pictures(const struct film *f) {
         if (publish_one(f, name, to))
             return -1;
     }
+    if (!f->media.sound.out.size)
+        return 0;
     sound_name(f->o.output, to);
     struct cli_file sound;
     if (cli_create(&sound, to))

@@ -19,7 +19,7 @@ enum {
     START_SECONDS = 60,     /* for the browser to open the page */
     PREPARE_SECONDS = 300,  /* for the page to read the head and to draw the first picture */
     PICTURE_SECONDS = 60,   /* for each further picture */
-    AHEAD = 3,              /* pictures that may be on their way */
+    AHEAD = 6,              /* pictures that may be on their way */
     IMAGE_BYTES = 64 << 20, /* largest background */
     SECRET_BYTES = 16,
     CONTROL_FD = 3, /* the browser ends when this pipe is closed */

@@ -12,6 +12,9 @@ import { LEVELS } from '../element/head/quality.mjs';
 import { View } from '../element/head/view.mjs';
 import { Backdrop } from './backdrop.mjs';
 
+const DRAWING = 2; // pictures that are drawn while others are read back
+const POLL_MS = 2;
+
 /**
  * @typedef {object} Job
  * @property {number} width @property {number} height pixels
@@ -74,12 +77,49 @@ async function open({ width, height, level, view: framing }) {
   return { view, head };
 }
 
+/**
+ * Reads pictures back while the next ones are drawn: what waits for the drawing of one picture would keep a processor idle.
+ */
+class Pixels {
+  /** @param {WebGL2RenderingContext} gl @param {{width: number, height: number}} size */
+  constructor(gl, { width, height }) {
+    Object.assign(this, { gl, width, height, free: [] });
+    this.bytes = new Uint8Array(4 * width * height);
+  }
+
+  /** Asks for what has been drawn. @returns {{buffer: WebGLBuffer, fence: WebGLSync}} for `read` */
+  ask() {
+    const { gl } = this;
+    const buffer = this.free.pop() ?? gl.createBuffer();
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, this.bytes.length, gl.STREAM_READ);
+    gl.readPixels(0, 0, this.width, this.height, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return { buffer, fence };
+  }
+
+  /** @returns {Promise<Uint8Array>} valid until the next call */
+  async read({ buffer, fence }) {
+    const { gl } = this;
+    const done = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+    while (!done()) await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    gl.deleteSync(fence);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, this.bytes);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    this.free.push(buffer);
+    return this.bytes;
+  }
+}
+
 /** Draws the pictures of a film, and hands them on. */
 class Film {
   /** @param {WebSocket} socket */
   constructor(socket) {
     this.socket = socket;
-    this.sent = 0;
+    this.begun = 0;
     this.taken = 0;
     this.waiting = () => {};
     socket.addEventListener('message', ({ data }) => {
@@ -89,7 +129,7 @@ class Film {
   }
 
   async #room(ahead) {
-    while (this.sent - this.taken >= ahead) await new Promise((resolve) => (this.waiting = resolve));
+    while (this.begun - this.taken >= ahead) await new Promise((resolve) => (this.waiting = resolve));
   }
 
   /** @param {Job} job */
@@ -98,10 +138,10 @@ class Film {
     const background = await backgroundOf(job);
     const { view, head } = await open(job);
     const backdrop = background && new Backdrop(view.renderer, { ...job, colour: undefined, image: undefined, ...background });
-    const gl = view.renderer.getContext();
-    const pixels = new Uint8Array(4 * job.width * job.height);
     const track = trackOf(faces, job.rate);
     const values = new Float32Array(FAP_VALUES);
+    const pixels = new Pixels(view.renderer.getContext(), job);
+    const pending = []; // pictures that are being drawn; null: one like the one before
     for (let k = 0; k < job.count; k++) {
       await this.#room(job.ahead);
       const before = values.slice();
@@ -111,11 +151,16 @@ class Film {
         head.setFaps(values);
         view.draw();
         backdrop?.draw();
-        gl.readPixels(0, 0, job.width, job.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       }
-      this.socket.send(same ? pixels.subarray(0, 0) : pixels);
-      this.sent++;
+      pending.push(same ? null : pixels.ask());
+      this.begun++;
+      if (pending.length > DRAWING) await this.#deliver(pixels, pending.shift());
     }
+    for (const one of pending) await this.#deliver(pixels, one);
+  }
+
+  async #deliver(pixels, picture) {
+    this.socket.send(picture ? await pixels.read(picture) : new Uint8Array(0));
   }
 }
 
