@@ -8,6 +8,7 @@
 #include "server/http/http_server.h"
 #include "server/http/static_files.h"
 #include "server/http/websocket.h"
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -245,14 +246,26 @@ static int open_server(struct film_browser *b, uv_loop_t *loop, struct error *e)
     return b->http ? 0 : -1;
 }
 
+/* A page that leads to ours: command lines can be read by everybody on the machine, and the folder cannot. */
+static int write_start(struct film_browser *b, const char *path) {
+    struct buf page = {0};
+    buf_printf(&page, "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=");
+    http_server_address(b->http, 0, &page);
+    buf_printf(&page, "%s/film.html\">", b->root + 1);
+    FILE *file = fopen(path, "wb");
+    bool well = file && fwrite(page.data, 1, page.size, file) == page.size;
+    well = file && !fclose(file) && well;
+    buf_free(&page);
+    return well ? 0 : -1;
+}
+
 static int start_browser(struct film_browser *b, uv_loop_t *loop, const struct film_scene *s,
                          struct error *e) {
-    struct buf address = {0};
-    char profile[4096];
+    char profile[4096], address[4096];
     snprintf(profile, sizeof profile, "--user-data-dir=%s/profile", s->folder);
-    http_server_address(b->http, 0, &address);
-    buf_printf(&address, "%s/film.html", b->root + 1);
-    buf_add(&address, "", 1);
+    snprintf(address, sizeof address, "file://%s/start.html", s->folder);
+    if (write_start(b, address + strlen("file://")))
+        return error_set(e, ERROR_FILM_FAILED, "%s: %s", s->folder, strerror(errno));
     const char *args[] = {film_browser_found(),
                           "--headless",
                           "--remote-debugging-pipe", /* ends with the pipe */
@@ -276,8 +289,8 @@ static int start_browser(struct film_browser *b, uv_loop_t *loop, const struct f
                           "--disable-quic",
                           "--disable-sync",
                           "--mute-audio",
-                          geteuid() ? (char *)address.data : "--no-sandbox", /* root has no other choice */
-                          geteuid() ? NULL : (char *)address.data,
+                          geteuid() ? address : "--no-sandbox", /* root has no other choice */
+                          geteuid() ? NULL : address,
                           NULL};
     /* Never the graphics card: the same pictures on every machine. */
     static const char *const environment[] = {"LIBGL_ALWAYS_SOFTWARE=1", "EGL_PLATFORM=surfaceless", NULL};
@@ -292,7 +305,6 @@ static int start_browser(struct film_browser *b, uv_loop_t *loop, const struct f
                                                  .ctx = b};
     b->process = film_process_start(loop, &options, e);
     close(nowhere);
-    buf_free(&address);
     return b->process ? 0 : -1;
 }
 
