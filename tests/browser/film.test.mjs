@@ -9,7 +9,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { PNG } from 'pngjs';
 import { faccia } from '../lib/command.mjs';
-import { build } from '../lib/daemon.mjs';
+import { build, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { shownWithin } from '../lib/mouth.mjs';
 
@@ -173,6 +173,23 @@ test('GIF and MP4 have every picture; captions and backgrounds are drawn', () =>
   const pause = said.phones.find(({ ipa, start, end }) => !ipa && start > 0.5 && end - start > 0.3);
   const between = Math.round(((pause.start + pause.end) / 2) * said.face.fps);
   assert.ok(white(shown[8]) > white(shown[between]) + 20, `${white(shown[8])} ${white(shown[between])}`);
+});
+
+/** The blocks of commands of a page of the documentation. */
+const guide = (page) => [...fs.readFileSync(path.join(root, 'web/docs/start', page), 'utf8').matchAll(/^```sh.*\n([^]*?)^```/gm)].map(([, code]) => code);
+
+test('the commands of the documentation make what they say', () => {
+  const place = at('guide');
+  fs.mkdirSync(place);
+  for (const code of guide('film.md')) {
+    const commands = code.replace(/^sh server\/run\.sh --with film.*$/m, '').replaceAll('build/server', path.join(path.resolve(build), 'server'));
+    const { status, stderr } = spawnSync('sh', ['-ec', commands], { cwd: place });
+    assert.equal(status, 0, String(stderr));
+  }
+  const made = Object.fromEntries(fs.readdirSync(place).map((name) => [name, fs.statSync(path.join(place, name)).size]));
+  for (const name of ['rosa.mp4', 'hello.webm', 'hello.mp4', 'hello.png', 'visemes.png', 'recorded.mp4', 'film.webp']) assert.ok(made[name] > 5000, `${name}: ${made[name]}`);
+  const shown = fs.statSync(path.join(root, 'web/film.webp')).size; // coders and drawing libraries differ a little
+  assert.ok(Math.abs(made['film.webp'] / shown - 1) < 0.3 && shown < 1 << 20, `${made['film.webp']}`);
 });
 
 test('an interrupted film leaves no file, no folder and no program', async () => {
