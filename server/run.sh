@@ -5,11 +5,12 @@ set -eu
 
 usage() {
     cat <<'TEXT'
-Usage: sh server/run.sh [--build-only] [--with VOICES]... [--] [OPTION of facciad]...
+Usage: sh server/run.sh [--build-only] [--with WHAT]... [--] [OPTION of facciad]...
 Installs what is missing (Debian packages, npm packages), builds, and starts facciad on 127.0.0.1:8080.
 
   --build-only    stop after the build
   --with kokoro   installs Kokoro's neural voices and ONNX Runtime too: a download of 540 MB; 370 MB stay
+  --with film     installs what 'faccia film' needs: chromium-headless-shell and ffmpeg
   -h, --help      print this and exit
 
 Options of facciad: build/server/daemon/facciad --help. For example: sh server/run.sh --port 9000
@@ -23,6 +24,7 @@ die() {
 
 build_only=no
 kokoro=no
+film=no
 while [ $# -gt 0 ]; do
     case $1 in
     -h | --help)
@@ -31,8 +33,11 @@ while [ $# -gt 0 ]; do
         ;;
     --build-only) build_only=yes ;;
     --with)
-        [ "${2:-}" = kokoro ] || die "--with takes: kokoro"
-        kokoro=yes
+        case ${2:-} in
+        kokoro) kokoro=yes ;;
+        film) film=yes ;;
+        *) die "--with takes: kokoro, film" ;;
+        esac
         shift
         ;;
     --)
@@ -55,6 +60,7 @@ want_packages festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts
 need_node
 need_modules "$root/models"
 need_modules "$root/web"
+[ $film = no ] || need_packages chromium-headless-shell ffmpeg libgl1-mesa-dri
 [ $kokoro = no ] || need_weights "$root/server/plugins/kokoro" 930
 build "$root/build"
 

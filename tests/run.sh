@@ -151,7 +151,7 @@ rm -f "$artefacts"/*.count
 } &
 case " $* " in *' browser '*)
     faceless=$(files browser | xargs grep -l 'launch({ webgl: false' | xargs grep -L 'launch()')
-    files browser | grep -vxF "$faceless" | dearest foreign avatar-poses people listen portrait | sed 's/^/browser /' | run 1
+    files browser | grep -vxF "$faceless" | dearest foreign avatar-poses people film listen portrait | sed 's/^/browser /' | run 1
     echo "$faceless" | dearest operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
     ;;
 esac

@@ -110,6 +110,15 @@ for (const [name, credit] of [['draco', 'the decoder of Draco'], ['basis', 'the 
   });
   note(packed.metafile);
 }
+const film = await build({
+  ...common,
+  entryPoints: [path.join(here, 'film/film.mjs')],
+  outfile: path.join(out, 'film.js'),
+  banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */' },
+  metafile: true,
+  plugins: [trimmed],
+});
+note(film.metafile);
 const kit = await build({
   ...common,
   stdin: {

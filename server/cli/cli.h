@@ -116,6 +116,7 @@ int token_main(int argc, char **argv, const struct settings *settings);
 int timed_main(int argc, char **argv, const struct settings *settings);
 int align_main(int argc, char **argv, const struct settings *settings);
 int hear_main(int argc, char **argv, const struct settings *settings);
+int film_main(int argc, char **argv, const struct settings *settings);
 int fap_main(int argc, char **argv, const struct settings *settings);
 int life_main(int argc, char **argv, const struct settings *settings);
 int read_main(int argc, char **argv, const struct settings *settings);

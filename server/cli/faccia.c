@@ -14,6 +14,7 @@ static const struct {
     {"say", say_main, "speak a text: sound, face animation, timing"},
     {"timed", timed_main, "animate the face for recorded speech, from a timed transcription"},
     {"play", play_main, "convert a recorded face and its sound"},
+    {"film", film_main, "film the head as it speaks: MP4, WebM, GIF, pictures"},
     {"fap", fap_main, "inspect, convert, encode and plot face animation files"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},

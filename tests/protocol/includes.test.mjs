@@ -19,6 +19,7 @@ const BELOW = {
   synthesis: ['face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   stream: ['synthesis', 'face', 'voice', 'normalize', 'expression', 'markup', 'protocol', 'base'],
   codec: ['stream', 'protocol', 'base'],
+  film: ['http', 'access', 'export', 'synthesis', 'voice', 'protocol', 'base'],
   export: ['codec', 'normalize', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
   rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],

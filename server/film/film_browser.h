@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The browser that draws a film: runs the page web/film without a window, on a server of its own, and
+ * receives the pictures. */
+#ifndef FACCIA_FILM_FILM_BROWSER_H
+#define FACCIA_FILM_FILM_BROWSER_H
+
+#include "server/base/buf.h"
+#include "server/base/error.h"
+#include <stdbool.h>
+#include <stdint.h>
+#include <uv.h>
+
+/* What is drawn: see Job in web/film/film.mjs. */
+struct film_scene {
+    const char *web;         /* folder of the built client */
+    const char *head;        /* file of the head model */
+    const char *folder;      /* for the browser's own files; removed by the owner */
+    unsigned width, height;  /* pixels */
+    const char *level;       /* of quality */
+    const char *view;        /* NULL: the portrait */
+    const char *colour;      /* of the background, as in CSS; NULL: none */
+    const char *image;       /* file of the background; NULL: none */
+    const struct buf *faces; /* 32-bit values by FAP number, for each face */
+    double rate;             /* faces per second */
+    double fps, start;       /* pictures per second; time of the first, seconds */
+    unsigned count;          /* pictures */
+};
+
+struct film_browser_calls {
+    /* The next picture: RGBA with the alpha multiplied in, the lowest line first; the receiver takes the
+     * buffer. Empty: like the one before. */
+    void (*picture)(void *ctx, struct buf *pixels);
+    void (*failed)(void *ctx, const struct error *e); /* nothing follows */
+};
+
+/* Name of the first browser in PATH that can be used; NULL: there is none. */
+const char *film_browser_found(void);
+
+struct film_browser;
+
+struct film_browser *film_browser_new(uv_loop_t *loop, const struct film_browser_calls *calls, void *ctx);
+
+/* Strings of the scene are borrowed until it returns. -1 with *e: "film-failed", or as http_server_open. */
+int film_browser_start(struct film_browser *browser, const struct film_scene *scene, struct error *e);
+
+/* One more picture has been used: the page may draw another. */
+void film_browser_taken(struct film_browser *browser);
+
+/* No callback follows. Run the loop until it is empty, then free the browser. NULL is allowed. */
+void film_browser_close(struct film_browser *browser);
+void film_browser_free(struct film_browser *browser);
+
+#endif

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Films by `faccia film`, decoded again: every picture is there once and shows its own moment, and the sound is that of `faccia say`.
+import assert from 'node:assert/strict';
+import { spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { PNG } from 'pngjs';
+import { faccia } from '../lib/command.mjs';
+import { build, root } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+import { shownWithin } from '../lib/mouth.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'film-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const at = (name) => path.join(folder, name);
+
+const TEXT = '<speak>La mamma va. <break time="500ms"/> Il papà beve.</speak>';
+const SAID = ['--lang', 'it', '--voice', 'espeak:it', '--markup', 'ssml', '--still', '--seed', '3'];
+const SMALL = ['--size', '160x120'];
+
+/** Films, and returns what was printed. */
+function film(output, ...args) {
+  const { status, stderr } = faccia(['film', '-o', at(output), ...args]);
+  assert.equal(status, 0, stderr);
+  return stderr;
+}
+
+const ffmpeg = (args) => {
+  const { status, stdout, stderr } = spawnSync('ffmpeg', ['-v', 'error', ...args], { maxBuffer: 1 << 30 });
+  assert.equal(status, 0, String(stderr));
+  return stdout;
+};
+const sound = (file) => ffmpeg(['-i', at(file), '-f', 's16le', '-c:a', 'pcm_s16le', '-']);
+
+/** The pictures of a film, as red, green, blue (and alpha with another format). */
+function pictures(file, bytes, { format = 'rgb24', decoder = [] } = {}) {
+  const all = ffmpeg([...decoder, '-i', at(file), '-fps_mode', 'passthrough', '-f', 'rawvideo', '-pix_fmt', format, '-']);
+  assert.equal(all.length % bytes, 0);
+  return Array.from({ length: all.length / bytes }, (_, k) => all.subarray(k * bytes, (k + 1) * bytes));
+}
+
+/** The inside of the mouth in the view `mouth`: pixels much darker than lips. */
+function dark(picture) {
+  let count = 0;
+  for (let y = 40; y < 90; y++)
+    for (let x = 45; x < 115; x++) {
+      const i = 3 * (160 * y + x);
+      count += picture[i] + picture[i + 1] + picture[i + 2] < 220;
+    }
+  return count;
+}
+
+const said = {};
+test('what is filmed is spoken', () => {
+  for (const name of ['wav', 'fap', 'json']) {
+    const { status, bytes, stderr } = faccia(['say', ...SAID, `--${name}`, '-', TEXT]);
+    assert.equal(status, 0, stderr);
+    said[name] = bytes;
+  }
+  said.face = parseFap(String(said.fap));
+  said.phones = JSON.parse(said.json).phones;
+});
+
+test('has each picture once, at its time, and the sound sample by sample', () => {
+  film('exact.mp4', ...SAID, '--model', 'mara', '--view', 'mouth', '--lossless', ...SMALL, TEXT);
+  const shown = pictures('exact.mp4', 160 * 120 * 3);
+  const { fps, frames } = said.face;
+  const samples = (said.wav.length - 44) / 2;
+  assert.equal(shown.length, Math.ceil((samples / said.wav.readUInt32LE(24)) * fps));
+  assert.equal(shown.length, frames.length);
+  assert.ok(sound('exact.mp4').equals(said.wav.subarray(44)));
+  const still = [];
+  for (let k = 1; k < shown.length; k++) {
+    const moves = frames[k].some((value, n) => value !== frames[k - 1][n]);
+    if (!moves) still.push(k);
+    if (!moves) assert.ok(shown[k].equals(shown[k - 1]), `picture ${k} moves, the face does not`);
+  }
+  const large = (k) => Math.max(...[3, 4, 5, 10, 11, 12].map((n) => Math.abs(frames[k][n] - frames[k - 1][n]))) > 30;
+  const doubled = shown.flatMap((picture, k) => (k && large(k) && picture.equals(shown[k - 1]) ? [k] : []));
+  assert.deepEqual(doubled, []);
+  assert.ok(still.length >= 3 && shown.some((_, k) => k && large(k)), `${still.length}`);
+  // closed lips at their pictures, open ones between them
+  const opening = shown.map(dark);
+  const during = (phone) => {
+    const { first, end } = shownWithin(phone, fps);
+    return opening.slice(first, end);
+  };
+  const sounds = (pattern) => said.phones.filter(({ ipa }) => pattern.test(ipa));
+  const closed = sounds(/^[mpb]/).map((phone) => Math.min(...during(phone)));
+  const open = sounds(/^a/).map((phone) => Math.max(...during(phone)));
+  assert.ok(closed.length >= 6 && open.length >= 6, `${closed} ${open}`);
+  assert.ok(Math.max(...closed) + 20 < Math.min(...open), `closed ${closed}, open ${open}`);
+});
+
+test('numbered pictures and one picture are those of the film, with its sound', () => {
+  film('name-%03d.png', ...SAID, '--model', 'mara', '--view', 'mouth', ...SMALL, TEXT);
+  const shown = pictures('exact.mp4', 160 * 120 * 3);
+  const names = fs.readdirSync(folder).filter((name) => /^name-\d{3}\.png$/.test(name)).sort();
+  assert.equal(names.length, shown.length);
+  assert.equal(names[0], 'name-001.png');
+  for (const [k, name] of names.entries()) assert.ok(pictures(name, 160 * 120 * 3)[0].equals(shown[k]), name);
+  assert.ok(fs.readFileSync(at('name.wav')).subarray(44).equals(said.wav.subarray(44)));
+  film('one.png', ...SAID, '--model', 'mara', '--view', 'mouth', '--at', String(7 / said.face.fps), ...SMALL, TEXT);
+  assert.ok(pictures('one.png', 160 * 120 * 3)[0].equals(shown[7]));
+});
+
+test('a sheet shows the visemes of a language', () => {
+  const [width, height] = [160, 120];
+  const cell = (sheet, k) => {
+    const rows = Array.from({ length: height }, (_, y) => {
+      const from = 3 * (5 * width * (Math.floor(k / 5) * height + y) + (k % 5) * width);
+      return sheet.subarray(from, from + 3 * width);
+    });
+    return Buffer.concat(rows);
+  };
+  const [it, en] = ['it', 'en'].map((lang) => {
+    film(`${lang}.png`, '--visemes', lang, '--model', 'mara', '--view', 'mouth', ...SMALL);
+    const [sheet] = pictures(`${lang}.png`, 5 * width * 3 * height * 3);
+    return Array.from({ length: 15 }, (_, k) => cell(sheet, k));
+  });
+  const [rest, lips, open] = [0, 1, 10].map((k) => dark(it[k]));
+  assert.ok(open > Math.max(rest, lips) + 20, `${rest} ${lips} ${open}`);
+  assert.equal(new Set(it.map((one) => one.toString('latin1'))).size, 15);
+  assert.ok(it[1].equals(en[1]) && !it[14].equals(en[14])); // English has an u of its own
+});
+
+test('a recorded face is filmed with its own sound, at another rate too', () => {
+  fs.writeFileSync(at('said.fap'), said.fap);
+  fs.writeFileSync(at('other.wav'), said.wav);
+  film('from.mp4', '--from', at('said.fap'), '--audio', at('other.wav'), '--fps', String(2 * said.face.fps), '--model', 'mara', '--view', 'mouth', '--lossless', ...SMALL);
+  const [shown, every] = ['exact.mp4', 'from.mp4'].map((name) => pictures(name, 160 * 120 * 3));
+  assert.equal(every.length, 2 * shown.length);
+  for (const [k, picture] of shown.entries()) assert.ok(every[2 * k].equals(picture), `${k}`);
+  const { bytes } = faccia(['play', at('said.fap'), at('other.wav'), '--wav', '-']);
+  assert.ok(sound('from.mp4').equals(bytes.subarray(44)));
+});
+
+test('WebM keeps transparency, captions and every picture', () => {
+  film('clear.webm', ...SAID, '--background', 'transparent', '--captions', 'track', ...SMALL, TEXT);
+  const shown = pictures('clear.webm', 160 * 120 * 4, { format: 'rgba', decoder: ['-c:v', 'libvpx-vp9'] });
+  assert.equal(shown.length, said.face.frames.length);
+  const alpha = (picture, x, y) => picture[4 * (160 * y + x) + 3];
+  for (const picture of shown) assert.ok(alpha(picture, 4, 4) < 8 && alpha(picture, 80, 60) > 247);
+  const captions = String(ffmpeg(['-i', at('clear.webm'), '-map', '0:s', '-f', 'webvtt', '-']));
+  assert.match(captions, /La mamma va/);
+  assert.match(captions, /Il papà beve/);
+  const seconds = sound('clear.webm').length / 2 / 48000;
+  assert.ok(Math.abs(seconds - (said.wav.length - 44) / 2 / said.wav.readUInt32LE(24)) < 0.021, `${seconds}`);
+});
+
+test('GIF and MP4 have every picture; captions and backgrounds are drawn', () => {
+  film('small.gif', ...SAID, '--fps', '10', '--background', '#00ff00', ...SMALL, TEXT);
+  const gif = pictures('small.gif', 160 * 120 * 3);
+  assert.equal(gif.length, Math.ceil(((said.wav.length - 44) / 2 / said.wav.readUInt32LE(24)) * 10));
+  assert.ok(gif[0][0] < 8 && gif[0][1] > 247 && gif[0][2] < 8, `${[...gif[0].subarray(0, 3)]}`);
+  const image = new PNG({ width: 8, height: 8 });
+  for (let i = 0; i < 64; i++) image.data.set([i % 8 < 4 ? 255 : 0, 0, i % 8 < 4 ? 0 : 255, 255], 4 * i);
+  fs.writeFileSync(at('halves.png'), PNG.sync.write(image));
+  const [width, height] = [320, 240];
+  film('burnt.mp4', ...SAID, '--background', at('halves.png'), '--captions', 'burn', '--size', `${width}x${height}`, TEXT);
+  const shown = pictures('burnt.mp4', width * height * 3);
+  assert.equal(shown.length, said.face.frames.length);
+  const [left, right] = [6, width - 7].map((x) => [...shown[5].subarray(3 * (width * 6 + x), 3 * (width * 6 + x) + 3)]);
+  assert.ok(left[0] > 220 && left[2] < 40 && right[0] < 40 && right[2] > 220, `${left} ${right}`);
+  const white = (picture) => {
+    let count = 0;
+    for (let i = width * 200 * 3; i < picture.length; i += 3) count += Math.min(picture[i], picture[i + 1], picture[i + 2]) > 225;
+    return count;
+  };
+  const pause = said.phones.find(({ ipa, start, end }) => !ipa && start > 0.5 && end - start > 0.3);
+  const between = Math.round(((pause.start + pause.end) / 2) * said.face.fps);
+  assert.ok(white(shown[8]) > white(shown[between]) + 20, `${white(shown[8])} ${white(shown[between])}`);
+});
+
+/** The blocks of commands of a page of the documentation. */
+const guide = (page) => [...fs.readFileSync(path.join(root, 'web/docs/start', page), 'utf8').matchAll(/^```sh.*\n([^]*?)^```/gm)].map(([, code]) => code);
+
+test('the commands of the documentation make what they say', () => {
+  const place = at('guide');
+  fs.mkdirSync(place);
+  for (const code of guide('film.md')) {
+    const commands = code.replace(/^sh server\/run\.sh --with film.*$/m, '').replaceAll('build/server', path.join(path.resolve(build), 'server'));
+    const { status, stderr } = spawnSync('sh', ['-ec', commands], { cwd: place });
+    assert.equal(status, 0, String(stderr));
+  }
+  const made = Object.fromEntries(fs.readdirSync(place).map((name) => [name, fs.statSync(path.join(place, name)).size]));
+  for (const name of ['rosa.mp4', 'hello.webm', 'hello.mp4', 'hello.png', 'visemes.png', 'recorded.mp4', 'film.webp']) assert.ok(made[name] > 5000, `${name}: ${made[name]}`);
+  const shown = fs.statSync(path.join(root, 'web/film.webp')).size; // coders and drawing libraries differ a little
+  assert.ok(Math.abs(made['film.webp'] / shown - 1) < 0.3 && shown < 1 << 20, `${made['film.webp']}`);
+});
+
+test('an interrupted film leaves no file, no folder and no program', async () => {
+  const folders = () => fs.readdirSync('/tmp').filter((name) => name.startsWith('faccia-film-')).length;
+  const before = folders();
+  const child = spawn(path.join(build, 'server/cli/faccia'), ['film', '-o', at('half-%d.png'), ...SMALL, '--lang', 'it', 'Ciao. '.repeat(60)], { stdio: ['ignore', 'ignore', 'pipe'] });
+  for await (const text of child.stderr) if (/picture/.test(text)) break;
+  assert.equal(folders(), before + 1);
+  const programs = () => spawnSync('pgrep', ['-f', `faccia-film-|${folder}`]).stdout.toString().trim().split('\n').filter((pid) => pid && Number(pid) !== child.pid);
+  assert.ok(programs().length >= 2);
+  child.kill('SIGINT');
+  const [code, signal] = child.exitCode ?? child.signalCode ? [child.exitCode, child.signalCode] : await once(child, 'exit');
+  assert.deepEqual([code, signal], [null, 'SIGINT']);
+  assert.deepEqual(programs(), []);
+  assert.equal(folders(), before);
+  assert.deepEqual(fs.readdirSync(folder).filter((name) => name.startsWith('half') || name.startsWith('.')), []);
+});
+
+for (const [what, args, status, message] of [
+  ['no output', ['Ciao'], 2, /no output/],
+  ['an unknown kind of file', ['-o', 'film.avi', 'Ciao'], 2, /--output: .*\.mp4, \.webm, \.gif, \.webp or \.png/],
+  ['an unknown head', ['-o', at('x.mp4'), '-m', 'nobody', 'Ciao'], 1, /--model: unknown head 'nobody'/],
+  ['a size that cannot be', ['-o', 'x.mp4', '--size', '9x9', 'Ciao'], 2, /--size/],
+  ['odd sides', ['-o', 'x.mp4', '--size', '161x120', 'Ciao'], 2, /--size: .*even/],
+  ['transparent MP4', ['-o', 'x.mp4', '--background', 'transparent', 'Ciao'], 2, /--background/],
+  ['a background that is none', ['-o', at('x.mp4'), '--background', 'nothing', 'Ciao'], 1, /background 'nothing' is neither a file nor a colour/],
+  ['a background that is no image', ['-o', at('x.mp4'), '--background', at('name.wav'), 'Ciao'], 1, /background is no image/],
+  ['a rate that a GIF cannot have', ['-o', 'x.gif', '--fps', '30', 'Ciao'], 2, /--fps/],
+  ['a moment after the end', ['-o', at('x.png'), '--at', '99', 'Ciao'], 1, /--at: 99 is after the end/],
+  ['a folder that is not there', ['-o', at('no/x.mp4'), 'Ciao'], 1, /No such file/],
+  ['visemes of an unknown language', ['-o', at('x.png'), '--visemes', 'xx'], 1, /--visemes: no mouth shapes for the language 'xx'/],
+  ['visemes and a text', ['-o', at('x.png'), '--visemes', 'it', 'Ciao'], 2, /--visemes: there can be no text/],
+  ['no recording', ['-o', at('x.mp4'), '--from', at('no.fap')], 1, /--from: .*no\.fap/],
+])
+  test(`refuses ${what}`, () => {
+    const said = faccia(['film', ...args]);
+    assert.equal(said.status, status, said.stderr);
+    assert.match(said.stderr, message);
+    assert.ok(!fs.existsSync(at('x.mp4')) && !fs.existsSync(at('x.png')));
+  });
+
+test('says what to install', () => {
+  const said = faccia(['film', '-o', at('x.mp4'), 'Ciao'], { env: { PATH: '/nowhere' } });
+  assert.equal(said.status, 1);
+  assert.match(said.stderr, /chromium-headless-shell and ffmpeg .*--with film/);
+});
