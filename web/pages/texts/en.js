@@ -209,6 +209,7 @@ export const operator = {
   keys: 'Ctrl + Enter: say. Esc: stop. Outside the fields: R repeat, S slower, L louder, 1–9 the lines.', queue: 'Waiting', queueHint: 'What is said next waits here, and can still be changed.',
   waits: 'Waiting text', up: 'Earlier', down: 'Later', cancel: 'Remove', scene: 'Scene', edit: 'Edit the scene', sceneText: 'Scene (JSON or CSV)', take: 'Use it', openFile: 'Open a file',
   saveCsv: 'Save CSV', saveJson: 'Save JSON', sceneHint: 'CSV: columns id, text, variants (separated by |), mood, choices (text > id, separated by |), next.', sceneTaken: 'The scene is in use.',
+  sceneStore: 'Scenes on the server', noScenes: 'You cannot store scenes on this server. They stay in this browser, and can be saved as files.',
   sceneName: 'Scene on the server', fetchScene: 'Open', keepScene: 'Save', dropScene: 'Remove', sceneKept: 'The scene is on the server.', sceneDropped: 'The scene was removed.',
   badScene: 'The scene has an error: {place}', logCsv: 'Log CSV', logJson: 'Log JSON', idle: 'ready', listening: 'listening', thinking: 'thinking', muted: 'microphone off', asleep: 'asleep',
   looksOn: 'watching', affect: 'A single emotion', discHint: 'Drag the point, or move it with the arrow keys: the face of the room changes at once. Other operators see it.',

@@ -216,6 +216,7 @@ export const operator = {
   keys: 'Ctrl + Enter: söyle. Esc: dur. Alanların dışında: R tekrarla, S daha yavaş, L daha yüksek, 1–9 replikler.', queue: 'Bekleyenler', queueHint: 'Sonra söylenecekler burada bekler; hâlâ değiştirilebilir.',
   waits: 'Bekleyen metin', up: 'Öne', down: 'Arkaya', cancel: 'Çıkar', scene: 'Sahne', edit: 'Sahneyi değiştir', sceneText: 'Sahne (JSON veya CSV)', take: 'Al', openFile: 'Dosya aç',
   saveCsv: 'CSV kaydet', saveJson: 'JSON kaydet', sceneHint: 'CSV: sütunlar id, text, variants (| ile ayrılmış), mood, choices (metin > id, | ile ayrılmış), next.', sceneTaken: 'Sahne alındı.',
+  sceneStore: 'Sunucudaki sahneler', noScenes: 'Bu sunucuda sahne saklayamazsınız. Sahneler bu tarayıcıda kalır ve dosya olarak kaydedilebilir.',
   sceneName: 'Sunucudaki sahne', fetchScene: 'Aç', keepScene: 'Sakla', dropScene: 'Sil', sceneKept: 'Sahne sunucuda.', sceneDropped: 'Sahne silindi.',
   badScene: 'Sahnede hata var: {place}', logCsv: 'Kayıt CSV', logJson: 'Kayıt JSON', idle: 'hazır', listening: 'dinliyor', thinking: 'düşünüyor', muted: 'mikrofon kapalı', asleep: 'uykuda',
   looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
