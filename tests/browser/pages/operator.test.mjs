@@ -204,6 +204,7 @@ test('a server without a folder for scenes: no request fails before they are ask
   await page.goto(`${bare.url}/operator.html?room=cucina`);
   await page.waitForFunction(() => document.querySelector('#kiosk').hidden === false && document.querySelector('talking-head').debug?.().connection === 'open');
   assert.deepEqual(failed, []);
+  await page.waitForFunction(() => document.querySelector('#listeners').textContent.startsWith('Nella stanza non c’è ancora nessuno.'));
   await page.click('#store summary');
   await page.waitForSelector('#no-scenes');
   assert.equal(await page.isVisible('#stored'), false);

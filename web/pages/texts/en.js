@@ -202,6 +202,7 @@ export const library = {
 
 export const operator = {
   title: 'Operator', room: 'Room', enter: 'Enter', kiosk: 'Open the face of the room', said: 'What happens in the room',
+  alone: 'Nobody is in the room yet. Open its face on a screen.',
   followers: 'In the room: {n}', observers: 'Other operators: {n}', nobody: 'No room chosen', text: 'Text to say', speak: 'Say', interrupt: 'At once', later: 'Queue', preview: 'Hear it first', stop: 'Stop',
   choices: 'Question and answers', choicesHint: 'Are you hungry? | Yes | No: the question, then the answers, separated by |', offer: 'Offer', withdraw: 'Withdraw',
   lang: 'Language', mood: 'Mood', neutral: 'neutral', state: 'Sign', repeat: 'Repeat', slower: 'Slower', faster: 'Faster', louder: 'Louder', softer: 'Softer', globally: 'For all that follows',

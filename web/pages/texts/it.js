@@ -209,6 +209,7 @@ export const library = {
 
 export const operator = {
   title: 'Operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
+  alone: 'Nella stanza non c’è ancora nessuno. Apri il volto della stanza su uno schermo.',
   followers: 'Nella stanza: {n}', observers: 'Altri che operano: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Parla', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
   choices: 'Domanda e risposte', choicesHint: 'Ha fame? | Sì | No: la domanda, poi le risposte, divise da |', offer: 'Offri', withdraw: 'Ritira',
   lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più lento', faster: 'Più veloce', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',

@@ -209,6 +209,7 @@ export const library = {
 
 export const operator = {
   title: 'Operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
+  alone: 'Ainda não há ninguém na sala. Abra o rosto da sala em uma tela.',
   followers: 'Na sala: {n}', observers: 'Outros que operam: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
   choices: 'Pergunta e respostas', choicesHint: 'Tem fome? | Sim | Não: a pergunta, depois as respostas, separadas por |', offer: 'Oferecer', withdraw: 'Retirar',
   lang: 'Idioma', mood: 'Humor', neutral: 'neutro', state: 'Sinal', repeat: 'Repetir', slower: 'Mais devagar', faster: 'Mais rápido', louder: 'Mais alto', softer: 'Mais baixo', globally: 'Para tudo o que segue',

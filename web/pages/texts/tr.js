@@ -209,6 +209,7 @@ export const library = {
 
 export const operator = {
   title: 'Operatör', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
+  alone: 'Odada henüz kimse yok. Odanın yüzünü bir ekranda açın.',
   followers: 'Odada: {n}', observers: 'Diğer operatörler: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
   choices: 'Soru ve yanıtlar', choicesHint: 'Aç mısın? | Evet | Hayır: soru, sonra yanıtlar, | ile ayrılmış', offer: 'Sun', withdraw: 'Geri al',
   lang: 'Dil', mood: 'Duygu', neutral: 'yansız', state: 'İşaret', repeat: 'Tekrarla', slower: 'Daha yavaş', faster: 'Daha hızlı', louder: 'Daha yüksek', softer: 'Daha alçak', globally: 'Bundan sonrası için',
