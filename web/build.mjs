@@ -146,7 +146,8 @@ function complete(page, name) {
     .replace(/^ *<!-- include (\w+) -->\n/gm, (_, part) => readFileSync(path.join(pages, 'shared', `${part}.html`), 'utf8'))
     .replace(`<a href="${own}" data-text`, `<a href="${own}" aria-current="page" data-text`);
 }
-// All else is served as it lies in its folder: pages, styles, workers, scripts that no page imports, and the examples, whose source a page shows.
+// All else is served as it lies in its folder: pages, styles, workers, scripts that no page imports, and the examples, whose
+// source their page shows.
 const served = ['stories.js', 'library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
 for (const file of readdirSync(pages, { recursive: true })) {
   const name = path.basename(file);
