@@ -141,7 +141,7 @@ const bundled = await build({
   entryPoints: [...scripts, 'library/library-early.js'].map((file) => path.join(pages, file)),
   outdir: out,
   entryNames: '[name]',
-  external: ['talking-head', 'player-kit', 'portrait', 'library', 'library-early'].map((name) => `./${name}.js`),
+  external: ['talking-head', 'player-kit', 'portrait', 'library', 'library-early', 'stories'].map((name) => `./${name}.js`),
   banner: { js: '/* faccia, MIT. */' },
   metafile: true,
 });
@@ -154,8 +154,9 @@ function complete(page, name) {
     .replace(/^ *<!-- include (\w+) -->\n/gm, (_, part) => readFileSync(path.join(pages, 'shared', `${part}.html`), 'utf8'))
     .replace(`<a href="${own}" data-text`, `<a href="${own}" aria-current="page" data-text`);
 }
-// All else is served as it lies in its folder: pages, styles, workers, and scripts that no page imports.
-const served = ['library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
+// All else is served as it lies in its folder: pages, styles, workers, scripts that no page imports, and the examples, whose
+// source their page shows.
+const served = ['stories.js', 'library-worker.js', 'room-worker.js', 'room-early.js', 'faccia-card.js'];
 for (const file of readdirSync(pages, { recursive: true })) {
   const name = path.basename(file);
   if (!/\.(html|css|svg|png|webmanifest)$/.test(name) && !served.includes(name)) continue;

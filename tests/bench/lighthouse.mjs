@@ -27,8 +27,7 @@ async function freePort() {
 
 const wanted = process.argv.slice(2);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-lighthouse-'));
-fs.mkdirSync(path.join(folder, 'scenes'));
-const daemon = await Daemon.start(['--scenes', path.join(folder, 'scenes'), '--library', path.join(root, 'models/library'), '--library-index', path.join(folder, 'index')]);
+const daemon = await Daemon.start(['--library', path.join(root, 'models/library'), '--library-index', path.join(folder, 'index')]);
 await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
 const port = await freePort();
 const browser = await launch({ flags: [`--remote-debugging-port=${port}`] });

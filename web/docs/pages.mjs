@@ -71,7 +71,7 @@ export const sidebar = [
     ['The pages', 'start/pages'], ['More scripts', 'start/scripting']), collapsed: false },
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
-  group('Frameworks', ['Plain HTML', 'frameworks/'], ['React', 'frameworks/react'], ['Vue', 'frameworks/vue'], ['Svelte', 'frameworks/svelte']),
+  group('Frameworks', ['Plain HTML', 'frameworks/'], ['React', 'frameworks/react'], ['Vue', 'frameworks/vue'], ['Svelte', 'frameworks/svelte'], ['Angular', 'frameworks/angular'], ['Astro', 'frameworks/astro']),
   group('Home', ['Rooms, screens, operators', 'home/'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
   group('Library', ['A library that speaks', 'library/'], ['Into your own site', 'library/embedding'], ['Over HTTP', 'library/protocol']),
   group('Markup', ['Mark up a text', 'markup/'], ['What each element does', 'markup/elements'], ['Expressions', 'markup/expressions'], ['Gestures', 'markup/gestures'], ['Numbers and dates', 'markup/reading'], ['Lexicons', 'markup/lexicons']),

@@ -9,7 +9,7 @@ import { after, before, test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
 import { violations } from '../../lib/axe.mjs';
 import { launch } from '../../lib/browser.mjs';
-import { artefacts, Daemon, root } from '../../lib/daemon.mjs';
+import { artefacts, Daemon, eventually, root } from '../../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-editor-'));
 let daemon, browser;
@@ -37,6 +37,7 @@ async function open(name) {
 test('marks words, plays them, writes three markups, validates, saves and reopens', async () => {
   const { page, problems } = await open('editor.html');
   await page.waitForFunction(() => document.querySelectorAll('#value option').length > 20);
+  assert.equal(await page.isVisible('#marks-title'), false, 'no heading over no marks');
   const text = await page.inputValue('#text');
   const select = (words) =>
     page.evaluate(([from, to]) => (document.querySelector('#text').focus(), document.querySelector('#text').setSelectionRange(from, to)), [text.indexOf(words), text.indexOf(words) + words.length]);
@@ -61,6 +62,21 @@ test('marks words, plays them, writes three markups, validates, saves and reopen
     assert.match(await page.inputValue('#code'), pattern);
     await page.waitForFunction(() => document.querySelector('#verdict').textContent === 'Il server capisce tutto.');
   }
+  // an answer that comes after a change says nothing
+  let asked = 0, release;
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route('**/v1/speech', async (route) => {
+    if (++asked === 1) await held;
+    await route.continue().catch(() => {}); // the page may have given it up
+  });
+  await page.selectOption('#markup', 'apml');
+  await eventually(() => asked === 1, 'the first question');
+  await page.selectOption('#markup', 'jsml');
+  release();
+  await eventually(() => asked === 2, 'the second question');
+  await page.waitForFunction(() => document.querySelector('#verdict').textContent !== '');
+  assert.equal(await page.textContent('#verdict'), 'Il server capisce tutto.');
+  await page.unroute('**/v1/speech');
   assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: path.join(artefacts, 'editor.png'), fullPage: true });
 

@@ -99,6 +99,7 @@ test('writes the source for each framework, and copies it', async () => {
     await page.check(`#kinds [value="${kind}"]`);
     assert.match(await code(), wanted);
   }
+  assert.match(await code(), /const speak = \(head\) => head\.speak\('Nel mezzo/, 'as it is written, not as bundlers shorten it');
   await page.evaluate(() => Object.defineProperty(navigator, 'clipboard', { configurable: true, value: { writeText: async (text) => (window.copied = text) } }));
   await page.click('#copy');
   await page.waitForFunction(() => document.querySelector('#news').textContent === 'Copied');

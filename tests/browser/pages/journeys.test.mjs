@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Walks what the guides say, in fresh folders, as a stranger would: a page of one's own, also opened from a file by mistake; a kitchen whose tablet and operator
-// come from the network with tokens, by the links and QR codes that are printed.
+// come from the network with tokens, by the links and QR codes that are printed; a portal and a script with tokens. Those of frameworks: tests/browser/element/builds.test.mjs.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -52,6 +52,28 @@ function scanned(shown) {
   return jsQR(pixels, width, scale * rows.length)?.data;
 }
 
+/** Starts a daemon for other machines on a terminal. Returns what it shows, and the address: outside, or on this machine where it has no other. */
+async function onOtherMachines(t, folder, options) {
+  const terminal = spawn('script', ['-qefc', `echo $$ >pid; exec build/server/daemon/facciad --port 0 ${options}`, '/dev/null'], { cwd: folder, env: quiet, stdio: ['ignore', 'pipe', 'ignore'] });
+  let shown = '';
+  terminal.stdout.setEncoding('utf8').on('data', (piece) => (shown += piece.replaceAll('\r', '')));
+  const ended = once(terminal, 'exit');
+  const stop = () => {
+    if (terminal.exitCode === null) process.kill(Number(fs.readFileSync(path.join(folder, 'pid'), 'utf8')), 'SIGTERM');
+    return ended;
+  };
+  t.after(stop);
+  await eventually(() => /ready: /.test(shown), 'the voices', 240000);
+  const { port } = new URL(shown.match(/listening on (\S+)/)[1]);
+  const [, outside] = shown.match(/on other machines: (\S+)/) ?? [];
+  return { at: outside ?? `http://127.0.0.1:${port}/`, port, shown, outside, stop };
+}
+
+/** The options of `sh server/run.sh` in a block. */
+const optionsOf = (block) => block.match(/^sh server\/run\.sh (.*)$/m)[1];
+/** The same block without that line. */
+const besides = (block) => block.replace(/^sh server\/run\.sh .*\n/m, '');
+
 const connected = (page) => page.waitForFunction(() => document.querySelector('talking-head').debug?.().connection === 'open', null, { timeout: 60000 });
 const visit = async (address) => {
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 800, height: 600 } });
@@ -97,21 +119,9 @@ test('a kitchen with tokens: links and QR codes for tablet and operator, and wha
   onTerminal(folder, secret);
   const options = run.replace(/^sh server\/run\.sh /, '');
   assert.match(options, /^--host 0\.0\.0\.0 --remote --secret-file secret --scenes scenes$/);
-  const terminal = spawn('script', ['-qefc', `echo $$ >pid; exec build/server/daemon/facciad --port 0 ${options}`, '/dev/null'], { cwd: folder, env: quiet, stdio: ['ignore', 'pipe', 'ignore'] });
-  let shown = '';
-  terminal.stdout.setEncoding('utf8').on('data', (piece) => (shown += piece.replaceAll('\r', '')));
-  const ended = once(terminal, 'exit');
-  const stop = () => process.kill(Number(fs.readFileSync(path.join(folder, 'pid'), 'utf8')), 'SIGTERM');
-  t.after(async () => {
-    if (terminal.exitCode === null) stop();
-    await ended;
-  });
-  await eventually(() => /ready: /.test(shown), 'the voices', 240000);
-  const { port } = new URL(shown.match(/listening on (\S+)/)[1]);
-  const [, outside] = shown.match(/on other machines: (\S+)/) ?? [];
+  const { at, shown, outside, stop } = await onOtherMachines(t, folder, options);
   if (outside) assert.equal(scanned(shown), outside, 'the QR code is the address');
   else t.diagnostic('this machine has no address but loopback: pages come from there');
-  const at = outside ?? `http://127.0.0.1:${port}/`;
 
   // the two links, by the two commands of the second block
   const [tablet, operator] = links.trim().replaceAll('http://192.168.1.20:8080/', at).split('\n').map((command) => {
@@ -131,8 +141,8 @@ test('a kitchen with tokens: links and QR codes for tablet and operator, and wha
   assert.deepEqual(await screen.evaluate(() => window.heard), ['Dinner', 'is', 'ready', 'done']);
 
   // the operator's rights are enough to keep a scene on the server; the tablet's are not
+  await desk.click('#store summary');
   await desk.fill('#scene-name', 'supper');
-  await desk.evaluate(() => document.querySelector('#scene-name').closest('details')?.setAttribute('open', ''));
   await desk.click('#keep-scene');
   await eventually(() => fs.existsSync(path.join(folder, 'scenes/supper.json')), 'the scene');
   const token = new URL(tablet).searchParams.get('token');
@@ -149,6 +159,47 @@ test('a kitchen with tokens: links and QR codes for tablet and operator, and wha
   const stranger = await visit(new URL('/room.html?room=kitchen', at).href);
   await stranger.waitForSelector('#access .why:not(:empty)');
   for (const page of [screen, desk, stranger]) await page.close();
-  stop();
-  assert.deepEqual(await ended, [0, null]);
+  assert.deepEqual(await stop(), [0, null]);
+});
+
+test('a portal with tokens: the link opens a text and reads it; a program searches; without a token the page asks for one', async (t) => {
+  const folder = fresh();
+  fs.symlinkSync(path.join(root, 'models'), path.join(folder, 'models'));
+  const [, text] = guide('portal.md').split('## For readers on other machines');
+  const [start, link, program] = blocks(text, 'sh');
+  onTerminal(folder, besides(start));
+  const { at, port, stop } = await onOtherMachines(t, folder, `${optionsOf(start)} --library-index index`);
+  const printed = onTerminal(folder, link.replace('http://192.168.1.20:8080/', at)).match(/^http\S+$/m)[0];
+  const reader = await visit(printed);
+  await reader.waitForSelector('[id="mare:1:l1"]');
+  await connected(reader);
+  assert.equal(new URL(reader.url()).searchParams.get('token'), null, 'the token is taken out of the address');
+  await reader.click('#play');
+  await heard(reader, 'calmo');
+
+  const { results } = JSON.parse(onTerminal(folder, program.replace('127.0.0.1:8080', `127.0.0.1:${port}`).replace('curl', 'curl -s')));
+  assert.ok(results.length > 0);
+
+  const stranger = await visit(new URL('/library.html?at=mare:1', at).href);
+  await stranger.waitForSelector('#access .why:not(:empty)');
+  for (const page of [reader, stranger]) await page.close();
+  assert.deepEqual(await stop(), [0, null]);
+});
+
+test('a script with a token: a file of sound, and a room that hears it; without the token it is told what is missing', async (t) => {
+  const folder = fresh();
+  const [, text] = guide('script.md').split('requires [tokens]');
+  const [make, send] = blocks(text, 'sh');
+  onTerminal(folder, make);
+  const { at, port, stop } = await onOtherMachines(t, folder, '--secret-file secret');
+  const token = fs.readFileSync(path.join(folder, 'script.token'), 'utf8').trim();
+  const hall = await visit(new URL(`/room.html?room=hall&token=${token}`, at).href);
+  await connected(hall);
+  onTerminal(folder, send.replaceAll('127.0.0.1:8080', `127.0.0.1:${port}`));
+  await heard(hall, 'tavola');
+  assert.match(fs.readFileSync(path.join(folder, 'hello.wav'), 'latin1').slice(0, 12), /^RIFF....WAVE/s);
+  const refused = await fetch(`http://127.0.0.1:${port}/v1/speech?lang=it`, { method: 'POST', body: 'Buongiorno.' });
+  assert.deepEqual([refused.status, (await refused.json()).code], [401, 'token-needed']);
+  await hall.close();
+  assert.deepEqual(await stop(), [0, null]);
 });

@@ -172,7 +172,10 @@ test('two operator pages keep scenes on the server without overwriting each othe
     }, source);
     await page.click('#take');
   };
-  for (const page of [desk, other]) await page.fill('#scene-name', 'pranzo');
+  for (const page of [desk, other]) {
+    await page.click('#store summary');
+    await page.fill('#scene-name', 'pranzo');
+  }
   await desk.click('#keep-scene');
   await news(desk, 'La scena è sul server.');
   await other.click('#fetch-scene');
@@ -191,6 +194,23 @@ test('two operator pages keep scenes on the server without overwriting each othe
   await news(desk, 'La scena è stata cancellata.');
   assert.deepEqual(fs.readdirSync(scenes), []);
   await other.close();
+});
+
+test('a server without a folder for scenes: no request fails before they are asked for, and the page says what to do', async () => {
+  const bare = await Daemon.start([], {}, { voices: false });
+  const page = await browser.newPage({ locale: 'it-IT' });
+  const failed = [];
+  page.on('response', (answer) => answer.ok() || failed.push(new URL(answer.url()).pathname));
+  await page.goto(`${bare.url}/operator.html?room=cucina`);
+  await page.waitForFunction(() => document.querySelector('#kiosk').hidden === false && document.querySelector('talking-head').debug?.().connection === 'open');
+  assert.deepEqual(failed, []);
+  await page.waitForFunction(() => document.querySelector('#listeners').textContent.startsWith('Nella stanza non c’è ancora nessuno.'));
+  await page.click('#store summary');
+  await page.waitForSelector('#no-scenes');
+  assert.equal(await page.isVisible('#stored'), false);
+  assert.deepEqual(failed, ['/v1/scenes']);
+  await page.close();
+  assert.equal((await bare.stop()).code, 0);
 });
 
 test('two operators at once: everything is spoken once, and both see who sent it', async () => {

@@ -17,6 +17,7 @@ const { head, say } = frame;
 const [text, code] = ['text', 'code'].map($);
 const offer = { affect: [], gesture: [], voices: [] };
 let marks = [];
+let missing = ''; // what the markup cannot express, in words
 let before = '';
 let name = 'faccia';
 let checking = null; // the request under way
@@ -80,12 +81,15 @@ function item(mark) {
 function show() {
   showMarked();
   $('marks').replaceChildren(...marks.map(item));
+  $('marks-title').hidden = !marks.length;
   const markup = $('markup').value;
   const { code: written, unsaid } = write(markup, text.value, marks, $('lang').value);
   code.value = written;
-  $('verdict').textContent = unsaid.length ? say('unsaid', { markup: markup.toUpperCase(), what: [...new Set(unsaid.map(called))].join(', ') }) : '';
+  missing = unsaid.length ? say('unsaid', { markup: markup.toUpperCase(), what: [...new Set(unsaid.map(called))].join(', ') }) : '';
+  $('verdict').textContent = missing;
   $('warnings').replaceChildren();
   clearTimeout(timer);
+  checking?.abort(); // its answer would be about what was written before
   if (text.value.trim()) timer = setTimeout(check, CHECK_MS);
 }
 
@@ -128,7 +132,7 @@ async function check() {
     if (mine.signal.aborted) return;
     const warnings = answer.ok ? (said.warnings ?? []).map(placed) : [said];
     const verdict = warnings.length ? say('warned', { n: warnings.length }) : say('good');
-    $('verdict').textContent = [$('verdict').textContent, verdict].filter(Boolean).join(' ');
+    $('verdict').textContent = [missing, verdict].filter(Boolean).join(' ');
     $('warnings').replaceChildren(...warnings.map(warningItem));
   } catch (error) {
     if (error.name !== 'AbortError') frame.problem.show({ code: 'unreachable', message: error.message });

@@ -133,6 +133,7 @@ async function onStoredScene(act, done) {
 async function showStored() {
   const scenes = await store.list();
   $('stored').hidden = !scenes;
+  $('no-scenes').hidden = Boolean(scenes);
   $('kept').replaceChildren(...(scenes ?? []).map(({ name }) => new Option(name)));
 }
 
@@ -181,7 +182,7 @@ head.addEventListener('connection', ({ detail }) => {
 });
 head.addEventListener('authorized', ({ detail }) => (me = detail.subject || me));
 head.addEventListener('joined', ({ detail }) => {
-  showStored(log.add('joined', detail.room));
+  log.add('joined', detail.room);
   study.joined();
 });
 head.addEventListener('observers', ({ detail }) => people.observers(detail.observers, me));
@@ -254,6 +255,7 @@ $('stored').addEventListener('submit', (event) => {
 });
 $('keep-scene').addEventListener('click', () => onStoredScene((name) => store.save(name, JSON.stringify(scene, null, 1)), 'sceneKept'));
 $('drop-scene').addEventListener('click', () => onStoredScene((name) => store.remove(name), 'sceneDropped'));
+$('store').addEventListener('toggle', () => $('store').open && showStored());
 $('scene-name').addEventListener('focus', showStored);
 $('file').addEventListener('change', async ({ target }) => target.files[0] && takeScene(await target.files[0].text()));
 $('save-csv').addEventListener('click', () => download('scene.csv', writeCsv(scene), 'text/csv'));

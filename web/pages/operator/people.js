@@ -29,7 +29,7 @@ export class People {
       const { rooms = [] } = (await load('v1/rooms')) ?? {};
       const here = rooms.find(({ name }) => name === head.room);
       this.parts.rooms.replaceChildren(...rooms.map(({ name, listeners }) => new Option(`${name} (${listeners})`, name)));
-      const lines = [say('followers', { n: here?.listeners }), this.#names()];
+      const lines = [here?.listeners ? say('followers', { n: here.listeners }) : say('alone'), this.#names()];
       this.parts.shown.textContent = here ? lines.filter(Boolean).join(' · ') : say('nobody');
     }
     setTimeout(() => this.follow(), LOOK_MS);

@@ -204,6 +204,7 @@ export const library = {
 
 export const operator = {
   title: 'Operator', room: 'Room', enter: 'Enter', kiosk: 'Open the face of the room', said: 'What happens in the room',
+  alone: 'Nobody is in the room yet. Open its face on a screen.',
   followers: 'In the room: {n}', observers: 'Other operators: {n}', nobody: 'No room chosen', text: 'Text to say', speak: 'Say', interrupt: 'At once', later: 'Queue', preview: 'Hear it first', stop: 'Stop',
   choices: 'Question and answers', choicesHint: 'Are you hungry? | Yes | No: the question, then the answers, separated by |', offer: 'Offer', withdraw: 'Withdraw',
   lang: 'Language', mood: 'Mood', neutral: 'neutral', state: 'Sign', repeat: 'Repeat', slower: 'Slower', faster: 'Faster', louder: 'Louder', softer: 'Softer', globally: 'For all that follows',
@@ -211,6 +212,7 @@ export const operator = {
   keys: 'Ctrl + Enter: say. Esc: stop. Outside the fields: R repeat, S slower, L louder, 1–9 the lines.', queue: 'Waiting', queueHint: 'What is said next waits here, and can still be changed.',
   waits: 'Waiting text', up: 'Earlier', down: 'Later', cancel: 'Remove', scene: 'Scene', edit: 'Edit the scene', sceneText: 'Scene (JSON or CSV)', take: 'Use it', openFile: 'Open a file',
   saveCsv: 'Save CSV', saveJson: 'Save JSON', sceneHint: 'CSV: columns id, text, variants (separated by |), mood, choices (text > id, separated by |), next.', sceneTaken: 'The scene is in use.',
+  sceneStore: 'Scenes on the server', noScenes: 'You cannot store scenes on this server. They stay in this browser, and can be saved as files.',
   sceneName: 'Scene on the server', fetchScene: 'Open', keepScene: 'Save', dropScene: 'Remove', sceneKept: 'The scene is on the server.', sceneDropped: 'The scene was removed.',
   badScene: 'The scene has an error: {place}', logCsv: 'Log CSV', logJson: 'Log JSON', idle: 'ready', listening: 'listening', thinking: 'thinking', muted: 'microphone off', asleep: 'asleep',
   looksOn: 'watching', affect: 'A single emotion', discHint: 'Drag the point, or move it with the arrow keys: the face of the room changes at once. Other operators see it.',

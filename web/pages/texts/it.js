@@ -211,6 +211,7 @@ export const library = {
 
 export const operator = {
   title: 'Operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
+  alone: 'Nella stanza non c’è ancora nessuno. Apri il volto della stanza su uno schermo.',
   followers: 'Nella stanza: {n}', observers: 'Altri che operano: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Parla', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
   choices: 'Domanda e risposte', choicesHint: 'Ha fame? | Sì | No: la domanda, poi le risposte, divise da |', offer: 'Offri', withdraw: 'Ritira',
   lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più lento', faster: 'Più veloce', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',
@@ -218,6 +219,7 @@ export const operator = {
   keys: 'Ctrl + Invio: parla. Esc: ferma. Fuori dai campi: R ripeti, S più lento, L più forte, 1–9 le battute.', queue: 'In attesa', queueHint: 'Qui aspetta ciò che si dirà dopo; si può ancora cambiare.',
   waits: 'Testo in attesa', up: 'Prima', down: 'Dopo', cancel: 'Togli', scene: 'Scena', edit: 'Cambia la scena', sceneText: 'Scena (JSON o CSV)', take: 'Usa', openFile: 'Apri un file',
   saveCsv: 'Salva CSV', saveJson: 'Salva JSON', sceneHint: 'CSV: colonne id, text, variants (divise da |), mood, choices (testo > id, divise da |), next.', sceneTaken: 'La scena è in uso.',
+  sceneStore: 'Scene sul server', noScenes: 'Qui non si possono conservare scene sul server. Restano in questo browser, e si possono salvare come file.',
   sceneName: 'Scena sul server', fetchScene: 'Apri', keepScene: 'Conserva', dropScene: 'Cancella', sceneKept: 'La scena è sul server.', sceneDropped: 'La scena è stata cancellata.',
   badScene: 'La scena ha un errore: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ascolta', thinking: 'pensa', muted: 'microfono spento', asleep: 'addormentata',
   looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascina il punto, o spostalo con le frecce: il volto della stanza cambia subito. Gli altri operatori lo vedono.',

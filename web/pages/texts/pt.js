@@ -211,6 +211,7 @@ export const library = {
 
 export const operator = {
   title: 'Operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
+  alone: 'Ainda não há ninguém na sala. Abra o rosto da sala em uma tela.',
   followers: 'Na sala: {n}', observers: 'Outros que operam: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
   choices: 'Pergunta e respostas', choicesHint: 'Tem fome? | Sim | Não: a pergunta, depois as respostas, separadas por |', offer: 'Oferecer', withdraw: 'Retirar',
   lang: 'Idioma', mood: 'Humor', neutral: 'neutro', state: 'Sinal', repeat: 'Repetir', slower: 'Mais devagar', faster: 'Mais rápido', louder: 'Mais alto', softer: 'Mais baixo', globally: 'Para tudo o que segue',
@@ -218,6 +219,7 @@ export const operator = {
   keys: 'Ctrl + Enter: dizer. Esc: parar. Fora dos campos: R repetir, S mais devagar, L mais alto, 1–9 as falas.', queue: 'Em espera', queueHint: 'Aqui espera o que será dito depois; ainda pode ser mudado.',
   waits: 'Texto em espera', up: 'Antes', down: 'Depois', cancel: 'Tirar', scene: 'Cena', edit: 'Mudar a cena', sceneText: 'Cena (JSON ou CSV)', take: 'Usar', openFile: 'Abrir um arquivo',
   saveCsv: 'Salvar CSV', saveJson: 'Salvar JSON', sceneHint: 'CSV: colunas id, text, variants (separadas por |), mood, choices (texto > id, separadas por |), next.', sceneTaken: 'A cena foi lida.',
+  sceneStore: 'Cenas no servidor', noScenes: 'Aqui não se podem guardar cenas no servidor. Elas ficam neste navegador e podem ser salvas em arquivos.',
   sceneName: 'Cena no servidor', fetchScene: 'Abrir', keepScene: 'Guardar', dropScene: 'Apagar', sceneKept: 'A cena está no servidor.', sceneDropped: 'A cena foi apagada.',
   badScene: 'A cena tem um erro: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ouvindo', thinking: 'pensando', muted: 'microfone desligado', asleep: 'dormindo',
   looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arraste o ponto, ou mova-o com as setas: o rosto da sala muda logo. Os outros operadores o veem.',

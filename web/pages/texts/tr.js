@@ -211,6 +211,7 @@ export const library = {
 
 export const operator = {
   title: 'Operatör', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
+  alone: 'Odada henüz kimse yok. Odanın yüzünü bir ekranda açın.',
   followers: 'Odada: {n}', observers: 'Diğer operatörler: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
   choices: 'Soru ve yanıtlar', choicesHint: 'Aç mısın? | Evet | Hayır: soru, sonra yanıtlar, | ile ayrılmış', offer: 'Sun', withdraw: 'Geri al',
   lang: 'Dil', mood: 'Duygu', neutral: 'yansız', state: 'İşaret', repeat: 'Tekrarla', slower: 'Daha yavaş', faster: 'Daha hızlı', louder: 'Daha yüksek', softer: 'Daha alçak', globally: 'Bundan sonrası için',
@@ -218,6 +219,7 @@ export const operator = {
   keys: 'Ctrl + Enter: söyle. Esc: dur. Alanların dışında: R tekrarla, S daha yavaş, L daha yüksek, 1–9 replikler.', queue: 'Bekleyenler', queueHint: 'Sonra söylenecekler burada bekler; hâlâ değiştirilebilir.',
   waits: 'Bekleyen metin', up: 'Öne', down: 'Arkaya', cancel: 'Çıkar', scene: 'Sahne', edit: 'Sahneyi değiştir', sceneText: 'Sahne (JSON veya CSV)', take: 'Al', openFile: 'Dosya aç',
   saveCsv: 'CSV kaydet', saveJson: 'JSON kaydet', sceneHint: 'CSV: sütunlar id, text, variants (| ile ayrılmış), mood, choices (metin > id, | ile ayrılmış), next.', sceneTaken: 'Sahne alındı.',
+  sceneStore: 'Sunucudaki sahneler', noScenes: 'Bu sunucuda sahne saklayamazsınız. Sahneler bu tarayıcıda kalır ve dosya olarak kaydedilebilir.',
   sceneName: 'Sunucudaki sahne', fetchScene: 'Aç', keepScene: 'Sakla', dropScene: 'Sil', sceneKept: 'Sahne sunucuda.', sceneDropped: 'Sahne silindi.',
   badScene: 'Sahnede hata var: {place}', logCsv: 'Kayıt CSV', logJson: 'Kayıt JSON', idle: 'hazır', listening: 'dinliyor', thinking: 'düşünüyor', muted: 'mikrofon kapalı', asleep: 'uykuda',
   looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
