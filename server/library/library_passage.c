@@ -107,8 +107,8 @@ static json_t *recording_of(struct library *l, const char *work, unsigned sectio
     return recording ? recording : json_pack("{ss}", "state", alignment_states[ALIGNMENT_WAITING]);
 }
 
-json_t *library_section_json(struct library *l, struct index_reader *r, const char *work,
-                                    const char *section, struct error *e) {
+json_t *library_section_json(struct library *l, struct index_reader *r, const char *work, const char *section,
+                             struct error *e) {
     unsigned number;
     if (library_number("section", section, 1, SECTIONS_MAX, 0, &number, e))
         return NULL;
@@ -381,8 +381,7 @@ static int read_choice(const char *field, const char *text, const char *no, cons
                : 0;
 }
 
-json_t *library_passage_json(struct index_reader *r, const struct library_question *q,
-                                    struct error *e) {
+json_t *library_passage_json(struct index_reader *r, const struct library_question *q, struct error *e) {
     const char *id = q->passage;
     struct library_reading how = {.most = SIZE_MAX};
     if (read_choice("directions", q->directions, "silent", "spoken", &how.directions, e) ||
