@@ -81,7 +81,7 @@ static unsigned all_contexts(const struct speech_pack *pack, const struct speech
 void shape_of_phone(const struct speech_pack *pack, const struct speech_phone *phone,
                     double faps[FAP_COUNT + 1]) {
     double mm[PARAM_COUNT] = {0};
-    mean_targets(phone, all_contexts(pack, phone), 1, mm);
+    mean_targets(phone, all_contexts(pack, phone), 0, mm);
     to_faps(pack, phone, mm, faps);
 }
 

@@ -24,8 +24,8 @@ uint8_t viseme_id_of(const struct speech_phone *phone);
 
 /* Named mouth shapes: the key poses of the morphing engines. */
 
-/* Computes the targets of a phone as FAPs: stressed, as when it is said alone, the mean over all contexts,
- * with its contact applied. faps must be zeroed. Not for phones made of parts. */
+/* Computes the targets of a phone as FAPs: unstressed, the mean over all contexts, with its contact
+ * applied. faps must be zeroed. Not for phones made of parts. */
 void shape_of_phone(const struct speech_pack *pack, const struct speech_phone *phone,
                     double faps[FAP_COUNT + 1]);
 
