@@ -22,7 +22,7 @@ static double seconds(uint64_t sample, uint32_t rate) {
 
 /* Appends the object to a list and drops its reference. */
 static void add_member(struct buf *list, bool first, json_t *object) {
-    buf_add(list, ",\n  " + first, 4 - first);
+    buf_add(list, &",\n  "[first], 4 - first);
     json_write(list, object);
 }
 
