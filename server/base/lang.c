@@ -54,3 +54,14 @@ const char *lang_usual(const char *tag) {
     }
     return tag;
 }
+
+int lang_fit(const char *lang, const char *wanted) {
+    wanted = lang_usual(wanted);
+    lang = lang_usual(lang);
+    size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
+    if (!strcasecmp(lang, wanted))
+        return LANG_SAME;
+    if (!strncasecmp(lang, wanted, length) && lang[length] == '-')
+        return 2;
+    return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
+}

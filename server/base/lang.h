@@ -22,4 +22,9 @@ bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad);
  * withdrawn ISO 639 code with its successor ("iw" becomes "he"). Returns a static string or the argument. */
 const char *lang_usual(const char *tag);
 
+/* Compares a language with the wanted one: LANG_SAME the same tag, 2 a variety of it ("en" finds "en-GB"),
+ * 1 the same language, 0 another. Tags are normalised with lang_usual. */
+enum { LANG_SAME = 3 };
+int lang_fit(const char *lang, const char *wanted);
+
 #endif

@@ -59,7 +59,7 @@ void export_script(struct export *x, const struct score *script, size_t sentence
 void export_end(struct export *x);
 void export_free(struct export *x);
 
-/* Who speaks a byte of the text; NULL: nobody in particular. */
+/* Returns the speaker of a byte of the text, or NULL if it has none. */
 const struct speaker *export_speaker(const struct export *x, size_t byte);
 
 /* Writes a WAV header for mono 16-bit sound; samples = UINT32_MAX if unknown. */

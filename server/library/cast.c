@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const char *const sexes[] = {[SEX_UNKNOWN] = "", [SEX_FEMALE] = "female", [SEX_MALE] = "male"};
 static const char *const ages[] = {
@@ -92,12 +91,8 @@ static int tier_of(const struct cast_voice *v) {
 
 /* 2: that variety; 1: the language; 0: another one. */
 static int fit_of(const char *voice, const char *lang) {
-    voice = lang_usual(voice);
-    lang = lang_usual(lang);
-    size_t primary = strcspn(lang, "-");
-    if (!strcasecmp(voice, lang))
-        return 2;
-    return strcspn(voice, "-") == primary && !strncasecmp(voice, lang, primary);
+    int fit = lang_fit(voice, lang);
+    return fit == LANG_SAME ? 2 : fit > 0;
 }
 
 struct choosing {

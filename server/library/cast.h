@@ -80,8 +80,8 @@ struct cast_speech {
     char *who; /* id */
 };
 
-/* Who speaks a text, as `speakers` of speak; speeches ascend. voices: each has the voice of the cast. NULL:
- * nobody is told. Free it. */
+/* Makes the value of `speakers` (of speak) for a text; speeches ascend. voices: adds each member's voice.
+ * Returns NULL if there are no speakers; the caller frees it. */
 char *cast_speakers(const struct cast *cast, const struct cast_speech *speeches, size_t count, bool voices);
 
 const struct cast_member *cast_find(const struct cast *cast, const char *id);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/base/utf8.h"
@@ -53,10 +54,10 @@ static const struct voice *by_language(const struct selecting *c, const char *la
     double best_score = 0;
     const struct voice *voices = c->voices.voices;
     for (size_t i = 0; i < c->voices.count; i++) {
-        int fit = voice_lang_fit(voices[i].lang, lang);
+        int fit = lang_fit(voices[i].lang, lang);
         double score = 16 * has_gender(&voices[i], gender) + 4 * preference(preferred, &voices[i]) +
                        !strcmp(voices[i].plugin, plugin) + 0.1 * fit;
-        if (fit == VOICE_LANG_SAME && strchr(lang, '-'))
+        if (fit == LANG_SAME && strchr(lang, '-'))
             score += 8; /* the regional variety was requested */
         if (fit && score > best_score) {
             best = &voices[i];
@@ -75,7 +76,7 @@ static const struct voice *choose(const struct selecting *c, const struct score_
         score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "%s", e.message);
         base = c->voice;
     }
-    bool speaks = !style->lang || voice_lang_fit(base->lang, style->lang);
+    bool speaks = !style->lang || lang_fit(base->lang, style->lang);
     if (speaks && (!style->gender || has_gender(base, style->gender)))
         return base;
     const char *lang = style->lang ? style->lang : base->lang;
@@ -270,14 +271,14 @@ static const struct voice *select_voice_of_gender(const struct voice_pool *pool,
 static const struct voice *voice_of_region(const struct voice_pool *pool, const struct speech_packs *packs,
                                            const char *lang, const struct voice *voice) {
     struct selecting c = {.packs = packs};
-    if (!strchr(lang, '-') || voice_lang_fit(voice->lang, lang) == VOICE_LANG_SAME)
+    if (!strchr(lang, '-') || lang_fit(voice->lang, lang) == LANG_SAME)
         return voice;
     c.voices.voices = voice_pool_voices(pool, &c.voices.count);
     const struct voice *same = by_language(&c, lang, voice->gender, voice->plugin), *other;
-    if (same && voice_lang_fit(same->lang, lang) == VOICE_LANG_SAME)
+    if (same && lang_fit(same->lang, lang) == LANG_SAME)
         return same;
     for (size_t i = 0; i < c.voices.count; i++) /* none of that gender */
-        if (voice_lang_fit((other = &c.voices.voices[i])->lang, lang) == VOICE_LANG_SAME)
+        if (lang_fit((other = &c.voices.voices[i])->lang, lang) == LANG_SAME)
             return other;
     return voice;
 }
@@ -294,7 +295,7 @@ bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
     if (!pack || !speech_pack_is_general(pack))
         return pack != NULL;
     for (size_t i = 0; i < count; i++)
-        if (voice_lang_fit(voices[i].lang, lang))
+        if (lang_fit(voices[i].lang, lang))
             return true;
     return false;
 }

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* Bounds the quadratic check for duplicates, in case of a malicious plugin. */
 enum { PLUGIN_VOICES_MAX = 10000 };
@@ -172,17 +171,6 @@ const struct voice *voice_by_name(struct voice_list list, const char *name) {
     return voice;
 }
 
-int voice_lang_fit(const char *lang, const char *wanted) {
-    wanted = lang_usual(wanted);
-    lang = lang_usual(lang);
-    size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
-    if (!strcasecmp(lang, wanted))
-        return VOICE_LANG_SAME;
-    if (!strncasecmp(lang, wanted, length) && lang[length] == '-')
-        return 2;
-    return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
-}
-
 /* Suggests names with or without the plugin, as in the request. */
 void voice_unknown(struct voice_list list, const char *name, struct error *e) {
     struct suggestions near = suggestions_for(name);
@@ -216,7 +204,7 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
     if (best)
         return best;
     for (size_t i = 0; i < catalog->count && lang; i++) {
-        int f = voice_lang_fit(catalog->voices[i].lang, lang);
+        int f = lang_fit(catalog->voices[i].lang, lang);
         if (f > best_fit) {
             best_fit = f;
             best = &catalog->voices[i];

@@ -127,11 +127,6 @@ struct sentence_request {
     struct work_gate *gate;      /* limits how many sounds are read at a time; NULL = no limit */
 };
 
-/* Compares a voice's language with the wanted one (BCP 47): 3 the same tag, 2 a variety of it ("en" finds
- * "en-GB"), 1 the same language, 0 another. Tags are normalised with lang_usual. */
-enum { VOICE_LANG_SAME = 3 };
-int voice_lang_fit(const char *lang, const char *wanted);
-
 /* The request's prosody for one voice. */
 struct voice_prosody sentence_prosody(const struct sentence_request *request, const struct voice *voice);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is spoken of the library: a passage's text, and who speaks it. */
+/* Prepares a passage of the library to be spoken: its text and its speakers. */
 #include "server/api/api_internal.h"
 #include "server/api/library/cast_offer.h"
 #include "server/base/mem.h"
