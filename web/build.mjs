@@ -173,15 +173,15 @@ writeFileSync(worker, readFileSync(worker, 'utf8').replace('@version@', version.
 const types = path.join(here, 'element/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));
+const faps = path.join(here, '../protocol/fap-table.json');
+inputs.add(faps);
+copyFileSync(faps, path.join(out, 'faps.json'));
 // what the page of examples makes its fields of
 writeFileSync(path.join(out, 'custom-elements.json'), JSON.stringify(manifest(types, path.join(here, 'docs/element/reference.md'), 'talking-head.js')));
 
 // The daemon serves FILE.gz as it is, and starts sooner than if it had to compress. meson.build lists the same files.
 for (const file of readdirSync(out).filter((name) => /\.(js|css|html|wasm)$/.test(name) || name === 'custom-elements.json' || name === 'faps.json'))
   writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
-const faps = path.join(here, '../protocol/fap-table.json');
-inputs.add(faps);
-copyFileSync(faps, path.join(out, 'faps.json'));
 if (depfile) {
   const escape = (file) => file.replaceAll(' ', '\\ ');
   writeFileSync(depfile, `${escape(path.join(out, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);
