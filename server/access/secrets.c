@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/access/secrets.h"
+#include "server/access/token.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include <errno.h>

@@ -7,16 +7,94 @@
 #include "server/access/revocations.h"
 #include "server/access/token.h"
 #include "server/api/api.h"
-#include "server/api/heads.h"
-#include "server/api/request_json.h"
+#include "server/base/error.h"
 #include "server/base/json/error_json.h"
 #include "server/base/metrics.h"
 #include "server/codec/coder_pool.h"
 #include "server/export/speech_export.h"
 #include "server/http/exchange.h"
+#include "server/http/static_files.h"
 #include "server/rooms/channel.h"
 #include "server/rooms/events.h"
 #include "server/synthesis/recording.h"
+#include "server/synthesis/speech_request.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Reads requests from JSON and from the query of an address. */
+
+struct http_request;
+struct idle_options;
+
+/* Converts a member to a field value, which borrows its string. NULL and structures become a type that no
+ * field accepts. */
+struct request_value value_from_json(const json_t *member);
+
+/* Sets the request's fields from the members of a speak message or of a query. except: a query member to
+ * skip, or NULL. -1 with *e. */
+int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
+int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
+                       struct error *e);
+json_t *request_to_json(const struct speech_request *request); /* NULL: its text is not UTF-8 */
+
+/* Reads the options of an idle message. -1 with *e. */
+int idle_from_json(const json_t *message, const struct speech_request *defaults, uint64_t seed,
+                   struct idle_options *options, bool *on, struct error *e);
+
+/* Members that an address or a body may have. */
+struct members {
+    bool speech;             /* all fields of a speech request except its text */
+    const char *const *more; /* further names, NULL-terminated; or NULL */
+};
+
+/* Calls warn for each unknown member ("unknown-member", with its field). text: the query may contain one. */
+void query_check(const struct http_request *request, const struct members *known, bool text,
+                 void (*warn)(void *ctx, const struct error *e), void *ctx);
+void members_check(const json_t *object, const struct members *known,
+                   void (*warn)(void *ctx, const struct error *e), void *ctx);
+
+/* Reads a boolean ("1", "true", "0", "false"); NULL is false. -1 with *e "bad-field". */
+int query_flag(const char *value, const char *name, bool *flag, struct error *e);
+
+/* Files that the daemon serves, including head models and the parts in which a WebSocket sends them. */
+
+/* A head model: the file, and its parts as JSON texts for the WebSocket. */
+struct model {
+    char *name, *title, *about; /* about: a short description; NULL: none */
+    double rank;                /* ascending order; the first head is the default */
+    char *voice;                /* members of speak for a voice that suits it, as JSON; NULL: any voice */
+    const struct static_file *poster;   /* NULL: none */
+    const struct static_file *pictures; /* set of pictures that can replace the model; NULL: none */
+    const struct static_file *asset;
+    struct model_part {
+        char *kind, *name; /* "head", "texture" or "part" */
+        char *json;
+    } * parts;
+    size_t part_count;
+};
+
+/* Fills name, title and parts from the JSON text. -1 with *e "bad-model" if it is no head model called
+ * `name`; `file` is used in the message. */
+int model_split(struct model *model, const char *name, const void *text, size_t size, const char *file,
+                struct error *e);
+void model_free(struct model *model);
+
+struct heads {
+    struct static_files files; /* web client, protocol documents and head files */
+    struct model *list;        /* sorted by rank */
+    size_t count, cap;
+};
+
+/* Loads the web folder, which may be missing (no page is served then), and models/heads/NAME.json.
+ * NAME.webp beside a head is its poster, models/pictures/NAME.json its set of pictures. -1 with *e if a
+ * head cannot be read. */
+int heads_load(struct heads *heads, const char *web, const char *models, struct error *e);
+void heads_free(struct heads *heads);
+
+/* Returns NULL if there is no head of that name. */
+const struct model *heads_find(const struct heads *heads, const char *name);
 
 /* ---- search_queue.c: queues jobs that search the library or save documents. Each client has its own line,
  * and the lines take turns, so that no client waits for all the jobs of another. The jobs run in threads of

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: its lifecycle, its room and the media it receives. */
 #include "server/api/client_internal.h"
-#include "server/api/client_message.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/http/http_request.h"

@@ -3,9 +3,13 @@
 #ifndef FACCIA_API_CLIENT_INTERNAL_H
 #define FACCIA_API_CLIENT_INTERNAL_H
 
+#include "server/access/token.h"
 #include "server/api/api_internal.h"
+#include "server/base/error.h"
 #include "server/http/websocket.h"
 #include "server/rooms/notices.h"
+
+#include <jansson.h>
 
 /* A text that the client is still writing, or its live voice, on its current stream. The utterance may
  * have ended already. */
@@ -90,5 +94,21 @@ void open_texts_leave(struct client *client);
 /* text_protocol.c: the sub-protocol for typing */
 #define TEXT_PROTOCOL "faccia.text.v1"
 void text_hear(struct client *client, const char *data, size_t size);
+
+/* Members and rights of client messages, as declared in protocol/messages.json. Lists and objects are
+ * checked by the code that handles the message. */
+
+struct speech_request;
+
+/* The right that messages of that type need; 0: none, or no such type. */
+enum right client_message_right(const char *type);
+
+/* Checks that required members are present, and that all members have valid types and ranges. Members
+ * shared with speak are not checked. -1 with *e "missing-field" or "bad-field". */
+int client_message_check(const char *type, const json_t *message, struct error *e);
+
+/* Reads the members that messages of that type share with speak. -1 with *e "bad-field". */
+int client_message_request(const char *type, const json_t *message, struct speech_request *request,
+                           struct error *e);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages from a WebSocket client, handled in order. Long ones are parsed and freed in another thread. */
 #include "server/api/client_internal.h"
-#include "server/api/client_message.h"
 #include "server/api/commands.h"
 #include "server/base/json/surrogates.h"
 #include "server/base/mem.h"

@@ -2,7 +2,6 @@
 /* Utterances whose text a WebSocket client is still writing, and its live voice. The sound of a voice
  * arrives in binary messages and is an utterance like any other. */
 #include "server/api/client_internal.h"
-#include "server/api/client_message.h"
 #include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/live/live_voice.h"

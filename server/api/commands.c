@@ -2,7 +2,6 @@
 #include "server/api/commands.h"
 #include "server/api/api_internal.h"
 #include "server/api/client_internal.h"
-#include "server/api/client_message.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/rooms/notices.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/api/heads.h"
 #include "protocol/documents.h"
+#include "server/api/api_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include <glob.h>

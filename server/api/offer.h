@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What clients can choose from: languages, engines, expressions and voices. (Heads are files: see
- * heads.h.) The application fills it in; the network code knows nothing more about them. */
+ * api_internal.h.) The application fills it in; the network code knows nothing more about them. */
 #ifndef FACCIA_API_OFFER_H
 #define FACCIA_API_OFFER_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/api/request_json.h"
-#include "server/api/client_message.h"
+#include "server/api/api_internal.h"
+#include "server/api/client_internal.h"
 #include "server/base/json/surrogates.h"
 #include "server/base/suggest.h"
 #include "server/http/http_request.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Maps addresses to handlers, rights and accepted query members. */
 #include "server/api/api_internal.h"
-#include "server/api/client_message.h"
+#include "server/api/client_internal.h"
 #include "server/library/library.h"
 #include <string.h>
 

@@ -3,7 +3,7 @@
  * (base/work/reader_process.h). It may read standard input and the system's libraries, write to standard
  * output, and use limited processor time and memory. */
 #include "server/base/program.h"
-#include "server/library/work.h"
+#include "server/library/works/work.h"
 #include "server/live/opus_process.h"
 #include "server/voice/sandbox.h"
 #include "server/voice/sound_reader.h"

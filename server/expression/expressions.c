@@ -2,7 +2,6 @@
 #include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/expression/expressions_internal.h"
-#include "server/expression/pose.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

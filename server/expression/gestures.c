@@ -4,7 +4,6 @@
 #include "server/base/mem.h"
 #include "server/base/smoothstep.h"
 #include "server/expression/expressions_internal.h"
-#include "server/expression/pose.h"
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/expression/pose.h"
 #include "server/base/mem.h"
 #include "server/expression/expressions_internal.h"
 #include <math.h>

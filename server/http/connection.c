@@ -3,7 +3,6 @@
 #include "server/base/mem.h"
 #include "server/base/metrics.h"
 #include "server/http/http_internal.h"
-#include "server/http/listen_address.h"
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
 #include <stdio.h>

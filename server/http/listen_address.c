@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/http/listen_address.h"
 #include "server/base/mem.h"
+#include "server/http/http_internal.h"
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>

@@ -5,7 +5,6 @@
 #include "server/base/mem.h"
 #include "server/base/metrics.h"
 #include "server/http/http_internal.h"
-#include "server/http/listen_address.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <netinet/in.h>

@@ -5,7 +5,7 @@
 #define FACCIA_LIBRARY_CAST_H
 
 #include "server/base/error.h"
-#include "server/library/work.h"
+#include "server/library/works/work.h"
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>

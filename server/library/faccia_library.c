@@ -7,8 +7,8 @@
 #include "server/library/faccia_cast.h"
 #include "server/library/library_files.h"
 #include "server/library/publish/epub_book.h"
-#include "server/library/work.h"
 #include "server/library/work_lexicons.h"
+#include "server/library/works/work.h"
 #include <errno.h>
 #include <getopt.h>
 #include <jansson.h>

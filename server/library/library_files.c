@@ -4,8 +4,8 @@
 #include "server/base/mem.h"
 #include "server/library/cast.h"
 #include "server/library/words.h"
-#include "server/library/work.h"
 #include "server/library/work_lexicons.h"
+#include "server/library/works/work.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

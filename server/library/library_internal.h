@@ -12,7 +12,7 @@
 #include "server/library/library_files.h"
 #include "server/library/recordings/alignments.h"
 #include "server/library/words.h"
-#include "server/library/work.h"
+#include "server/library/works/work.h"
 #include <jansson.h>
 #include <pthread.h>
 #include <sqlite3.h>

@@ -5,8 +5,8 @@
 #include "server/library/cast.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
-#include "server/library/work.h"
 #include "server/library/work_lexicons.h"
+#include "server/library/works/work.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/detect.h"
 #include "server/base/utf8.h"
-#include "server/markup/white.h"
+#include "server/markup/plain.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/markup/markdown.h"
 #include "server/base/utf8.h"
 #include "server/markup/markup_rules.h"
-#include "server/markup/white.h"
+#include "server/markup/plain.h"
 #include <stdint.h>
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "server/base/lang.h"
 #include "server/base/utf8.h"
 #include "server/markup/passage.h"
-#include "server/markup/white.h"
+#include "server/markup/plain.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

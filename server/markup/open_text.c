@@ -4,9 +4,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
-#include "server/markup/markdown.h"
 #include "server/markup/plain.h"
-#include "server/markup/white.h"
 #include <stdlib.h>
 #include <string.h>
 

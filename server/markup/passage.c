@@ -2,7 +2,6 @@
 #include "server/markup/passage.h"
 #include "server/base/mem.h"
 #include "server/markup/plain.h"
-#include "server/markup/white.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,9 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/language_runs.h"
-#include "server/markup/markdown.h"
 #include "server/markup/speaker_runs.h"
-#include "server/markup/verse.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -348,7 +346,7 @@ static size_t word_end(const char *text, size_t at, size_t end) {
     return at;
 }
 
-/* Adds text[at..to). A replaced tag or reference (stray_tags.h) becomes an item of its own, which covers
+/* Adds text[at..to). A replaced tag or reference (stray_tags_blank) becomes an item of its own, which covers
  * the bytes of its source, up to `end` with removed bytes after it. style: NULL = plain. */
 static void add_text(struct score *score, const char *text, size_t at, size_t to, size_t end,
                      const struct score_style *style) {

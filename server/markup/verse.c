@@ -2,8 +2,8 @@
 /* A line runs on if it tears a phrase apart: behind an article, preposition, auxiliary or adjective, or
  * before what hangs on its last word. Without a parser, short lists of such words stand for the parts of
  * speech. */
-#include "server/markup/verse.h"
 #include "server/base/utf8.h"
+#include "server/markup/plain.h"
 #include <stdint.h>
 #include <string.h>
 #include <utf8proc.h>

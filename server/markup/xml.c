@@ -5,7 +5,7 @@
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include "server/markup/markup_reader.h"
-#include "server/markup/stray_tags.h"
+#include "server/markup/plain.h"
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>

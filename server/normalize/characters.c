@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/normalize/characters.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/normalize/normalizers_internal.h"
 #include <stdint.h>
 #include <stdlib.h>
 #include <unicode/uchar.h>

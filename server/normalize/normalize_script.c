@@ -3,7 +3,6 @@
  * back to the bytes of the input. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/normalize/characters.h"
 #include "server/normalize/normalizers_internal.h"
 #include "server/normalize/text_rules.h"
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/normalize/spellout.h"
 #include "server/base/mem.h"
+#include "server/normalize/text_rules_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

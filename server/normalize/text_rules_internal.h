@@ -3,10 +3,12 @@
 #ifndef FACCIA_NORMALIZE_TEXT_RULES_INTERNAL_H
 #define FACCIA_NORMALIZE_TEXT_RULES_INTERNAL_H
 
-#include "server/normalize/characters.h"
-#include "server/normalize/spellout.h"
+#include "server/base/buf.h"
+#include "server/normalize/normalizers_internal.h"
 #include "server/normalize/text_rules.h"
+
 #include <jansson.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <unicode/uregex.h>
 #include <unicode/uset.h>
@@ -73,5 +75,22 @@ const json_t *rules_look_up(const struct text_rules *rules, const char *table, c
 
 /* Converts to lower case by the language's rules; freed by the caller. */
 char *rules_lower(const struct text_rules *rules, const char *text);
+
+/* Spells numbers in words, by ICU's rules for a language (CLDR) or by rules of the language's file. */
+
+/* Not thread-safe: the owner must lock it. */
+struct spellout;
+
+/* Takes the member "spellout" of a language's file, which must outlive it. Returns NULL with a sentence in
+ * message (cap bytes) if ICU rejects it. */
+struct spellout *spellout_new(const json_t *spellout, char *message, size_t cap);
+void spellout_free(struct spellout *spellout);
+
+/* Appends a whole number (digits only) in words of a form: "cardinal", "cardinal-f", "ordinal"... False if
+ * the form does not exist or the number is too large. */
+bool spellout_whole(struct spellout *spellout, const char *form, const char *digits, struct buf *out);
+
+/* Appends the name of each digit, separated by spaces. */
+void spellout_digits(struct spellout *spellout, const char *digits, struct buf *out);
 
 #endif

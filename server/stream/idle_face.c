@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/stream/idle_face.h"
 #include "server/base/mem.h"
+#include "server/stream/stream_internal.h"
 #include "server/synthesis/media_segment.h"
 #include <math.h>
 #include <stdlib.h>

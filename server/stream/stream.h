@@ -126,7 +126,7 @@ void stream_refuse(struct stream *stream, const char *id, uint64_t command, cons
 
 /* Sends idle motion while nothing is spoken, as silent chunks of utterance 0; NULL = off. The life clock
  * runs through idling, utterances and pauses, so the face does not jump between them; only an utterance
- * with its own seed has its own clock. Cuts and clock changes are eased (idle_face.h). An utterance
+ * with its own seed has its own clock. Cuts and clock changes are eased (stream_internal.h). An utterance
  * replaces idle media beyond its beginning. */
 void stream_idle(struct stream *stream, const struct idle_options *options);
 

@@ -5,10 +5,32 @@
 #define FACCIA_VOICE_ASSEMBLY_H
 
 #include "server/base/error.h"
-#include "server/voice/boundary_table.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/voice_request.h"
 #include "server/voice/wire.h"
+
+/* Corrects the boundaries between phones where listeners hear them elsewhere than the voice reports: a
+ * table by voice (models/boundaries.json, models/boundaries.md). */
+
+/* The largest shift of a boundary, in ms, and as a share of the phone on either side. */
+enum { BOUNDARY_MS_MAX = 60, BOUNDARY_PART = 3 /* a third */ };
+
+struct boundary_table;
+struct voice_boundaries; /* the rules of one voice */
+
+/* Reads the file; the table is empty when the file does not exist. Returns NULL with *e ("bad-boundaries")
+ * when it is invalid. */
+struct boundary_table *boundary_table_load(const char *path, struct error *e);
+void boundary_table_free(struct boundary_table *table);
+
+/* Returns the rules of a voice by its id ("festival:lp"), or NULL if there are none or table is NULL. They
+ * live as long as the table. */
+const struct voice_boundaries *boundary_table_find(const struct boundary_table *table, const char *voice);
+
+/* Shifts the boundaries between phones, and the words and marks with them. Phones stay adjacent and in
+ * order and keep at least a third of their length; the total length stays the same. Does nothing if
+ * boundaries is NULL. */
+void boundaries_correct(const struct voice_boundaries *boundaries, struct sentence_audio *u);
 
 /* Limits for one sentence. Audio: ASSEMBLY_SECONDS, plus one second per byte of text, plus the requested
  * breaks, at most ASSEMBLY_SECONDS_MAX in all. Events are limited the same way. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/voice/boundary_table.h"
 #include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/voice/assembly.h"
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>

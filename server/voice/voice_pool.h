@@ -8,7 +8,7 @@
 #include "server/base/metrics.h"
 #include "server/cluster/cluster.h"
 #include "server/markup/score.h"
-#include "server/voice/boundary_table.h"
+#include "server/voice/assembly.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/voice_cache.h"
 #include "server/voice/voice_request.h"

@@ -2,9 +2,7 @@
 /* Time that ONNX Runtime takes for a text with Kokoro's graph alone, without phone times, levels, face or
  * server. Usage: bench_kokoro_bare VOICE TEXTFILE; prints seconds of sound, of work, and to the first piece,
  * after loading the model. */
-#include "server/plugins/kokoro/kokoro_reader.h"
-#include "server/plugins/kokoro/kokoro_tokens.h"
-#include "server/plugins/kokoro/kokoro_voices.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

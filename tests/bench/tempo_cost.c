@@ -3,7 +3,7 @@
  * ten seconds. Usage: bench_tempo_cost SOUND */
 #include "server/base/mem.h"
 #include "server/library/align/sound_file.h"
-#include "server/plugins/recording/tempo.h"
+#include "server/plugins/recording/recording_voice_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs the readers on files: each line of standard input has a kind and a path; each line of standard output
  * is "ok", or code, position and message separated by tabs. */
-#include "server/api/heads.h"
+#include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "server/daemon/settings_internal.h"
 #include "server/expression/gestures.h"
@@ -10,8 +10,8 @@
 #include "server/face/packs/spelling.h"
 #include "server/library/align/times.h"
 #include "server/normalize/normalizers.h"
-#include "server/plugins/command/command_config.h"
-#include "server/voice/boundary_table.h"
+#include "server/plugins/command/command_internal.h"
+#include "server/voice/assembly.h"
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>

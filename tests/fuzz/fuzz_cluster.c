@@ -2,7 +2,7 @@
 /* Untrusted data from Redis: sentences and replies of the work queue, messages of the bus, packed sound. The
  * first byte selects which. */
 #include "server/cluster/redis_internal.h"
-#include "server/rooms/shared/packet.h"
+#include "server/rooms/shared/shared_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

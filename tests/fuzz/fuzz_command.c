@@ -2,7 +2,7 @@
 /* The command plugin. Byte 0 selects: a configuration, edits (json_edit.c) of one, or the output of a
  * program: format of the times, the times preceded by their size (2 bytes), and the sound. */
 #include "server/base/mem.h"
-#include "server/plugins/command/command_run.h"
+#include "server/plugins/command/command_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model, split by the daemon for the socket. Byte 0 selects: a file, or edits (json_edit.c) of the
  * small head in tests/fuzz/head.json. */
-#include "server/api/heads.h"
+#include "server/api/api_internal.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* A folder of the recording plugin: byte 0 selects the format of the times; then follow the description, the
  * text and the times, each preceded by its size (2 bytes), and the sound. */
 #include "server/face/packs/speech_pack.h"
-#include "server/plugins/recording/recording_folder.h"
+#include "server/plugins/recording/recording_voice_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
-#include "server/voice/boundary_table.h"
+#include "server/voice/assembly.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdio.h>

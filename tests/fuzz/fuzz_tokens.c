@@ -4,7 +4,6 @@
  * of secrets, or a file of revocations. */
 #include "server/access/origin.h"
 #include "server/access/revocations.h"
-#include "server/access/secrets.h"
 #include "server/access/token.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"

@@ -5,7 +5,7 @@
 #include "server/base/utf8.h"
 #include "server/library/cast.h"
 #include "server/library/library_internal.h"
-#include "server/library/readers.h"
+#include "server/library/works/readers.h"
 #include "server/markup/markup.h"
 #include "server/markup/speaker_runs.h"
 #include "tests/fuzz/fuzz.h"

@@ -12,8 +12,8 @@
 #include "server/expression/gestures.h"
 #include "server/library/cast.h"
 #include "server/library/library.h"
-#include "server/library/work.h"
 #include "server/library/work_lexicons.h"
+#include "server/library/works/work.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,8 +2,8 @@
 #include "server/library/publish/epub_book.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
-#include "server/library/publish/epub_text.h"
-#include "server/library/work.h"
+#include "server/library/publish/publish_internal.h"
+#include "server/library/works/work.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>

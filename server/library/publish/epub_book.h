@@ -4,7 +4,7 @@
 #ifndef FACCIA_LIBRARY_PUBLISH_EPUB_BOOK_H
 #define FACCIA_LIBRARY_PUBLISH_EPUB_BOOK_H
 
-#include "server/library/publish/epub_text.h"
+#include "server/library/publish/publish_internal.h"
 
 struct epub_book;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/publish/epub_text.h"
 #include "server/base/mem.h"
+#include "server/library/publish/publish_internal.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/publish/narration.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/cast.h"
+#include "server/library/publish/publish_internal.h"
 #include "server/synthesis/media_segment.h"
 #include "server/voice/sentence_audio.h"
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
-#include "server/library/work.h"
+#include "server/library/works/work.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

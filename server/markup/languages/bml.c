@@ -4,7 +4,7 @@
  * rest causes warnings. */
 #include "server/markup/languages/bml.h"
 #include "server/base/mem.h"
-#include "server/markup/white.h"
+#include "server/markup/plain.h"
 #include <expat.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,8 +6,8 @@
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include "server/markup/markup_reader.h"
+#include "server/markup/plain.h"
 #include "server/markup/styles.h"
-#include "server/markup/white.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command voice plugin: speaks with programs from its configuration. */
 #include "server/base/mem.h"
-#include "server/plugins/command/command_run.h"
+#include "server/plugins/command/command_internal.h"
 #include "server/voice/wire.h"
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/command/command_run.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
 #include "server/library/align/long_alignment.h"
-#include "server/plugins/command/command_sound.h"
+#include "server/plugins/command/command_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

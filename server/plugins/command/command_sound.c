@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/command/command_sound.h"
 #include "server/base/mem.h"
 #include "server/base/sound/mixdown.h"
 #include "server/base/sound/wav_file.h"
+#include "server/plugins/command/command_internal.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdbool.h>

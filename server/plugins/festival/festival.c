@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/plugins/festival/festival_child.h"
-#include "server/plugins/festival/festival_piece.h"
-#include "server/plugins/festival/festival_voices.h"
+#include "server/plugins/festival/festival_internal.h"
 #include <dlfcn.h>
 #include <limits.h>
 #include <locale.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/festival/festival_child.h"
 #include "server/base/program.h"
+#include "server/plugins/festival/festival_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>

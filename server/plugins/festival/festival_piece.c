@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/festival/festival_piece.h"
 #include "server/base/mem.h"
+#include "server/plugins/festival/festival_internal.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

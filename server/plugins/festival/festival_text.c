@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/plugins/festival/festival_piece.h"
+#include "server/plugins/festival/festival_internal.h"
 #include <ctype.h>
 #include <iconv.h>
 #include <math.h>

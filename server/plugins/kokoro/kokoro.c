@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Kokoro voice plugin: neural voices, offline. espeak-ng reads the text, ONNX Runtime synthesises. */
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_onnx.h"
-#include "server/plugins/kokoro/kokoro_speech.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <dlfcn.h>
 #include <limits.h>
 #include <stdio.h>
@@ -112,7 +111,7 @@ static bool whole(const json_t *config, const char *key, long min, long max, lon
     return true;
 }
 
-/* {"data": the folder of the npm packages (kokoro_onnx.h), "threads": for synthesis, "preload": true to
+/* {"data": the folder of the npm packages (kokoro_internal.h), "threads": for synthesis, "preload": true to
  * load the model at once}, all optional. */
 static int ko_open(const char *text, void **out, char *message, size_t cap) {
     json_t *config = json_loads(text, 0, NULL);

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_model.h"
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_onnx.h"
-#include "server/plugins/kokoro/kokoro_timing.h"
-#include "server/plugins/kokoro/kokoro_voices.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <ctype.h>
 #include <dirent.h>
 #include <dlfcn.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_onnx.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>

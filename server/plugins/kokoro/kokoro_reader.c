@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_reader.h"
 #include "server/base/mem.h"
 #include "server/plugins/common/espeak_align.h"
 #include "server/plugins/common/espeak_text.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <ctype.h>
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>

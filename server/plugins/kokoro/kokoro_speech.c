@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_speech.h"
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_tokens.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_timing.h"
 #include "server/base/mem.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <math.h>
 
 enum { WINDOW = KO_RATE / 100 };

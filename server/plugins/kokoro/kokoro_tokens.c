@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/kokoro/kokoro_tokens.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <stdio.h>
 #include <string.h>
 

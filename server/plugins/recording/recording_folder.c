@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/recording/recording_folder.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/plugins/recording/recording_voice_internal.h"
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>

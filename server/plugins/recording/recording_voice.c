@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/paths.h"
-#include "server/plugins/recording/recording_folder.h"
-#include "server/plugins/recording/tempo.h"
+#include "server/plugins/recording/recording_voice_internal.h"
 #include "server/voice/faccia-voice.h"
 #include "server/voice/wire.h"
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/recording/tempo.h"
 #include "server/base/mem.h"
+#include "server/plugins/recording/recording_voice_internal.h"
 #include <math.h>
 #include <sonic.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/rooms/shared/packet.h"
 #include "server/base/json/error_json.h"
+#include "server/rooms/shared/shared_internal.h"
 #include <string.h>
 
 json_t *packet_begin(const char *kind, const char *room) {

@@ -1,13 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* most encodings requested by one replica */
+/* Shared by the files of a room that several daemons serve: its leader, its replicas, and what they send. */
 #ifndef FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 #define FACCIA_ROOMS_SHARED_SHARED_INTERNAL_H
 
 #include "server/access/token.h"
+#include "server/base/buf.h"
 #include "server/cluster/cluster.h"
 #include "server/rooms/rooms_internal.h"
 #include "server/rooms/shared/forward.h"
-#include "server/rooms/shared/packet.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+
+/* Packets between daemons: a line of JSON (the head), then bytes (the body). */
+
+/* Packets of another version are ignored. */
+enum { PACKET_VERSION = 5 };
+
+struct packet {
+    json_t *head;
+    const char *kind, *room, *from; /* borrowed from the head; "" if missing */
+    const uint8_t *body;            /* points into the data that was read */
+    size_t size;
+};
+
+/* Creates the head of a packet about the room; the caller adds members. */
+json_t *packet_begin(const char *kind, const char *room);
+
+/* Appends the packet to out; releases the head. */
+void packet_write(struct buf *out, json_t *head, const void *body, size_t size);
+
+/* Parses a packet. Returns false when it is malformed or of another version. The caller releases the head. */
+bool packet_read(const void *data, size_t size, struct packet *packet);
+
+/* Returns a non-negative integer of the head; 0 if missing. */
+uint64_t packet_number(const struct packet *packet, const char *name);
 
 enum shared_role {
     ROLE_SEEKING, /* no leader is known yet */

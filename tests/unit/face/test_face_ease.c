@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Easing of the face after cuts. */
-#include "server/stream/idle_face.h"
+#include "server/stream/stream_internal.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Open texts: the pieces do not depend on how the text arrives. */
 #include "server/base/buf.h"
-#include "server/markup/markdown.h"
 #include "server/markup/markup_rules.h"
 #include "server/markup/open_text.h"
+#include "server/markup/plain.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

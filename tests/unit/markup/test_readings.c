@@ -3,7 +3,7 @@
  * Also cost and completeness for hostile texts. */
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
-#include "server/markup/verse.h"
+#include "server/markup/plain.h"
 #include "server/normalize/normalizers.h"
 #include "server/normalize/said_words.h"
 #include "server/normalize/script_runs.h"

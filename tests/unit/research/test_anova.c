@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/research/results.h"
+#include "server/research/listening/results.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

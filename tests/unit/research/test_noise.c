@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/research/noise.h"
+#include "server/research/listening/stimuli_set.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

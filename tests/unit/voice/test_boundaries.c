@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Boundaries between phones move to where they are heard; nothing else changes. */
-#include "server/voice/boundary_table.h"
+#include "server/voice/assembly.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

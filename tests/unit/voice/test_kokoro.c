@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Parts of the Kokoro plugin that need no engine: the model patch, tokens, pieces, times. */
 #include "server/base/mem.h"
-#include "server/plugins/kokoro/kokoro_onnx.h"
-#include "server/plugins/kokoro/kokoro_timing.h"
-#include "server/plugins/kokoro/kokoro_tokens.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

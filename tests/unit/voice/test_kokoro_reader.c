@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Kokoro's text reader, which needs espeak-ng but not Kokoro's weights. */
-#include "server/plugins/kokoro/kokoro_reader.h"
+#include "server/plugins/kokoro/kokoro_internal.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
