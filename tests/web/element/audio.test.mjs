@@ -169,6 +169,16 @@ test('the heard clock works without timestamps, and ignores impossible ones', ()
   assert.equal(new HeardClock().at(future, 1000), 4.99);
 });
 
+test('the heard clock follows the context where time stamps run twice as fast as time', () => {
+  const clock = new HeardClock();
+  for (let now = 400; now < 4000; now += 50) {
+    const played = (now - 400) / 1000; // seconds since the context was started
+    const context = { currentTime: played, baseLatency: 0.006, getOutputTimestamp: () => ({ contextTime: played - 0.006, performanceTime: 400 + 2000 * played }) };
+    const heard = clock.at(context, now);
+    assert.ok(Math.abs(heard - played) <= 0.06, `${heard} of ${played}`);
+  }
+});
+
 test('hold silences within five milliseconds and stops the clock; release continues without a click', () => {
   const { buffer, played, run, map } = rig();
   buffer.push(new Float32Array(300).fill(1));

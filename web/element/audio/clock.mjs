@@ -26,6 +26,7 @@ export class PositionMap {
 
 const SMOOTHING = 0.05;
 const JUMP_SECONDS = 0.06;
+const FUTURE_MS = 50; // a time stamp is taken when sound is heard, not later; leeway for rounded clocks
 
 /**
  * The audio clock, smooth. Browsers state the time of what comes out of the loudspeaker now and then, in steps and with
@@ -46,8 +47,9 @@ export class HeardClock {
     let heard = context.currentTime - (context.outputLatency || context.baseLatency || 0);
     if (stamp && stamp.contextTime > 0 && Number.isFinite(stamp.performanceTime)) {
       const stamped = stamp.contextTime + (now - stamp.performanceTime) / 1000;
-      // Some report a time that stands still or lies in the future: not believed.
-      if (stamped <= context.currentTime + 0.05 && stamped > context.currentTime - 2) heard = stamped;
+      // Ignores a context time that stands still or lies in the future, and a page time that lies in the future: WebKitGTK's runs
+      // twice as fast as time.
+      if (stamp.performanceTime <= now + FUTURE_MS && stamped <= context.currentTime + 0.05 && stamped > context.currentTime - 2) heard = stamped;
     }
     const offset = heard - now / 1000;
     if (this.offset === null || Math.abs(offset - this.offset) > JUMP_SECONDS) this.offset = offset;
