@@ -25,7 +25,7 @@ struct asking {
     struct cast_offer *offer;
     enum library_form form;
     const char *base, *section; /* see library_page.h */
-    char *texts[10];            /* strings of the question */
+    char *texts[24];            /* strings of the question */
     size_t text_count;
     struct buf answer;
     struct error error;
@@ -99,6 +99,8 @@ static bool read_path(struct asking *a, const char *path) {
         q->kind = LIBRARY_LIST;
     } else if (!strcmp(path, "/search")) {
         q->kind = LIBRARY_SEARCH;
+    } else if (!strcmp(path, "/concordance")) {
+        q->kind = LIBRARY_CONCORDANCE;
     } else if (!strncmp(path, "/passages/", 10) && path[10] && !strchr(path + 10, '/')) {
         q->kind = LIBRARY_PASSAGE;
         q->passage = keep(a, path + 10, strlen(path + 10));
@@ -149,10 +151,14 @@ static bool read_address(struct asking *a, const char *url) {
     return false;
 }
 
-/* Recognises the files for all works (/feed.xml, /sitemap.xml) or for one (WORK.bib, WORK.xml). Returns
- * false for any other path. */
+/* Recognises the files for all works (/feed.xml, /sitemap.xml, /opds.json) or for one (WORK.bib, WORK.xml).
+ * Returns false for any other path. */
 static bool read_file(struct asking *a, const char *path) {
     const char *dot = strrchr(path, '.');
+    if (!strcmp(path, "/opds.json")) {
+        a->form = LIBRARY_AS_OPDS;
+        return true; /* of kind LIBRARY_LIST */
+    }
     if (!strcmp(path, "/feed.xml") || !strcmp(path, "/sitemap.xml")) {
         a->form = path[1] == 'f' ? LIBRARY_AS_ATOM : LIBRARY_AS_SITEMAP;
         a->question.kind = LIBRARY_NEWEST;
@@ -193,26 +199,88 @@ static const char *base_of(struct asking *a, const struct http_request *request)
 /* Returns false if there is nothing at that address. */
 static bool read_request(struct asking *a, const struct http_request *request) {
     static const char api[] = "/v1/library", page[] = "/library";
-    if (!strncmp(request->path, api, sizeof api - 1))
-        return read_path(a, request->path + sizeof api - 1);
+    if (!strncmp(request->path, api, sizeof api - 1)) {
+        const char *format = http_query(request, "format");
+        if (!read_path(a, request->path + sizeof api - 1))
+            return false;
+        if (a->question.kind == LIBRARY_CONCORDANCE && format && !strcmp(format, "csv"))
+            a->form = LIBRARY_AS_CSV;
+        a->base = base_of(a, request);
+        return true;
+    }
     a->base = base_of(a, request);
     a->form = LIBRARY_AS_PAGE;
-    if (!strncmp(request->path, page, sizeof page - 1))
-        return read_page(a, request->path + sizeof page - 1);
+    if (!strncmp(request->path, page, sizeof page - 1)) {
+        const char *query = http_query(request, "q");
+        if (!read_page(a, request->path + sizeof page - 1))
+            return false;
+        if (a->form == LIBRARY_AS_OPDS && (query = http_query(request, "query")) && *query)
+            a->question.query = keep(a, query, strlen(query));
+        else if (a->form == LIBRARY_AS_PAGE && a->question.kind == LIBRARY_LIST && query && *query)
+            a->question.query = keep(a, query, strlen(query));
+        if (a->question.query)
+            a->question.kind = LIBRARY_SEARCH;
+        return true;
+    }
     a->form = LIBRARY_AS_OEMBED;
     return read_address(a, http_query(request, "url"));
 }
 
 /* Checks language tags separated by commas. */
-static int check_langs(const char *list, struct error *e) {
+static int check_langs(const char *list, const char *field, struct error *e) {
     char tag[LANG_BYTES + 1];
     size_t bad;
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
         if (!lang_read(at, strcspn(at, ","), tag, &bad))
-            return error_in_field(e, ERROR_BAD_FIELD, "lang",
+            return error_in_field(e, ERROR_BAD_FIELD, field,
                                   "is not a language tag (BCP 47, such as pt-BR): byte %zu is invalid",
                                   (size_t)(at - list) + bad);
     return 0;
+}
+
+/* Checks words separated by commas against a list that ends with NULL. */
+static int check_words(const char *list, const char *field, const char *const *known, struct error *e) {
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
+        size_t size = strcspn(at, ","), i = 0;
+        while (known[i] && (strlen(known[i]) != size || memcmp(known[i], at, size)))
+            i++;
+        if (!known[i])
+            return error_in_field(e, ERROR_BAD_FIELD, field, "has no value '%.*s'",
+                                  (int)(size > 40 ? 40 : size), at);
+    }
+    return 0;
+}
+
+/* Reads the members of a search. -1 with *e. */
+static int read_search(struct asking *a, const struct http_request *request, struct error *e) {
+    static const char *const forms[] = {"drama", "verse", "prose", NULL};
+    static const char *const kinds[] = {"head", "paragraph", "verse", "note", "speaker", "stage", NULL};
+    struct library_question *q = &a->question;
+    if (!q->query)
+        q->query = member(a, request, "q");
+    q->lang = member(a, request, "lang");
+    q->prefer = member(a, request, "prefer");
+    q->author = member(a, request, "author");
+    q->work = member(a, request, "work");
+    q->form = member(a, request, "form");
+    q->century = member(a, request, "century");
+    q->kinds = member(a, request, "kind");
+    q->facets = a->form == LIBRARY_AS_JSON ? member(a, request, "facets") : "true";
+    q->width = member(a, request, "width");
+    for (const char *at = q->century; at && *at; at += *at == ',') {
+        char *end;
+        long century = strtol(at, &end, 10);
+        if (end == at || (*end && *end != ',') || !century || century < -30 || century > 30)
+            return error_in_field(e, ERROR_BAD_FIELD, "century",
+                                  "must be centuries from 1 to 30, or from -1 to -30 before the common era");
+        at = end;
+    }
+    if (q->kinds && strchr(q->kinds, ',') && (strstr(q->kinds, "speaker") || strstr(q->kinds, "stage")))
+        return error_in_field(e, ERROR_BAD_FIELD, "kind", "speaker and stage are searched alone");
+    return check_langs(q->lang, "lang", e) || check_langs(q->prefer, "prefer", e) ||
+                   check_words(q->form, "form", forms, e) || check_words(q->kinds, "kind", kinds, e)
+               ? -1
+               : 0;
 }
 
 int library_get(struct exchange *x) {
@@ -230,15 +298,9 @@ int library_get(struct exchange *x) {
         return exchange_error(x, &e);
     }
     struct library_question *q = &a->question;
-    if (q->kind == LIBRARY_SEARCH) {
-        q->query = member(a, request, "q");
-        q->lang = member(a, request, "lang");
-        if (check_langs(q->lang, &e)) {
-            free_asking(a);
-            return exchange_error(x, &e);
-        }
-        q->author = member(a, request, "author");
-        q->work = member(a, request, "work");
+    if ((q->kind == LIBRARY_SEARCH || q->kind == LIBRARY_CONCORDANCE) && read_search(a, request, &e)) {
+        free_asking(a);
+        return exchange_error(x, &e);
     }
     q->directions = member(a, request, "directions");
     q->names = member(a, request, "names");

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "5"
+#define SCHEMA "6"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -23,7 +23,8 @@ static const char schema[] =
     "CREATE TABLE IF NOT EXISTS work (name TEXT PRIMARY KEY, path TEXT, hash TEXT, title TEXT, author TEXT, "
     "lang TEXT, "
     "date TEXT, publisher TEXT, licence TEXT, source TEXT, format TEXT, sections INTEGER, passages INTEGER, "
-    "characters INTEGER, first INTEGER, last INTEGER, recording INTEGER) WITHOUT ROWID;"
+    "characters INTEGER, first INTEGER, last INTEGER, recording INTEGER, form TEXT, century INTEGER, mixed "
+    "INTEGER) WITHOUT ROWID;"
     "CREATE TABLE IF NOT EXISTS section (work TEXT, number INTEGER, title TEXT, level INTEGER, passages "
     "INTEGER, "
     "characters INTEGER, first INTEGER, last INTEGER, PRIMARY KEY (work, number)) WITHOUT ROWID;"
@@ -41,8 +42,10 @@ static const char schema[] =
     "INTEGER, "
     "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, PRIMARY KEY (work, place)) WITHOUT "
     "ROWID;"
+    "CREATE TABLE IF NOT EXISTS former (work TEXT PRIMARY KEY, hash TEXT) WITHOUT ROWID;"
+    "CREATE INDEX IF NOT EXISTS work_hash ON work (hash);"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
-    "CREATE VIRTUAL TABLE IF NOT EXISTS found USING fts5 (word, stem, content='', "
+    "CREATE VIRTUAL TABLE IF NOT EXISTS found USING fts5 (word, stem, speaker, stage, content='', "
     "tokenize='unicode61 remove_diacritics 2');"
     "INSERT INTO found (found, rank) VALUES ('hashsize', 33554432);"
     "PRAGMA user_version=" SCHEMA ";";
@@ -211,6 +214,44 @@ static void index_columns(struct stems *stems, const char *lang, const char *tex
     }
 }
 
+/* The columns of `found` for a row: words and stems of a passage, or both in one column of their own for
+ * names of speakers and stage directions, which an ordinary search does not read. */
+struct columns {
+    struct buf list[4]; /* word, stem, speaker, stage */
+};
+
+static bool is_found(int kind, const char *name) {
+    return *name || kind == BLOCK_SPEAKER || kind == BLOCK_STAGE;
+}
+
+static void columns_fill(struct columns *c, struct stems *stems, int kind, const char *lang, const char *text,
+                         size_t size) {
+    *c = (struct columns){0};
+    if (kind != BLOCK_SPEAKER && kind != BLOCK_STAGE) {
+        index_columns(stems, lang, text, size, &c->list[0], &c->list[1]);
+        return;
+    }
+    struct buf stemmed = {0}, *own = &c->list[kind == BLOCK_SPEAKER ? 2 : 3];
+    index_columns(stems, lang, text, size, own, &stemmed);
+    if (stemmed.size)
+        buf_printf(own, " %.*s", (int)stemmed.size, (char *)stemmed.data);
+    buf_free(&stemmed);
+}
+
+/* Binds the columns from parameter 2 on, takes the step, and releases them. */
+static int columns_write(struct columns *c, struct index_writer *w, sqlite3_stmt *s, int64_t row,
+                         struct error *e) {
+    sqlite3_bind_int64(s, 1, row);
+    for (int i = 0; i < 4; i++)
+        sqlite3_bind_text(s, 2 + i, c->list[i].size ? (char *)c->list[i].data : "", (int)c->list[i].size,
+                          SQLITE_STATIC);
+    int result = index_step(w, s, e);
+    sqlite3_clear_bindings(s);
+    for (int i = 0; i < 4; i++)
+        buf_free(&c->list[i]);
+    return result;
+}
+
 static const char *const kinds[] = {
     [BLOCK_HEAD] = "head", [BLOCK_PARAGRAPH] = "paragraph", [BLOCK_VERSE] = "verse",
     [BLOCK_NOTE] = "note", [BLOCK_SPEAKER] = "speaker",     [BLOCK_STAGE] = "stage",
@@ -325,6 +366,7 @@ enum {
     ADD_WORK,
     ADD_PROBLEM,
     ADD_PERSON,
+    ADD_FORMER,
 };
 
 static void bind_text(sqlite3_stmt *s, int at, const char *text) {
@@ -366,23 +408,21 @@ int index_file_set(struct index_writer *w, const char *path, const struct index_
 /* A contentless FTS5 table needs the original words to delete a row. */
 static int remove_rows(struct index_writer *w, int64_t first, int64_t last, struct error *e) {
     sqlite3_stmt *rows = index_statement(
-        w, GET_ROWS, "SELECT id, lang, text FROM passage WHERE id BETWEEN ? AND ? AND name <> ''");
+        w, GET_ROWS, "SELECT id, lang, text, kind, name FROM passage WHERE id BETWEEN ? AND ?");
     int result;
     sqlite3_bind_int64(rows, 1, first);
     sqlite3_bind_int64(rows, 2, last);
     while ((result = index_step(w, rows, e)) == 1) {
-        struct buf words = {0}, stems = {0};
+        int kind = sqlite3_column_int(rows, 3);
+        if (!is_found(kind, index_text(rows, 4)))
+            continue;
         sqlite3_stmt *drop = index_statement(
-            w, DROP_FOUND, "INSERT INTO found (found, rowid, word, stem) VALUES ('delete', ?, ?, ?)");
-        index_columns(w->stems, index_text(rows, 1), index_text(rows, 2),
-                      (size_t)sqlite3_column_bytes(rows, 2), &words, &stems);
-        sqlite3_bind_int64(drop, 1, sqlite3_column_int64(rows, 0));
-        sqlite3_bind_text(drop, 2, words.size ? (char *)words.data : "", (int)words.size, SQLITE_TRANSIENT);
-        sqlite3_bind_text(drop, 3, stems.size ? (char *)stems.data : "", (int)stems.size, SQLITE_TRANSIENT);
-        result = index_step(w, drop, e);
-        buf_free(&words);
-        buf_free(&stems);
-        if (result < 0) {
+            w, DROP_FOUND,
+            "INSERT INTO found (found, rowid, word, stem, speaker, stage) VALUES ('delete', ?, ?, ?, ?, ?)");
+        struct columns columns;
+        columns_fill(&columns, w->stems, kind, index_text(rows, 1), index_text(rows, 2),
+                     (size_t)sqlite3_column_bytes(rows, 2));
+        if (columns_write(&columns, w, drop, sqlite3_column_int64(rows, 0), e) < 0) {
             sqlite3_reset(rows);
             return -1;
         }
@@ -497,18 +537,12 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
     int result = index_step(w, s, e);
     sqlite3_clear_bindings(s);
     buf_free(&runs);
-    if (result >= 0 && *b->name) {
-        struct buf words = {0}, stems = {0};
-        sqlite3_stmt *found =
-            index_statement(w, ADD_FOUND, "INSERT INTO found (rowid, word, stem) VALUES (?, ?, ?)");
-        index_columns(w->stems, b->lang ? b->lang : lang, text, size, &words, &stems);
-        sqlite3_bind_int64(found, 1, w->next);
-        sqlite3_bind_text(found, 2, words.size ? (char *)words.data : "", (int)words.size, SQLITE_STATIC);
-        sqlite3_bind_text(found, 3, stems.size ? (char *)stems.data : "", (int)stems.size, SQLITE_STATIC);
-        result = index_step(w, found, e);
-        sqlite3_clear_bindings(found);
-        buf_free(&words);
-        buf_free(&stems);
+    if (result >= 0 && is_found((int)b->kind, b->name)) {
+        sqlite3_stmt *found = index_statement(
+            w, ADD_FOUND, "INSERT INTO found (rowid, word, stem, speaker, stage) VALUES (?, ?, ?, ?, ?)");
+        struct columns columns;
+        columns_fill(&columns, w->stems, (int)b->kind, b->lang ? b->lang : lang, text, size);
+        result = columns_write(&columns, w, found, w->next, e);
     }
     w->next++;
     return result < 0 ? -1 : 0;
@@ -553,13 +587,32 @@ int index_add_section(struct index_writer *w, const char *work, const char *lang
     return index_step(w, s, e) < 0 ? -1 : 0;
 }
 
+/* Returns the century of the first year of three or four digits in a date, negative before the common era; 0:
+ * none. */
+static int century_of(const char *date) {
+    for (const char *at = date; at && *at;) {
+        size_t digits = strspn(at, "0123456789");
+        if (digits >= 3 && digits <= 4) {
+            int year = atoi(at), century = (year + 99) / 100;
+            return at > date && at[-1] == '-' && (at == date + 1 || at[-2] == ' ') ? -century : century;
+        }
+        at += digits ? digits : 1;
+    }
+    return 0;
+}
+
 int index_add_work(struct index_writer *w, const char *name, const char *path, const char *hash,
                    const struct work_meta *m, int64_t first, bool recording, struct error *e) {
-    sqlite3_stmt *s =
-        index_statement(w, ADD_WORK,
-                        "INSERT INTO work SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, count(*), "
-                        "coalesce(sum(passages), 0), "
-                        "coalesce(sum(characters), 0), ?12, ?13, ?14 FROM section WHERE work = ?1");
+    sqlite3_stmt *s = index_statement(
+        w, ADD_WORK,
+        "INSERT INTO work SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, count(*), "
+        "coalesce(sum(passages), 0), "
+        "coalesce(sum(characters), 0), ?12, ?13, ?14, "
+        "(SELECT CASE WHEN 2 * sum(iif(who IS NULL, 0, length(text))) > sum(length(text)) THEN "
+        "'drama' WHEN 2 * sum(iif(kind = ?16, length(text), 0)) > sum(length(text)) THEN 'verse' "
+        "ELSE 'prose' END FROM passage WHERE id BETWEEN ?12 AND ?13 AND name <> ''), ?15, "
+        "EXISTS (SELECT 1 FROM passage WHERE id BETWEEN ?12 AND ?13 AND name <> '' AND lang <> "
+        "?6) FROM section WHERE work = ?1");
     const char *const texts[] = {name,    path,         hash,       m->title,  m->author, m->lang,
                                  m->date, m->publisher, m->licence, m->source, m->format};
     for (int i = 0; i < 11; i++)
@@ -567,6 +620,17 @@ int index_add_work(struct index_writer *w, const char *name, const char *path, c
     sqlite3_bind_int64(s, 12, first);
     sqlite3_bind_int64(s, 13, w->next - 1);
     sqlite3_bind_int(s, 14, recording);
+    sqlite3_bind_int(s, 15, century_of(m->date));
+    sqlite3_bind_int(s, 16, BLOCK_VERSE);
+    return index_step(w, s, e) < 0 ? -1 : 0;
+}
+
+int index_add_former(struct index_writer *w, const char *path, struct error *e) {
+    sqlite3_stmt *s =
+        index_statement(w, ADD_FORMER,
+                        "INSERT OR REPLACE INTO former SELECT work, hash FROM file WHERE path = ? "
+                        "AND work <> ''");
+    bind_text(s, 1, path);
     return index_step(w, s, e) < 0 ? -1 : 0;
 }
 

@@ -39,6 +39,27 @@ sqlite3_stmt *library_prepare(struct index_reader *r, const char *sql, struct er
     return s;
 }
 
+char *library_current(struct index_reader *r, const char *place) {
+    static const char sql[] =
+        "SELECT name FROM work WHERE name = ?1 UNION ALL SELECT w.name FROM former f JOIN work "
+        "w ON w.hash = f.hash WHERE f.work = ?1 LIMIT 1";
+    struct error e;
+    size_t size = strcspn(place, ":");
+    char *current = NULL;
+    sqlite3_stmt *s = library_prepare(r, sql, &e);
+    if (s) {
+        sqlite3_bind_text(s, 1, place, (int)size, SQLITE_STATIC);
+        if (sqlite3_step(s) == SQLITE_ROW) {
+            const char *name = index_text(s, 0);
+            size_t room = strlen(name) + strlen(place + size) + 1;
+            current = mem_alloc(room);
+            snprintf(current, room, "%s%s", name, place + size);
+        }
+    }
+    sqlite3_finalize(s);
+    return current ? current : mem_strdup(place);
+}
+
 json_t *library_text(sqlite3_stmt *s, int column) {
     const char *text = (const char *)sqlite3_column_text(s, column);
     json_t *string = text ? json_string(text) : NULL;

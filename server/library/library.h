@@ -41,12 +41,17 @@ struct library_question {
         LIBRARY_SECTION, /* needs work, section */
         LIBRARY_PASSAGE, /* needs passage */
         LIBRARY_SEARCH,
+        LIBRARY_CONCORDANCE,
         LIBRARY_NEWEST, /* needs most */
     } kind;
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
-    const char *directions, *names; /* of a passage, as in a request: "spoken", "true" */
-    unsigned most;                  /* number of works */
+    const char *form, *century, *kinds; /* of a search: lists separated by commas */
+    const char *prefer;                 /* languages whose places come first */
+    const char *facets;                 /* "true": counts by author, language and so on */
+    const char *width;                  /* of a concordance: characters on each side */
+    const char *directions, *names;     /* of a passage, as in a request: "spoken", "true" */
+    unsigned most;                      /* number of works */
     const struct cast_offer *offer;
     const atomic_bool *given_up; /* becomes true when the client is gone; NULL: never */
 };

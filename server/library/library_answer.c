@@ -4,6 +4,7 @@
 #include "server/library/library_internal.h"
 #include "server/library/recordings/alignments.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -217,15 +218,21 @@ static json_t *describe_cast(struct library *l, struct index_reader *r, const st
     return answer;
 }
 
-int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
+int library_answer(struct library *l, const struct library_question *asked, struct buf *out,
+                   struct error *e) {
     struct index_reader *r = library_reader(l, e);
-    struct answer_limit limit =
-        answer_limit_in(q->kind == LIBRARY_SEARCH ? SEARCH_MS : ANSWER_MS, q->given_up);
+    struct library_question current = *asked, *q = &current;
+    const bool searches = q->kind == LIBRARY_SEARCH || q->kind == LIBRARY_CONCORDANCE;
+    struct answer_limit limit = answer_limit_in(searches ? SEARCH_MS : ANSWER_MS, q->given_up);
     json_t *answer = NULL;
     if (!r)
         return -1;
     sqlite3_progress_handler(r->sql, LOOK_OPERATIONS, on_progress, &limit);
     sqlite3_exec(r->sql, "BEGIN", NULL, NULL, NULL); /* one consistent snapshot */
+    char *work = q->work && !searches ? library_current(r, q->work) : NULL,
+         *passage = q->passage ? library_current(r, q->passage) : NULL;
+    q->work = work ? work : q->work;
+    q->passage = passage;
     switch (q->kind) {
     case LIBRARY_LIST:
         answer = list_works(l, r, q, e);
@@ -245,9 +252,14 @@ int library_answer(struct library *l, const struct library_question *q, struct b
     case LIBRARY_SEARCH:
         answer = library_search_json(r, q, &limit, e);
         break;
+    case LIBRARY_CONCORDANCE:
+        answer = library_concordance_json(r, q, &limit, e);
+        break;
     case LIBRARY_NEWEST:
         answer = library_newest_json(r, q->most, e);
     }
+    free(work);
+    free(passage);
     sqlite3_progress_handler(r->sql, 0, NULL, NULL);
     library_reader_look(r);
     sqlite3_exec(r->sql, "COMMIT", NULL, NULL, NULL);
@@ -259,9 +271,9 @@ int library_answer(struct library *l, const struct library_question *q, struct b
     }
     if (limit.late) { /* the answer is incomplete */
         json_decref(answer);
-        return q->kind == LIBRARY_SEARCH ? error_plain(e, ERROR_SEARCH_TOO_LONG)
-                                         : error_set(e, ERROR_SEARCH_TOO_LONG,
-                                                     "the answer takes longer than %d s", ANSWER_MS / 1000);
+        return searches ? error_plain(e, ERROR_SEARCH_TOO_LONG)
+                        : error_set(e, ERROR_SEARCH_TOO_LONG, "the answer takes longer than %d s",
+                                    ANSWER_MS / 1000);
     }
     if (answer)
         json_print(out, answer, JSON_COMPACT | JSON_REAL_PRECISION(6));

@@ -97,12 +97,13 @@ int library_cast_of(struct library *l, struct index_reader *r, const char *work,
 
 int library_cast(struct library *l, const char *passage, const struct cast_offer *offer, struct cast *cast,
                  struct error *e) {
-    char work[80];
-    snprintf(work, sizeof work, "%.*s", (int)strcspn(passage, ":"), passage);
     struct index_reader *r = library_reader(l, e);
     if (!r)
         return -1;
+    char *work = library_current(r, passage);
+    work[strcspn(work, ":")] = '\0';
     int result = library_cast_of(l, r, work, offer, cast, e);
+    free(work);
     library_reader_look(r);
     if (r->damaged && result)
         error_plain(e, ERROR_BAD_INDEX);

@@ -71,6 +71,8 @@ int index_add_section(struct index_writer *writer, const char *work, const char 
 /* Adds the work itself, after its sections. */
 int index_add_work(struct index_writer *writer, const char *name, const char *path, const char *hash,
                    const struct work_meta *meta, int64_t first_row, bool recording, struct error *e);
+/* Keeps the id of a file's work, whose file is gone, for library_current. */
+int index_add_former(struct index_writer *writer, const char *path, struct error *e);
 /* Adds who speaks in a work. */
 int index_add_cast(struct index_writer *writer, const char *work, const struct cast *cast, struct error *e);
 int index_add_problem(struct index_writer *writer, const char *path, const struct error *problem,
@@ -100,6 +102,7 @@ struct search_query {
 struct query_options {
     struct stems *stems;
     const char *langs; /* languages to stem for, separated by commas; NULL: all */
+    const char *only;  /* the one column to search, "speaker" or "stage"; NULL: the texts */
 };
 
 /* -1 with *e: "bad-query" with the byte. Free the query in either case. */
@@ -168,8 +171,68 @@ int search_rank_add(sqlite3 *sql);
 /* library_scan.c: the scanning thread. */
 void *library_scan(void *library);
 
+/* ---- search_places.c: the rows that match a query ---- */
+
+/* A work as searches know it. */
+struct shelf_work {
+    char *name, *title, *author, *lang; /* "": not known */
+    char *form;                         /* "drama", "verse" or "prose" */
+    int century;                        /* 0: not known; negative: before the common era */
+    bool mixed;                         /* has passages in other languages */
+    bool chosen;                        /* the question selects it */
+    int64_t first, last;                /* rows */
+    size_t places;                      /* matching rows */
+};
+
+/* All works, by their rows. Zero-initialised. */
+struct shelf {
+    struct shelf_work *works;
+    size_t count, cap;
+};
+
+int shelf_read(struct shelf *shelf, struct index_reader *reader, const struct library_question *question,
+               struct error *e);
+void shelf_free(struct shelf *shelf);
+
+struct search_place {
+    int64_t row;
+    double worth;  /* of a ranked place */
+    unsigned work; /* index in the shelf */
+    bool ranked;
+};
+
+/* Zero-initialised. */
+struct search_places {
+    struct search_place *list; /* ranked ones first, best first; then the others in the library's order */
+    size_t count, cap, ranked;
+    size_t total; /* counted rows */
+    bool counted; /* all were: no row is missing */
+};
+
+/* Finds the rows in the works, languages and kinds that the question selects, and fills the shelf. Returns -1
+ * with *e ("bad-index"); an interruption by the progress handler is not an error. Free both in either case.
+ */
+int search_places_find(struct search_places *places, struct shelf *shelf, struct index_reader *reader,
+                       const struct search_query *query, const struct library_question *question,
+                       struct error *e);
+void search_places_free(struct search_places *places);
+
+/* How many places have each author, language, form, century and work; at most 50 values each. */
+json_t *search_facets(const struct shelf *shelf);
+
+/* Chosen works whose title or author has all words of the query. */
+json_t *search_titles(const struct shelf *shelf, const struct search_query *query, struct stems *stems);
+
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct answer_limit *limit, struct error *e);
+
+/* concordance.c: each occurrence with the text around it. */
+json_t *library_concordance_json(struct index_reader *reader, const struct library_question *question,
+                                 struct answer_limit *limit, struct error *e);
+
+/* search.c: reads the question's query. -1 with *e. Free the query in either case. */
+int search_question_read(struct search_query *query, struct index_reader *reader,
+                         const struct library_question *question, struct error *e);
 
 /* library_passage.c */
 json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
@@ -194,6 +257,9 @@ void library_reader_look(struct index_reader *reader);
 
 /* Prepares a statement; the caller finalises it. NULL with *e. */
 sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, struct error *e);
+/* Returns the current id of a work, or of a place in it ("WORK:1:p2"): a file that was renamed or moved, and
+ * has the same bytes, is found by its former id. Free it. */
+char *library_current(struct index_reader *reader, const char *place);
 json_t *library_text(sqlite3_stmt *statement, int column); /* a string, or null */
 
 /* Parses a whole number from min to max; `otherwise` if text is NULL. -1 with *e. */

@@ -474,7 +474,9 @@ int library_passage(struct library *l, const char *id, const struct library_read
     struct found_passage found;
     *out = (struct library_passage){.markup = "plain"};
     struct index_reader *r = library_reader(l, e);
-    int result = r ? find_passage(r, id, how, &found, e) : -1;
+    char *current = r ? library_current(r, id) : NULL;
+    int result = r ? find_passage(r, current, how, &found, e) : -1;
+    free(current);
     if (r)
         library_reader_look(r);
     if (r && r->damaged && result)

@@ -151,8 +151,9 @@ static bool name_is_free(struct index_writer *w, const char *name) {
     return is_free;
 }
 
-/* Chooses the work's id: its file name; with the ending when that name is taken. */
-static void choose_name(struct index_writer *w, const char *path, char name[80]) {
+/* Chooses the work's id: its file name; with the ending when that name is taken. Returns false in this case.
+ */
+static bool choose_name(struct index_writer *w, const char *path, char name[80]) {
     char plain[64], whole[64];
     library_file_name(path, false, plain);
     library_file_name(path, true, whole);
@@ -161,6 +162,7 @@ static void choose_name(struct index_writer *w, const char *path, char name[80])
         snprintf(name, 80, "%s", whole);
     for (int i = 2; !name_is_free(w, name); i++)
         snprintf(name, 80, "%s-%d", whole, i);
+    return !strcmp(name, plain);
 }
 
 /* Reads a file into the index. -1 with *e: the index cannot be written. */
@@ -171,7 +173,7 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     struct error why;
     if (index_remove(&p->writer, path, e))
         t.failed = true;
-    choose_name(&p->writer, path, file->work);
+    bool own_name = choose_name(&p->writer, path, file->work);
     int64_t first = p->writer.next;
     int result = t.failed ? -1 : work_read_apart(&l->reader, l->folder, path, &t.meta, &sink, &l->stop, &why);
     bool some = p->writer.next > first;
@@ -186,6 +188,13 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
         t.failed = index_add_work(&p->writer, file->work, path, file->hash, &t.meta, first,
                                   library_file_has_sound(l->folder, path), &t.error) ||
                    index_add_cast(&p->writer, file->work, &cast, &t.error);
+    }
+    if (!t.failed && some && !own_name) {
+        char plain[64];
+        library_file_name(path, false, plain);
+        error_set(&why, ERROR_BAD_WORK, "another file has the id %s already, so the id of this one is %s",
+                  plain, file->work);
+        t.failed = index_add_problem(&p->writer, path, &why, false, &t.error);
     }
     if (!some)
         file->work[0] = '\0';
@@ -268,7 +277,8 @@ static int forget_missing(struct pass *p, const struct library_files *files, str
     sqlite3_finalize(s);
     int result = 0;
     for (size_t at = 0; at < gone.size && !result; at += strlen((char *)gone.data + at) + 1)
-        result = index_remove(&p->writer, (char *)gone.data + at, e);
+        result = index_begin(&p->writer, e) || index_add_former(&p->writer, (char *)gone.data + at, e) ||
+                 index_remove(&p->writer, (char *)gone.data + at, e);
     buf_free(&gone);
     return result;
 }

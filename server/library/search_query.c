@@ -40,7 +40,8 @@ static void search_term_stems(const struct query_options *options, struct query_
         size_t count =
             same_language(options->langs, lang) ? stems_forms(options->stems, lang, word, forms) : 0;
         for (size_t k = 0; k < count; k++)
-            add_stem(t, forms[k]);
+            if (forms[k][1] || !t->word[1]) /* "luna" is no form of "l", as Turkish would have it */
+                add_stem(t, forms[k]);
     }
 }
 
@@ -90,6 +91,11 @@ struct reading {
     struct error *e;
 };
 
+/* Returns the column to search for words or stems. */
+static const char *column(const struct reading *r, const char *usual) {
+    return r->options->only ? r->options->only : usual;
+}
+
 /* Part of the query, as FTS5 text. */
 struct node {
     struct buf text;
@@ -131,7 +137,7 @@ static struct query_term *new_term(struct reading *r, const struct word *word) {
 /* Adds one or more consecutive words, as written. */
 static int add_phrase(struct reading *r, struct node *out, const struct word *words, size_t count,
                       size_t at) {
-    buf_printf(&out->text, "word : \"");
+    buf_printf(&out->text, "%s : \"", column(r, "word"));
     for (size_t i = 0; i < count; i++) {
         struct query_term *t = new_term(r, &words[i]);
         if (!t)
@@ -172,7 +178,7 @@ static int read_near(struct reading *r, struct node *out) {
         return bad(r, to + 1, "the comma must be followed by a number from 1 to 100");
     if (count < 2)
         return bad(r, from, "NEAR needs at least two words");
-    buf_printf(&out->text, "word : NEAR(");
+    buf_printf(&out->text, "%s : NEAR(", column(r, "word"));
     for (size_t i = 0; i < count; i++) {
         struct query_term *t = new_term(r, &words[i]);
         if (!t)
@@ -204,12 +210,13 @@ static int read_word(struct reading *r, struct node *out) {
     if (prefix) {
         if (!t->word[1])
             return bad(r, from, "an asterisk must follow at least two letters");
-        buf_printf(&out->text, "word : \"%s\" *", t->word);
+        buf_printf(&out->text, "%s : \"%s\" *", column(r, "word"), t->word);
         return 0;
     }
     search_term_stems(r->options, t, &words[0]);
     for (size_t i = 0; i < t->stem_count; i++)
-        buf_printf(&out->text, "%sstem : \"" STEM_SIGN "%s\"", i ? " OR " : "(", t->stems[i]);
+        buf_printf(&out->text, "%s%s : \"" STEM_SIGN "%s\"", i ? " OR " : "(", column(r, "stem"),
+                   t->stems[i]);
     buf_printf(&out->text, ")");
     return 0;
 }
@@ -402,7 +409,8 @@ static void worth(const Fts5ExtensionApi *api, Fts5Context *fts, sqlite3_context
             often[phrase]++;
     }
     for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
-        sum += r->weights[i] * often[i] * (K1 + 1) / (often[i] + K1 * (1 - B + B * size / r->mean_size));
+        sum += r->weights[i] * often[i] * (K1 + 1) /
+               (often[i] + K1 * (1 - B + B * (size > 0 ? size : r->mean_size) / r->mean_size));
     sqlite3_result_double(out, sum);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/library/library_page.h"
+#include "server/base/json/error_json.h"
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +16,11 @@ static const char *title_of(const json_t *work) {
 }
 
 /* Escapes text for XML or HTML. Control characters, which XML does not allow, become spaces. */
+/* A member as text; NULL: it is missing or null. */
+static json_t *known(const json_t *work, const char *name) {
+    return *text_of(work, name) ? json_string(text_of(work, name)) : NULL;
+}
+
 static void library_escape(struct buf *out, const char *text) {
     for (; *text; text++) {
         unsigned char c = (unsigned char)*text;
@@ -98,6 +104,74 @@ void library_sitemap(struct buf *out, const json_t *newest, const char *base) {
 
 /* Escapes the special characters of TeX; the rest stays UTF-8, as biber expects. Braces become commands:
  * BibTeX counts even escaped ones, so "\\{" would leave the field open. */
+/* Adds a work to a catalogue, once. */
+static void add_publication(json_t *list, json_t *seen, const json_t *work, const char *base) {
+    const char *id = text_of(work, "id");
+    if (json_object_get(seen, id))
+        return;
+    json_object_set_new(seen, id, json_true());
+    json_array_append_new(
+        list, json_pack("{s{ss so ss so* so* so*} s[{ss so ss}] s[{so ss}]}", "metadata", "@type",
+                        "http://schema.org/Book", "identifier", json_sprintf("%s/library/%s", base, id),
+                        "title", title_of(work), "author", known(work, "author"), "language",
+                        known(work, "lang"), "published", known(work, "date"), "links", "rel",
+                        "http://opds-spec.org/acquisition/open-access", "href",
+                        json_sprintf("%s/library/%s", base, id), "type", "text/html", "images", "href",
+                        json_sprintf("%s/icon-512.png", base), "type", "image/png"));
+}
+
+void library_opds(struct buf *out, const json_t *list, const char *base) {
+    static const char type[] = "application/opds+json";
+    json_t *publications = json_array(), *links = json_array(), *seen = json_object(), *work;
+    const json_t *titles = json_object_get(list, "titles"),
+                 *found = json_object_get(json_object_get(list, "facets"), "work");
+    size_t i;
+    json_array_foreach(json_object_get(list, "works"), i, work)
+        add_publication(publications, seen, work, base);
+    json_array_foreach(titles, i, work) add_publication(publications, seen, work, base);
+    json_array_foreach(found, i, work)
+        add_publication(publications, seen, json_object_get(work, "value"), base);
+    json_array_append_new(links, json_pack("{ss so ss}", "rel", "self", "href",
+                                           json_sprintf("%s/library/opds.json", base), "type", type));
+    json_array_append_new(links, json_pack("{ss so ss sb}", "rel", "search", "href",
+                                           json_sprintf("%s/library/opds.json{?query}", base), "type", type,
+                                           "templated", 1));
+    if (*text_of(list, "next") && !found)
+        json_array_append_new(
+            links, json_pack("{ss so ss}", "rel", "next", "href",
+                             json_sprintf("%s/library/opds.json?after=%s", base, text_of(list, "next")),
+                             "type", type));
+    json_t *catalogue = json_pack("{s{ss} so so}", "metadata", "title", "faccia", "links", links,
+                                  "publications", publications);
+    json_print(out, catalogue, JSON_COMPACT);
+    json_decref(catalogue);
+    json_decref(seen);
+}
+
+/* Adds a field of CSV and what follows it. */
+static void put_field(struct buf *out, const char *text, const char *end) {
+    buf_add(out, "\"", 1);
+    for (; *text; text++)
+        buf_printf(out, *text == '"' ? "%c\"" : "%c", *text);
+    buf_printf(out, "\"%s", end);
+}
+
+void library_csv(struct buf *out, const json_t *concordance, const char *base) {
+    const json_t *line;
+    size_t i;
+    buf_printf(out, "left,match,right,passage,kind,lang,work,title,author,address\r\n");
+    json_array_foreach(json_object_get(concordance, "lines"), i, line) {
+        static const char *const own[] = {"left", "match", "right", "passage", "kind", "lang"},
+                                 *const of_work[] = {"id", "title", "author"};
+        const json_t *work = json_object_get(line, "work");
+        for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+            put_field(out, text_of(line, own[k]), ",");
+        for (size_t k = 0; k < sizeof of_work / sizeof *of_work; k++)
+            put_field(out, text_of(work, of_work[k]), ",");
+        buf_printf(out, "\"%s/library.html?at=%s\"\r\n", base, text_of(line, "passage"));
+    }
+}
+
 static void put_tex(struct buf *out, const char *text) {
     for (; *text; text++)
         if (strchr("\\~^", *text))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/api/library/library_page.h"
 #include "server/base/mem.h"
+#include <ctype.h>
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -263,11 +264,89 @@ static void add_section(struct buf *out, const json_t *section) {
     add(out, "</nav>\n");
 }
 
+/* A box to search in; it needs no script. */
+static void add_search_box(struct buf *out, const char *query) {
+    add(out,
+        "<form class=\"find\" role=\"search\" action=\"/library\">"
+        "<input type=\"search\" name=\"q\" required maxlength=\"1000\" aria-label=\"&#128269;\" value=\"");
+    add_text(out, query);
+    add(out, "\"> <button aria-label=\"&#128269;\">&#128269;</button></form>\n");
+}
+
+/* The text of a snippet, with its matches marked. */
+static void add_snippet(struct buf *out, const json_t *snippet) {
+    const json_t *marks = json_object_get(snippet, "marks"), *mark;
+    struct pass pass;
+    size_t i, at = 0;
+    pass_open(&pass, out, snippet);
+    json_array_foreach(marks, i, mark) {
+        size_t start = (size_t)json_integer_value(json_array_get(mark, 0)),
+               end = (size_t)json_integer_value(json_array_get(mark, 1));
+        add_stretch(&pass, at, start);
+        add(out, "<mark>");
+        add_stretch(&pass, start, end);
+        add(out, "</mark>");
+        at = end;
+    }
+    add_stretch(&pass, at, SIZE_MAX);
+    free(pass.edges);
+}
+
+/* Adds text for the query of an address. */
+static void add_encoded(struct buf *out, const char *text) {
+    for (; *text; text++)
+        buf_printf(out, strchr("-_.~", *text) || isalnum((unsigned char)*text) ? "%c" : "%%%02X",
+                   (unsigned char)*text);
+}
+
+static void add_results(struct buf *out, const json_t *answer) {
+    const json_t *results = json_object_get(answer, "results"), *one;
+    const json_t *titles = json_object_get(answer, "titles");
+    size_t i;
+    add_search_box(out, text_of(answer, "query"));
+    buf_printf(out, "<p class=\"total\">%zu%s</p>\n", place_of(answer, "total"),
+               json_is_true(json_object_get(answer, "counted")) ? "" : "+");
+    if (json_array_size(titles)) {
+        add(out, "<ul id=\"works\">\n");
+        json_array_foreach(titles, i, one) {
+            add(out, "<li>");
+            add_link(out, text_of(one, "id"), 1, text_of(one, "title"));
+            add(out, "</li>\n");
+        }
+        add(out, "</ul>\n");
+    }
+    add(out, "<ol id=\"found\">\n");
+    json_array_foreach(results, i, one) {
+        const json_t *work = json_object_get(one, "work"), *section = json_object_get(one, "section");
+        add(out, "<li><a href=\"/library/");
+        add_text(out, text_of(work, "id"));
+        buf_printf(out, "/%zu#", place_of(section, "number"));
+        add_text(out, text_of(one, "passage"));
+        add(out, "\"><cite>");
+        add_text(out, text_of(work, "title"));
+        add(out, "</cite> ");
+        add_text(out, text_of(section, "title"));
+        add(out, "</a><p lang=\"");
+        add_text(out, text_of(one, "lang"));
+        add(out, "\">");
+        add_snippet(out, json_object_get(one, "snippet"));
+        add(out, "</p></li>\n");
+    }
+    add(out, "</ol>\n");
+    if (*text_of(answer, "next")) {
+        add(out, "<p><a rel=\"next\" href=\"/library?q=");
+        add_encoded(out, text_of(answer, "query"));
+        buf_printf(out, "&amp;after=%s\">\xe2\x86\x92</a></p>\n", text_of(answer, "next"));
+    }
+}
+
 /* Lists works, or the sections of a work. */
 static void add_list(struct buf *out, const json_t *answer) {
     const json_t *sections = json_object_get(answer, "sections");
     const json_t *works = json_object_get(answer, "works"), *item;
     size_t i;
+    if (works)
+        add_search_box(out, "");
     add(out, "<ul id=\"works\">\n");
     json_array_foreach(works, i, item) {
         add(out, "<li>");
@@ -322,6 +401,8 @@ static void add_page(struct buf *out, const json_t *answer, const char *base) {
     add(out, "</h1>\n");
     if (json_object_get(answer, "blocks"))
         add_section(out, answer);
+    else if (json_object_get(answer, "results"))
+        add_results(out, answer);
     else
         add_list(out, answer);
     add(out, "</div></main></body>\n</html>\n");
@@ -351,10 +432,15 @@ static void add_oembed(struct buf *out, const json_t *work, const char *base, co
 }
 
 const char *const library_types[] = {
-    [LIBRARY_AS_JSON] = "application/json",       [LIBRARY_AS_PAGE] = "text/html; charset=utf-8",
-    [LIBRARY_AS_OEMBED] = "application/json",     [LIBRARY_AS_ATOM] = "application/atom+xml",
-    [LIBRARY_AS_SITEMAP] = "application/xml",     [LIBRARY_AS_BIBTEX] = "application/x-bibtex; charset=utf-8",
+    [LIBRARY_AS_JSON] = "application/json",
+    [LIBRARY_AS_PAGE] = "text/html; charset=utf-8",
+    [LIBRARY_AS_OEMBED] = "application/json",
+    [LIBRARY_AS_ATOM] = "application/atom+xml",
+    [LIBRARY_AS_SITEMAP] = "application/xml",
+    [LIBRARY_AS_BIBTEX] = "application/x-bibtex; charset=utf-8",
     [LIBRARY_AS_DUBLIN_CORE] = "application/xml",
+    [LIBRARY_AS_OPDS] = "application/opds+json",
+    [LIBRARY_AS_CSV] = "text/csv; charset=utf-8; header=present",
 };
 
 void library_page(enum library_form form, const char *base, const char *section, struct buf *answer) {
@@ -364,6 +450,8 @@ void library_page(enum library_form form, const char *base, const char *section,
         [LIBRARY_AS_SITEMAP] = library_sitemap,
         [LIBRARY_AS_BIBTEX] = library_bibtex,
         [LIBRARY_AS_DUBLIN_CORE] = library_dublin_core,
+        [LIBRARY_AS_OPDS] = library_opds,
+        [LIBRARY_AS_CSV] = library_csv,
     };
     json_t *json = json_loadb((const char *)answer->data, answer->size, 0, NULL);
     if (!json)

@@ -15,6 +15,8 @@ enum library_form {
     LIBRARY_AS_SITEMAP,
     LIBRARY_AS_BIBTEX,
     LIBRARY_AS_DUBLIN_CORE,
+    LIBRARY_AS_OPDS,
+    LIBRARY_AS_CSV,
 };
 
 /* Content-Type of each form. */
@@ -32,6 +34,12 @@ void library_page(enum library_form form, const char *base, const char *section,
 /* newest: {"works"}, most recently changed first. */
 void library_atom(struct buf *out, const json_t *newest, const char *base);
 void library_sitemap(struct buf *out, const json_t *newest, const char *base);
+
+/* A catalogue in OPDS 2.0 (drafts.opds.io), with search. list: an answer to LIBRARY_LIST. */
+void library_opds(struct buf *out, const json_t *list, const char *base);
+
+/* A concordance as CSV (RFC 4180). */
+void library_csv(struct buf *out, const json_t *concordance, const char *base);
 
 /* work: an answer to LIBRARY_WORK. */
 void library_bibtex(struct buf *out, const json_t *work, const char *base);

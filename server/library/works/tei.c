@@ -36,6 +36,8 @@ struct tei {
     unsigned names;      /* names in it; only the first is used */
     unsigned left_out;   /* open elements in it that are skipped */
     char *first_date;    /* publication date, used if the source has none */
+    char **date;         /* a date within the captured element goes here; NULL: none is open */
+    size_t date_from;    /* its first byte in `capture` */
     unsigned skip, header, title_stmt, publication, source, bodies, divs; /* numbers of open elements */
     unsigned asides, expansions, figures;                                 /* likewise */
     enum { AFTER_TEXT, AFTER_WORD, AFTER_POINT } after; /* kind of the element that ended last */
@@ -88,8 +90,8 @@ static void tei_header_start(struct tei *t, const struct xml_walk *w, const char
     bool again = false;
     count_header(t, name, 1);
     if (t->wanted) {
-        if (!strcmp(name, "date"))
-            date_of(t, attributes);
+        if (!strcmp(name, "date") && (t->date = date_of(t, attributes)))
+            t->date_from = t->capture.size;
         if (is_left_out(name) || (t->wanted == &m->author && is_name(name) && t->names++ > 0) || t->left_out)
             t->left_out++;
         else if (t->capture.size && t->wanted == &m->author)
@@ -138,15 +140,10 @@ static void keep_field(struct tei *t, const char *text) {
     }
 }
 
-static void tei_header_end(struct tei *t, const struct xml_walk *w, const char *name) {
-    count_header(t, name, -1);
-    if (!t->wanted)
-        return;
-    if (t->capture_at != w->depth) {
-        t->left_out -= t->left_out > 0;
-        return;
-    }
-    char *text = mem_strndup(t->capture.size ? (char *)t->capture.data : "", t->capture.size);
+/* Returns the captured text from a byte on, with single spaces. Free it. */
+static char *captured(const struct tei *t, size_t from) {
+    char *text =
+        mem_strndup(t->capture.size > from ? (char *)t->capture.data + from : "", t->capture.size - from);
     char *to = text;
     for (const char *c = text; *c; c++)
         if (!strchr(" \t\r\n", *c))
@@ -156,6 +153,29 @@ static void tei_header_end(struct tei *t, const struct xml_walk *w, const char *
     *to = '\0';
     if (to > text && to[-1] == ' ')
         to[-1] = '\0';
+    return text;
+}
+
+/* Keeps the text of a date without attributes, which has ended. */
+static void keep_date(struct tei *t) {
+    char *text = captured(t, t->date_from);
+    if (*text && strlen(text) < 40)
+        work_meta_set(t->date, text);
+    free(text);
+    t->date = NULL;
+}
+
+static void tei_header_end(struct tei *t, const struct xml_walk *w, const char *name) {
+    count_header(t, name, -1);
+    if (!t->wanted)
+        return;
+    if (t->capture_at != w->depth) {
+        if (!strcmp(name, "date") && t->date)
+            keep_date(t);
+        t->left_out -= t->left_out > 0;
+        return;
+    }
+    char *text = captured(t, 0);
     keep_field(t, text);
     free(text);
     buf_free(&t->capture);

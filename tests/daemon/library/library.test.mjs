@@ -175,13 +175,13 @@ test('pages the results', async () => {
   assert.deepEqual(seen, all);
 });
 
-test('ranks the first 1000 of many hits, and continues paging behind them', async () => {
-  const paragraphs = Array.from({ length: 2200 }, (_, i) => (i === 700 ? 'Zafferano, zafferano, e ancora zafferano.' : `Zafferano con parola${i % 3 === 2 || i === 2199 ? ' pepe' : ''}, riga ${i + 1}.`));
+test('ranks some of many hits from all of the library, and continues paging behind them', async () => {
+  const paragraphs = Array.from({ length: 2200 }, (_, i) => (i === 2100 ? 'Zafferano, zafferano, e ancora zafferano.' : `Zafferano con parola${i % 3 === 2 || i === 2199 ? ' pepe' : ''}, riga ${i + 1}.`));
   put('molti.md', `---\ntitle: Molti\nlang: it\nauthor: A. Molti\n---\n${paragraphs.join('\n\n')}\n`);
   const page = async (query) => valid('found', await ask(`/v1/library/search?${new URLSearchParams({ q: 'zafferano', ...query })}`));
   await eventually(async () => (await page({})).results.length, 'the new work');
   const first = await page({ limit: 5 });
-  assert.deepEqual([first.ranked, first.results[0].passage], [false, 'molti:1:p701']);
+  assert.deepEqual([first.ranked, first.results[0].passage], [false, 'molti:1:p2101']);
   assert.ok(first.results.every(({ score }, i, all) => !i || score <= all[i - 1].score));
   const seen = new Set();
   let next = '0', pages = 0;
@@ -190,13 +190,92 @@ test('ranks the first 1000 of many hits, and continues paging behind them', asyn
     for (const id of ids(one.results)) seen.add(id);
     next = one.next;
   }
-  assert.deepEqual([seen.size, pages], [2200, 22]);
+  assert.deepEqual([seen.size, pages, first.total, first.counted], [2200, 22, 2200, true]);
   const both = await page({ q: 'zafferano pepe 2200', author: 'A. Molti' });
   assert.deepEqual([both.ranked, ids(both.results)], [true, ['molti:1:p2200']], 'all words must be there, common ones, too');
   assert.equal((await page({ author: 'A. Rossi' })).results.length, 0);
   assert.equal((await page({ work: 'mare,molti', lang: 'it', limit: 3 })).results.length, 3);
   assert.equal((await page({ lang: 'en' })).results.length, 0);
   fs.rmSync(path.join(works, 'molti.md'));
+});
+
+test('counts by author, language, form and century, and searches titles, speakers and stage directions', async () => {
+  put('recita.xml', `<?xml version="1.0"?><TEI xmlns="http://www.tei-c.org/ns/1.0" xml:lang="it"><teiHeader><fileDesc><titleStmt><title>Lo zibibbo</title><author>P. Vino</author></titleStmt>
+    <sourceDesc><bibl><date>1743</date></bibl></sourceDesc></fileDesc></teiHeader><text><body><div><head>Atto unico</head><sp who="#b"><speaker>Brighella</speaker><p>Il zibibbo è dolce.</p></sp>
+    <stage>Esce zoppicando.</stage><sp who="#c"><speaker>Corallina</speaker><p>Troppo, e lo zibibbo macchia.</p></sp></div></body></text></TEI>`);
+  put('vigna.md', '---\ntitle: La vigna\nlang: it\nauthor: P. Vino\ndate: 1899\n---\nQuattro acini di zibibbo.\n');
+  const page = async (query) => valid('found', await ask(`/v1/library/search?${new URLSearchParams(query)}`));
+  const all = await eventually(async () => { const found = await page({ q: 'zibibbo', facets: true }); return found.total === 3 && found; }, 'both works');
+  const counts = (facet) => Object.fromEntries(all.facets[facet].map(({ value, count }) => [value.id ?? value, count]));
+  assert.deepEqual(counts('author'), { 'P. Vino': 3 });
+  assert.deepEqual(counts('form'), { drama: 2, prose: 1 });
+  assert.deepEqual(counts('century'), { 18: 2, 19: 1 });
+  assert.deepEqual(counts('work'), { recita: 2, vigna: 1 });
+  assert.deepEqual(all.titles.map(({ id }) => id), ['recita']);
+  assert.equal((await page({ q: 'zibibbo', form: 'prose' })).total, 1);
+  assert.equal((await page({ q: 'zibibbo', century: '17,18' })).total, 2);
+  assert.equal((await page({ q: 'zibibbo', kind: 'head,verse' })).total, 0);
+  assert.deepEqual((await page({ q: 'corallina', kind: 'speaker' })).results.map(({ passage, kind, snippet }) => [passage, kind, snippet.text]), [['recita:1:p2', 'speaker', 'Corallina']]);
+  assert.deepEqual((await page({ q: 'zoppicare', kind: 'stage' })).results.map(({ passage }) => passage), ['recita:1:p2']);
+  assert.equal((await page({ q: 'corallina' })).total, 0, 'names of speakers are searched only on request');
+  for (const [name, value] of [['form', 'opera'], ['kind', 'stage,head'], ['century', '19,x'], ['century', '0'], ['prefer', 'it,?']])
+    assert.equal((await ask(`/v1/library/search?${new URLSearchParams({ q: 'zibibbo', [name]: value })}`, 400)).field, name, `${name}=${value}`);
+  put('vinho.pt-BR.txt', 'Bebe zibibbo, zibibbo e zibibbo.\n');
+  await eventually(async () => (await page({ q: 'zibibbo' })).total === 4, 'the Portuguese one');
+  assert.equal((await page({ q: 'zibibbo', prefer: 'pt' })).results[0].work.id, 'vinho-pt-br');
+  assert.notEqual((await page({ q: 'zibibbo', prefer: 'it' })).results[0].work.id, 'vinho-pt-br');
+  for (const name of ['recita.xml', 'vigna.md', 'vinho.pt-BR.txt']) fs.rmSync(path.join(works, name));
+});
+
+test('gives every occurrence with its context, page by page, and as CSV', async () => {
+  put('eco.md', '---\ntitle: L\'eco, "due" volte\nlang: it\n---\nEco, disse: èco... e l\'eco rispose.\n\nNiente.\n\nAncora echi.\n');
+  const page = async (query) => valid('concordance', await ask(`/v1/library/concordance?${new URLSearchParams({ q: 'eco OR echi', work: 'eco', ...query })}`));
+  const whole = await eventually(async () => { const found = await page({}); return found.lines.length && found; }, 'the echo');
+  assert.deepEqual(whole.lines.map(({ left, match, right, passage }) => [left, match, right, passage]), [
+    ['', 'Eco', ", disse: èco... e l'eco rispose.", 'eco:1:p1'], ['Eco, disse: ', 'èco', "... e l'eco rispose.", 'eco:1:p1'], ["Eco, disse: èco... e l'", 'eco', ' rispose.', 'eco:1:p1'], ['Ancora ', 'echi', '.', 'eco:1:p3'],
+  ]);
+  const seen = [];
+  for (let after = null; after !== undefined;) {
+    const one = await page({ limit: 1, ...(after && { after }) });
+    seen.push(...one.lines);
+    after = one.next;
+  }
+  assert.deepEqual(seen, whole.lines);
+  assert.deepEqual((await page({ width: 4 })).lines.map(({ left, right }) => [left, right])[1], ['se: ', '... ']);
+  const csv = await (await fetch(`${daemon.url}/v1/library/concordance?q=echi&work=eco&format=csv`)).text();
+  assert.deepEqual(csv.split('\r\n').slice(-2), [`"Ancora ","echi",".","eco:1:p3","paragraph","it","eco","L'eco, ""due"" volte","","${daemon.url}/library.html?at=eco:1:p3"`, '']);
+  for (const [name, value] of [['after', 'x'], ['after', '1'], ['width', '0'], ['limit', '1001']])
+    assert.equal((await ask(`/v1/library/concordance?${new URLSearchParams({ q: 'eco', [name]: value })}`, 400)).field, name);
+  fs.rmSync(path.join(works, 'eco.md'));
+});
+
+test('serves searches as a page and a catalogue without scripts', async () => {
+  const html = await (await fetch(`${daemon.url}/library?q=${encodeURIComponent('luna "piena"')}`)).text();
+  assert.match(html, /<a href="\/library\/mare\/1#mare:1:l1"><cite>Il mare d'inverno<\/cite>/);
+  assert.match(html, /<mark>luna<\/mark>/);
+  assert.match(html, /value="luna &quot;piena&quot;"/);
+  const catalogue = async (query = '') => ask(`/library/opds.json${query}`);
+  const all = await catalogue();
+  assert.ok(all.publications.length > 5 && all.publications.every(({ metadata, links, images }) => metadata.title && links[0].href && images.length));
+  assert.deepEqual((await catalogue('?query=luna')).publications.map(({ metadata }) => metadata.title).sort(), ['Detto', "Il mare d'inverno"]);
+  assert.equal(all.links.find(({ rel }) => rel === 'search').href, `${daemon.url}/library/opds.json{?query}`);
+});
+
+test('a renamed file keeps its address; the same name twice is reported', async () => {
+  put('prima.md', '---\ntitle: Il nome\nlang: it\n---\nUn nome che cambia.\n');
+  await eventually(async () => (await list()).works.some(({ id }) => id === 'prima'), 'the file');
+  fs.renameSync(path.join(works, 'prima.md'), path.join(works, 'seconda.md'));
+  await eventually(async () => (await list()).works.some(({ id }) => id === 'seconda'), 'the renamed file');
+  assert.equal((await ask('/v1/library/works/prima')).id, 'seconda');
+  assert.equal((await section('prima', 1)).id, 'seconda:1');
+  assert.equal((await ask('/v1/library/passages/prima:1:p1')).id, 'seconda:1:p1');
+  assert.match(await (await fetch(`${daemon.url}/library/prima/1`)).text(), /Un nome che cambia/);
+  assert.equal((await fetch(`${daemon.url}/v1/speech?passage=prima:1:p1`)).status, 200);
+  assert.equal((await ask('/v1/library/works/terza', 404)).code, 'unknown-work');
+  put('seconda.txt', 'Un altro testo.\n');
+  const { problems } = await eventually(async () => { const all = await list(); return all.problems.some(({ file }) => file === 'seconda.txt') && all; }, 'the problem');
+  assert.deepEqual(problems.filter(({ file }) => file === 'seconda.txt').map(({ serious, message }) => [serious, /seconda-txt/.test(message)]), [[false, true]]);
+  for (const name of ['seconda.md', 'seconda.txt']) fs.rmSync(path.join(works, name));
 });
 
 test('reports invalid searches with their position', async () => {

@@ -47,9 +47,10 @@ export class HeardClock {
     let heard = context.currentTime - (context.outputLatency || context.baseLatency || 0);
     if (stamp && stamp.contextTime > 0 && Number.isFinite(stamp.performanceTime)) {
       const stamped = stamp.contextTime + (now - stamp.performanceTime) / 1000;
-      // Ignores a context time that stands still or lies in the future, and a page time that lies in the future: WebKitGTK's runs
-      // twice as fast as time.
-      if (stamp.performanceTime <= now + FUTURE_MS && stamped <= context.currentTime + 0.05 && stamped > context.currentTime - 2) heard = stamped;
+      // Ignores a context time that stands still or lies in the future, and a page time that lies in the future:
+      // WebKitGTK's runs twice as fast as time.
+      const ahead = stamped - context.currentTime;
+      if (stamp.performanceTime <= now + FUTURE_MS && ahead <= 0.05 && ahead > -2) heard = stamped;
     }
     const offset = heard - now / 1000;
     if (this.offset === null || Math.abs(offset - this.offset) > JUMP_SECONDS) this.offset = offset;

@@ -187,7 +187,7 @@ export class MoodDisc {
     const basics = this.#placed.filter((a) => a.basic);
     this.parts.spokes.replaceChildren(...basics.flatMap(({ name, angle }) => {
       const at = (radius) => ({ x: radius * R * Math.cos(angle), y: -radius * R * Math.sin(angle) });
-      const aside = Math.abs(Math.cos(angle)) > 0.35; // a label at the side begins beside its point, else it is centred above or below
+      const aside = Math.abs(Math.cos(angle)) > 0.35; // begins beside its point; else is centred above or below it
       const label = svg('text', { ...at(aside ? 1.1 : 1.2), 'text-anchor': aside ? (Math.cos(angle) > 0 ? 'start' : 'end') : 'middle' });
       label.textContent = this.ports.called(name);
       const { x, y } = at(1);
