@@ -610,7 +610,7 @@ int index_add_work(struct index_writer *w, const char *name, const char *path, c
         "coalesce(sum(characters), 0), ?12, ?13, ?14, "
         "(SELECT CASE WHEN 2 * sum(iif(who IS NULL, 0, length(text))) > sum(length(text)) THEN "
         "'drama' WHEN 2 * sum(iif(kind = ?16, length(text), 0)) > sum(length(text)) THEN 'verse' "
-        "ELSE 'prose' END FROM passage WHERE id BETWEEN ?12 AND ?13 AND name <> ''), ?15, "
+        "ELSE 'prose' END FROM passage WHERE id BETWEEN ?12 AND ?13 AND kind IN (?16, ?17)), ?15, "
         "EXISTS (SELECT 1 FROM passage WHERE id BETWEEN ?12 AND ?13 AND name <> '' AND lang <> "
         "?6) FROM section WHERE work = ?1");
     const char *const texts[] = {name,    path,         hash,       m->title,  m->author, m->lang,
@@ -622,6 +622,7 @@ int index_add_work(struct index_writer *w, const char *name, const char *path, c
     sqlite3_bind_int(s, 14, recording);
     sqlite3_bind_int(s, 15, century_of(m->date));
     sqlite3_bind_int(s, 16, BLOCK_VERSE);
+    sqlite3_bind_int(s, 17, BLOCK_PARAGRAPH);
     return index_step(w, s, e) < 0 ? -1 : 0;
 }
 

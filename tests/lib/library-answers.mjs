@@ -35,9 +35,15 @@ export const answers = {
   }),
   '/v1/library/works/mare': () => ({ ...work, passages: 19, characters: 700, recording: false, hash: '9f', sections: [{ id: 'mare:1', number: 1, title: 'Canto primo', level: 1 }] }),
   '/v1/library/works/mare/sections/1': () => section,
-  '/v1/library/search': (query) => ({
-    results: /luna/i.test(query.get('q')) ? [result('mare:1:l1', '1', verses[0], [[20, 24]]), result('mare:1:l6', '6', verses[0], [[20, 24]])] : [], ranked: true,
-  }),
+  '/v1/library/search': (query) => {
+    const results = /luna/i.test(query.get('q')) ? [result('mare:1:l1', '1', verses[0], [[20, 24]]), result('mare:1:l6', '6', verses[0], [[20, 24]])] : [];
+    const count = results.length;
+    const facet = (...values) => (count ? values.map((value) => ({ value, count })) : []);
+    return {
+      results, total: count, counted: true, ranked: true, titles: [],
+      facets: { author: facet('A. Rossi'), lang: facet('it'), form: facet('verse'), century: facet(21), work: facet({ id: 'mare', title: 'Il mare' }) },
+    };
+  },
 };
 
 /** Serves the answers to a page. @param {import('playwright-core').Page} page */

@@ -56,6 +56,32 @@ test('without scripts: lists works, shows a section with its sound and links; es
   await again.close();
 });
 
+test('narrows a search by author and form, shows matching titles, and offers all occurrences as a table', async () => {
+  fs.writeFileSync(path.join(folder, 'texts/barca.md'), '---\ntitle: La vela e la barca\nauthor: B. Verdi\nlang: it\ndate: 1899\n---\nLa vela si vede, la vela si perde.\n');
+  await eventually(async () => (await (await daemon.get('/v1/library/search?q=vela')).json()).total === 2, 'the new work');
+  const page = await browser.newPage({ viewport: { width: 1100, height: 800 }, locale: 'it-IT', serviceWorkers: 'block' });
+  await page.goto(`${daemon.url}/library.html`);
+  await page.fill('#q', 'vela');
+  await page.waitForSelector('#results li:nth-child(2)');
+  assert.deepEqual(await page.locator('#titles a span').allTextContents(), ['La vela e la barca']);
+  assert.deepEqual(await page.locator('#facets label:visible select').evaluateAll((all) => all.map(({ name }) => name)), ['author', 'form'], 'one century is no choice');
+  assert.deepEqual(await page.locator('#facets select[name=form] option').allTextContents(), ['Tutte', 'Prosa (1)', 'Versi (1)']);
+  await page.selectOption('#facets select[name=author]', 'B. Verdi');
+  await page.waitForFunction(() => document.querySelectorAll('#results li').length === 1);
+  assert.match(await page.textContent('#results li'), /La vela si vede/);
+  assert.deepEqual(await violations(page), []);
+  const csv = await daemon.get(`/${await page.getAttribute('#table', 'href')}`);
+  assert.equal((await csv.text()).match(/^".*","vela",".*","barca:1:p1"/gm).length, 2);
+  await page.fill('#q', 'barca');
+  await page.waitForFunction(() => document.querySelectorAll('#results li').length === 1);
+  assert.equal(await page.inputValue('#facets select[name=author]'), '', 'a new search is not narrowed');
+  await page.fill('#q', '');
+  await page.waitForSelector('#facets', { state: 'hidden' });
+  fs.rmSync(path.join(folder, 'texts/barca.md'));
+  await eventually(async () => (await (await daemon.get('/v1/library/search?q=vela')).json()).total === 1, 'the work to be gone');
+  await page.close();
+});
+
 test('oEmbed: the page links to it, and it returns a frame with the text', async () => {
   const html = await (await daemon.get('/library/mare/1')).text();
   const [, address] = html.match(/type="application\/json\+oembed" href="([^"]+)"/);

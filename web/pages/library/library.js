@@ -181,9 +181,10 @@ async function showKept() {
   }));
 }
 
-const search = new Search($('search'), $('results'), $('more'), {
+const search = new Search($('search'), { list: $('results'), more: $('more'), titles: $('titles'), facets: $('facets'), table: $('table') }, {
   load,
   say,
+  lang: () => frame.lang,
   count: (text) => ($('count').textContent = text),
   shown(on) {
     if (on && (location.hash || query.get('at'))) {
@@ -192,6 +193,7 @@ const search = new Search($('search'), $('results'), $('more'), {
     }
     if (on) $('book').hidden = true;
     for (const name of ['results', 'count']) $(name).hidden = !on;
+    if (!on) $('titles').hidden = $('facets').hidden = true;
     $('works').hidden = on || !$('book').hidden;
     document.body.classList.toggle('open', !$('book').hidden);
   },

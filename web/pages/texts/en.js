@@ -185,6 +185,7 @@ export const emotion = {
 
 export const library = {
   title: 'Library', search: 'Search the texts', lang: 'Language', allLanguages: 'All', results: 'Results', works: 'Works',
+  author: 'Author', form: 'Form', century: 'Century', form_drama: 'Plays', form_verse: 'Verse', form_prose: 'Prose', allAsTable: 'All occurrences as a table (CSV)',
   moreResults: 'More results', found: 'Passages found: {n}.', nothingFound: 'No passage found.', line: 'line {n}', recording: 'with a recording',
   contents: 'Contents', sections: 'Sections', previous: 'Previous section', next: 'Next section', editionPage: 'Page {n}',
   read: 'Read', pause: 'Pause', resume: 'Continue', lineBack: 'Back one line', lineForward: 'Forward one line', repeat: 'Repeat the line',

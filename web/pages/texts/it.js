@@ -192,6 +192,7 @@ export const emotion = {
 
 export const library = {
   title: 'Biblioteca', search: 'Cerca nei testi', lang: 'Lingua', allLanguages: 'Tutte', results: 'Risultati', works: 'Opere',
+  author: 'Autore', form: 'Forma', century: 'Secolo', form_drama: 'Teatro', form_verse: 'Versi', form_prose: 'Prosa', allAsTable: 'Tutte le occorrenze in una tabella (CSV)',
   moreResults: 'Altri risultati', found: 'Passi trovati: {n}.', nothingFound: 'Nessun passo trovato.', line: 'verso {n}', recording: 'con registrazione',
   contents: 'Indice', sections: 'Sezioni', previous: 'Sezione precedente', next: 'Sezione seguente', editionPage: 'Pagina {n}',
   read: 'Leggi', pause: 'Pausa', resume: 'Continua', lineBack: 'Indietro di una riga', lineForward: 'Avanti di una riga', repeat: 'Ripeti la riga',

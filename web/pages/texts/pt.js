@@ -192,6 +192,7 @@ export const emotion = {
 
 export const library = {
   title: 'Biblioteca', search: 'Buscar nos textos', lang: 'Idioma', allLanguages: 'Todos', results: 'Resultados', works: 'Obras',
+  author: 'Autor', form: 'Forma', century: 'Século', form_drama: 'Teatro', form_verse: 'Versos', form_prose: 'Prosa', allAsTable: 'Todas as ocorrências em uma tabela (CSV)',
   moreResults: 'Mais resultados', found: 'Passagens encontradas: {n}.', nothingFound: 'Nenhuma passagem encontrada.', line: 'verso {n}', recording: 'com gravação',
   contents: 'Sumário', sections: 'Seções', previous: 'Seção anterior', next: 'Próxima seção', editionPage: 'Página {n}',
   read: 'Ler', pause: 'Pausar', resume: 'Continuar', lineBack: 'Voltar uma linha', lineForward: 'Avançar uma linha', repeat: 'Repetir a linha',

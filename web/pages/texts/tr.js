@@ -192,6 +192,7 @@ export const emotion = {
 
 export const library = {
   title: 'Kitaplık', search: 'Metinlerde ara', lang: 'Dil', allLanguages: 'Hepsi', results: 'Sonuçlar', works: 'Eserler',
+  author: 'Yazar', form: 'Tür', century: 'Yüzyıl', form_drama: 'Tiyatro', form_verse: 'Şiir', form_prose: 'Düzyazı', allAsTable: 'Bütün geçtiği yerler, tablo olarak (CSV)',
   moreResults: 'Daha fazla sonuç', found: '{n} bölüm bulundu.', nothingFound: 'Hiçbir şey bulunamadı.', line: '{n}. dize', recording: 'kayıtlı',
   contents: 'İçindekiler', sections: 'Bölümler', previous: 'Önceki bölüm', next: 'Sonraki bölüm', editionPage: 'Sayfa {n}',
   read: 'Oku', pause: 'Duraklat', resume: 'Devam et', lineBack: 'Bir satır geri', lineForward: 'Bir satır ileri', repeat: 'Satırı tekrarla',
