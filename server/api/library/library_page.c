@@ -268,9 +268,9 @@ static void add_section(struct buf *out, const json_t *section) {
 static void add_search_box(struct buf *out, const char *query) {
     add(out,
         "<form class=\"find\" role=\"search\" action=\"/library\">"
-        "<input type=\"search\" name=\"q\" required maxlength=\"1000\" aria-label=\"&#128269;\" value=\"");
+        "<input type=\"search\" name=\"q\" required maxlength=\"1000\" aria-label=\"Search\" value=\"");
     add_text(out, query);
-    add(out, "\"> <button aria-label=\"&#128269;\">&#128269;</button></form>\n");
+    add(out, "\"> <button aria-label=\"Search\">&rarr;</button></form>\n");
 }
 
 /* The text of a snippet, with its matches marked. */
