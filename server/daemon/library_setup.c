@@ -90,8 +90,9 @@ int library_setup_open(const struct settings *s, const struct paths *paths, stru
     struct buf plugin = {0};
     buf_printf(&plugin, "%s/espeak.so", s->voices.plugin_dir);
     buf_add(&plugin, "", 1);
-    char normalization[4096];
+    char normalization[4096], spellings[4200];
     snprintf(normalization, sizeof normalization, "%s/normalization", s->models);
+    snprintf(spellings, sizeof spellings, "%s/spelling", normalization);
     const struct aligner aligner = {.program = paths->aligner,
                                     .worker = s->voices.worker,
                                     .plugin = (char *)plugin.data,
@@ -103,8 +104,14 @@ int library_setup_open(const struct settings *s, const struct paths *paths, stru
     if (!*paths->reader)
         log_warn("faccia-reader is missing: works are read without limits and sandbox");
     if (index && !place_voices(s, index, &reader, &voices, voice_config, e))
-        *library =
-            library_open(&(struct library_options){s->library, index, voices, s->lang, aligner, reader}, e);
+        *library = library_open(&(struct library_options){.folder = s->library,
+                                                          .index = index,
+                                                          .voices = voices,
+                                                          .lang = s->lang,
+                                                          .spellings = spellings,
+                                                          .aligner = aligner,
+                                                          .reader = reader},
+                                e);
     buf_free(&plugin);
     free(index);
     free(voices);

@@ -42,6 +42,7 @@ static const char schema[] =
     "INTEGER, "
     "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, PRIMARY KEY (work, place)) WITHOUT "
     "ROWID;"
+    "CREATE TABLE IF NOT EXISTS made (spellings INTEGER);"
     "CREATE TABLE IF NOT EXISTS former (work TEXT PRIMARY KEY, hash TEXT) WITHOUT ROWID;"
     "CREATE INDEX IF NOT EXISTS work_hash ON work (hash);"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
@@ -80,7 +81,17 @@ static int fail(struct index_writer *w, struct error *e) {
     return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(sql));
 }
 
-static int try_open(struct index_writer *w, const char *file) {
+/* Returns whether the index was made with these spellings, and notes it in a new one. */
+static bool is_of_spellings(struct index_writer *w, const struct spellings *spellings) {
+    char sql[120];
+    int64_t hash = (int64_t)(spellings_hash(spellings) >> 1); /* not negative, as number_of needs it */
+    snprintf(sql, sizeof sql, "INSERT INTO made SELECT %lld WHERE NOT EXISTS (SELECT 1 FROM made)",
+             (long long)hash);
+    return sqlite3_exec(w->sql, sql, NULL, NULL, NULL) == SQLITE_OK &&
+           number_of(w->sql, "SELECT spellings FROM made") == hash;
+}
+
+static int try_open(struct index_writer *w, const char *file, const struct spellings *spellings) {
     if (sqlite3_open(file, &w->sql) != SQLITE_OK)
         return -1;
     sqlite3_busy_timeout(w->sql, 5000);
@@ -93,16 +104,16 @@ static int try_open(struct index_writer *w, const char *file) {
     if ((version && version != atoi(SCHEMA)) || sqlite3_exec(w->sql, schema, NULL, NULL, NULL) != SQLITE_OK)
         return -1;
     w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
-    return w->next > 0 ? 0 : -1;
+    return w->next > 0 && is_of_spellings(w, spellings) ? 0 : -1;
 }
 
-int index_open(struct index_writer *w, const char *file, struct error *e) {
+int index_open(struct index_writer *w, const char *file, const struct spellings *spellings, struct error *e) {
     *w = (struct index_writer){0};
-    int result = try_open(w, file);
+    int result = try_open(w, file, spellings);
     if (result < 0 && w->sql && !access(file, R_OK | W_OK)) {
         sqlite3_close(w->sql);
         index_discard(file);
-        result = try_open(w, file);
+        result = try_open(w, file, spellings);
     }
     if (result > 0)
         error_set(e, ERROR_BAD_INDEX, "%.200s belongs to another program", file);
@@ -113,7 +124,7 @@ int index_open(struct index_writer *w, const char *file, struct error *e) {
         w->sql = NULL;
         return -1;
     }
-    w->stems = stems_open();
+    w->stems = stems_open(spellings);
     return 0;
 }
 

@@ -84,10 +84,17 @@ struct library *library_open(const struct library_options *options, struct error
                        strerror(stat(options->folder, &info) ? errno : ENOTDIR));
         return NULL;
     }
-    if (index_open(&writer, options->index, e)) /* creates or repairs it before the first reader opens it */
+    struct spellings *spellings = spellings_load(options->spellings, e);
+    if (!spellings)
         return NULL;
+    /* creates or repairs it before the first reader opens it */
+    if (index_open(&writer, options->index, spellings, e)) {
+        spellings_free(spellings);
+        return NULL;
+    }
     index_close(&writer);
     struct library *l = mem_alloc(sizeof *l);
+    l->spellings = spellings;
     l->folder = mem_strdup(options->folder);
     l->index = mem_strdup(options->index);
     l->voices = options->voices ? mem_strdup(options->voices) : NULL;
@@ -140,6 +147,7 @@ void library_close(struct library *l) {
     free(l->index);
     free(l->lang);
     free(l->voices);
+    spellings_free(l->spellings);
     free((char *)l->reader.program);
     free(l);
 }
@@ -161,7 +169,7 @@ struct index_reader *library_reader(struct library *l, struct error *e) {
         return NULL;
     }
     r = mem_alloc(sizeof *r);
-    *r = (struct index_reader){sql, stems_open(), generation, false};
+    *r = (struct index_reader){sql, stems_open(l->spellings), generation, false};
     return r;
 }
 

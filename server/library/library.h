@@ -15,10 +15,11 @@
 struct library;
 
 struct library_options {
-    const char *folder; /* folder of the works */
-    const char *index;  /* path of the index */
-    const char *voices; /* folder described in library_voices.h; NULL: recordings are not used as voices */
-    const char *lang;   /* default language of a work */
+    const char *folder;    /* folder of the works */
+    const char *index;     /* path of the index */
+    const char *voices;    /* folder described in library_voices.h; NULL: recordings are not used as voices */
+    const char *lang;      /* default language of a work */
+    const char *spellings; /* folder of old spellings, see words.h; NULL: none */
     struct aligner aligner; /* aligns recordings */
     struct reader reader;   /* reads works */
 };

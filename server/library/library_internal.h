@@ -38,8 +38,10 @@ bool index_is_damaged(sqlite3 *sql);
 /* Deletes the file and its WAL, with a warning in the log. The next index_open creates it anew. */
 void index_discard(const char *file);
 
-/* Opens or creates the index. Recreates a damaged file or one of another version. -1 with *e. */
-int index_open(struct index_writer *writer, const char *file, struct error *e);
+/* Opens or creates the index. Recreates a damaged file, or one of another version or with other spellings. -1
+ * with *e. */
+int index_open(struct index_writer *writer, const char *file, const struct spellings *spellings,
+               struct error *e);
 void index_close(struct index_writer *writer);
 sqlite3 *index_open_reader(const char *file); /* NULL: it cannot be opened */
 
@@ -83,7 +85,7 @@ char *index_shape(const struct block *block);
 
 /* Parses what people type into a search box into an FTS5 query, and matches words of a text against it. */
 
-enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 9, QUERY_DEPTH_MAX = 16 };
+enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 13, QUERY_DEPTH_MAX = 16 };
 
 struct query_term {
     char word[WORD_BYTES_MAX];
@@ -153,7 +155,8 @@ struct library {
     bool look;                      /* somebody changed a file: scan now */
     struct work_lexicons *lexicons; /* work_lexicons.c */
     atomic_bool stop;
-    atomic_bool damaged;           /* a reader found the index damaged: the scan recreates it */
+    atomic_bool damaged; /* a reader found the index damaged: the scan recreates it */
+    struct spellings *spellings;
     struct reader reader;          /* program is owned */
     struct alignments *alignments; /* NULL: recordings are not used as voices */
     uint64_t signature;            /* hash of the files of the last scan; set by the scanning thread */
@@ -199,11 +202,13 @@ struct search_place {
     double worth;  /* of a ranked place */
     unsigned work; /* index in the shelf */
     bool ranked;
+    bool preferred; /* its work is in a preferred language */
 };
 
 /* Zero-initialised. */
 struct search_places {
-    struct search_place *list; /* ranked ones first, best first; then the others in the library's order */
+    struct search_place *list; /* ranked ones first, preferred before others, best first; then the others in
+                                  the library's order */
     size_t count, cap, ranked;
     size_t total; /* counted rows */
     bool counted; /* all were: no row is missing */

@@ -349,7 +349,8 @@ void *library_scan(void *library) {
     while (!atomic_load(&p.library->stop)) {
         if (p.writer.damaged || atomic_exchange(&p.library->damaged, false))
             begin_anew(&p);
-        if ((!p.writer.sql && index_open(&p.writer, p.library->index, &e)) || read_all(&p, &e)) {
+        if ((!p.writer.sql && index_open(&p.writer, p.library->index, p.library->spellings, &e)) ||
+            read_all(&p, &e)) {
             log_warn("library: %s", error_text(&e, text, sizeof text));
             bool damaged = p.writer.damaged;
             index_close(&p.writer);

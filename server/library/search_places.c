@@ -18,9 +18,6 @@ enum { ROWS_COUNTED = 50000, ROWS_LOOKED_UP = 20000 };
  * as one with other forms. */
 enum { PLACES_READ = 40 };
 
-/* Rows in the preferred language score twice as much. */
-#define PREFERRED 2
-
 static bool century_in(const char *list, int century) {
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
         if (strtol(at, NULL, 10) == century && century)
@@ -214,6 +211,8 @@ static void rank_sample(struct search_places *p, const struct shelf *shelf, stru
 
 static int by_worth(const void *a, const void *b) {
     const struct search_place *x = a, *y = b;
+    if (x->preferred != y->preferred)
+        return x->preferred ? -1 : 1;
     if (x->worth > y->worth || x->worth < y->worth)
         return x->worth > y->worth ? -1 : 1;
     return (x->row > y->row) - (x->row < y->row);
@@ -290,7 +289,7 @@ int search_places_find(struct search_places *p, struct shelf *shelf, struct inde
     ranked_first(p);
     for (size_t i = 0; q->prefer && i < p->ranked; i++)
         if (search_list_has(q->prefer, shelf->works[p->list[i].work].lang, true))
-            p->list[i].worth *= PREFERRED;
+            p->list[i].preferred = true;
     qsort(p->list, p->ranked, sizeof *p->list, by_worth);
     prefer_written(p, r, query);
     return 0;

@@ -123,6 +123,7 @@ static const struct {
     const char *tag, *name;
 } languages[] = {{"it", "italian"}, {"pt", "portuguese"}, {"tr", "turkish"}, {"en", "english"}};
 enum { LANGUAGES = sizeof languages / sizeof *languages };
+_Static_assert((int)LANGUAGES == (int)STEM_LANGUAGES, "one file of spellings for each");
 
 struct kept {
     char lower[WORD_BYTES_MAX], stem[WORD_BYTES_MAX];
@@ -131,10 +132,12 @@ struct kept {
 struct stems {
     struct sb_stemmer *stemmers[LANGUAGES];
     struct kept *kept[LANGUAGES];
+    const struct spellings *spellings;
 };
 
-struct stems *stems_open(void) {
+struct stems *stems_open(const struct spellings *spellings) {
     struct stems *s = mem_alloc(sizeof *s);
+    s->spellings = spellings;
     for (size_t i = 0; i < LANGUAGES; i++)
         s->stemmers[i] = sb_stemmer_new(languages[i].name, "UTF_8");
     return s;
@@ -194,13 +197,26 @@ static bool stem_of(struct stems *s, const char *lang, const struct word *word, 
     return true;
 }
 
+/* Writes the word's stem after the others, if it differs from them. */
+static bool is_further(struct stems *s, const char *lang, const struct word *word,
+                       char out[STEM_FORMS_MAX][WORD_BYTES_MAX], size_t count) {
+    if (!stem_of(s, lang, word, out[count]) || !out[count][0])
+        return false;
+    for (size_t i = 0; i < count; i++)
+        if (!strcmp(out[i], out[count]))
+            return false;
+    return true;
+}
+
 size_t stems_forms(struct stems *s, const char *lang, const struct word *word,
                    char out[STEM_FORMS_MAX][WORD_BYTES_MAX]) {
-    struct word bare;
+    struct word other;
     size_t count = stem_of(s, lang, word, out[0]) && out[0][0];
     if (count && strcmp(word->lower, word->folded) != 0) {
-        memcpy(bare.lower, word->folded, sizeof bare.lower);
-        count += stem_of(s, lang, &bare, out[1]) && out[1][0] && strcmp(out[0], out[1]) != 0;
+        memcpy(other.lower, word->folded, sizeof other.lower);
+        count += is_further(s, lang, &other, out, count);
     }
+    if (count && spellings_modern(s->spellings, number_of(lang), word->lower, other.lower))
+        count += is_further(s, lang, &other, out, count);
     return count;
 }

@@ -118,7 +118,7 @@ static void search(const char *text) {
     if (!sql) {
         sqlite3_open(":memory:", &sql);
         sqlite3_exec(sql, "CREATE VIRTUAL TABLE found USING fts5 (word, stem, content='')", NULL, NULL, NULL);
-        stems = stems_open();
+        stems = stems_open(NULL);
     }
     const struct query_options options = {.stems = stems};
     if (search_query_read(&query, text, &options, &e)) {

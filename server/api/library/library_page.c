@@ -266,9 +266,8 @@ static void add_section(struct buf *out, const json_t *section) {
 
 /* A box to search in; it needs no script. */
 static void add_search_box(struct buf *out, const char *query) {
-    add(out,
-        "<form class=\"find\" role=\"search\" action=\"/library\">"
-        "<input type=\"search\" name=\"q\" required maxlength=\"1000\" aria-label=\"Search\" value=\"");
+    add(out, "<form class=\"find\" role=\"search\" action=\"/library\">"
+             "<input type=\"search\" name=\"q\" required maxlength=\"1000\" aria-label=\"Search\" value=\"");
     add_text(out, query);
     add(out, "\"> <button aria-label=\"Search\">&rarr;</button></form>\n");
 }

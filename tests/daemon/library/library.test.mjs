@@ -249,6 +249,24 @@ test('gives every occurrence with its context, page by page, and as CSV', async 
   fs.rmSync(path.join(works, 'eco.md'));
 });
 
+test('finds old spellings by the spelling of today, and the other way round', async () => {
+  put('antico.md', '---\ntitle: Antico\nlang: it\n---\nFu huomo di gran virtute, et hebbe la gratia della cittade.\n');
+  put('botica.pt-BR.txt', 'A pharmacia fica na rua do theatro; elle tem um chapéo.\n');
+  put('ship.en.txt', 'He put his hand vpon the mast, with great swiftnesse and much beautie.\n');
+  await eventually(async () => (await list()).works.filter(({ id }) => /^(antico|botica|ship)/.test(id)).length === 3, 'the works');
+  for (const [q, work, word] of [['uomo', 'antico', 'huomo'], ['virtù', 'antico', 'virtute'], ['grazia', 'antico', 'gratia'], ['città', 'antico', 'cittade'], ['ebbe', 'antico', 'hebbe'], ['farmácia', 'botica', 'pharmacia'],
+    ['teatro', 'botica', 'theatro'], ['chapéu', 'botica', 'chapéo'], ['upon', 'ship', 'vpon'], ['beauty', 'ship', 'beautie'], ['swiftness', 'ship', 'swiftnesse']]) {
+    const found = (await search({ q })).find(({ work: { id } }) => id.startsWith(work));
+    assert.ok(found, q);
+    assert.deepEqual(found.snippet.marks.map(([from, to]) => found.snippet.text.slice(from, to)), [word], q);
+  }
+  put('moderno.md', '---\ntitle: Moderno\nlang: it\n---\nUn uomo solo.\n');
+  await eventually(async () => ids(await search({ q: 'huomo' })).includes('moderno:1:p1'), 'the work of today');
+  assert.equal((await search({ q: 'huomo' }))[0].work.id, 'antico', 'as written comes first');
+  assert.equal((await search({ q: '"uomo di gran"' })).length, 0, 'a phrase is found as written only');
+  for (const name of ['antico.md', 'botica.pt-BR.txt', 'ship.en.txt', 'moderno.md']) fs.rmSync(path.join(works, name));
+});
+
 test('serves searches as a page and a catalogue without scripts', async () => {
   const html = await (await fetch(`${daemon.url}/library?q=${encodeURIComponent('luna "piena"')}`)).text();
   assert.match(html, /<a href="\/library\/mare\/1#mare:1:l1"><cite>Il mare d'inverno<\/cite>/);
