@@ -90,8 +90,9 @@ int library_setup_open(const struct settings *s, const struct paths *paths, stru
     struct buf plugin = {0};
     buf_printf(&plugin, "%s/espeak.so", s->voices.plugin_dir);
     buf_add(&plugin, "", 1);
-    char normalization[4096], spellings[4200];
+    char normalization[4096], spellings[4200], directions[4200];
     snprintf(normalization, sizeof normalization, "%s/normalization", s->models);
+    snprintf(directions, sizeof directions, "%s/directions", s->models);
     snprintf(spellings, sizeof spellings, "%s/spelling", normalization);
     const struct aligner aligner = {.program = paths->aligner,
                                     .worker = s->voices.worker,
@@ -109,6 +110,7 @@ int library_setup_open(const struct settings *s, const struct paths *paths, stru
                                                           .voices = voices,
                                                           .lang = s->lang,
                                                           .spellings = spellings,
+                                                          .directions = directions,
                                                           .aligner = aligner,
                                                           .reader = reader},
                                 e);

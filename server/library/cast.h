@@ -77,7 +77,8 @@ void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *o
 /* A stretch of a text that somebody speaks, in UTF-16 units. */
 struct cast_speech {
     size_t start, end;
-    char *who; /* id */
+    char *who;    /* id */
+    char *affect; /* by stage directions; NULL: none */
 };
 
 /* Makes the value of `speakers` (of speak) for a text; speeches ascend. voices: adds each member's voice.

@@ -55,9 +55,14 @@ static void add_narrator(json_t *list, const struct cast *cast, const struct cas
     add_entry(list, entry_of(m, "", true), &at);
 }
 
+static const char *affect_of(const struct cast_speech *speech) {
+    return speech->affect ? speech->affect : "";
+}
+
 static int by_who(const void *a, const void *b) {
     const struct cast_speech *x = *(struct cast_speech *const *)a, *y = *(struct cast_speech *const *)b;
     int order = strcmp(x->who, y->who);
+    order = order ? order : strcmp(affect_of(x), affect_of(y));
     return order ? order : (x->start > y->start) - (x->start < y->start);
 }
 
@@ -69,11 +74,14 @@ char *cast_speakers(const struct cast *cast, const struct cast_speech *speeches,
     if (count)
         qsort(sorted, count, sizeof *sorted, by_who);
     for (size_t i = 0; i < count;) {
-        const char *who = sorted[i]->who;
+        const char *who = sorted[i]->who, *affect = affect_of(sorted[i]);
         struct buf at = {0};
-        for (; i < count && !strcmp(sorted[i]->who, who); i++)
+        for (; i < count && !strcmp(sorted[i]->who, who) && !strcmp(affect_of(sorted[i]), affect); i++)
             add_range(&at, sorted[i]->start, sorted[i]->end);
-        add_entry(list, entry_of(cast_find(cast, who), who, voices), &at);
+        json_t *entry = entry_of(cast_find(cast, who), who, voices);
+        if (voices && *affect)
+            json_object_set_new(entry, "affect", json_string(affect));
+        add_entry(list, entry, &at);
     }
     if (voices)
         add_narrator(list, cast, speeches, count);

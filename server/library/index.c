@@ -32,7 +32,7 @@ static const char schema[] =
     "INTEGER, "
     "part INTEGER, start INTEGER, first_line INTEGER, line_count INTEGER, lang TEXT, shape TEXT, text TEXT, "
     "source TEXT, "
-    "markup TEXT, runs TEXT, who TEXT);"
+    "markup TEXT, runs TEXT, who TEXT, affect TEXT);"
     "CREATE INDEX IF NOT EXISTS passage_name ON passage (work, section, name);"
     "CREATE INDEX IF NOT EXISTS passage_line ON passage (work, section, first_line) WHERE line_count > 0;"
     "CREATE TABLE IF NOT EXISTS problem (path TEXT, code TEXT, line INTEGER, col INTEGER, message TEXT, "
@@ -42,7 +42,7 @@ static const char schema[] =
     "INTEGER, "
     "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, PRIMARY KEY (work, place)) WITHOUT "
     "ROWID;"
-    "CREATE TABLE IF NOT EXISTS made (spellings INTEGER);"
+    "CREATE TABLE IF NOT EXISTS made (rules INTEGER);"
     "CREATE TABLE IF NOT EXISTS former (work TEXT PRIMARY KEY, hash TEXT) WITHOUT ROWID;"
     "CREATE INDEX IF NOT EXISTS work_hash ON work (hash);"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
@@ -81,17 +81,18 @@ static int fail(struct index_writer *w, struct error *e) {
     return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(sql));
 }
 
-/* Returns whether the index was made with these spellings, and notes it in a new one. */
-static bool is_of_spellings(struct index_writer *w, const struct spellings *spellings) {
+/* Returns whether the index was made by these rules, and notes it in a new one. */
+static bool is_of_rules(struct index_writer *w, const struct index_rules *rules) {
     char sql[120];
-    int64_t hash = (int64_t)(spellings_hash(spellings) >> 1); /* not negative, as number_of needs it */
+    int64_t hash = (int64_t)((spellings_hash(rules->spellings) ^ directions_hash(rules->directions)) >>
+                             1); /* not negative, as number_of needs it */
     snprintf(sql, sizeof sql, "INSERT INTO made SELECT %lld WHERE NOT EXISTS (SELECT 1 FROM made)",
              (long long)hash);
     return sqlite3_exec(w->sql, sql, NULL, NULL, NULL) == SQLITE_OK &&
-           number_of(w->sql, "SELECT spellings FROM made") == hash;
+           number_of(w->sql, "SELECT rules FROM made") == hash;
 }
 
-static int try_open(struct index_writer *w, const char *file, const struct spellings *spellings) {
+static int try_open(struct index_writer *w, const char *file, const struct index_rules *rules) {
     if (sqlite3_open(file, &w->sql) != SQLITE_OK)
         return -1;
     sqlite3_busy_timeout(w->sql, 5000);
@@ -104,16 +105,16 @@ static int try_open(struct index_writer *w, const char *file, const struct spell
     if ((version && version != atoi(SCHEMA)) || sqlite3_exec(w->sql, schema, NULL, NULL, NULL) != SQLITE_OK)
         return -1;
     w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
-    return w->next > 0 && is_of_spellings(w, spellings) ? 0 : -1;
+    return w->next > 0 && is_of_rules(w, rules) ? 0 : -1;
 }
 
-int index_open(struct index_writer *w, const char *file, const struct spellings *spellings, struct error *e) {
+int index_open(struct index_writer *w, const char *file, const struct index_rules *rules, struct error *e) {
     *w = (struct index_writer){0};
-    int result = try_open(w, file, spellings);
+    int result = try_open(w, file, rules);
     if (result < 0 && w->sql && !access(file, R_OK | W_OK)) {
         sqlite3_close(w->sql);
         index_discard(file);
-        result = try_open(w, file, spellings);
+        result = try_open(w, file, rules);
     }
     if (result > 0)
         error_set(e, ERROR_BAD_INDEX, "%.200s belongs to another program", file);
@@ -124,7 +125,8 @@ int index_open(struct index_writer *w, const char *file, const struct spellings 
         w->sql = NULL;
         return -1;
     }
-    w->stems = stems_open(spellings);
+    w->rules = rules;
+    w->stems = stems_open(rules->spellings);
     return 0;
 }
 
@@ -519,14 +521,14 @@ static void runs_of(const struct block *b, const struct part *part, struct buf *
 
 static int add_row(struct index_writer *w, const char *work, unsigned section, const char *lang,
                    const struct block *b, const struct part *part, unsigned number, size_t start, char *shape,
-                   struct error *e) {
+                   const char *affect, struct error *e) {
     const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
     size_t size = part->to - part->from;
     char who[CAST_ID_BYTES];
     struct buf runs = {0};
     runs_of(b, part, &runs);
     sqlite3_stmt *s = index_statement(
-        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     sqlite3_bind_int64(s, 1, w->next);
     sqlite3_bind_text(s, 2, work, -1, SQLITE_STATIC);
     sqlite3_bind_int(s, 3, (int)section);
@@ -545,6 +547,7 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
         sqlite3_bind_text(s, 15, (char *)runs.data, (int)runs.size, SQLITE_STATIC);
     if (cast_id_of_block(b, who))
         sqlite3_bind_text(s, 16, who, -1, SQLITE_STATIC);
+    sqlite3_bind_text(s, 17, affect, -1, SQLITE_STATIC);
     int result = index_step(w, s, e);
     sqlite3_clear_bindings(s);
     buf_free(&runs);
@@ -560,7 +563,7 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
 }
 
 static int add_block(struct index_writer *w, const char *work, unsigned section, const char *lang,
-                     const struct block *b, struct error *e) {
+                     const struct block *b, const char *affect, struct error *e) {
     struct utf16_counter counter = {0};
     unsigned number = 0;
     size_t from = 0, line = 0;
@@ -568,7 +571,7 @@ static int add_block(struct index_writer *w, const char *work, unsigned section,
         struct part part = next_part(b, from, line);
         char *shape = number ? NULL : index_shape(b);
         size_t start = b->text.size ? utf16_offset(&counter, (char *)b->text.data, part.from) : 0;
-        int result = add_row(w, work, section, lang, b, &part, number, start, shape, e);
+        int result = add_row(w, work, section, lang, b, &part, number, start, shape, affect, e);
         free(shape);
         if (result)
             return -1;
@@ -580,12 +583,48 @@ static int add_block(struct index_writer *w, const char *work, unsigned section,
     return 0;
 }
 
+/* The mood that stage directions give to a speech. */
+struct mood {
+    const char *lang, *affect;  /* affect NULL: none */
+    char who[CAST_ID_BYTES];    /* of the block; "": nobody, or a name or direction alone */
+    char speaks[CAST_ID_BYTES]; /* whose speech is open */
+};
+
+/* Reads the next block of a section: a direction, or a speech with directions inside. */
+static void mood_follow(struct mood *m, const struct directions *directions, const struct block *b) {
+    const char *lang = b->lang ? b->lang : m->lang, *text = b->text.size ? (const char *)b->text.data : "",
+               *found;
+    m->who[0] = '\0';
+    if (b->kind == BLOCK_SPEAKER || b->kind == BLOCK_HEAD) {
+        m->affect = NULL;
+        m->speaks[0] = '\0';
+    } else if (b->kind == BLOCK_STAGE) {
+        found = directions_affect(directions, lang, text, b->text.size);
+        m->affect = found ? found : m->affect;
+    } else if (cast_id_of_block(b, m->who)) {
+        if (*m->speaks && strcmp(m->speaks, m->who) != 0)
+            m->affect = NULL;
+        memcpy(m->speaks, m->who, sizeof m->speaks);
+        for (size_t i = 0; i < b->mark_count; i++)
+            if (b->marks[i].kind == MARK_STAGE && b->marks[i].end <= b->text.size &&
+                (found = directions_affect(directions, lang, text + b->marks[i].start,
+                                           b->marks[i].end - b->marks[i].start))) {
+                m->affect = found;
+                break;
+            }
+    }
+}
+
 int index_add_section(struct index_writer *w, const char *work, const char *lang,
                       const struct section *section, struct error *e) {
     int64_t first = w->next;
-    for (size_t i = 0; i < section->count; i++)
-        if (add_block(w, work, section->number, lang, &section->blocks[i], e))
+    struct mood mood = {.lang = lang};
+    for (size_t i = 0; i < section->count; i++) {
+        const struct block *b = &section->blocks[i];
+        mood_follow(&mood, w->rules->directions, b);
+        if (add_block(w, work, section->number, lang, b, *mood.who ? mood.affect : NULL, e))
             return -1;
+    }
     sqlite3_stmt *s = index_statement(w, ADD_SECTION, "INSERT INTO section VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
     bind_text(s, 1, work);
     sqlite3_bind_int(s, 2, (int)section->number);

@@ -84,17 +84,17 @@ struct library *library_open(const struct library_options *options, struct error
                        strerror(stat(options->folder, &info) ? errno : ENOTDIR));
         return NULL;
     }
-    struct spellings *spellings = spellings_load(options->spellings, e);
-    if (!spellings)
-        return NULL;
-    /* creates or repairs it before the first reader opens it */
-    if (index_open(&writer, options->index, spellings, e)) {
-        spellings_free(spellings);
+    struct index_rules rules = {.spellings = spellings_load(options->spellings, e)};
+    rules.directions = rules.spellings ? directions_load(options->directions, e) : NULL;
+    /* index_open creates or repairs it before the first reader opens it */
+    if (!rules.directions || index_open(&writer, options->index, &rules, e)) {
+        spellings_free(rules.spellings);
+        directions_free(rules.directions);
         return NULL;
     }
     index_close(&writer);
     struct library *l = mem_alloc(sizeof *l);
-    l->spellings = spellings;
+    l->rules = rules;
     l->folder = mem_strdup(options->folder);
     l->index = mem_strdup(options->index);
     l->voices = options->voices ? mem_strdup(options->voices) : NULL;
@@ -147,7 +147,8 @@ void library_close(struct library *l) {
     free(l->index);
     free(l->lang);
     free(l->voices);
-    spellings_free(l->spellings);
+    spellings_free(l->rules.spellings);
+    directions_free(l->rules.directions);
     free((char *)l->reader.program);
     free(l);
 }
@@ -169,7 +170,7 @@ struct index_reader *library_reader(struct library *l, struct error *e) {
         return NULL;
     }
     r = mem_alloc(sizeof *r);
-    *r = (struct index_reader){sql, stems_open(l->spellings), generation, false};
+    *r = (struct index_reader){sql, stems_open(l->rules.spellings), generation, false};
     return r;
 }
 

@@ -20,6 +20,7 @@ struct library_options {
     const char *voices;    /* folder described in library_voices.h; NULL: recordings are not used as voices */
     const char *lang;      /* default language of a work */
     const char *spellings; /* folder of old spellings, see words.h; NULL: none */
+    const char *directions; /* folder of moods of stage directions, see words.h; NULL: none */
     struct aligner aligner; /* aligns recordings */
     struct reader reader;   /* reads works */
 };

@@ -19,12 +19,19 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
+/* Rules by which an index is made; both may be NULL. */
+struct index_rules {
+    struct spellings *spellings;
+    struct directions *directions;
+};
+
 /* A block, or a part of a long block, is one row of `passage`, with the same row id in `found`. */
 enum { PART_LINES = 12, PART_BYTES = 4000 };
 
 struct index_writer {
     sqlite3 *sql;
     struct stems *stems;
+    const struct index_rules *rules; /* borrowed */
     sqlite3_stmt *statements[20];
     bool open;         /* a transaction is open */
     size_t characters; /* written in the open transaction */
@@ -38,9 +45,9 @@ bool index_is_damaged(sqlite3 *sql);
 /* Deletes the file and its WAL, with a warning in the log. The next index_open creates it anew. */
 void index_discard(const char *file);
 
-/* Opens or creates the index. Recreates a damaged file, or one of another version or with other spellings. -1
+/* Opens or creates the index. Recreates a damaged file, or one of another version or made by other rules. -1
  * with *e. */
-int index_open(struct index_writer *writer, const char *file, const struct spellings *spellings,
+int index_open(struct index_writer *writer, const char *file, const struct index_rules *rules,
                struct error *e);
 void index_close(struct index_writer *writer);
 sqlite3 *index_open_reader(const char *file); /* NULL: it cannot be opened */
@@ -155,8 +162,8 @@ struct library {
     bool look;                      /* somebody changed a file: scan now */
     struct work_lexicons *lexicons; /* work_lexicons.c */
     atomic_bool stop;
-    atomic_bool damaged; /* a reader found the index damaged: the scan recreates it */
-    struct spellings *spellings;
+    atomic_bool damaged;           /* a reader found the index damaged: the scan recreates it */
+    struct index_rules rules;      /* owned */
     struct reader reader;          /* program is owned */
     struct alignments *alignments; /* NULL: recordings are not used as voices */
     uint64_t signature;            /* hash of the files of the last scan; set by the scanning thread */

@@ -12,7 +12,8 @@
 
 /* ---- sections and passages, to be shown ---- */
 
-#define ROW_COLUMNS "name, part, first_line, line_count, lang, shape, text, source, markup, kind, runs, who"
+#define ROW_COLUMNS                                                                                          \
+    "name, part, first_line, line_count, lang, shape, text, source, markup, kind, runs, who, affect"
 
 /* Selects number, title, level, first and last row of a section, and its work. NULL with *e. The caller
  * finalises it. */
@@ -57,6 +58,8 @@ static json_t *block_of(sqlite3_stmt *s, const char *work, unsigned section) {
     if (*index_text(s, 0)) {
         json_object_set_new(block, "id", passage_id(work, section, index_text(s, 0)));
         json_object_set_new(block, "lang", library_text(s, 4));
+        if (*index_text(s, 12))
+            json_object_set_new(block, "affect", library_text(s, 12));
     }
     json_array_foreach(json_object_get(block, "lines"), i, each) {
         json_object_set_new(
@@ -171,7 +174,7 @@ static int split(const char *id, struct found_passage *p, struct error *e) {
 
 static void free_speeches(struct cast_speech *speeches, size_t count) {
     for (size_t i = 0; i < count; i++)
-        free(speeches[i].who);
+        free(speeches[i].who), free(speeches[i].affect);
     free(speeches);
 }
 
@@ -239,22 +242,25 @@ static void add_runs(struct found_passage *p, sqlite3_stmt *row, size_t byte) {
     }
 }
 
-static void add_speech(struct found_passage *p, size_t start, size_t end, const char *who) {
+static void add_speech(struct found_passage *p, size_t start, size_t end, const char *who,
+                       const char *affect) {
     struct cast_speech *last = p->speech_count ? &p->speeches[p->speech_count - 1] : NULL;
     if (start >= end)
         return;
-    if (last && last->end == start && !strcmp(last->who, who)) {
+    if (last && last->end == start && !strcmp(last->who, who) &&
+        !strcmp(last->affect ? last->affect : "", affect)) {
         last->end = end;
         return;
     }
     p->speeches = mem_grow(p->speeches, &p->speech_cap, p->speech_count + 1, sizeof *p->speeches);
-    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who)};
+    p->speeches[p->speech_count++] =
+        (struct cast_speech){start, end, mem_strdup(who), *affect ? mem_strdup(affect) : NULL};
 }
 
 /* Notes who speaks a row whose text starts at `byte` of the gathered text. `runs`: the first run of the row,
  * some of which may be stage directions that the narrator speaks. */
 static void add_who(struct found_passage *p, sqlite3_stmt *row, size_t byte, size_t runs, bool directions) {
-    const char *who = index_text(row, 11);
+    const char *who = index_text(row, 11), *affect = index_text(row, 12);
     int kind = sqlite3_column_int(row, 9);
     if (!*who || kind == BLOCK_SPEAKER || kind == BLOCK_STAGE)
         return;
@@ -262,10 +268,10 @@ static void add_who(struct found_passage *p, sqlite3_stmt *row, size_t byte, siz
     size_t end = utf16_offset(&p->units, (char *)p->text.data, p->text.size);
     for (size_t i = runs; directions && i < p->run_count; i++)
         if (!*p->runs[i].lang && p->runs[i].start >= at) {
-            add_speech(p, at, p->runs[i].start, who);
+            add_speech(p, at, p->runs[i].start, who, affect);
             at = p->runs[i].end;
         }
-    add_speech(p, at, end, who);
+    add_speech(p, at, end, who, affect);
 }
 
 /* Clips the runs to [from, to) and makes them relative to `from`. */
@@ -287,7 +293,7 @@ static void cut_runs(struct found_passage *p, size_t from, size_t to) {
         if (speech.end > speech.start)
             p->speeches[count++] = speech;
         else
-            free(speech.who);
+            free(speech.who), free(speech.affect);
     }
     p->speech_count = count;
 }
@@ -367,8 +373,9 @@ static int find_passage(struct index_reader *r, const char *id, const struct lib
 static json_t *speeches_json(const struct found_passage *p) {
     json_t *list = json_array();
     for (size_t i = 0; i < p->speech_count; i++)
-        json_array_append_new(list, json_pack("{sI sI ss}", "start", (json_int_t)p->speeches[i].start, "end",
-                                              (json_int_t)p->speeches[i].end, "who", p->speeches[i].who));
+        json_array_append_new(list, json_pack("{sI sI ss ss*}", "start", (json_int_t)p->speeches[i].start,
+                                              "end", (json_int_t)p->speeches[i].end, "who",
+                                              p->speeches[i].who, "affect", p->speeches[i].affect));
     return list;
 }
 

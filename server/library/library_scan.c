@@ -349,7 +349,7 @@ void *library_scan(void *library) {
     while (!atomic_load(&p.library->stop)) {
         if (p.writer.damaged || atomic_exchange(&p.library->damaged, false))
             begin_anew(&p);
-        if ((!p.writer.sql && index_open(&p.writer, p.library->index, p.library->spellings, &e)) ||
+        if ((!p.writer.sql && index_open(&p.writer, p.library->index, &p.library->rules, &e)) ||
             read_all(&p, &e)) {
             log_warn("library: %s", error_text(&e, text, sizeof text));
             bool damaged = p.writer.damaged;

@@ -60,7 +60,7 @@ static void check_cast(struct cast *cast) {
     for (size_t i = 0; i < cast->count; i++) {
         const struct cast_member *m = &cast->members[i];
         FUZZ_CHECK(m->voice && m->head && m->pitch >= 0.25 && m->pitch <= 4.8 && m->rate >= 0.25);
-        const struct cast_speech speech = {0, 3, m->id};
+        const struct cast_speech speech = {0, 3, m->id, NULL};
         char *speakers = cast_speakers(cast, &speech, 1, true);
         FUZZ_CHECK(speakers && !speaker_runs_read(&runs, speakers, "abc", 3, &e));
         FUZZ_CHECK(!strcmp(speaker_runs_at(&runs, 2, NULL)->id, m->id));

@@ -55,7 +55,7 @@ static void cast_text(const struct api *api, struct speech_request *request, con
         if (m->affect && !request->affect)
             request->affect = mem_strdup(m->affect);
     }
-    const struct cast_speech all = {0, UINT32_MAX, m->id};
+    const struct cast_speech all = {0, UINT32_MAX, m->id, NULL};
     set_speakers(request, cast, &all, 1, false);
 }
 

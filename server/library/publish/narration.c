@@ -89,7 +89,7 @@ static void add_speech(struct narration_places *p, const struct block *block) {
     size_t start = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size - block->text.size);
     size_t end = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size);
     p->speeches = mem_grow(p->speeches, &p->speech_cap, p->speech_count + 1, sizeof *p->speeches);
-    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who)};
+    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who), NULL};
 }
 
 /* An empty line separates blocks. A block with its own source stands alone. */

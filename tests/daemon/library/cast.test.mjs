@@ -259,3 +259,30 @@ test('captions, TextGrid and JSON say who speaks, over HTTP and in exported file
   assert.match(fs.readFileSync(file('a.vtt'), 'utf8'), /^<v Nina>Nonno/m);
   assert.match(fs.readFileSync(file('a.TextGrid'), 'utf8'), /name = "speakers"[^]*text = "Lisetta e Tullio"/);
 });
+
+test('stage directions give their speech a mood, which is heard and seen', async () => {
+  put('umori.xml', tei('<person xml:id="a" sex="F"><persName>Anna</persName></person><person xml:id="b" sex="M"><persName>Bruno</persName></person>', `
+    <sp who="#a"><speaker>Anna</speaker><stage>piangendo</stage><p>Non lo so.</p></sp>
+    <sp who="#b"><speaker>Bruno</speaker><stage>con ira, alzandosi</stage><p>Lo sai.</p><p>Lo sai bene.</p></sp>
+    <sp who="#a"><speaker>Anna</speaker><p>Non lo so.</p></sp>
+    <stage>Bruno ride.</stage>
+    <sp who="#b"><speaker>Bruno</speaker><p><stage>siede</stage> Va bene.</p></sp>
+    <sp who="#a"><p>Vieni, <stage>teneramente</stage> caro.</p></sp>`));
+  put('moods.xml', tei('', '<sp><speaker>KING</speaker><stage>Laughing, to the QUEEN</stage><p>Come here.</p></sp>', 'en'));
+  await eventually(async () => (await ask('/v1/library')).works.filter(({ id }) => id === 'umori' || id === 'moods').length === 2, 'the plays');
+  const section = async (work) => {
+    const answer = await ask(`/v1/library/works/${work}/sections/1`), check = ajv.getSchema('library#/$defs/section');
+    assert.ok(check(answer), ajv.errorsText(check.errors));
+    return answer.blocks.filter(({ kind }) => kind === 'paragraph');
+  };
+  assert.deepEqual((await section('umori')).map(({ affect }) => affect), ['sadness', 'anger', 'anger', undefined, undefined, 'love']);
+  assert.deepEqual((await section('moods')).map(({ affect }) => affect), ['joy']);
+  const passage = await ask('/v1/library/passages/umori:1');
+  assert.deepEqual(passage.speeches.map(({ who, affect }) => `${who} ${affect ?? ''}`.trim()), ['a sadness', 'b anger', 'b anger', 'a', 'b', 'a love']);
+  const faps = async (address) => (await (await daemon.get(`/v1/speech?format=fap&seed=1&life=0&${address}`)).text());
+  assert.notEqual(await faps('passage=umori:1:p1'), await faps('passage=umori:1:p4'), 'the face is sad');
+  assert.equal(await faps('passage=umori:1:p1&cast=off'), await faps('passage=umori:1:p4&cast=off'), 'one voice, one mood');
+  const { affect: known } = JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json')));
+  for (const lang of ['en', 'it', 'pt', 'tr'])
+    for (const affect of Object.keys(JSON.parse(fs.readFileSync(path.join(root, `models/directions/${lang}.json`))))) assert.ok(known[affect], `${lang}: ${affect}`);
+});

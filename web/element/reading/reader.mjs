@@ -115,8 +115,10 @@ export class Reader {
     }
     const words = whole.words.filter((at) => at >= base).map((at) => at - base);
     const piece = { ...whole, text: whole.text.slice(base), words };
-    const work = whole.at[0]?.node.parentElement?.closest('[data-passage]')?.dataset.passage; // whose lexicons hold
-    this.#request(index, base, markedUp(piece, this.#id(index)), { mode, markup: 'ssml', ...(work ? { work } : {}), ...(piece.speaker ? { speaker: piece.speaker } : {}), ...this.#voice(piece.lang) });
+    const near = (name) => whole.at[0]?.node.parentElement?.closest(`[data-${name}]`)?.dataset[name];
+    const options = { mode, markup: 'ssml', work: near('passage'), speaker: piece.speaker, affect: near('affect') }; // a work's lexicons hold
+    for (const name of ['work', 'speaker', 'affect']) if (!options[name]) delete options[name];
+    this.#request(index, base, markedUp(piece, this.#id(index)), { ...options, ...this.#voice(piece.lang) });
   }
 
   #id(index) {

@@ -117,6 +117,7 @@ function setText({ blocks, work }) {
     if (block.id && block.kind !== 'note') set.dataset.passage = block.id;
     if (block.lang && block.lang !== work.lang) set.lang = block.lang;
     if (block.who) set.dataset.speaker = block.who;
+    if (block.affect) set.dataset.affect = block.affect;
     return set;
   });
 }
