@@ -115,16 +115,16 @@ static void english(void **state) {
     check("en-GB", "plain", "In 2005 I had 120 books.",
           "In two thousand and five I had one hundred and twenty books");
     check("en-GB", "plain", "25/12/2025", "the twenty-fifth of December twenty twenty-five");
-    check("pt-PT", "plain", "Tenho 16 gatos e 2.000.000.000 de formigas.",
-          "Tenho dezasseis gatos e dois mil milhões de formigas.");
-    check("pt-BR", "plain", "Tenho 16 gatos e 2.000.000.000 de formigas.",
-          "Tenho dezesseis gatos e dois bilhões de formigas.");
     check("en-US", "plain", "5 km, 12/25/2025", "five kilometers December twenty-fifth twenty twenty-five");
 }
 
 static void portuguese(void **state) {
     (void)state;
     table("pt-BR", 450);
+    check("pt-PT", "plain", "Tenho 16 gatos e 2.000.000.000 de formigas.",
+          "Tenho dezasseis gatos e dois mil milhões de formigas");
+    check("pt-BR", "plain", "Tenho 16 gatos e 2.000.000.000 de formigas.",
+          "Tenho dezesseis gatos e dois bilhões de formigas");
     check("pt", "plain", "R$ 2,50", "dois reais e cinquenta centavos");
 }
 
