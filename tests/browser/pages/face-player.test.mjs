@@ -29,7 +29,7 @@ test('plots spoken text, shows frames beside the head, drags a key, undoes, save
   await page.waitForFunction(() => document.querySelector('#head').debug?.().connection === 'open');
   await page.click('#open button');
   await page.waitForSelector('[data-plot="curves"]');
-  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'phones', 'curves']);
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'prosody', 'phones', 'curves']);
   assert.deepEqual(await violations(page), []);
   const last = await page.evaluate(() => Number(document.querySelector('#scrub').max));
   assert.ok(last > 20, `${last}`);
@@ -65,6 +65,14 @@ test('plots spoken text, shows frames beside the head, drags a key, undoes, save
   await page.setInputFiles('#files', { name: 'mio.fap', mimeType: 'text/plain', buffer: fs.readFileSync(file) });
   await page.waitForFunction(() => document.querySelector('#news').textContent.startsWith('mio'));
   assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['curves']);
+  await page.click('#empty-box summary');
+  await page.selectOption('#empty-fps', '50');
+  await page.fill('#empty-seconds', '1.5');
+  await page.click('#empty button');
+  await page.waitForFunction(() => document.querySelector('#scrub').max === '74');
+  await page.fill('#value', '500');
+  await page.click('#set');
+  assert.equal(await at(0), 500, 'an empty stream is edited like another');
   await page.setInputFiles('#files', { name: 'rotto.fap', mimeType: 'text/plain', buffer: Buffer.from('2.1 x 25 1\n1 2 3\n') });
   await page.waitForSelector('#problem .place');
   assert.match(await page.textContent('#problem'), /2/);
@@ -88,7 +96,7 @@ test('opens speech from the first page with its sound', async () => {
   await page.click('#to-player', { timeout: 60000 });
   await page.waitForURL('**/player.html#last');
   await page.waitForSelector('[data-plot="curves"]');
-  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'phones', 'curves']);
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'prosody', 'phones', 'curves']);
   await serveModule(page, 'pages/shared/take.js', '/take.js');
   const take = await page.evaluate(async () => {
     const { fps, frames, rate, pcm, words, phones } = await (await import('/take.js')).lastTake();

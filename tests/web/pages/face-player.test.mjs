@@ -5,8 +5,9 @@ import fs from 'node:fs';
 import test from 'node:test';
 import { FapcDecoder, FapcEncoder, fapcFrame } from '../../../protocol/fapc/fapc.mjs';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../../web/pages/player/curve.js';
+import { prosody } from '../../../web/pages/player/prosody.js';
 import { gestureText, makeGesture } from '../../../web/pages/player/gesture.js';
-import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../../web/pages/player/file.js';
+import { emptyFaps, FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../../web/pages/player/file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../../protocol/fap-table.json', import.meta.url))).faps;
 
@@ -107,4 +108,33 @@ test('rejects a .fapc with more frames than a player holds before decoding one',
   const place = 8 + 5 * Math.floor(FRAMES_MAX / 64);
   assert.throws(() => readFapc(of(FRAMES_MAX + 64), Decoder), { code: 'bad-fap', message: 'too many frames', byte: place });
   assert.throws(() => readFapc(of(64 * Math.floor(FRAMES_MAX / 64)), Decoder), { message: 'something is decoded' }, 'as many are read');
+});
+
+test('an empty stream has the chosen rate and length, and can be written and read', () => {
+  const faps = emptyFaps(30, 2.5);
+  assert.deepEqual([faps.fps, faps.frames.length], [30, 75]);
+  faps.frames[10][4] = 120;
+  const again = readFap(writeFap(faps));
+  assert.deepEqual([again.fps, again.frames.length, again.frames[10][4], again.frames[11][4]], [30, 75, 120, 0]);
+  assert.equal(emptyFaps(25, 0).frames.length, 1);
+  assert.equal(emptyFaps(60, 1e6).frames.length, FRAMES_MAX);
+});
+
+test('finds pitch and intensity of voiced sound, and no pitch in noise and silence', () => {
+  const rate = 22050;
+  const sound = (seconds, wave) => Float32Array.from({ length: seconds * rate }, (_, i) => wave(i / rate, i));
+  const middle = (values) => values.slice(5, -5);
+  for (const hertz of [80, 123, 210, 340]) {
+    // pulses with falling overtones, as a voice has; the second is the strongest
+    const voice = sound(0.5, (t) => [0.5, 1, 0.4, 0.3, 0.2].reduce((sum, a, k) => sum + 0.1 * a * Math.sin(2 * Math.PI * hertz * (k + 1) * t), 0));
+    const { pitch, intensity } = prosody(voice, rate);
+    for (const one of middle(pitch)) assert.ok(Math.abs(one / hertz - 1) < 0.02, `${one} instead of ${hertz} Hz`);
+    for (const one of middle(intensity)) assert.ok(Math.abs(one + 21.1) < 1, `${one} dB`);
+  }
+  let state = 1;
+  const noise = prosody(sound(0.5, () => ((state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 31 - 1) * 0.3), rate);
+  assert.ok(noise.pitch.filter((one) => one !== null).length < noise.pitch.length / 10);
+  const silence = prosody(sound(0.3, () => 0), rate);
+  assert.ok(silence.pitch.every((one) => one === null) && silence.intensity.every((one) => one === -80));
+  assert.ok(prosody(new Float32Array(rate * 600), rate).times.length <= 2000, 'a long sound has no more columns');
 });

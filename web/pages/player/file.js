@@ -15,6 +15,12 @@ class FileError extends Error {
   }
 }
 
+/** A face at rest. @param {number} fps @param {number} seconds @returns {Faps} */
+export function emptyFaps(fps, seconds) {
+  const count = Math.max(1, Math.min(FRAMES_MAX, Math.round(fps * seconds)));
+  return { name: 'faccia', fps, frames: Array.from({ length: count }, () => new Int32Array(FAPS + 1)), high: [] };
+}
+
 /** @param {string} text @returns {Faps} */
 export function readFap(text) {
   const lines = text.split(/\r?\n/);

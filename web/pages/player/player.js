@@ -3,7 +3,7 @@
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, spokenLanguage } from '../shared/languages.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './curve.js';
-import { isFapc, readFap, readFapc, wholeWav, writeFap } from './file.js';
+import { emptyFaps, isFapc, readFap, readFapc, wholeWav, writeFap } from './file.js';
 import { FapcDecoder, mono } from './player-kit.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
@@ -52,6 +52,7 @@ function edit(read, buffer) {
   frame.problem.clear();
   $('news').textContent = say('opened', { name, n: frames.length, fps });
   $('start').hidden = true;
+  $('empty-box').open = false;
   for (const id of ['plots', 'transport', 'edit', 'gesture-box']) $(id).hidden = false;
   plots.open(take);
   fillGroups();
@@ -259,6 +260,10 @@ const on = (id, type, act) => $(id).addEventListener(type, (event) => take && ac
 $('open').addEventListener('submit', (event) => {
   event.preventDefault();
   attempt(speak)();
+});
+$('empty').addEventListener('submit', (event) => {
+  event.preventDefault();
+  edit(emptyFaps(Number($('empty-fps').value), Number($('empty-seconds').value)), null);
 });
 $('files').addEventListener('change', () => attempt(openFiles)($('files').files));
 on('play', 'click', () => (sound.source ? stop() : begin(now >= take.frames.length - 1 ? 0 : now / take.fps)));

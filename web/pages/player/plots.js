@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The plots of the Face Player: sound, spectrum, phones and words, curves; one time line, one cursor.
+// The plots of the Face Player: sound, spectrum, pitch and intensity, phones and words, curves; one time line, one cursor.
 import { FFT, uPlot } from './player-kit.js';
+import { prosody } from './prosody.js';
 
 const WINDOW = 512;
 const PEAKS = 2000; // columns of the wave
@@ -109,6 +110,14 @@ export class Plots {
       }), [{ show: true }], { range: [0, Math.min(8, take.rate / 2000)] });
       hertz.scales.x = x;
       this.#add(hertz, [[0, take.duration], [null, null]], 'spectrum');
+      const { times, pitch, intensity } = prosody(take.samples, take.rate);
+      const lines = [
+        { stroke: colour('--accent'), width: 2, points: { show: false }, spanGaps: false },
+        { scale: 'dB', stroke: colour('--soft'), width: 1.25, points: { show: false } },
+      ];
+      const tune = options(this.#width, 110, this.#hooks(null, (u) => this.#names(u, ['Hz', 'dB'], lines)), lines, { range: [50, 450] });
+      Object.assign(tune.scales, { x, dB: { range: [-70, 0] } });
+      this.#add(tune, [times, pitch, intensity], 'prosody');
     }
     if (take.phones.length || take.words.length) {
       const lane = options(this.#width, 74, this.#hooks((u) => this.#lane(u)), [{}], { range: [0, 2] });
@@ -167,6 +176,18 @@ export class Plots {
       u.ctx.fillRect(x - 1, u.bbox.top, 2, u.bbox.height);
     };
     return { drawClear: before ? [before] : [], draw: [...(after ? [after] : []), now] };
+  }
+
+  /** Names lines in their colours. */
+  #names(u, names, lines) {
+    u.ctx.save();
+    u.ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
+    u.ctx.textBaseline = 'top';
+    names.forEach((name, i) => {
+      u.ctx.fillStyle = lines[i].stroke;
+      u.ctx.fillText(name, u.bbox.left + (14 + 26 * i) * devicePixelRatio, u.bbox.top);
+    });
+    u.ctx.restore();
   }
 
   #lane(u) {

@@ -230,7 +230,8 @@ export const operator = {
 export const player = {
   title: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Speak', files: 'Open .fap or .fapc, with sound and times',
   start: 'Let her speak a sentence, or open a .fap or .fapc file. Its sound and the curves of the face appear here, to play, compare and change.',
-  plots: 'Wave, spectrum, sounds and curves', play: 'Play', pause: 'Pause', frameBack: 'One frame back', frameOn: 'One frame forward',
+  empty: 'New, empty', fps: 'Frames a second', seconds: 'Seconds', beginEmpty: 'Begin',
+  plots: 'Wave, spectrum, pitch and intensity, sounds and curves', play: 'Play', pause: 'Pause', frameBack: 'One frame back', frameOn: 'One frame forward',
   loop: 'Loop', frame: 'Frame', group: 'Group of FAPs', curve: 'Curve to edit', value: 'Value at this frame',
   editHint: 'Drag the points of the curve; double-click to add or delete a point; hold Shift to draw.', setKey: 'Set point', dropKey: 'Delete point',
   smooth: 'Smooth', factor: 'Factor', scale: 'Scale', mirror: 'Mirror', copyCurve: 'Copy the curve', pasteCurve: 'Paste', undo: 'Undo', redo: 'Redo',

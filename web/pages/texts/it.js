@@ -237,7 +237,8 @@ export const operator = {
 export const player = {
   title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Parla', files: 'Apri .fap o .fapc, con suono e tempi',
   start: 'Scrivi una frase e premi Parla, o apri un file .fap o .fapc: qui compaiono il suono e le curve del viso, da ascoltare, confrontare e modificare.',
-  plots: 'Onda, spettro, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
+  empty: 'Nuovo, vuoto', fps: 'Fotogrammi al secondo', seconds: 'Secondi', beginEmpty: 'Comincia',
+  plots: 'Onda, spettro, altezza e intensità, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
   loop: 'Ripeti', frame: 'Fotogramma', group: 'Gruppo di FAP', curve: 'Curva da modificare', value: 'Valore a questo fotogramma',
   editHint: 'Trascina i punti della curva; un doppio clic ne aggiunge o ne toglie uno; con Maiusc si disegna.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
   smooth: 'Liscia', factor: 'Fattore', scale: 'Scala', mirror: 'Specchia', copyCurve: 'Copia la curva', pasteCurve: 'Incolla', undo: 'Annulla', redo: 'Rifai',
