@@ -28,6 +28,7 @@ export const benchmarks = {
   'align-confidence': { packages: [...italian, ...lp, ...pc, ...slt, ...kal], moment: ['4', '--voices', 'kal'], long: 'aligns recordings with texts of other words' },
   'align-people': { packages: italian, moment: ['4'], long: 'aligns recordings' },
   'align-recovery': { packages: italian, moment: ['6'], long: 'aligns recordings' },
+  'align-truth': { packages: ['sox', 'pocketsphinx', 'pocketsphinx-en-us', 'pocketsphinx-testdata'], without: 'needs recordings that tests/bench/align-truth-people.py prepares' },
   broadcast: { moment: ['10'], long: 'builds against libwebsockets' },
   cache: { packages: ['redis-server', ...lp], moment: ['1', 'espeak:it'], long: 'speaks with and without each cache' },
   'cluster-rooms': { packages: ['redis-server'], moment: ['20', '2', '1', '1'], long: 'starts Redis and daemons for each turn' },

@@ -36,3 +36,16 @@ export function errors(known, found) {
     within50: ms.filter((x) => x <= 50).length / ms.length,
   };
 }
+
+const CLASSES = [
+  ['affricate', /^(t͡?ʃ|d͡?ʒ|tʃ|dʒ|ts|dz|CH|JH|t_S|d_Z|ch|sch|t_s|tS|dZ)$/], ['lip stop', /^([pb]ː?|pp|bb|P|B|[pb]ʰ|[pb]ʲ)$/], ['tip stop', /^([tdʈɖ]ː?|tt|dd|T|D|[td]ʰ|[td]ʲ|c|ɟ|J\\)$/],
+  ['back stop', /^([kgɡ]ː?|kk|gg|K|G|kʰ|[kɡ]ʲ)$/], ['teeth', /^([fv]ː?|ff|vv|F|V|[fv]ʲ)$/], ['hiss', /^([szʃʒʂʐɕʑ]ː?|ss|zz|S|Z|SH|ZH|sh|zh|[sz]ʲ|ɕː)$/],
+  ['dental', /^(θ|ð|TH|DH)$/], ['m', /^(mː?|mm|M|mʲ)$/], ['n', /^([nŋɲ]ː?|nn|N|NG|nʲ)$/], ['l', /^([lɫʎ]ː?|ll|L|lʲ|ɫ̩)$/], ['r', /^([rɹɾʀʁɻ]ː?|rr|R|rʲ|P\\|r̝|r̝̊)$/],
+  ['glide', /^([wj]|W|Y)$/], ['h', /^([hxɦɣ]ʲ?|HH|hh|X)$/],
+];
+/** Reduces the name of a phone, in IPA, ARPAbet, SAMPA or festvox-ru's names, to a class that most readings share; '' for none. */
+export function soundClass(name) {
+  const plain = name.replace(/[ˈˌ]/g, '').replace(/(?<=[A-Z])\d$/, '');
+  if (!plain || /^(pau|sp|sil|H)$/.test(plain)) return '';
+  return CLASSES.find(([, names]) => names.test(plain))?.[0] ?? 'vowel';
+}

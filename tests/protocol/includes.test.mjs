@@ -27,7 +27,7 @@ const BELOW = {
   // beside the core
   live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
   library: ['normalize', 'base'],
-  'library/align': ['library', 'normalize', 'face', 'voice', 'markup', 'protocol', 'base'],
+  'library/align': ['library', 'live', 'normalize', 'face', 'voice', 'markup', 'protocol', 'base'],
   'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
   bridges: ['http', 'base'],

@@ -286,12 +286,12 @@ static void release(struct align_map *map, const size_t *gaps, size_t count,
 
 int align_make(struct align_map *map, const struct align_sound *recording,
                const struct align_sound *reference, const struct align_options *how) {
-    struct features a, b;
     *map = (struct align_map){.measured_speech_rate = recording->rate,
                               .reference_rate = reference->rate,
                               .measured_speech_samples = recording->samples};
-    features_make(&a, recording->pcm, recording->samples, recording->rate);
-    features_make(&b, reference->pcm, reference->samples, reference->rate);
+    features_make(&map->recording, recording->pcm, recording->samples, recording->rate);
+    features_make(&map->reference, reference->pcm, reference->samples, reference->rate);
+    const struct features a = map->recording, b = map->reference;
     size_t *gaps = mem_alloc((how->start_count + 1) * sizeof *gaps), gap_count = 0;
     for (size_t i = 0; i < how->start_count; i++) {
         size_t frame = (size_t)lround(frame_of(how->starts[i], reference->rate));
@@ -312,8 +312,6 @@ int align_make(struct align_map *map, const struct align_sound *recording,
     for (size_t j = 1; j < b.count && map->distance >= 0; j++)
         for (size_t i = map->until[j - 1]; i < map->at[j]; i++)
             map->passed[j] += !a.silent[i] && map->passed[j] < UINT16_MAX;
-    features_free(&a);
-    features_free(&b);
     free(gaps);
     return map->distance < 0 ? -1 : 0;
 }
@@ -323,6 +321,8 @@ void align_free(struct align_map *map) {
     free(map->until);
     free(map->apart);
     free(map->passed);
+    features_free(&map->recording);
+    features_free(&map->reference);
     *map = (struct align_map){0};
 }
 
@@ -360,6 +360,10 @@ uint64_t align_end_time(const struct align_map *map, uint64_t sample) {
     double frame = fmin(frame_of(sample, map->reference_rate), (double)map->frames);
     size_t pause = pause_near(map, frame);
     return sample_of(map, pause < map->frames ? (double)map->until[pause] : inside(map, frame));
+}
+
+size_t align_frame(uint64_t sample, uint32_t rate) {
+    return (size_t)frame_of(sample, rate);
 }
 
 double align_apart(const struct align_map *map, uint64_t from, uint64_t to) {

@@ -46,6 +46,7 @@ struct align_map {
     uint32_t measured_speech_rate, reference_rate;
     size_t measured_speech_samples;
     double distance; /* mean along the path; see the end of this header */
+    struct features recording, reference;
 };
 
 struct align_options {
@@ -66,6 +67,9 @@ uint64_t align_time(const struct align_map *map, uint64_t reference_sample);
 
 /* The same for the end of a sound: maps to before a pause of the recording, not after it. */
 uint64_t align_end_time(const struct align_map *map, uint64_t reference_sample);
+
+/* Frame of the reference or, with the recording's rate, of the recording, that a sample lies in. */
+size_t align_frame(uint64_t sample, uint32_t rate);
 
 /* Mean distance between two samples of the reference, without pauses: it tells whether the words are the
  * same. Negative when there are only pauses. */

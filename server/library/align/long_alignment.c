@@ -468,7 +468,9 @@ static void take_run(struct long_alignment *c, struct block *b, size_t from, siz
     const struct align_options options = {starts, used, true, c->stop};
     struct align_map map;
     bool well = !align_make(&map, &recording, &reference, &options);
-    const struct fit fit = {&map, &b->window, &b->said, first, begin};
+    struct fit fit = {.map = &map, .window = &b->window, .said = &b->said, .from = first, .base = begin};
+    if (well)
+        long_alignment_refine(c, &fit, &spans[from], &spans[to]);
     double until = c->until;
     size_t first_ready = c->ready_count;
     for (size_t k = from; k < to; k++)
@@ -482,6 +484,7 @@ static void take_run(struct long_alignment *c, struct block *b, size_t from, siz
         piece->passed = window_sounds(&b->window, (uint64_t)(until * rate), (uint64_t)(piece->start * rate),
                                       piece->start - until);
     align_free(&map);
+    free(fit.phones);
     free(starts);
 }
 
@@ -583,6 +586,7 @@ struct long_alignment *long_alignment_open(const struct sound_source *source, st
     c->stop = options->stop;
     c->made = options->made;
     c->certain = options->certain;
+    c->model = refine_model_new();
     for (int pass = 0; pass < 2 && !c->voice_count; pass++) /* a gender without a voice: any */
         for (int i = 0; i < 2; i++) {
             const char *voice = reference_voice(reference, options->lang, genders[i]);
@@ -606,22 +610,43 @@ void long_alignment_free(struct long_alignment *c) {
     free(c->ready);
     window_close(&c->window);
     reference_free(&c->said.speech);
+    refine_model_free(c->model);
     free(c);
 }
 
+/* What the recogniser hears decides about pieces of at least so many phones: said, or other words. */
+enum { JUDGED_PHONES = 6 };
+#define SAID (-1.9)
+#define UNSAID (-2.4)
+
+/* 1: each of the pieces is heard where it lies; -1: one is not; 0: undecided. */
+static int heard(const struct fit *fit, const struct reference_span *spans, size_t count) {
+    int result = 1;
+    for (size_t i = 0; i < count && fit->heard; i++) {
+        double here = long_alignment_heard(fit, spans[i].start, spans[i].end);
+        if (spans[i + 1].phones < spans[i].phones + JUDGED_PHONES || here < SAID)
+            result = result < 0 || here < UNSAID ? -1 : 0;
+    }
+    return fit->heard ? result : 0;
+}
+
 /* True when the pieces seem to be what is read. */
-static bool fits(struct long_alignment *c, const struct align_map *map, size_t count) {
+static bool fits(struct long_alignment *c, const struct fit *fit, size_t count) {
+    const struct align_map *map = fit->map;
     const struct align_sound recording = {c->window.pcm, map->measured_speech_samples,
                                           c->window.source->rate};
     const struct reference_span *spans = c->said.spans;
+    int said = heard(fit, spans, count);
     double apart, other = chance(&recording, &c->said.speech, map, c->stop, &apart);
-    c->likely = other <= 0 || apart < CHANCE_SHARE * other;
+    c->likely = said > 0 || other <= 0 || apart < CHANCE_SHARE * other;
     if (!c->likely && !c->certain)
         return false;
     if (other > 0)
         c->other = other;
     if (c->certain)
         return true;
+    if (said < 0)
+        return false;
     double all = (double)(align_end_time(map, spans[count - 1].end) - align_time(map, 0)) /
                  (double)spans[count - 1].end;
     for (size_t i = 0; i < count; i++) {
@@ -629,21 +654,22 @@ static bool fits(struct long_alignment *c, const struct align_map *map, size_t c
         double took = (double)(align_end_time(map, spans[i].end) - align_time(map, spans[i].start));
         if (spoken < JUDGED_SECONDS * c->said.speech.rate)
             continue;
-        if (took < SHORT_SHARE * all * spoken || took > LONG_SHARE * all * spoken ||
-            (c->other > 0 && align_apart(map, spans[i].start, spans[i].end) > PIECE_SHARE * c->other) ||
+        bool odd = took < SHORT_SHARE * all * spoken || took > LONG_SHARE * all * spoken ||
+                   (c->other > 0 && align_apart(map, spans[i].start, spans[i].end) > PIECE_SHARE * c->other);
+        if ((odd && said <= 0) ||
             align_passed(map, spans[i ? i - 1 : 0].start, spans[i].end) > PASSED_SECONDS)
             return false;
     }
     return true;
 }
 
-static void take_all(struct long_alignment *c, const struct align_map *map, size_t count) {
-    const struct fit fit = {map, &c->window, &c->said, 0, 0};
+static void take_all(struct long_alignment *c, const struct fit *fit, size_t count) {
+    const struct align_map *map = fit->map;
     const struct reference_span *spans = c->said.spans;
     uint64_t begin = align_time(map, 0), end = align_end_time(map, spans[count - 1].end);
     for (size_t i = 0; i < count; i++) {
         double apart = align_apart(map, spans[i].start, spans[i].end);
-        long_alignment_take(c, &fit, &spans[i], c->other > 0 && apart >= 0 ? apart / c->other : 0);
+        long_alignment_take(c, fit, &spans[i], c->other > 0 && apart >= 0 ? apart / c->other : 0);
     }
     if (end > begin)
         c->pace = (double)(end - begin) / c->window.source->rate /
@@ -667,7 +693,12 @@ static int follow(struct long_alignment *c, struct error *e) {
     }
     count -= to < c->size; /* the last one may continue beyond the window */
     int result = long_alignment_find(c, &map) ? 0 : 1;
-    if (result && !c->made && !fits(c, &map, count)) {
+    struct fit fit = {.map = &map, .window = &c->window, .said = &c->said};
+    if (result)
+        long_alignment_refine(c, &fit, c->said.spans, &c->said.spans[c->said.count]);
+    if (result && !c->made && !fits(c, &fit, count)) {
+        refine_model_free(c->model); /* it has learnt from wrong places */
+        c->model = refine_model_new();
         result = long_alignment_stopped(c) ? 0 : long_alignment_recover(c, c->said.spans[count].from, e);
         if ((c->failed || (c->lost && result > 0)) && c->likely) {
             /* the whole is too short or too slowly spoken to be distinguished */
@@ -677,6 +708,7 @@ static int follow(struct long_alignment *c, struct error *e) {
             result = 0;
         }
         if (result) { /* it continued, or failed */
+            free(fit.phones);
             align_free(&map);
             return result;
         }
@@ -685,7 +717,8 @@ static int follow(struct long_alignment *c, struct error *e) {
     if (long_alignment_stopped(c))
         result = long_alignment_cancelled(e);
     if (result > 0)
-        take_all(c, &map, count);
+        take_all(c, &fit, count);
+    free(fit.phones);
     align_free(&map);
     return result;
 }

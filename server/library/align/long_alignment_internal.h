@@ -5,6 +5,7 @@
 
 #include "server/library/align/align.h"
 #include "server/library/align/long_alignment.h"
+#include "server/library/align/refine.h"
 #include "server/library/align/window.h"
 
 enum { PIECES_MAX = 96 };
@@ -41,6 +42,7 @@ struct long_alignment {
     struct error failure;
     size_t skip; /* samples of the window to skip */
     struct spoken said;
+    struct refine_model *model;
     struct long_alignment_piece *ready; /* found, to be returned */
     size_t ready_count, ready_at, ready_cap;
 };
@@ -73,9 +75,21 @@ struct fit {
     const struct align_map *map;
     const struct window *window;
     const struct spoken *said;
-    uint64_t from; /* sample of the reference at which the map begins */
-    size_t base;   /* window offset */
+    uint64_t from;               /* sample of the reference at which the map begins */
+    size_t base;                 /* window offset */
+    struct refine_phone *phones; /* placed more closely; NULL = only the map knows */
+    size_t phone_count;
+    bool heard; /* the recogniser has heard the recording */
 };
+
+/* Places the phones of the spans from..to more closely. Free fit->phones. */
+void long_alignment_refine(struct long_alignment *c, struct fit *fit, const struct reference_span *from,
+                           const struct reference_span *to);
+
+/* Mean log probability of the classes of sounds between two samples of the reference, where they were placed:
+ * 0 at most. Measured: -1.8 to -0.7 for words that are said there (-2.6 in noise), -3.3 to -2.3 for others.
+ */
+double long_alignment_heard(const struct fit *fit, uint64_t from, uint64_t to);
 
 /* Queue a located piece, with its distance relative to other words, or a piece that was not located. */
 void long_alignment_take(struct long_alignment *c, const struct fit *fit, const struct reference_span *span,

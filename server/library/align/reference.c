@@ -3,6 +3,8 @@
 #include "server/base/error.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
+#include "server/base/paths.h"
+#include "server/live/lip_network.h"
 #include "server/voice/wire.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -169,6 +171,7 @@ struct reference {
     struct known *voices;
     size_t voice_count, voice_cap;
     uint32_t job; /* number of the last sentence */
+    struct lip_network *network;
 };
 
 /* Stores the list of voices. */
@@ -214,6 +217,16 @@ static int start(struct reference *r, struct error *e) {
     return -1;
 }
 
+static struct lip_network *load_network(void) {
+    struct paths paths;
+    struct error none; /* alignment is less exact without it */
+    char path[4096];
+    paths_find(&paths);
+    snprintf(path, sizeof path, "%s/hear/network.bin", paths.models);
+    paths_free(&paths);
+    return lip_network_load(path, &none);
+}
+
 /* NULL with *e ("no-reference"). */
 static struct reference *reference_open(const struct reference_slot *from, struct error *e) {
     struct reference *r = mem_alloc(sizeof *r);
@@ -221,16 +234,23 @@ static struct reference *reference_open(const struct reference_slot *from, struc
     r->from = *from;
     r->unconfined = from->unconfined || (sandbox && !strcmp(sandbox, "off"));
     r->worker.fd = -1;
-    if (!start(r, e))
+    if (!start(r, e)) {
+        r->network = load_network();
         return r;
+    }
     reference_close(r);
     return NULL;
+}
+
+const struct lip_network *reference_network(const struct reference *r) {
+    return r->network;
 }
 
 void reference_close(struct reference *r) {
     if (!r)
         return;
     reference_worker_stop(&r->worker);
+    lip_network_free(r->network);
     for (size_t i = 0; i < r->voice_count; i++) {
         free(r->voices[i].id);
         free(r->voices[i].lang);

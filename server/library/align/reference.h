@@ -53,6 +53,7 @@ struct reference_reading {
 void reference_reading_free(struct reference_reading *reading);
 
 struct reference;
+struct lip_network;
 
 /* Where a reference comes from. All zero is right within a plugin: its worker can start others
  * (worker_keeper.h), and the plugin is espeak beside it. FACCIA_SANDBOX=off disables the sandbox. */
@@ -71,6 +72,10 @@ void reference_close(struct reference *reference);
 
 /* The process that speaks; 0 if unknown, for example when a keeper started it. */
 pid_t reference_process(const struct reference *reference);
+
+/* The recogniser of classes of sounds (models/hear/network.bin), which belongs to the reference; NULL = none
+ * is installed. */
+const struct lip_network *reference_network(const struct reference *reference);
 
 /* Best voice for that language and gender ("female", "male"); "" if there is none. Valid while the
  * reference is open. */
