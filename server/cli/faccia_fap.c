@@ -6,6 +6,7 @@
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/cli/face_capture.h"
+#include "server/cli/puppet_capture.h"
 #include "server/export/svg.h"
 #include <getopt.h>
 #include <math.h>
@@ -225,40 +226,53 @@ static int fap_decode(int argc, char **argv) {
 
 /* ---- faccia fap capture ---- */
 
+enum { PUPPET_FPS = 60 };
+
+/* Returns an exit code, after a message unless 0. */
+static int capture_file(const char *path, double rate, double fps, struct fapfile *face) {
+    struct buf text = {0};
+    struct capture_error e;
+    int status = EXIT_FAILED;
+    if (cli_read(path, &text))
+        ;
+    else if (!capture_read(text.size ? (char *)text.data : "", text.size, rate, fps, face, &e))
+        status = EXIT_DONE;
+    else if (e.column)
+        cli_complain("%s:%zu:%zu: %s", path, e.line, e.column, e.message);
+    else
+        cli_complain("%s:%zu: %s", path, e.line, e.message);
+    buf_free(&text);
+    return status;
+}
+
 static int fap_capture(int argc, char **argv) {
-    double rate = 0, fps = 0;
-    const char *name = "capture";
+    double rate = 0, fps = 0, seconds = 0;
+    const char *name = "capture", *osc = NULL;
     char command[] = "fap"; /* which has the help */
     argv[0] = command;
     const struct cli_option options[] = {{"rate", 0, CLI_NUMBER, &rate, 1, FAPFILE_FPS_MAX, NULL},
                                          {"fps", 0, CLI_NUMBER, &fps, 1, FAPFILE_FPS_MAX, NULL},
                                          {"name", 0, CLI_TEXT, &name, 0, 0, NULL},
+                                         {"osc", 0, CLI_TEXT, &osc, 0, 0, NULL},
+                                         {"seconds", 0, CLI_NUMBER, &seconds, 0.1, 36000, NULL},
                                          {0}};
     int status = cli_options(argc, argv, "Try 'faccia fap --help'.\n", options, NULL);
     if (status >= 0)
         return status;
-    if (argc - optind < 1 || argc - optind > 2) {
-        cli_complain("capture: expected one input file, and at most one output file");
+    int files = argc - optind, inputs = osc ? 0 : 1;
+    if (files < inputs || files > inputs + 1 || (osc && rate) || (!osc && seconds)) {
+        cli_complain("capture: expected one input file or --osc, and at most one output file");
         return EXIT_USAGE;
     }
-    struct buf text = {0}, out = {0};
+    struct buf out = {0};
     struct fapfile face;
-    struct capture_error e;
-    const char *in = argv[optind];
-    if (cli_read(in, &text))
-        status = EXIT_FAILED;
-    else if (capture_read(text.size ? (char *)text.data : "", text.size, rate, fps, &face, &e)) {
-        if (e.column)
-            cli_complain("%s:%zu:%zu: %s", in, e.line, e.column, e.message);
-        else
-            cli_complain("%s:%zu: %s", in, e.line, e.message);
-        status = EXIT_FAILED;
-    } else {
-        write_text(&face, name, &out);
-        free(face.frames);
-        status = fap_file_write(argv[optind + 1] ? argv[optind + 1] : "-", &out);
-    }
-    buf_free(&text);
+    status = osc ? puppet_capture(osc, seconds, fps ? fps : PUPPET_FPS, &face)
+                 : capture_file(argv[optind], rate, fps, &face);
+    if (status)
+        return status;
+    write_text(&face, name, &out);
+    free(face.frames);
+    status = fap_file_write(files > inputs ? argv[optind + inputs] : "-", &out);
     buf_free(&out);
     return status;
 }
@@ -408,6 +422,7 @@ static const char usage[] =
     "       faccia fap encode [--quality N] [--fps N] FILE [OUT.fapc]\n"
     "       faccia fap decode [--name NAME] FILE.fapc [OUT.fap]\n"
     "       faccia fap capture [--rate N] [--fps N] [--name NAME] FILE.csv [OUT.fap]\n"
+    "       faccia fap capture --osc [HOST:]PORT [--seconds N] [--fps N] [--name NAME] [OUT.fap]\n"
     "       faccia fap plot [--fap LIST] [--from S] [--to S] FILE [OUT.svg]\n"
     "Works with face animation files: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a "
     "header,\n"
@@ -418,7 +433,9 @@ static const char usage[] =
     "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5)\n"
     "  decode   writes .fap\n"
     "  capture  converts a recorded face in Live Link Face's columns (CSV, ARKit's shapes) to .fap; --rate\n"
-    "           is that of its timecodes, if the file is shorter than a second\n"
+    "           is that of its timecodes, if the file is shorter than a second. --osc records what a "
+    "program\n"
+    "           sends by the VMC protocol, until Ctrl-C or for N seconds\n"
     "  plot     draws FAPs over time as SVG: LIST has names or numbers with commas\n"
     "           (the eight that move most); S is in seconds\n"
     "FILE - is standard input; OUT - or no OUT is standard output. Exit status: 0 done, 1 failed, 2 wrong "

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/face_capture.h"
 #include "server/base/mem.h"
-#include "server/codec/arkit_weights.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-enum { COLUMNS_MAX = 256, ROWS_MAX = 1 << 20, FRAMES_MAX = 1 << 22, VALUE_MAX = 63 };
+enum { COLUMNS_MAX = 256, VALUE_MAX = 63 };
 enum { TIME = -1, COUNT = -2, OTHER = -3 }; /* roles of columns that are neither shapes nor turns */
 enum { YAW, PITCH, ROLL, EYE_PITCH, TURNS };
 static const char *const turn_names[TURNS] = {"HeadYaw", "HeadPitch", "HeadRoll", "LeftEyePitch"};
@@ -22,10 +21,10 @@ static const char *const turn_names[TURNS] = {"HeadYaw", "HeadPitch", "HeadRoll"
 /* Sum of squares of the gaze from which on the slope is known. */
 #define GAZE_LEAST 0.01
 
-struct row {
-    double time;  /* seconds */
+/* Further values of a row. */
+struct mark {
     double frame; /* within its second, with its fraction */
-    double weights[ARKIT_SHAPES], turns[TURNS];
+    double eye_pitch;
     size_t line;
 };
 
@@ -34,7 +33,9 @@ struct capture {
     size_t line;
     int roles[COLUMNS_MAX]; /* shape, ARKIT_SHAPES + turn, or one of the above */
     size_t columns, count, cap;
-    struct row *rows;
+    struct capture_row *rows;
+    struct mark *marks;
+    size_t mark_cap;
     double most_frame;
     struct capture_error *error;
 };
@@ -111,18 +112,18 @@ static bool digits(const char **at, const char *end, char sign, double *out) {
 }
 
 /* Hours, minutes, seconds, frame, and perhaps thousandths of a frame. */
-static int read_time(struct capture *c, const char *field, size_t length, struct row *row) {
+static int read_time(struct capture *c, const char *field, size_t length, double *time, double *frame) {
     const char *at = field, *end = field + length;
     double hours, minutes, seconds, part = 0;
     if (!digits(&at, end, ':', &hours) || !digits(&at, end, ':', &minutes) ||
-        !digits(&at, end, ':', &seconds) || !digits(&at, end, 0, &row->frame) ||
+        !digits(&at, end, ':', &seconds) || !digits(&at, end, 0, frame) ||
         (at < end && (*at++ != '.' || !digits(&at, end, 0, &part))) || at != end || hours > 23 ||
         minutes > 59 || seconds > 59)
         return fail(c, field, "this is no timecode, such as 00:32:09:07.867");
-    if (row->frame > c->most_frame)
-        c->most_frame = row->frame;
-    row->time = hours * 3600 + minutes * 60 + seconds;
-    row->frame += part / 1000;
+    if (*frame > c->most_frame)
+        c->most_frame = *frame;
+    *time = hours * 3600 + minutes * 60 + seconds;
+    *frame += part / 1000;
     return 0;
 }
 
@@ -139,18 +140,21 @@ static int read_value(struct capture *c, const char *field, size_t length, doubl
 /* Rows without values, of moments in which no face was seen, are left out. */
 static int read_row(struct capture *c) {
     const char *start = c->at, *end = end_of_line(c), *field;
-    struct row row = {.line = c->line};
+    struct capture_row row = {0};
+    struct mark mark = {.line = c->line};
+    double *const turns[TURNS] = {&row.head.head_yaw, &row.head.head_pitch, &row.head.head_roll,
+                                  &mark.eye_pitch};
     size_t length, i = 0;
     double count = 1, value;
     while ((field = next_field(c, end, &length))) {
         int role = i < c->columns ? c->roles[i] : OTHER;
         if (i++ >= c->columns)
             return fail(c, field, "there are more fields than columns");
-        if (role == TIME ? read_time(c, field, length, &row)
+        if (role == TIME ? read_time(c, field, length, &row.time, &mark.frame)
                          : role != OTHER && read_value(c, field, length, &value))
             return -1;
         if (role >= ARKIT_SHAPES)
-            row.turns[role - ARKIT_SHAPES] = value;
+            *turns[role - ARKIT_SHAPES] = value;
         else if (role >= 0)
             row.weights[role] = value;
         else if (role == COUNT && (count = value) == 0)
@@ -161,9 +165,11 @@ static int read_row(struct capture *c) {
         return 0;
     if (i < c->columns)
         return fail(c, start, "there are fewer fields than columns");
-    if (c->count == ROWS_MAX)
+    if (c->count == CAPTURE_ROWS_MAX)
         return fail(c, NULL, "there are more than 1048576 rows");
     c->rows = mem_grow(c->rows, &c->cap, c->count + 1, sizeof *c->rows);
+    c->marks = mem_grow(c->marks, &c->mark_cap, c->count + 1, sizeof *c->marks);
+    c->marks[c->count] = mark;
     c->rows[c->count++] = row;
     return 0;
 }
@@ -180,9 +186,9 @@ static double usual_rate(double most_frame) {
 /* Makes times begin at 0. */
 static int set_times(struct capture *c, double rate) {
     for (size_t i = 0, day = 0; i < c->count; i++) {
-        c->line = c->rows[i].line;
+        c->line = c->marks[i].line;
         double seconds = c->rows[i].time;
-        c->rows[i].time = seconds + c->rows[i].frame / rate + (double)day * DAY;
+        c->rows[i].time = seconds + c->marks[i].frame / rate + (double)day * DAY;
         if (i && c->rows[i].time - c->rows[i - 1].time < MIDNIGHT) {
             c->rows[i].time += DAY;
             day++;
@@ -195,55 +201,63 @@ static int set_times(struct capture *c, double rate) {
     return 0;
 }
 
-/* Turns as in arkit_turns, per unit of the columns. The app writes radians, downwards; faccia, and programs
- * that do as Unreal's, fractions of half a turn, upwards. The eyes, whose gaze shapes tell as well, show
- * which. */
-static struct arkit_turns units_of(const struct capture *c) {
+/* Converts the turns of the head to those of arkit_turns. The app writes radians, downwards; faccia, and
+ * programs that do as Unreal's, fractions of half a turn, upwards. The eyes, whose gaze shapes tell as well,
+ * show which. */
+static void set_turns(struct capture *c) {
     static const int down = 1, up = 4; /* eyeLookDownLeft, eyeLookUpLeft */
     double product = 0, squares = 0;
     for (size_t i = 0; i < c->count; i++) {
         double gaze = c->rows[i].weights[down] - c->rows[i].weights[up];
-        product += gaze * c->rows[i].turns[EYE_PITCH];
+        product += gaze * c->marks[i].eye_pitch;
         squares += gaze * gaze;
     }
     double slope = squares > GAZE_LEAST ? product / squares : -RADIANS_LEAST / 2;
     double unit = fabs(slope) < RADIANS_LEAST ? acos(-1) : 1, sign = slope < 0 ? -1 : 1;
-    return (struct arkit_turns){.head_yaw = unit, .head_pitch = sign * unit, .head_roll = sign * unit};
+    for (size_t i = 0; i < c->count; i++) {
+        struct arkit_turns *head = &c->rows[i].head;
+        *head = (struct arkit_turns){.head_yaw = unit * head->head_yaw,
+                                     .head_pitch = sign * unit * head->head_pitch,
+                                     .head_roll = sign * unit * head->head_roll};
+    }
 }
 
-static void fill(const struct capture *c, double fps, struct fapfile *out) {
-    struct arkit_turns unit = units_of(c);
+static double blend(double a, double b, double share) {
+    return a + share * (b - a);
+}
+
+int capture_frames(const struct capture_row *rows, size_t count, double fps, struct fapfile *out) {
+    double frames = floor(rows[count - 1].time * fps + 0.5) + 1;
+    if (frames > CAPTURE_FRAMES_MAX)
+        return -1;
+    *out = (struct fapfile){.fps = fps, .count = (size_t)frames};
+    out->frames = mem_alloc(out->count * sizeof *out->frames);
     for (size_t k = 0, i = 0; k < out->count; k++) {
-        double time = (double)k / fps, weights[ARKIT_SHAPES], turns[TURNS];
-        while (i + 2 < c->count && c->rows[i + 1].time <= time)
+        double time = (double)k / fps, weights[ARKIT_SHAPES];
+        while (i + 2 < count && rows[i + 1].time <= time)
             i++;
-        const struct row *a = &c->rows[i], *b = &c->rows[i + 1 < c->count ? i + 1 : i];
+        const struct capture_row *a = &rows[i], *b = &rows[i + 1 < count ? i + 1 : i];
         double share = b->time > a->time ? fmin(1, (time - a->time) / (b->time - a->time)) : 0;
         for (int n = 0; n < ARKIT_SHAPES; n++)
-            weights[n] = a->weights[n] + share * (b->weights[n] - a->weights[n]);
-        for (int n = 0; n < TURNS; n++)
-            turns[n] = a->turns[n] + share * (b->turns[n] - a->turns[n]);
-        const struct arkit_turns head = {.head_yaw = unit.head_yaw * turns[YAW],
-                                         .head_pitch = unit.head_pitch * turns[PITCH],
-                                         .head_roll = unit.head_roll * turns[ROLL]};
+            weights[n] = blend(a->weights[n], b->weights[n], share);
+        const struct arkit_turns head = {.head_yaw = blend(a->head.head_yaw, b->head.head_yaw, share),
+                                         .head_pitch = blend(a->head.head_pitch, b->head.head_pitch, share),
+                                         .head_roll = blend(a->head.head_roll, b->head.head_roll, share)};
         arkit_faps(weights, &head, &out->frames[k]);
     }
+    return 0;
 }
 
 static int convert(struct capture *c, double rate, double fps, struct fapfile *out) {
     rate = rate ? rate : usual_rate(c->most_frame);
-    fps = fps ? fps : rate;
     if (!c->count)
         return fail(c, NULL, "there is no row with values");
     if (set_times(c, rate))
         return -1;
-    double count = floor(c->rows[c->count - 1].time * fps + 0.5) + 1;
-    if (count > FRAMES_MAX)
-        return fail(c, NULL, "there would be more than 4194304 frames");
-    *out = (struct fapfile){.fps = fps, .count = (size_t)count};
-    out->frames = mem_alloc(out->count * sizeof *out->frames);
-    fill(c, fps, out);
-    return 0;
+    set_turns(c);
+    return capture_frames(c->rows, c->count, fps ? fps : rate, out)
+               ? fail(c, NULL, "there would be more than 4194304 frames")
+               : 0;
 }
 
 int capture_read(const char *text, size_t size, double rate, double fps, struct fapfile *out,
@@ -263,5 +277,6 @@ int capture_read(const char *text, size_t size, double rate, double fps, struct 
     if (!status)
         status = convert(&c, rate, fps, out);
     free(c.rows);
+    free(c.marks);
     return status;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `faccia fap capture`: recordings of ARKit's shapes become FAPs.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
+import { spawn, spawnSync } from 'node:child_process';
+import dgram from 'node:dgram';
+import { once } from 'node:events';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -13,7 +15,11 @@ const { shapes } = JSON.parse(fs.readFileSync(path.join(root, 'models/shapes/ark
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-capture-'));
 const file = (name) => path.join(folder, name);
 const program = path.join(build, 'server/cli/faccia');
-after(() => fs.rmSync(folder, { recursive: true }));
+const recorders = [];
+after(() => {
+  for (const child of recorders) child.kill('SIGKILL');
+  fs.rmSync(folder, { recursive: true });
+});
 
 const run = (...args) => spawnSync(program, args, { encoding: 'utf8' });
 function faccia(...args) {
@@ -133,4 +139,94 @@ test('says what is wrong with a file, and where', () => {
   assert.equal(run('fap', 'capture').status, 2);
   assert.equal(run('fap', 'capture', '--fps', '0', 'x').status, 2);
   assert.match(run('fap', 'capture', '--loud').stderr, /Try 'faccia fap --help'/);
+});
+
+/** Starts a recording of what comes by OSC. @returns its port, and end(signal), which gives status, face and messages */
+async function record(...options) {
+  const child = spawn(program, ['fap', 'capture', '--osc', '0', ...options], { stdio: ['ignore', 'pipe', 'pipe'] });
+  recorders.push(child); // a failed test leaves it behind
+  let stdout = '', stderr = '';
+  child.stdout.setEncoding('utf8').on('data', (text) => (stdout += text));
+  const closed = once(child, 'close');
+  while (!/port \d+/.test(stderr)) stderr += (await once(child.stderr.setEncoding('utf8'), 'data'))[0];
+  child.stderr.on('data', (text) => (stderr += text));
+  const end = async (signal) => {
+    if (signal) child.kill(signal);
+    const [status] = await closed;
+    return { status, stderr, face: stdout && parseFap(stdout) };
+  };
+  return { port: Number(/port (\d+)/.exec(stderr)[1]), end };
+}
+const padded = (text) => Buffer.from(text + '\0'.repeat(4 - (Buffer.byteLength(text) % 4)));
+const float = (value) => {
+  const bytes = Buffer.alloc(4);
+  bytes.writeFloatBE(value);
+  return bytes;
+};
+const size = (bytes) => {
+  const head = Buffer.alloc(4);
+  head.writeUInt32BE(bytes.length);
+  return Buffer.concat([head, bytes]);
+};
+const value = (name, weight) => Buffer.concat([padded('/VMC/Ext/Blend/Val'), padded(',sf'), padded(name), float(weight)]);
+const apply = Buffer.concat([padded('/VMC/Ext/Blend/Apply'), padded(',')]);
+const bundle = (...parts) => Buffer.concat([padded('#bundle'), Buffer.alloc(8), ...parts.map(size)]);
+
+test('records what a puppet is sent by the VMC protocol, in its time', async () => {
+  const recording = await record('--fps', '50');
+  faccia('say', '--lang', 'it', '--seed', '2', '--fps', '50', '--fap', file('p.fap'), '--osc', `127.0.0.1:${recording.port}`, 'Mamma, il babbo beve piano e poi parla. Poi tace.');
+  const { status, face } = await recording.end('SIGINT');
+  assert.equal(status, 0);
+  const jaw = ({ frames }) => frames.map((frame) => frame[3]);
+  const [was, is] = [jaw(parseFap(fs.readFileSync(file('p.fap'), 'utf8'))), jaw(face)];
+  assert.ok(Math.abs(was.length - is.length) < 25, `${was.length} frames were sent, ${is.length} are there`);
+  const mean = (list) => list.reduce((sum, x) => sum + x, 0) / list.length;
+  const fit = (shift) => {
+    const pairs = was.map((x, k) => [x, is[k + shift]]).filter(([, y]) => y !== undefined);
+    const [a, b] = [mean(pairs.map(([x]) => x)), mean(pairs.map(([, y]) => y))];
+    const sum = (f) => pairs.reduce((total, [x, y]) => total + f(x - a, y - b), 0);
+    return sum((x, y) => x * y) / Math.sqrt(sum((x) => x * x) * sum((_, y) => y * y));
+  };
+  const best = Math.max(...Array.from({ length: 21 }, (_, i) => fit(i - 10)));
+  assert.ok(best > 0.8, `the jaw follows by ${best}`);
+});
+
+test('takes single messages, nested bundles and any case; ignores what is malformed', async () => {
+  const recording = await record('--seconds', '0.5');
+  const socket = dgram.createSocket('udp4');
+  const send = (bytes) => new Promise((resolve) => socket.send(bytes, recording.port, '127.0.0.1', resolve));
+  const good = value('JAWOPEN', 0.5);
+  for (let cut = 0; cut < good.length; cut++) await send(bundle(good.subarray(0, cut)).subarray(0, 20 + cut));
+  await send(Buffer.from('/VMC'));
+  await send(Buffer.concat([padded('#bundle'), Buffer.alloc(8), Buffer.from([255, 255, 255, 255, 1])]));
+  let deep = bundle(value('mouthPucker', 1));
+  for (let i = 0; i < 50; i++) deep = bundle(deep);
+  await send(deep); // too deep to be taken
+  await send(apply); // nothing has come yet
+  await send(bundle(value('eyeBlinkLeft', NaN), value('Fun', 1), bundle(good)));
+  await send(value('tongueOut', 1));
+  await send(apply);
+  const { status, face } = await recording.end();
+  socket.close();
+  assert.equal(status, 0);
+  assert.equal(face.fps, 60);
+  assert.deepEqual([3, 45, 16, 19].map((n) => face.frames[0][n]), [500, 450, 0, 0]);
+});
+
+test('says why there is no recording', async () => {
+  const idle = await record();
+  const { status, stderr } = await idle.end('SIGTERM');
+  assert.equal(status, 1);
+  assert.match(stderr, /no weight of an ARKit shape has come/);
+  for (const address of ['x', '127.0.0.1:', ':39539', 'example.org:1', '127.0.0.1:70000']) {
+    const wrong = run('fap', 'capture', '--osc', address);
+    assert.equal(wrong.status, 1);
+    assert.match(wrong.stderr, /cannot receive at/);
+  }
+  const taken = dgram.createSocket('udp4');
+  await new Promise((resolve) => taken.bind(0, '127.0.0.1', resolve));
+  assert.match(run('fap', 'capture', '--osc', `127.0.0.1:${taken.address().port}`).stderr, /address already in use/);
+  taken.close();
+  assert.equal(run('fap', 'capture', '--osc', '0', '--rate', '60').status, 2);
+  assert.equal(run('fap', 'capture', '--seconds', '5', 'x.csv').status, 2);
 });
