@@ -68,7 +68,7 @@ export const generated = ['element/api', 'protocol/openapi', 'protocol/asyncapi'
 const group = (text, ...items) => ({ text, collapsed: true, items: items.map(([name, link]) => ({ text: name, link: `/${link}` })) });
 
 export const sidebar = [
-  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['On a static site', 'start/static'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['From an assistant', 'start/mcp'], ['A film', 'start/film'], ['In a stream', 'start/stream'], ['In a portal', 'start/portal'],
+  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['On a static site', 'start/static'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['From an assistant', 'start/mcp'], ['From a voice agent', 'start/agents'], ['A film', 'start/film'], ['In a stream', 'start/stream'], ['In a portal', 'start/portal'],
     ['The pages', 'start/pages'], ['More scripts', 'start/scripting']), collapsed: false },
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
