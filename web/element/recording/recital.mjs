@@ -136,7 +136,7 @@ export class Recital {
   #jump(mark) {
     const event = this.recording.events.find(({ type, name }) => type === 'mark' && name === mark);
     if (event && this.speaking) this.#seek(event.time, { type: 'jumped', mark });
-    else this.#tell({ type: 'warning', code: 'no-mark', message: `There is no mark '${mark}' in what is spoken.`, ...this.#about() });
+    else this.#tell({ type: 'error', code: 'unknown-mark', message: `There is no mark '${mark}' in what is spoken.`, ...this.#about() });
   }
 
   /** Goes on from that time, or begins there. */
