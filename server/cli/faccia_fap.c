@@ -5,6 +5,8 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
+#include "server/cli/face_capture.h"
+#include "server/cli/puppet_capture.h"
 #include "server/export/svg.h"
 #include <getopt.h>
 #include <math.h>
@@ -222,6 +224,59 @@ static int fap_decode(int argc, char **argv) {
     return status >= 0 ? status : run(&task, false);
 }
 
+/* ---- faccia fap capture ---- */
+
+enum { PUPPET_FPS = 60 };
+
+/* Returns an exit code, after a message unless 0. */
+static int capture_file(const char *path, double rate, double fps, struct fapfile *face) {
+    struct buf text = {0};
+    struct capture_error e;
+    int status = EXIT_FAILED;
+    if (cli_read(path, &text))
+        ;
+    else if (!capture_read(text.size ? (char *)text.data : "", text.size, rate, fps, face, &e))
+        status = EXIT_DONE;
+    else if (e.column)
+        cli_complain("%s:%zu:%zu: %s", path, e.line, e.column, e.message);
+    else
+        cli_complain("%s:%zu: %s", path, e.line, e.message);
+    buf_free(&text);
+    return status;
+}
+
+static int fap_capture(int argc, char **argv) {
+    double rate = 0, fps = 0, seconds = 0;
+    const char *name = "capture", *osc = NULL;
+    char command[] = "fap"; /* which has the help */
+    argv[0] = command;
+    const struct cli_option options[] = {{"rate", 0, CLI_NUMBER, &rate, 1, FAPFILE_FPS_MAX, NULL},
+                                         {"fps", 0, CLI_NUMBER, &fps, 1, FAPFILE_FPS_MAX, NULL},
+                                         {"name", 0, CLI_TEXT, &name, 0, 0, NULL},
+                                         {"osc", 0, CLI_TEXT, &osc, 0, 0, NULL},
+                                         {"seconds", 0, CLI_NUMBER, &seconds, 0.1, 36000, NULL},
+                                         {0}};
+    int status = cli_options(argc, argv, "Try 'faccia fap --help'.\n", options, NULL);
+    if (status >= 0)
+        return status;
+    int files = argc - optind, inputs = osc ? 0 : 1;
+    if (files < inputs || files > inputs + 1 || (osc && rate) || (!osc && seconds)) {
+        cli_complain("capture: expected one input file or --osc, and at most one output file");
+        return EXIT_USAGE;
+    }
+    struct buf out = {0};
+    struct fapfile face;
+    status = osc ? puppet_capture(osc, seconds, fps ? fps : PUPPET_FPS, &face)
+                 : capture_file(argv[optind], rate, fps, &face);
+    if (status)
+        return status;
+    write_text(&face, name, &out);
+    free(face.frames);
+    status = fap_file_write(files > inputs ? argv[optind + inputs] : "-", &out);
+    buf_free(&out);
+    return status;
+}
+
 /* ---- faccia fap plot: FAPs over time in stacked panels ---- */
 
 enum { PANELS_MAX = FAP_COUNT, PANELS = 8, WIDTH = 900, PANEL = 120, LEFT = 70, TOP = 60 };
@@ -366,6 +421,8 @@ static const char usage[] =
     "       faccia fap convert [--fps N] [--name NAME] FILE [OUT.fap]\n"
     "       faccia fap encode [--quality N] [--fps N] FILE [OUT.fapc]\n"
     "       faccia fap decode [--name NAME] FILE.fapc [OUT.fap]\n"
+    "       faccia fap capture [--rate N] [--fps N] [--name NAME] FILE.csv [OUT.fap]\n"
+    "       faccia fap capture --osc [HOST:]PORT [--seconds N] [--fps N] [--name NAME] [OUT.fap]\n"
     "       faccia fap plot [--fap LIST] [--from S] [--to S] FILE [OUT.svg]\n"
     "Works with face animation files: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a "
     "header,\n"
@@ -375,6 +432,10 @@ static const char usage[] =
     "  convert  writes version 2.1 with a header, at another rate if wanted (1 to 1000)\n"
     "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5)\n"
     "  decode   writes .fap\n"
+    "  capture  converts a recorded face in Live Link Face's columns (CSV, ARKit's shapes) to .fap; --rate\n"
+    "           is that of its timecodes, if the file is shorter than a second. --osc records what a "
+    "program\n"
+    "           sends by the VMC protocol, until Ctrl-C or for N seconds\n"
     "  plot     draws FAPs over time as SVG: LIST has names or numbers with commas\n"
     "           (the eight that move most); S is in seconds\n"
     "FILE - is standard input; OUT - or no OUT is standard output. Exit status: 0 done, 1 failed, 2 wrong "
@@ -460,11 +521,8 @@ int fap_main(int argc, char **argv, const struct settings *settings) {
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);
-    } commands[] = {{"info", info},
-                    {"convert", fap_convert},
-                    {"encode", fap_encode},
-                    {"decode", fap_decode},
-                    {"plot", fap_plot}};
+    } commands[] = {{"info", info},         {"convert", fap_convert}, {"encode", fap_encode},
+                    {"decode", fap_decode}, {"capture", fap_capture}, {"plot", fap_plot}};
     const char *name = argc > 1 ? argv[1] : "";
     for (int i = 1; i < argc; i++)
         if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {

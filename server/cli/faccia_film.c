@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia film: speaks a text, or takes a recorded face, and films the head that the page would show. */
 #include "server/base/mem.h"
+#include "server/cli/cli_head.h"
 #include "server/cli/film_options.h"
 #include "server/face/high_level.h"
 #include "server/film/film_browser.h"
@@ -8,7 +9,6 @@
 #include "server/synthesis/recording.h"
 #include <errno.h>
 #include <ftw.h>
-#include <glob.h>
 #include <jansson.h>
 #include <libgen.h>
 #include <limits.h>
@@ -56,71 +56,6 @@ static int check_programs(void) {
                 : "browser and no ffmpeg",
         browser ? "" : "chromium-headless-shell", browser || coder ? "" : " and ", coder ? "" : "ffmpeg");
     return -1;
-}
-
-/* The head */
-
-static json_t *head_at(const char *file) {
-    json_t *head = json_load_file(file, 0, NULL);
-    const char *format = json_string_value(json_object_get(head, "format"));
-    if (format && !strcmp(format, "faccia-head"))
-        return head;
-    json_decref(head);
-    return NULL;
-}
-
-/* Finds the file of the head, the first by rank if none is named. Returns the head, or NULL after a message.
- */
-static json_t *find_head(const struct film *f, char file[PATH_MAX]) {
-    char pattern[PATH_MAX];
-    glob_t found;
-    json_t *best = NULL;
-    const char *name = f->o.model ? f->o.model : "*";
-    snprintf(pattern, sizeof pattern, "%s/heads/%s.json", f->settings->models, name);
-    if (strchr(name, '/') || (f->o.model && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
-        cli_complain("--model: unknown head '%s'; 'faccia models' lists them", name);
-        return NULL;
-    }
-    for (size_t i = 0; i < found.gl_pathc; i++) {
-        json_t *head = head_at(found.gl_pathv[i]), *rank = json_object_get(head, "rank");
-        bool first =
-            head && (!best || (json_is_number(rank) &&
-                               json_number_value(rank) < json_number_value(json_object_get(best, "rank"))));
-        if (first) {
-            json_decref(best);
-            best = json_incref(head);
-            snprintf(file, PATH_MAX, "%s", found.gl_pathv[i]);
-        }
-        json_decref(head);
-    }
-    globfree(&found);
-    if (!best)
-        cli_complain("%s: this is not a head model", pattern);
-    return best;
-}
-
-static bool is_given(const struct speech_request *request, const char *name) {
-    struct request_value value;
-    for (size_t i = 0; request_field(i); i++)
-        if (!strcmp(request_field(i), name))
-            return request_get(request, i, &value);
-    return false;
-}
-
-/* Unless a voice is named: the voice that suits the head, as on the page. */
-static void suit(struct speech_request *request, const json_t *head) {
-    const char *name;
-    json_t *value;
-    struct error e;
-    if (request->voice || request->gender != GENDER_ANY)
-        return;
-    json_object_foreach(json_object_get(head, "voice"), name, value) {
-        char *word = json_is_string(value) ? mem_strdup(json_string_value(value))
-                                           : json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
-        if (!is_given(request, name))
-            request_set(request, name, (struct request_value){REQUEST_WORD, word, strlen(word), 0}, &e);
-        free(word);
-    }
 }
 
 /* Speaking */
@@ -503,10 +438,10 @@ static int shoot(struct film *f, const char *head, const struct speech_request *
 
 static int run(struct film *f, struct speech_request *request) {
     char head[PATH_MAX] = "";
-    json_t *model = check_programs() ? NULL : find_head(f, head);
+    json_t *model = check_programs() ? NULL : cli_head_find(f->settings, f->o.model, head);
     if (!model)
         return EXIT_FAILED;
-    suit(request, model);
+    cli_head_suit(request, model);
     json_decref(model);
     int status = f->o.visemes ? pose_visemes(f) : f->o.from ? read_recording(f) : speak(f, request);
     components_stop_voices(&f->cli.components);

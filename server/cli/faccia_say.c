@@ -3,12 +3,14 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
+#include "server/cli/cli_head.h"
 #include "server/codec/arkit_table.h"
 #include "server/codec/arkit_weights.h"
 #include "server/export/export.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
 #include <getopt.h>
+#include <limits.h>
 #include <math.h>
 #include <netdb.h>
 #include <stdint.h>
@@ -316,6 +318,9 @@ static const char usage[] =
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
     "      --marks FILE     sentences, words, visemes and marks, as the speech marks of Amazon Polly\n"
     "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
+    "      --bundle FILE    all in one file, for <talking-head src=FILE> on pages without a daemon\n"
+    "      --model NAME     put this head into the bundle; its voice speaks\n"
+    "      --model-url URL  where the bundle's head is, from the bundle's own address\n"
     "      --osc HOST:PORT  send the face in real time to an avatar that speaks the VMC protocol\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
@@ -342,6 +347,7 @@ enum {
     MP3,
     FLAC,
     MARKS,
+    BUNDLE,
     OUTPUTS
 };
 enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
@@ -351,7 +357,8 @@ struct say {
     struct cli cli;
     struct synthesis *synthesis;
     struct output outputs[OUTPUTS];
-    const char *sounds, *puppet; /* NULL = none */
+    const char *sounds, *puppet, *model, *model_url; /* NULL = none */
+    struct buf head;                                 /* of the bundle; empty = none */
     struct cli_lexicons lexicons;
     struct osc_play *osc;
     struct cli_written written; /* of an open text */
@@ -425,10 +432,13 @@ static void on_finished(void *ctx, size_t spoken) {
 }
 
 static int open_outputs(struct say *s) {
-    const struct export_source source = export_source_of(s->synthesis);
+    struct export_source source = export_source_of(s->synthesis);
+    source.model = s->model_url;
+    source.head = s->head.data;
+    source.head_size = s->head.size;
     static const char *const names[OUTPUTS] = {"wav",      "fap",   "json",         "ogg",     "ndjson",
                                                "fapc",     "arkit", "arkit-ndjson", "visemes", "vtt",
-                                               "textgrid", "mp3",   "flac",         "marks"};
+                                               "textgrid", "mp3",   "flac",         "marks",   "bundle"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -480,6 +490,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"mp3", 1, NULL, OUTPUT_OPTION + MP3},
         {"flac", 1, NULL, OUTPUT_OPTION + FLAC},
         {"marks", 1, NULL, OUTPUT_OPTION + MARKS},
+        {"bundle", 1, NULL, OUTPUT_OPTION + BUNDLE},
+        {"model", 1, NULL, 'M'},
+        {"model-url", 1, NULL, 'U'},
         {"osc", 1, NULL, 'P'},
         {"lexicon", 1, NULL, 'X'},
         {"voice-file", 1, NULL, 'S'},
@@ -497,8 +510,14 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             s->outputs[c - OUTPUT_OPTION].path = optarg;
             continue;
         }
-        if (c == 'f' || c == 'A' || c == 'P') {
-            *(c == 'f' ? &path : c == 'A' ? &s->sounds : &s->puppet) = optarg;
+        const char **out = c == 'f'   ? &path
+                           : c == 'A' ? &s->sounds
+                           : c == 'P' ? &s->puppet
+                           : c == 'M' ? &s->model
+                           : c == 'U' ? &s->model_url
+                                      : NULL;
+        if (out) {
+            *out = optarg;
             continue;
         }
         switch (c) {
@@ -522,6 +541,11 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             }
         }
         }
+    }
+    if ((s->model || s->model_url) && (!s->outputs[BUNDLE].path || (s->model && s->model_url))) {
+        cli_complain("%s", s->outputs[BUNDLE].path ? "--model and --model-url exclude each other"
+                                                   : "--model and --model-url are for --bundle");
+        return EXIT_USAGE;
     }
     if (request->open && (path || optind + 1 != argc || strcmp(argv[optind], "-"))) {
         cli_complain("--open is for standard input (-)");
@@ -564,6 +588,16 @@ static int speak(struct say *s, const struct speech_request *request) {
     return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
 }
 
+/* Packs the head of --model, and chooses its voice. -1 after a message. */
+static int take_head(struct say *s, struct speech_request *request, const struct settings *settings) {
+    char file[PATH_MAX];
+    json_t *head = s->model ? cli_head_find(settings, s->model, file) : NULL;
+    if (head)
+        cli_head_suit(request, head);
+    json_decref(head);
+    return s->model && (!head || cli_head_pack(file, &s->head)) ? -1 : 0;
+}
+
 int say_main(int argc, char **argv, const struct settings *settings) {
     struct say s = {0};
     struct speech_request request;
@@ -578,12 +612,15 @@ int say_main(int argc, char **argv, const struct settings *settings) {
         fputs("say: --voice-file: this program was built without live voices\n", stderr);
         status = EXIT_USAGE;
 #endif
+    } else if (status < 0 && take_head(&s, &request, settings)) {
+        status = EXIT_FAILED;
     } else if (status < 0) {
         status =
             cli_open(&s.cli, cli_lexicons_with(&s.lexicons, settings)) ? EXIT_FAILED : speak(&s, &request);
         cli_close(&s.cli);
     }
     cli_lexicons_free(&s.lexicons);
+    buf_free(&s.head);
     request_free(&request);
     buf_free(&text);
     return status;

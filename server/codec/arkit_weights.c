@@ -130,6 +130,9 @@ double box_squares_violation(const struct box_squares *s, const double *right) {
 /* Up to 3 mm forward, FAP 45 leaves the tip of the tongue at the teeth. */
 #define TIP_AT_TEETH 61.0
 
+/* Smaller weights of tongueOut may be noise: the tongue is on its way to the teeth. */
+#define TONGUE_OUT_LEAST 0.05
+
 /* A blink is rounded to 1 from the value at which the lids meet. */
 #define LIDS_MEET 1024.0
 #define NEARLY_SHUT 0.85
@@ -279,6 +282,37 @@ void arkit_weights(struct arkit_solver *solver, const struct fap_frame *frame, d
     weights[ARKIT_TONGUE_OUT] = fmin(1, fmax(0, (value_of(frame, 45) - TIP_AT_TEETH) / tip));
     close_lips(frame, weights);
     close_lids(frame, weights);
+}
+
+static bool is_moved(int fap) {
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        if (arkit_table[i].faps[fap])
+            return true;
+    return false;
+}
+
+void arkit_faps(const double weights[ARKIT_SHAPES], const struct arkit_turns *head, struct fap_frame *frame) {
+    double w[ARKIT_SHAPES], values[FAP_COUNT + 1] = {0};
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        w[i] = fmin(1, fmax(0, weights[i]));
+    w[ARKIT_MOUTH_CLOSE] = fmin(w[ARKIT_MOUTH_CLOSE], w[ARKIT_JAW_OPEN]);
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        for (int n = 3; n <= FAP_COUNT; n++)
+            values[n] += w[i] * arkit_table[i].faps[n];
+    double tongue = w[ARKIT_TONGUE_OUT], tip = arkit_table[ARKIT_TONGUE_OUT].faps[45];
+    values[45] = TIP_AT_TEETH * fmin(1, tongue / TONGUE_OUT_LEAST) + tongue * (tip - TIP_AT_TEETH);
+    for (int side = 0; side < LIDS; side++) {
+        double shut = values[lids[side][0]] + values[lids[side][1]];
+        for (int i = 0; i < 2 && shut > LIDS_MEET; i++)
+            values[lids[side][i]] *= LIDS_MEET / shut;
+    }
+    values[48] = head->head_pitch * 1e5;
+    values[49] = head->head_yaw * 1e5;
+    values[50] = head->head_roll * 1e5;
+    *frame = (struct fap_frame){0};
+    for (int n = 3; n <= FAP_COUNT; n++)
+        if ((n >= 48 && n <= 50) || is_moved(n))
+            fap_frame_set(frame, n, (int32_t)lround(values[n]));
 }
 
 struct arkit_turns arkit_turns_of(const struct fap_frame *frame) {

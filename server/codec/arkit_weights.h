@@ -26,6 +26,10 @@ struct arkit_turns {
 };
 struct arkit_turns arkit_turns_of(const struct fap_frame *frame);
 
+/* The reverse: sets all FAPs that shapes move, and those of the head. Weights are limited to 0..1, mouthClose
+ * to jawOpen, and lids do not close beyond where they meet. */
+void arkit_faps(const double weights[ARKIT_SHAPES], const struct arkit_turns *head, struct fap_frame *frame);
+
 /* Gap between the lips in the middle (0), left (1) and right (2) for the weights, in FAP units of MNS; 0
  * or less = they touch. */
 double arkit_gap(const double weights[ARKIT_SHAPES], int pair);

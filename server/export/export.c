@@ -194,8 +194,6 @@ void export_worker_free(struct export_worker *s) {
         destroy(s);
 }
 
-static bool export_piece(struct export *x, const struct media_segment *segment);
-
 static void in_thread(uv_work_t *work) {
     struct export_worker *s = work->data;
     uint64_t begin = uv_hrtime();
@@ -393,6 +391,8 @@ const struct export_format export_formats[] = {
     {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL, NULL, false, NULL},
     {"fapc", "application/octet-stream", true, export_fapc_piece, export_fapc_end, NULL, export_fapc_free,
      NULL, false, NULL},
+    {"bundle", "application/octet-stream", false, export_bundle_piece, export_bundle_end, NULL,
+     export_bundle_free, NULL, false, NULL},
     {"json", "application/json", true, export_json_piece, export_json_end, export_json_warning, NULL, NULL,
      false, export_json_part},
     {"words", "text/plain; charset=utf-8", true, export_words_piece, export_words_end, NULL, NULL, NULL,
@@ -441,7 +441,7 @@ void export_warning(struct export *x, const struct error *e) {
         x->format->warning(x, e);
 }
 
-static bool export_piece(struct export *x, const struct media_segment *segment) {
+bool export_piece(struct export *x, const struct media_segment *segment) {
     const struct sentence_audio *u = segment->audio;
     uint32_t most = u->sample_rate * EXPORT_PIECE_MS / 1000, left = u->samples - x->at;
     uint32_t to = x->at + (left < most ? left : most);

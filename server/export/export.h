@@ -22,6 +22,10 @@ struct export_source {
     double fps;
     uint32_t frames; /* expected number; 0 = unknown. If known, faces can be streamed */
     bool aligned;    /* of a recording: include the confidence of each word */
+    /* For a bundle: the address of its head, or the head itself (gzip); NULL = none. */
+    const char *model;
+    const uint8_t *head;
+    size_t head_size;
 };
 
 /* The synthesis must outlive the result. */
@@ -51,6 +55,7 @@ void export_begin(struct export *x, const struct export_format *format, const st
 
 /* Writes the next EXPORT_PIECE_MS of a segment. Returns true at its end. */
 enum { EXPORT_PIECE_MS = 250 };
+bool export_piece(struct export *x, const struct media_segment *segment);
 /* Writes a whole segment. */
 void export_segment(struct export *x, const struct media_segment *segment);
 void export_warning(struct export *x, const struct error *e);
@@ -131,6 +136,11 @@ void export_textgrid_free(struct export *x);
 void export_fapc_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_fapc_end(struct export *x);
 void export_fapc_free(struct export *x);
+
+/* All of them in one file, for pages without a daemon. */
+void export_bundle_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_bundle_end(struct export *x);
+void export_bundle_free(struct export *x);
 
 /* Writes an export on other threads, piece by piece, because coding a sentence's sound takes tens of
  * milliseconds. Output keeps the order of the input. */

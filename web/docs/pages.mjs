@@ -44,6 +44,7 @@ export const included = {
   'protocol/face': { from: protocol, sections: ['The living face'], title: 'The living face' },
   'protocol/media': { from: protocol, sections: ['Media chunks', 'Choosing a form', 'Compact chunks', 'Packed events'], title: 'Media' },
   'protocol/fapc': { from: 'protocol/fapc.md' },
+  'protocol/bundle': { from: 'protocol/bundle.md' },
   'protocol/http': { from: protocol, sections: ['HTTP', 'Health and metrics', 'Lists', 'Heads over HTTP', 'A text over HTTP', 'OpenAI speech API', 'A text in a room', 'Commands to a room', 'Revoking tokens', 'Errors and connections'], title: 'HTTP' },
   'protocol/engines': { from: protocol, sections: ['Engines'], title: 'Engines' },
   'protocol/errors': { from: protocol, sections: ['Error codes'], title: 'Error codes' },
@@ -69,7 +70,7 @@ export const generated = ['element/api', 'protocol/openapi', 'protocol/asyncapi'
 const group = (text, ...items) => ({ text, collapsed: true, items: items.map(([name, link]) => ({ text: name, link: `/${link}` })) });
 
 export const sidebar = [
-  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['A film', 'start/film'], ['In a portal', 'start/portal'],
+  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['On a static site', 'start/static'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['From an assistant', 'start/mcp'], ['From a voice agent', 'start/agents'], ['A film', 'start/film'], ['In a stream', 'start/stream'], ['In a portal', 'start/portal'],
     ['The pages', 'start/pages'], ['More scripts', 'start/scripting']), collapsed: false },
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
@@ -83,7 +84,7 @@ export const sidebar = [
   group('Operating', ['Run it', 'operating/'], ['Settings', 'operating/settings'], ['TLS', 'operating/tls'], ['Tokens', 'operating/tokens'], ['Packages', 'operating/packages'], ['Several daemons', 'operating/cluster'],
     ['Security', 'operating/security']),
   group('Protocol', ['Overview', 'protocol/'], ['WebSocket', 'protocol/websocket'], ['Members of messages', 'protocol/messages'], ['Control', 'protocol/control'], ['Live voice', 'protocol/live-voice'], ['Rooms', 'protocol/rooms'], ['Plain text', 'protocol/plain-text'],
-    ['Tokens and rights', 'protocol/access'], ['The living face', 'protocol/face'], ['Media', 'protocol/media'], ['FAPC', 'protocol/fapc'], ['HTTP', 'protocol/http'], ['Engines', 'protocol/engines'], ['Error codes', 'protocol/errors'],
+    ['Tokens and rights', 'protocol/access'], ['The living face', 'protocol/face'], ['Media', 'protocol/media'], ['FAPC', 'protocol/fapc'], ['Bundles', 'protocol/bundle'], ['HTTP', 'protocol/http'], ['Engines', 'protocol/engines'], ['Error codes', 'protocol/errors'],
     ['Limits', 'protocol/limits'], ['RFC 6455', 'protocol/rfc6455'], ['HTTP reference (OpenAPI)', 'protocol/openapi'], ['Message reference (AsyncAPI)', 'protocol/asyncapi'], ['Command line', 'protocol/cli']),
   group('Architecture', ['The house', 'architecture/'], ['Glossary', 'architecture/glossary'], ['Contributing', 'architecture/contributing'], ['Fuzzing', 'architecture/fuzzing']),
   group('Research', ['Measurements', 'research/'], ['Benchmarks', 'research/benchmarks'], ['Lips from sound', 'research/hearing'], ['Faults', 'research/faults'], ['Listening tests', 'research/listening-tests'], ['Sources and credits', 'research/credits']),

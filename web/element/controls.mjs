@@ -3,14 +3,14 @@ import { strings } from './strings.mjs';
 
 const TOPICS = ['link', 'model', 'picture']; // what a message can be about; the first that has one is shown
 
-/** Controls around the face: a message over it, three buttons and a slider, in the language of the element. */
+/** Controls around the face: a message over it, four buttons and a slider, in the language of the element. */
 export class Controls {
   #lang = 'en';
   #said = new Map(); // topic -> {what, values}
 
   /**
    * @param {ShadowRoot} root of the template
-   * @param {object} ports sound(), captions() and mouth(): their buttons were pressed
+   * @param {object} ports sound(), captions(), mouth() and play(): their buttons were pressed
    */
   constructor(root, ports) {
     const $ = (selector) => root.querySelector(selector);
@@ -19,10 +19,12 @@ export class Controls {
     this.sound = $('.sound');
     this.captions = $('.switch');
     this.mouth = $('.mouth');
+    this.play = $('.play');
     this.turn = $('.turn');
     this.sound.addEventListener('click', () => ports.sound());
     this.captions.addEventListener('click', () => ports.captions());
     this.mouth.addEventListener('click', () => ports.mouth());
+    this.play.addEventListener('click', () => ports.play());
   }
 
   /** The one of now: a lost one is replaced. */
@@ -46,7 +48,21 @@ export class Controls {
     this.mouth.setAttribute('aria-label', this.text('mouth'));
     this.mouth.title = this.text('mouth');
     this.turn.setAttribute('aria-label', this.text('turn'));
+    this.#namePlay();
     this.#show();
+  }
+
+  /** The button of a recording. @param {boolean} on whether there is one @param {boolean} playing */
+  offerPlay(on, playing) {
+    this.play.hidden = !on;
+    this.play.classList.toggle('playing', playing);
+    this.#namePlay();
+  }
+
+  #namePlay() {
+    const name = this.text(this.play.classList.contains('playing') ? 'pause' : 'play');
+    this.play.setAttribute('aria-label', name);
+    this.play.title = name;
   }
 
   /**

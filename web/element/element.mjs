@@ -13,7 +13,8 @@ import { SPEAK_ATTRIBUTES } from './speak-attributes.mjs';
 import { Speech } from './speech/speech.mjs';
 import { Turns } from './speech/turns.mjs';
 
-const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
+const LINK_ATTRIBUTES = ['src', 'audio', 'room', 'token', 'watch'];
+const PLAY_EVENTS = ['connection', 'begin', 'end', 'paused', 'resumed']; // after which the button for a recording may differ
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
 const MOVE_MS = 100; // grace period outside the page before it closes: frameworks move elements
 
@@ -31,6 +32,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #blocked = false; // whether the server knows that its sound is blocked
   #ready = false;
   #title = '';
+  #playing = null; // promise of `play`
   #wider = null; // the view before that of the mouth alone
   #controls;
   #player = new Player((sound, reason) => this.#soundChanged(sound, reason));
@@ -66,6 +68,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
       mouth: () => this.#switchMouth(),
+      play: () => (this.#speech.busy && !this.#speech.paused ? this.pause() : this.play()),
     });
     const poster = new Poster(root.querySelector('.poster'), root.querySelector('.stage'));
     const presentation = new Presentation(this, root, { controls, poster, speech }, {
@@ -78,6 +81,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#session = new Session(this, { controls, poster, speech, presentation }, {
       emit: (type, detail) => {
         this.#emit(type, detail);
+        if (type === 'connection' && detail.state === 'open' && this.#session.recital && this.autoplay) this.play();
         if (type === 'hello') this.#voiceInputs.linked();
         if (type === 'joined') this.#player.open(); // an announcer in the room must know beforehand whether it can be heard
         if (type === 'hello') {
@@ -162,6 +166,43 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#presentation.wake();
     if (source) writing.from(source).catch(() => {}); // what came before it broke is spoken
     return writing;
+  }
+
+  /**
+   * Speaks the recording of `src`, from where it was paused, or from the time that was sought.
+   * @returns {Promise<object>} as of `speak`
+   */
+  play() {
+    this.#player.open(); // while the user's gesture counts
+    if (this.#speech.paused) this.resume();
+    this.#playing ??= this.#recite().finally(() => (this.#playing = null));
+    return this.#playing;
+  }
+
+  async #recite() {
+    const recital = await this.#session.recorded();
+    if (!recital) return { type: 'end', reason: 'failed', code: 'no-recording', duration: 0 };
+    const { lang } = recital.recording.events[0];
+    const done = this.#speech.speak('', { recording: true, ...(lang && { lang }) });
+    this.#presentation.wake();
+    return done;
+  }
+
+  /** Goes to a time of the recording, or has the next `play` begin there. @param {number} seconds */
+  seek(seconds) {
+    this.#session.send({ type: 'seek', time: seconds });
+    this.#presentation.wake();
+  }
+
+  /** The time of the recording that is heard, or where the next `play` begins, in seconds. */
+  get currentTime() {
+    const { recital } = this.#session;
+    return this.#speech.heard(performance.now())?.seconds ?? recital?.start ?? 0;
+  }
+
+  /** Length of the recording in seconds; null: there is none, or it has not come. */
+  get duration() {
+    return this.#session.recital?.duration ?? null;
   }
 
   #speakOptions(options) {
@@ -333,13 +374,18 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   #emit(type, detail) {
+    if (PLAY_EVENTS.includes(type)) {
+      const { recital } = this.#session;
+      this.#controls.offerPlay(Boolean(recital?.recording), this.#speech.busy && !this.#speech.paused);
+    }
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
   /** Tells the page. @param {string} name of a message @param {object} [values] */
   #fail(name, values) {
     const code = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
-    this.#emit('error', { type: 'error', code, message: this.#controls.text(name, values) });
+    const place = values?.byte === undefined ? {} : { byte: values.byte };
+    this.#emit('error', { type: 'error', code, message: this.#controls.text(name, values), ...place });
   }
 
   #unfit({ place, message }) {

@@ -4,6 +4,8 @@ import { canDecode } from './audio/opus.mjs';
 import { Demuxer } from './stream/demuxer.mjs';
 import { Fitting } from './head/model/fitting.mjs';
 import { ModelSource } from './head/model/source.mjs';
+import { isRecording, unpackHead } from './recording/source.mjs';
+import { Recital } from './recording/recital.mjs';
 import { Link } from './stream/link.mjs';
 import { wantsPictures } from './pictures/choice.mjs';
 import { PicturesSource } from './pictures/source.mjs';
@@ -15,12 +17,15 @@ const MERELY = ['', 'on', 'true', 'yes'];
 /** Joins a head to its server: the link, the messages that arrive, and the model that is requested. */
 export class Session {
   #opened = false;
+  #inPage; // resolves the next
+  #begun = new Promise((resolve) => (this.#inPage = resolve));
+  #loading = null; // promise, of a recording
   #reconnecting = false;
   #kept = false; // what is shown is not the server's
   #hello = null; // what the server has said of itself
   #online = () => this.#link.hurry();
 
-  #link = new Link({
+  #stream = new Link({
     source: () => ({ src: this.element.src, token: this.element.token, room: this.element.room }),
     onstate: (state) => this.#stateChanged(state),
     onmessage: (message) => this.#demuxer.text(message),
@@ -28,12 +33,20 @@ export class Session {
     ontrouble: (name, values, told) => this.#linkTrouble(name, values, told),
   });
 
+  #recital = new Recital({
+    source: () => ({ src: this.element.src, audio: this.element.audio }),
+    onstate: (state) => this.#stateChanged(state),
+    onmessage: (message) => this.#message(message),
+    onmedia: (chunk) => this.#media(chunk),
+    ontrouble: (name, values) => this.#linkTrouble(name, values),
+    heard: () => this.speech.heard(performance.now())?.seconds ?? null,
+  });
+
+  #link = this.#stream; // or the recital
+
   #demuxer = new Demuxer({
     hear: (message) => this.#message(message),
-    media: (chunk) => {
-      this.speech.media(chunk);
-      this.presentation.changed();
-    },
+    media: (chunk) => this.#media(chunk),
     mute: (error) => this.#wantPlainSound(error),
   });
 
@@ -41,6 +54,7 @@ export class Session {
     ask: (message) => this.#link.send(message),
     progress: (detail) => this.ports.emit('progress', detail),
     show: (json) => this.ports.show(json),
+    fail: () => this.#modelMissing(),
   });
 
   #avatars = new AvatarSource({
@@ -78,6 +92,7 @@ export class Session {
 
   open() {
     this.#opened = true;
+    this.#inPage();
     addEventListener('online', this.#online);
     this.#openOwn();
     this.#connect();
@@ -93,6 +108,19 @@ export class Session {
 
   get state() {
     return this.#link.state;
+  }
+
+  /** What speaks the recording of `src`; null: `src` is a stream. */
+  get recital() {
+    return this.#link === this.#recital ? this.#recital : null;
+  }
+
+  /** @returns {Promise<Recital|null>} when the recording is here; null: it cannot be spoken, or there is none */
+  async recorded() {
+    await this.#begun;
+    while (this.#reconnecting) await null;
+    await this.#loading;
+    return this.state === 'open' ? this.recital : null;
   }
 
   /** @returns {boolean} whether it could be sent */
@@ -132,7 +160,7 @@ export class Session {
   choosePoster() {
     let stream = null;
     try {
-      stream = this.#link.address;
+      stream = this.recital ? null : this.#stream.address;
     } catch {
       // says the link
     }
@@ -155,7 +183,9 @@ export class Session {
   #connect() {
     this.#disconnect();
     this.controls.say('model', null);
-    this.#link.open();
+    this.#link = isRecording(this.element.src, document.baseURI) ? this.#recital : this.#stream;
+    this.speech.recorded = Boolean(this.recital);
+    this.#loading = this.#link.open();
   }
 
   #disconnect() {
@@ -198,7 +228,7 @@ export class Session {
   #enter() {
     const { token, room, watch } = this.element;
     const as = watch && this.element.getAttribute('watch').trim(); // name that other observers see
-    this.speech.adopts = Boolean(room);
+    this.speech.adopts = Boolean(room) && !this.recital;
     if (token) this.#link.send({ type: 'authorize', token });
     if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }), ...(as && !MERELY.includes(as.toLowerCase()) && { as: [...as].slice(0, 16).join('') }) });
   }
@@ -225,10 +255,33 @@ export class Session {
   #openModel() {
     if (this.#kept || this.#own) return;
     const { model, quality } = this.element;
-    if (model === null && !this.#hello.models?.length) {
-      this.controls.say('model', 'noModel');
-      this.ports.fail('noModel');
-    } else this.#models.open(this.#link.address, this.#hello, model, wantsPictures(quality));
+    if (this.recital) this.#openRecorded(model, this.recital.recording);
+    else if (model === null && !this.#hello.models?.length) this.#modelMissing();
+    else this.#models.open(this.#link.address, this.#hello, model, wantsPictures(quality));
+  }
+
+  /** The page's head, whose address `model` then is, goes before that of the recording. */
+  async #openRecorded(model, recording) {
+    const address = model === null ? recording.model : new URL(model, document.baseURI).href;
+    if (model !== null || !recording.head) {
+      if (address) this.#models.load(address);
+      else this.#modelMissing();
+      return;
+    }
+    const json = await unpackHead(recording.head).catch((error) => console.error('talking-head:', error));
+    if (this.recital?.recording !== recording || this.element.model !== null || this.#kept || this.#own) return;
+    if (json) this.ports.show(json);
+    else this.#modelMissing();
+  }
+
+  #modelMissing() {
+    this.controls.say('model', 'noModel');
+    this.ports.fail('noModel');
+  }
+
+  #media(chunk) {
+    this.speech.media(chunk);
+    this.presentation.changed();
   }
 
   #message(message) {

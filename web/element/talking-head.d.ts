@@ -559,6 +559,8 @@ export interface TalkingHeadEventMap {
   consent: CustomEvent<ServerConsent>;
   observers: CustomEvent<ServerObservers>;
   // </server events>
+  /** It goes on at another time of the recording. */
+  seeked: CustomEvent<{ time: number; sample: number; utterance: number }>;
   /** What has come of an utterance, before it is heard; not to be changed. */
   media: CustomEvent<MediaDetail>;
   end: CustomEvent<EndMessage>;
@@ -584,6 +586,8 @@ export type TalkingHeadEvent<K extends keyof TalkingHeadEventMap> = TalkingHeadE
 /** What a template of a framework may set: attributes' values, or properties. */
 export interface TalkingHeadAttributes {
   src?: string | null;
+  audio?: string | null;
+  autoplay?: boolean | 'on' | 'off' | null;
   for?: string | null;
   model?: string | null;
   avatar?: string | null;
@@ -630,7 +634,12 @@ export interface Writing {
 }
 
 export class TalkingHead extends HTMLElement {
+  /** The address of a stream, or of a recording. */
   src: string | null;
+  /** The address of the sound, if `src` is a face alone. */
+  audio: string | null;
+  get autoplay(): boolean;
+  set autoplay(on: boolean | string | null | undefined);
   /** What is read: an id, or a selector. */
   for: string | null;
   model: string | null;
@@ -669,8 +678,14 @@ export class TalkingHead extends HTMLElement {
   get expression(): { name: string; intensity: number }[];
   set expression(mix: Expression | undefined);
   readonly faps: Record<number, number>;
+  /** Of the recording, in seconds. */
+  readonly currentTime: number;
+  readonly duration: number | null;
 
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
+  /** Speaks the recording of `src`. */
+  play(): Promise<EndMessage>;
+  seek(seconds: number): void;
   showHead(json: object): Promise<void>;
   read(from?: Range | StaticRange | Node): Promise<ReadResult>;
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;

@@ -65,9 +65,12 @@ export const styles = `
   .over .sound, .over .turn, .over .posing .message { inset-block-end: calc(var(--talking-head-caption-size, 1.15em) * ${CAPTION_LEAST_EM} + 0.75em); }
   svg { inline-size: 1.4em; vertical-align: -0.3em; fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round;
     stroke-linecap: round; }
-  .switch, .mouth { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
+  .switch, .mouth, .play { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
     font-weight: 600; font-size: 0.85em; min-block-size: 3.25em; min-inline-size: 3.25em; }
   .mouth { inset-block-start: 4.25em; }
+  .play { inset-inline: 0.5em auto; }
+  .play:hover, .play:focus-visible, .play:not(.playing) { opacity: 1; }
+  .play:not(.playing) .off, .playing .on { display: none; }
   .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'], .mouth:hover, .mouth:focus-visible { opacity: 1; }
   .mouth[aria-pressed='true'] { opacity: 1; background: #fff; color: #1c1c1e; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
@@ -75,6 +78,8 @@ ${captionStyle}`;
 
 const SVG = 'http://www.w3.org/2000/svg';
 const WAVES = 'M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12';
+const PLAY = 'M7 4v16l13-8z';
+const PAUSE = 'M8 5v14M16 5v14';
 const LIPS = 'M2 12q5-7 10-3q5-4 10 3q-4 7-10 7t-10-7zq10 3 20 0';
 
 /** Made piece by piece, since pages may forbid that text becomes markup (Trusted Types). */
@@ -87,7 +92,7 @@ function make(name, attributes = {}, children = [], namespace = 'http://www.w3.o
 
 /** Makes the content of the shadow root. @returns {Node[]} */
 export function parts() {
-  const icon = (d) => make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d }, [], SVG)], SVG);
+  const icon = (d, name = '') => make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true', class: name }, [make('path', { d }, [], SVG)], SVG);
   const line = ['who', 'said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
   const stage = make('div', { class: 'stage', part: 'stage' }, [
     make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
@@ -96,6 +101,7 @@ export function parts() {
     make('input', { class: 'turn', part: 'turn', type: 'range' }),
     make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
     make('button', { class: 'mouth', part: 'mouth-button', type: 'button', 'aria-pressed': 'false', hidden: '' }, [icon(LIPS)]),
+    make('button', { class: 'play', part: 'play-button', type: 'button', hidden: '' }, [icon(PLAY, 'on'), icon(PAUSE, 'off')]),
     make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [icon(WAVES), ' ', make('span')]),
   ]);
   const captions = make('div', { class: 'captions', part: 'captions', 'aria-live': 'off' }, [make('p', { dir: 'auto' }, line)]);

@@ -26,7 +26,7 @@ fs.writeFileSync(script, '#!/bin/sh\ncase "$1" in *guasto*) exit 1 ;; esac\nexec
 const config = path.join(folder, 'voices.json');
 fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'v', lang: 'it', argv: [script, '{text}'] }] } }));
 const say = (...args) => faccia(['say', '-l', 'it', '-v', 'command:v', ...args], { FACCIA_VOICE_CONFIG: config });
-const kinds = ['wav', 'fap', 'fapc', 'ogg', 'ndjson', 'json', 'arkit', 'arkit-ndjson', 'visemes', 'marks', 'vtt', 'textgrid'];
+const kinds = ['wav', 'fap', 'fapc', 'ogg', 'ndjson', 'json', 'arkit', 'arkit-ndjson', 'visemes', 'marks', 'vtt', 'textgrid', 'bundle'];
 
 test('a failing speech leaves no file, and keeps an earlier one', () => {
   const at = fresh();

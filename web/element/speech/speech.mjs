@@ -8,7 +8,8 @@ import { Writing } from './writing.mjs';
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
 const ID_BYTES = 64; // most of an id
 const UNHEARD = ['blocked', 'none']; // states of the player in which samples are consumed in silence
-const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at once
+const MOVES = ['jumped', 'seeked'];
+const DIRECTIONS = ['paused', 'resumed', ...MOVES]; // what the server says at once
 
 /**
  * The speech of one head: sends requests, queues media on the player, and emits events on the audio clock. `begin`, `word`,
@@ -33,6 +34,7 @@ export class Speech {
     this.count = 0;
     this.adopts = false; // also what others ask for: in a room
     this.waits = true; // until others on the page have finished
+    this.recorded = false; // a recording is spoken, in which one can go back
     this.paused = false;
   }
 
@@ -235,12 +237,20 @@ export class Speech {
 
   /** Somebody has directed the stream: oneself, or another in the same room. */
   #direct(message, utterance) {
-    if (message.type === 'jumped' && utterance?.item) {
-      this.#forgetUnheard();
-      utterance.jump();
-    }
-    if (message.type !== 'jumped') this.#hold(message.type === 'paused');
+    if (MOVES.includes(message.type)) this.#move(message, utterance);
+    else this.#hold(message.type === 'paused');
     this.emit(message.type, utterance ? this.#detail(utterance, message) : message);
+  }
+
+  /** It goes on elsewhere. In a recording, times remain those of the recording. */
+  #move({ time }, utterance) {
+    if (!utterance?.item) return;
+    this.#forgetUnheard();
+    if (this.recorded) {
+      utterance.seek(time);
+      utterance.answer = null; // of an end that was not heard
+      utterance.item.start = this.player.written - time * this.player.rate;
+    } else utterance.jump();
   }
 
   #hold(on) {

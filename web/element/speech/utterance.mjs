@@ -28,9 +28,12 @@ export class Utterance {
   begin(begin, rate) {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
-    this.captions ??= this.writing ? new HeardCaptions(this.#written(begin.markup)) : new CaptionTrack(this.text, begin.markup);
+    this.captions ??= this.writing
+      ? new HeardCaptions(this.#written(begin.markup))
+      : new CaptionTrack(begin.text ?? this.text, begin.markup);
     this.playerRate = rate;
     this.resampler = null; // from the first sound on, whose rate may be the codec's
+    this.skipped = 0; // seconds before the resampler's first sample
   }
 
   #written(markup) {
@@ -42,6 +45,13 @@ export class Utterance {
     this.track = new FaceTrack(this.track.fps);
   }
 
+  /** It goes on at another time of its own. */
+  seek(seconds) {
+    this.jump();
+    this.resampler = null;
+    this.skipped = seconds;
+  }
+
   /**
    * Takes a chunk. @param {import('../../../protocol/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if the sound
    *   has a clock of its own
@@ -51,7 +61,8 @@ export class Utterance {
     this.track.put(chunk.firstFrame, chunk.frames);
     this.resampler ??= new Resampler(chunk.audioRate ?? chunk.sampleRate, this.playerRate);
     let audio = chunk.audio ?? new Int16Array(chunk.samples);
-    const gap = (chunk.audioStart ?? chunk.start) - this.resampler.received;
+    const skipped = Math.round(this.skipped * (chunk.audioRate ?? chunk.sampleRate));
+    const gap = (chunk.audioStart ?? chunk.start) - skipped - this.resampler.received;
     if (gap > 0) {
       const padded = new audio.constructor(gap + audio.length);
       padded.set(audio, gap);

@@ -42,6 +42,18 @@ const speechStories = [
     },
   },
   {
+    id: 'recording', group: speaking, title: 'A recording, without a server',
+    about: 'She speaks a file that faccia say --bundle has written. On a static site src is the address of that file; here the server makes one.',
+    shows: ['play()', 'seek()', '.currentTime', '.duration', '@seeked', '::play-button'], controls: ['src', 'audio', 'autoplay', 'model'],
+    attributes: { src: 'v1/speech?format=bundle&lang=en&text=This+was+recorded.+It+needs+no+server.', model: 'v1/models/mara' },
+    css: 'talking-head::part(play-button) { background: #123f8c; }',
+    actions: {
+      play: ['Play', (head) => head.play()],
+      back: ['Back a second', (head) => head.seek(head.currentTime - 1)],
+      half: ['From the middle', (head) => head.seek(head.duration / 2)],
+    },
+  },
+  {
     id: 'markup', group: speaking, title: 'Markup, marks and jumps',
     about: 'SSML, APML, JSML, EmotionML, BML and FML are recognised, or named by markup. Events tell when a mark is heard, and you can jump to a mark.',
     shows: ['jump()', '@mark', '@jumped'], controls: ['markup'], attributes: { lang: 'en' },

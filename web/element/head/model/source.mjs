@@ -66,7 +66,10 @@ export class ModelSource {
   #address = null; // of the model that is here or on its way
   #asked = false; // whether it was requested through the stream; lost with the connection
 
-  /** @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here */
+  /**
+   * @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here;
+   *   fail(): `load` got none
+   */
   constructor(ports) {
     this.ports = ports;
   }
@@ -111,6 +114,22 @@ export class ModelSource {
       return;
     }
     this.#show(json);
+  }
+
+  /** Brings the head of an address, without a stream. @param {string} address */
+  async load(address) {
+    if (address === this.#address) return;
+    this.close();
+    this.#address = address;
+    const { signal } = (this.#aborter = new AbortController());
+    const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
+    try {
+      this.#show(await fetchModel(address, undefined, progress, signal));
+    } catch {
+      if (signal.aborted) return;
+      this.#address = null;
+      this.ports.fail();
+    }
   }
 
   /** @param {object} message of type `model` */
