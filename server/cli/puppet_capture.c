@@ -55,7 +55,8 @@ static void on_signal(uv_signal_t *signal, int number) {
     stop(signal->data);
 }
 
-static void add_row(struct puppet *p) {
+static void add_row(void *puppet) {
+    struct puppet *p = puppet;
     uint64_t now = uv_hrtime();
     if (!p->known)
         return;
@@ -73,11 +74,17 @@ static void add_row(struct puppet *p) {
         stop(p);
 }
 
-static void take_message(struct puppet *p, const uint8_t *data, size_t size) {
+static void take_weight(void *puppet, int shape, double weight) {
+    struct puppet *p = puppet;
+    p->weights[shape] = weight;
+    p->known = true;
+}
+
+static void take_message(const uint8_t *data, size_t size, const struct puppet_sink *sink) {
     size_t at = 0;
     const char *address = text_at(data, size, &at), *types = address ? text_at(data, size, &at) : NULL;
     if (types && !strcmp(address, "/VMC/Ext/Blend/Apply"))
-        add_row(p);
+        sink->apply(sink->ctx);
     if (!types || strcmp(address, "/VMC/Ext/Blend/Val") || strcmp(types, ",sf"))
         return;
     const char *name = text_at(data, size, &at);
@@ -87,16 +94,13 @@ static void take_message(struct puppet *p, const uint8_t *data, size_t size) {
     float weight;
     memcpy(&weight, &bits, sizeof weight);
     for (int i = 0; i < ARKIT_SHAPES; i++)
-        if (!strcasecmp(name, arkit_table[i].name) && isfinite(weight)) {
-            p->weights[i] = (double)weight;
-            p->known = true;
-        }
+        if (!strcasecmp(name, arkit_table[i].name) && isfinite(weight))
+            sink->weight(sink->ctx, i, (double)weight);
 }
 
-/* A message, or a bundle of messages and bundles (OSC 1.0). Ignores what is malformed. */
-static void take_packet(struct puppet *p, const uint8_t *data, size_t size, int depth) {
+static void take_packet(const uint8_t *data, size_t size, int depth, const struct puppet_sink *sink) {
     if (size < BUNDLE_HEADER || memcmp(data, "#bundle", 8)) {
-        take_message(p, data, size);
+        take_message(data, size, sink);
         return;
     }
     for (size_t at = BUNDLE_HEADER, length; size - at >= 4 && depth < DEPTH_MAX; at += length) {
@@ -104,8 +108,12 @@ static void take_packet(struct puppet *p, const uint8_t *data, size_t size, int 
         at += 4;
         if (length > size - at)
             return;
-        take_packet(p, data + at, length, depth + 1);
+        take_packet(data + at, length, depth + 1, sink);
     }
+}
+
+void puppet_packet(const uint8_t *data, size_t size, const struct puppet_sink *sink) {
+    take_packet(data, size, 0, sink);
 }
 
 static void on_room(uv_handle_t *handle, size_t wanted, uv_buf_t *out) {
@@ -117,8 +125,9 @@ static void on_room(uv_handle_t *handle, size_t wanted, uv_buf_t *out) {
 static void on_datagram(uv_udp_t *socket, ssize_t size, const uv_buf_t *data, const struct sockaddr *from,
                         unsigned flags) {
     (void)from;
+    const struct puppet_sink sink = {socket->data, take_weight, add_row};
     if (size > 0 && !(flags & UV_UDP_PARTIAL))
-        take_packet(socket->data, (const uint8_t *)data->base, (size_t)size, 0);
+        puppet_packet((const uint8_t *)data->base, (size_t)size, &sink);
 }
 
 static int bind_to(struct puppet *p, const char *text) {

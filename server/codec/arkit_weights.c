@@ -291,6 +291,11 @@ static bool is_moved(int fap) {
     return false;
 }
 
+/* Radians to units of 1e-5; a head turns by half a circle at most. */
+static double turn_of(double radians) {
+    return 1e5 * fmin(3.14159, fmax(-3.14159, radians));
+}
+
 void arkit_faps(const double weights[ARKIT_SHAPES], const struct arkit_turns *head, struct fap_frame *frame) {
     double w[ARKIT_SHAPES], values[FAP_COUNT + 1] = {0};
     for (int i = 0; i < ARKIT_SHAPES; i++)
@@ -306,9 +311,9 @@ void arkit_faps(const double weights[ARKIT_SHAPES], const struct arkit_turns *he
         for (int i = 0; i < 2 && shut > LIDS_MEET; i++)
             values[lids[side][i]] *= LIDS_MEET / shut;
     }
-    values[48] = head->head_pitch * 1e5;
-    values[49] = head->head_yaw * 1e5;
-    values[50] = head->head_roll * 1e5;
+    values[48] = turn_of(head->head_pitch);
+    values[49] = turn_of(head->head_yaw);
+    values[50] = turn_of(head->head_roll);
     *frame = (struct fap_frame){0};
     for (int n = 3; n <= FAP_COUNT; n++)
         if ((n >= 48 && n <= 50) || is_moved(n))

@@ -117,6 +117,20 @@ const parts = {
   reading: () => ['12', '-1.234,5', '1/2', '3 1/2', '1.5.2024', '2024-05-01', '12:30:15', '7pm', '2h3m4s', 'PT2H', '€ 3,50', '$1,000.99', '5 kg', '3.5 km/h', 'anna@example.it', 'https://a.example/b?c=d', 'XIV', '+39 06 123', 'MCMXC']
     .flatMap((t, i) => [0, 1, 2, 3].map((lang) => joined(lang, (i * 3 + lang) % 20, t))),
   models: () => [joined(0, read('tests/fuzz/head.json')), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 5), i, u16(2), 1, 'a'))],
+  capture: () => {
+    const text = (words) => Buffer.from(words + '\0'.repeat(4 - (words.length % 4)));
+    const message = (name, weight) => joined(text('/VMC/Ext/Blend/Val'), text(',sf'), text(name), Buffer.from(new Uint8Array(new Float32Array([weight]).buffer)).reverse());
+    const apply = joined(text('/VMC/Ext/Blend/Apply'), text(','));
+    const element = (bytes) => joined(Buffer.from([0, 0, bytes.length >> 8, bytes.length & 255]), bytes);
+    const bundle = (...parts) => joined('#bundle\0', Buffer.alloc(8), ...parts.map(element));
+    const table = (head, ...rows) => [head, ...rows].join('\r\n');
+    return [
+      table('Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft,HeadYaw,HeadPitch,LeftEyePitch', '10:00:00:00.000,61,0.1,0,0.1,0.2,0.3', '10:00:00:30.500,61,0.9,1,-0.1,0,0', '10:00:01:00,61,0,0,0,0,0'),
+      table('Timecode,BlendShapeCount,MouthClose', '23:59:59:59,61,0.5', '00:00:00:01,61,0.6', 'x,61,nan'),
+      joined(0, sized(message('jawOpen', 0.5)), sized(apply), sized(bundle(message('EyeBlinkLeft', 1), bundle(message('mouthClose', -1e30), apply)))),
+      joined(0, sized(bundle(bundle(bundle(bundle(bundle(apply)))))), sized(message('jawOpen', NaN)), 9, 0, '#bundle'),
+    ];
+  },
   people: () => Object.values(timesFiles).concat('start,end,ipa\n0,0.1,_\n0.1,0.3,a\n0.3,0.5,p\n', '0.1 100 SIL\n0.3 100 AA1\n0.5 100 P\n').flatMap((times) =>
     ['time,LI,LS\n0,0,0\n0.1,1,1\n0.2,5,2\n0.5,1,1\n', 't;ul_z;ll_z;jaw_z;tt_x\n0;1;2;3;4\n0.25;2;-3;3;4\n0.5;1;2;3;4\n'].map((curves) => `${curves}---\n${times}`)),
   voice: () => {
