@@ -51,8 +51,10 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
 #else
 #if KIND == 3
   vec3 ambientReach = vec3(max(reach.x, 0.12));
+#elif KIND == 2
+  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair lets light through: it is not black inside
 #else
-  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair and cloth let light through: they are not black inside
+  vec3 ambientReach = vec3(max(reach.x, 0.55)); // nor is a collar, whose cloth lets more through
 #endif
   vec3 keyReach = vec3(reach.y);
 #endif

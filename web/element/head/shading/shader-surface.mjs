@@ -276,7 +276,9 @@ vec4 shaded(vec4 base) {
 #endif
 #if FINE
   vec3 color = base.rgb * diffuseLight(n, reach);
-#if KIND != 3
+#if KIND == 1
+  color += shineOf(n, v, base, reach) * (1.0 - 0.7 * min(1.0, deep)); // a crease's sides shade each other
+#elif KIND != 3
   color += shineOf(n, v, base, reach);
 #endif
 #else
