@@ -81,7 +81,7 @@ export class View {
 
   /** Whether edges are made soft after drawing: see edges.mjs. */
   get #smoothed() {
-    return this.smooths && this.level.samples > 0 && this.software;
+    return this.smooths && this.level.soft && this.software;
   }
 
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
