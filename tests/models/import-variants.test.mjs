@@ -14,7 +14,7 @@ import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
-import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
+import { strip, vrml1Of, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
 const at = (name) => path.join(folder, name);
@@ -190,6 +190,45 @@ test('VRML97: reads its many forms', async () => {
   same(meshes, [fetchOnce([eye, { ...eye, position: eye.position.map((x, i) => (i % 3 ? x : x - 60)) }].map((one) => ({ ...one, name: 'S' })), 'S')].map((one) => ({ ...one, name: 'S' })), 'USE, packed');
   fs.writeFileSync(at('cut.wrz'), zlib.gzipSync(twice).subarray(0, 4000));
   await assert.rejects(readScene(at('cut.wrz')), /cannot be unpacked/);
+});
+
+test("VRML 1.0: reads its many forms, LUCIA's among them", async () => {
+  const eyes = parts.slice(1, 3);
+  const far = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => x / 10 - [1, 2, 3][i % 3]) }));
+  const behind = (face) => [...face].reverse();
+  const within = (before, after = '') => (nodes, { name }) => `DEF ${name} Separator { ${before} ${nodes} ${after} }`;
+  for (const [what, list, how] of [
+    ['a Separator each', eyes, {}],
+    ["LUCIA's header", eyes, { header: '#VRML V2.0 ascii' }],
+    ['clockwise', eyes, { fields: 'ShapeHints { vertexOrdering CLOCKWISE shapeType SOLID }', faceOf: behind }],
+    ['a Transform', far, { wrap: within('Transform { translation 10 20 30 scaleFactor 10 10 10 }') }],
+    ['a scale and a shift', far, { wrap: within('Translation { translation 10 20 30 } Scale { scaleFactor 10 10 10 }') }],
+    ['a matrix', far, { wrap: within('MatrixTransform { matrix 10 0 0 0  0 10 0 0  0 0 10 0  10 20 30 1 }') }],
+    ['turned there and back', eyes, { wrap: within('Rotation { rotation 1 0 0 1.5708 } Rotation { rotation -1 0 0 1.5708 }') }],
+    ['a place that ends with its TransformSeparator', eyes, { wrap: within('TransformSeparator { Translation { translation 5 5 5 } }') }],
+    ['what is chosen', eyes, { wrap: (nodes, { name }) => `Switch { whichChild 1 Cube { } DEF ${name} Separator { ${nodes} } }` }],
+    ['the nearest of some', eyes, { wrap: (nodes, { name }) => `LOD { range [ 10 ] DEF ${name} Separator { ${nodes} } Cube { } }` }],
+    ['words and masks', eyes, { wrap: within('Cylinder { parts (SIDES | TOP) radius 2 } FontStyle { family SERIF style (BOLD|ITALIC) } PerspectiveCamera { position 0 0 10 }') }],
+  ]) {
+    fs.writeFileSync(at('old.wrl'), vrml1Of(list, how));
+    same((await readScene(at('old.wrl'))).meshes, eyes, what);
+  }
+  // a face set after the Separator of its points, as the thesis prints it; a node used twice; colours and a texture
+  const [eye] = eyes;
+  fs.writeFileSync(at('after.wrl'), vrml1Of([eye], { wrap: (nodes) => nodes.replace(/IndexedFaceSet.*/s, ''), last: vrml1Of([eye]).match(/IndexedFaceSet[^}]*}/)[0] }));
+  same((await readScene(at('after.wrl'))).meshes.map((mesh) => ({ ...mesh, name: eye.name })), [eye], 'after its Separator');
+  const quad = 'Coordinate3 { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] }';
+  fs.writeFileSync(at('red.wrl'), `#VRML V1.0 ascii
+Separator { Material { diffuseColor [ 1 0 0, 0 1 0, 0 0 1, 1 1 1 ] } MaterialBinding { value PER_VERTEX_INDEXED } ${quad}
+  DEF Q IndexedFaceSet { coordIndex [ 0 1 2 3 -1 ] materialIndex [ 3 2 1 0 -1 ] } Translation { translation 0 0 5 } USE Q
+  Texture2 { filename "gone.jpg" } TextureCoordinate2 { point [ 0 0, 1 0, 1 1, 0 1 ] } MaterialBinding { value OVERALL } IndexedFaceSet { coordIndex [ 0 1 2 3 -1 ] } }`);
+  const { meshes, notes } = await readScene(at('red.wrl'));
+  assert.equal(meshes.length, 3);
+  assert.deepEqual([...meshes[0].colors.slice(0, 3)], [1, 1, 1]);
+  assert.deepEqual([meshes[0], meshes[1]].map(({ position }) => position[2]), [0, 5]);
+  assert.deepEqual([...meshes[2].uv], [0, 0, 1, 0, 1, 1, 0, 1]);
+  assert.equal(meshes[2].colors, null);
+  assert.match(notes.join(), /gone\.jpg/);
 });
 
 test('turns vertex colours into a picture of the skin', async (t) => {
