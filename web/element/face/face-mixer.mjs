@@ -54,8 +54,8 @@ export class FaceMixer {
 
   /**
    * @param {number} now milliseconds
-   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean, still?: boolean}|null} heard still:
-   *   made to keep still, so that what it shows beside the lips are the affects of its text
+   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean, still?: boolean}|null} heard
+   *   still: made to keep still, so that what it shows beside the lips are the affects of its text
    * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number}|null} idle
    * @returns {boolean} whether the values have changed
    */

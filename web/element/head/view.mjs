@@ -6,7 +6,7 @@ import {
   WebGLRenderTarget,
 } from 'three';
 
-const FADE = 0.13; // of the picture's height, over which the shoulders vanish
+const FADE = 0.08; // of the picture's height, over which the shoulders vanish
 const SOFTWARE_ANISOTROPY = 2; // each more is a texture read more, and faces look at the viewer
 const CLOSE = ['face', 'mouth']; // views that end in the skin
 
