@@ -14,6 +14,7 @@ import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
+import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
 import { strip, vrml1Of, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
@@ -260,6 +261,43 @@ test('turns vertex colours into a picture of the skin', async (t) => {
     t.diagnostic(`${file}: ${right} of ${front} vertices of the face have their colour`);
     assert.ok(right > 0.97 * front && front > 2000, `${file}: ${right} of ${front}`);
   }
+});
+
+test('glTF: adds the form that targets give a person at rest, not expressions; a shape that moves nothing gives way to one that does', async () => {
+  const [eye] = parts.slice(1, 2);
+  const count = eye.position.length / 3;
+  const along = (k) => Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === k ? 0.001 : 0));
+  const targets = { longNose: along(2), jawOpen: new Float32Array(3 * count), mouthOpen: along(1), mouthSmile: along(0) };
+  const metric = placed(([x, y, z]) => [x / 1000, y / 1000, z / 1000]).slice(1, 2);
+  writeGltf(at('plain.glb'), metric, {});
+  const { json, binary } = partsOf(fs.readFileSync(at('plain.glb')));
+  const bytes = [binary];
+  let from = binary.length;
+  const primitive = json.meshes[0].primitives[0];
+  primitive.targets = Object.values(targets).map((deltas) => {
+    const block = Buffer.from(deltas.buffer);
+    bytes.push(block);
+    json.bufferViews.push({ buffer: 0, byteOffset: from, byteLength: block.length });
+    from += block.length;
+    return { POSITION: json.accessors.push({ bufferView: json.bufferViews.length - 1, componentType: 5126, type: 'VEC3', count }) - 1 };
+  });
+  json.buffers[0].byteLength = from;
+  json.meshes[0].extras = { targetNames: Object.keys(targets) };
+  const rest = (await readScene(at('plain.glb'))).meshes[0].position;
+  const shift = async (change) => {
+    const copy = JSON.parse(JSON.stringify(json));
+    change(copy);
+    fs.writeFileSync(at('formed.glb'), writeGlb({ json: copy, binary: Buffer.concat(bytes) }));
+    const [mesh] = (await readScene(at('formed.glb'))).meshes;
+    assert.ok(mesh.targets.jawOpen.some((x) => x), 'mouthOpen in place of the jawOpen that moves nothing');
+    return [0, 1, 2].map((k) => Math.round(1e6 * (mesh.position[k] - rest[k])) / 1e6);
+  };
+  const none = [0, 0, 0];
+  assert.deepEqual(await shift(() => {}), none);
+  const moved = await shift((copy) => (copy.meshes[0].weights = [2, 1, 1, 1]));
+  assert.ok(Math.abs(Math.hypot(...moved) - 0.002) < 1e-6, `${moved}`);
+  assert.deepEqual(await shift((copy) => (copy.nodes.find((node) => node.mesh === 0).weights = [2, 0, 0, 0])), moved, "the node's weights override the mesh's");
+  assert.deepEqual(await shift((copy) => (copy.meshes[0].weights = [0, 0, 0, 1])), none, 'nobody smiles at rest');
 });
 
 test('recognises names of nodes, materials of a head, and words that end like a side', () => {
