@@ -48,7 +48,7 @@ async function openFace() {
       const { data } = pixels({ x: x + Math.round(upper[0]) - 8, y: y + Math.round(upper[1]) - 8, width, height });
       const red = Array.from({ length: height }, (_, row) => {
         let count = 0;
-        for (let i = 4 * width * row; i < 4 * width * (row + 1); i += 4) if (data[i] > 60 && (data[i] - data[i + 1]) / data[i] > 0.34) count++;
+        for (let i = 4 * width * row; i < 4 * width * (row + 1); i += 4) if (data[i] > 60 && (data[i] - data[i + 1]) / data[i] > 0.37) count++; // the shadow below the lip has up to 0.35
         return count > width / 2;
       });
       const lips = red.slice(red.indexOf(true), red.lastIndexOf(true));
