@@ -25,7 +25,7 @@ struct face_track {
     struct openings openings;
     struct visemes visemes;
     bool still;
-    struct sentence_expression expression; /* empty when still */
+    struct sentence_expression expression;
 };
 
 static const struct phone *first_sound(const struct sentence_audio *u) {
@@ -78,12 +78,21 @@ static void animate(struct face_placement *p, const struct sentence_audio *u,
     p->liveliness = options->life;
 }
 
+/* A still face shows the affects of its text, if there are some. */
+static void hold(struct face_placement *p) {
+    p->expresses = p->track->expression.envelopes.count > 0;
+    if (p->expresses)
+        expression_layer_begin(&p->express, &p->track->expression, NULL, 0);
+}
+
 struct face_placement *face_placement_new(struct face_track *track, const struct sentence_audio *u,
                                           const struct placement_options *options) {
     struct face_placement *p = mem_resize(NULL, sizeof *p);
     begin(p, track);
     p->shared = face_track_share(track);
-    if (!options->still && !p->track->still)
+    if (p->track->still)
+        hold(p);
+    else if (!options->still)
         animate(p, u, options);
     return p;
 }
@@ -124,6 +133,13 @@ static void add_life(const struct face_layer *layer, double t, double faps[FAP_C
     }
 }
 
+static void rest_gaze_and_head(double faps[FAP_COUNT + 1]) {
+    for (int n = 23; n <= 30; n++)
+        faps[n] = 0;
+    for (int n = 48; n <= 50; n++)
+        faps[n] = 0;
+}
+
 void face_placement_sample(struct face_placement *p, double t, struct fap_frame *frame) {
     face_placement_frame(p, t, 0, frame);
 }
@@ -146,6 +162,8 @@ void face_placement_frame(struct face_placement *p, double t, double period, str
     if (p->expresses) {
         expression_layer_blend(&p->express, t, demand, faps, &frame->expression);
         frame->mask[0] |= 2; /* FAP 2 */
+        if (track->still)
+            rest_gaze_and_head(faps);
     }
     for (size_t i = 0; i < p->layer_count; i++)
         p->layers[i].add(p->layers[i].self, t, faps);
@@ -208,7 +226,9 @@ void face_track_sample_mouth(const struct face_track *track, double t, const dou
     struct face_placement alone;
     begin(&alone, track);
     alone.mouth = mm;
-    if (!track->still)
+    if (track->still)
+        hold(&alone);
+    else
         animate(&alone, NULL, &(struct placement_options){0});
     face_placement_sample(&alone, t, frame);
     free_layer(&alone.life);
@@ -237,8 +257,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
     }
     visemes_from(&segments, &track->visemes);
     track->still = options->still;
-    if (!options->still)
-        sentence_expression_from(u, &segments, options, &track->expression);
+    sentence_expression_from(u, &segments, options, &track->expression);
     phone_segments_free(&segments);
     return track;
 }

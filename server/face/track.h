@@ -27,7 +27,7 @@ uint32_t lead_in_missing(const struct speech_pack *pack, const struct sentence_a
 /* Options of a track, from the request and the text. */
 struct face_options {
     const char *engine; /* NULL = the default, which also replaces an engine that does not support the pack */
-    bool still;         /* lips only, no expressions */
+    bool still;         /* only the lips move; of the expressions the affects show, without head and gaze */
     enum face_blend blend;
     enum face_contacts contacts;
     const struct expressions *expressions; /* the track takes a reference; NULL = ignore cues */

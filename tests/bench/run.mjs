@@ -56,6 +56,7 @@ export const benchmarks = {
   'library-load': { moment: ['4', '20', '1', '1'], long: 'searches for some seconds a turn' },
   lighthouse: { packages: browser, moment: ['voices'], long: 'audits a page twice' },
   live: { moment: ['2'] },
+  'looks-picture': { packages: browser, moment: [picture('looks'), '--heads', 'mara', '--looks', 'rest', '--size', '200'], long: 'draws a head' },
   markup: { moment: [], long: 'reads hundreds of megabytes' },
   mouth: { packages: browser, moment: ['--rates', '160', '--engines', 'table'], long: 'speaks 25 sentences in four languages' },
   'mouth-picture': { packages: browser, moment: ['mara', picture('mouth.png')], long: 'draws twelve mouths' },

@@ -13,15 +13,17 @@ const flags = ['--no-sandbox', '--enable-unsafe-swiftshader', '--disable-quic', 
 const PLAIN = ['--disable-gpu'];
 /** Flags that let SwiftShader draw the page, too, as a GPU would; slower for pages without a face. */
 const FORCED = ['--use-angle=swiftshader'];
+/** Flags for a graphics card, also one without a display. FACCIA_GPU_FLAGS: others for the machine at hand, separated by spaces. */
+const CARD = process.env.FACCIA_GPU_FLAGS?.split(' ') ?? ['--ignore-gpu-blocklist', '--enable-gpu', '--use-angle=vulkan', '--enable-features=Vulkan', '--disable-vulkan-surface'];
 
 /**
- * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, whole?: boolean, flags?: string[]}} [options] webgl: false for tests that need
- *   no face, because drawing it takes most of the time; forced: see FORCED; idling: let faces idle, which uses most of a processor; else pages
+ * @param {{webgl?: boolean, forced?: boolean, card?: boolean, idling?: boolean, whole?: boolean, flags?: string[]}} [options] webgl: false for tests that need
+ *   no face, because drawing it takes most of the time; forced: see FORCED; card: see CARD; idling: let faces idle, which uses most of a processor; else pages
  *   get prefers-reduced-motion unless newPage overrides it; whole: the full browser with windows, else the headless shell; flags: further flags
  *   of the browser
  */
-export async function launch({ webgl = true, forced = webgl, idling = false, whole = webgl, flags: more = [] } = {}) {
-  const args = [...flags, ...(forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
+export async function launch({ webgl = true, forced = webgl, card = false, idling = false, whole = webgl, flags: more = [] } = {}) {
+  const args = [...flags, ...(card ? CARD : forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
   const browser = await chromium.launch({ executablePath: `/usr/bin/chromium${whole ? '' : '-headless-shell'}`, headless: true, args });
   if (!idling) {
     for (const opens of ['newPage', 'newContext']) {

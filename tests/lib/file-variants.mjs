@@ -127,3 +127,13 @@ export function vrmlOf(parts, { end = '\n', comma = ' ', wrap = (shape) => shape
   });
   return ['#VRML V2.0 utf8', '# a comment { that opens', head, ...shapes, tail].join(end);
 }
+
+/** The same as VRML 1.0: nodes that change the state for the face sets that follow. @param {{wrap?: (nodes: string, part: object) => string, header?: string, fields?: string, last?: string}} how */
+export function vrml1Of(parts, { wrap = (nodes, { name }) => `DEF ${name} Separator { ${nodes} }`, header = '#VRML V1.0 ascii', fields = '', faceOf = (face) => face, last = '' } = {}) {
+  const sets = parts.map((part) => {
+    const points = triples(part.position).map(line).join(', ');
+    const faces = (part.faces ?? triples(part.index)).map((face) => faceOf(face).join(', ')).join(', -1, ');
+    return wrap(`Material { diffuseColor .8 0.7 6e-1 } Coordinate3 { point [ ${points} ] } ${fields} IndexedFaceSet { coordIndex [ ${faces}, -1 ] }`, part);
+  });
+  return [header, '# a comment { that opens', 'Separator { Info { string "a head" } ShapeHints { creaseAngle 2.0 }', ...sets, '}', last].join('\n');
+}

@@ -14,7 +14,8 @@ import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
-import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
+import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
+import { strip, vrml1Of, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
 const at = (name) => path.join(folder, name);
@@ -192,6 +193,45 @@ test('VRML97: reads its many forms', async () => {
   await assert.rejects(readScene(at('cut.wrz')), /cannot be unpacked/);
 });
 
+test("VRML 1.0: reads its many forms, LUCIA's among them", async () => {
+  const eyes = parts.slice(1, 3);
+  const far = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => x / 10 - [1, 2, 3][i % 3]) }));
+  const behind = (face) => [...face].reverse();
+  const within = (before, after = '') => (nodes, { name }) => `DEF ${name} Separator { ${before} ${nodes} ${after} }`;
+  for (const [what, list, how] of [
+    ['a Separator each', eyes, {}],
+    ["LUCIA's header", eyes, { header: '#VRML V2.0 ascii' }],
+    ['clockwise', eyes, { fields: 'ShapeHints { vertexOrdering CLOCKWISE shapeType SOLID }', faceOf: behind }],
+    ['a Transform', far, { wrap: within('Transform { translation 10 20 30 scaleFactor 10 10 10 }') }],
+    ['a scale and a shift', far, { wrap: within('Translation { translation 10 20 30 } Scale { scaleFactor 10 10 10 }') }],
+    ['a matrix', far, { wrap: within('MatrixTransform { matrix 10 0 0 0  0 10 0 0  0 0 10 0  10 20 30 1 }') }],
+    ['turned there and back', eyes, { wrap: within('Rotation { rotation 1 0 0 1.5708 } Rotation { rotation -1 0 0 1.5708 }') }],
+    ['a place that ends with its TransformSeparator', eyes, { wrap: within('TransformSeparator { Translation { translation 5 5 5 } }') }],
+    ['what is chosen', eyes, { wrap: (nodes, { name }) => `Switch { whichChild 1 Cube { } DEF ${name} Separator { ${nodes} } }` }],
+    ['the nearest of some', eyes, { wrap: (nodes, { name }) => `LOD { range [ 10 ] DEF ${name} Separator { ${nodes} } Cube { } }` }],
+    ['words and masks', eyes, { wrap: within('Cylinder { parts (SIDES | TOP) radius 2 } FontStyle { family SERIF style (BOLD|ITALIC) } PerspectiveCamera { position 0 0 10 }') }],
+  ]) {
+    fs.writeFileSync(at('old.wrl'), vrml1Of(list, how));
+    same((await readScene(at('old.wrl'))).meshes, eyes, what);
+  }
+  // a face set after the Separator of its points, as the thesis prints it; a node used twice; colours and a texture
+  const [eye] = eyes;
+  fs.writeFileSync(at('after.wrl'), vrml1Of([eye], { wrap: (nodes) => nodes.replace(/IndexedFaceSet.*/s, ''), last: vrml1Of([eye]).match(/IndexedFaceSet[^}]*}/)[0] }));
+  same((await readScene(at('after.wrl'))).meshes.map((mesh) => ({ ...mesh, name: eye.name })), [eye], 'after its Separator');
+  const quad = 'Coordinate3 { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] }';
+  fs.writeFileSync(at('red.wrl'), `#VRML V1.0 ascii
+Separator { Material { diffuseColor [ 1 0 0, 0 1 0, 0 0 1, 1 1 1 ] } MaterialBinding { value PER_VERTEX_INDEXED } ${quad}
+  DEF Q IndexedFaceSet { coordIndex [ 0 1 2 3 -1 ] materialIndex [ 3 2 1 0 -1 ] } Translation { translation 0 0 5 } USE Q
+  Texture2 { filename "gone.jpg" } TextureCoordinate2 { point [ 0 0, 1 0, 1 1, 0 1 ] } MaterialBinding { value OVERALL } IndexedFaceSet { coordIndex [ 0 1 2 3 -1 ] } }`);
+  const { meshes, notes } = await readScene(at('red.wrl'));
+  assert.equal(meshes.length, 3);
+  assert.deepEqual([...meshes[0].colors.slice(0, 3)], [1, 1, 1]);
+  assert.deepEqual([meshes[0], meshes[1]].map(({ position }) => position[2]), [0, 5]);
+  assert.deepEqual([...meshes[2].uv], [0, 0, 1, 0, 1, 1, 0, 1]);
+  assert.equal(meshes[2].colors, null);
+  assert.match(notes.join(), /gone\.jpg/);
+});
+
 test('turns vertex colours into a picture of the skin', async (t) => {
   const skin = parts.slice(0, 1);
   const linear = (p) => shade(p).map((x) => ((x + 0.055) / 1.055) ** 2.4);
@@ -221,6 +261,43 @@ test('turns vertex colours into a picture of the skin', async (t) => {
     t.diagnostic(`${file}: ${right} of ${front} vertices of the face have their colour`);
     assert.ok(right > 0.97 * front && front > 2000, `${file}: ${right} of ${front}`);
   }
+});
+
+test('glTF: adds the form that targets give a person at rest, not expressions; a shape that moves nothing gives way to one that does', async () => {
+  const [eye] = parts.slice(1, 2);
+  const count = eye.position.length / 3;
+  const along = (k) => Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === k ? 0.001 : 0));
+  const targets = { longNose: along(2), jawOpen: new Float32Array(3 * count), mouthOpen: along(1), mouthSmile: along(0) };
+  const metric = placed(([x, y, z]) => [x / 1000, y / 1000, z / 1000]).slice(1, 2);
+  writeGltf(at('plain.glb'), metric, {});
+  const { json, binary } = partsOf(fs.readFileSync(at('plain.glb')));
+  const bytes = [binary];
+  let from = binary.length;
+  const primitive = json.meshes[0].primitives[0];
+  primitive.targets = Object.values(targets).map((deltas) => {
+    const block = Buffer.from(deltas.buffer);
+    bytes.push(block);
+    json.bufferViews.push({ buffer: 0, byteOffset: from, byteLength: block.length });
+    from += block.length;
+    return { POSITION: json.accessors.push({ bufferView: json.bufferViews.length - 1, componentType: 5126, type: 'VEC3', count }) - 1 };
+  });
+  json.buffers[0].byteLength = from;
+  json.meshes[0].extras = { targetNames: Object.keys(targets) };
+  const rest = (await readScene(at('plain.glb'))).meshes[0].position;
+  const shift = async (change) => {
+    const copy = JSON.parse(JSON.stringify(json));
+    change(copy);
+    fs.writeFileSync(at('formed.glb'), writeGlb({ json: copy, binary: Buffer.concat(bytes) }));
+    const [mesh] = (await readScene(at('formed.glb'))).meshes;
+    assert.ok(mesh.targets.jawOpen.some((x) => x), 'mouthOpen in place of the jawOpen that moves nothing');
+    return [0, 1, 2].map((k) => Math.round(1e6 * (mesh.position[k] - rest[k])) / 1e6);
+  };
+  const none = [0, 0, 0];
+  assert.deepEqual(await shift(() => {}), none);
+  const moved = await shift((copy) => (copy.meshes[0].weights = [2, 1, 1, 1]));
+  assert.ok(Math.abs(Math.hypot(...moved) - 0.002) < 1e-6, `${moved}`);
+  assert.deepEqual(await shift((copy) => (copy.nodes.find((node) => node.mesh === 0).weights = [2, 0, 0, 0])), moved, "the node's weights override the mesh's");
+  assert.deepEqual(await shift((copy) => (copy.meshes[0].weights = [0, 0, 0, 1])), none, 'nobody smiles at rest');
 });
 
 test('recognises names of nodes, materials of a head, and words that end like a side', () => {

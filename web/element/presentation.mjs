@@ -75,7 +75,7 @@ export class Presentation {
     if (!this.#mixer.pose) this.wake();
   }
 
-  /** Whether only the lips move; the mood is still shown. */
+  /** Whether only the lips move; mood and affects are still shown. */
   get still() {
     return this.#mixer.still;
   }
@@ -154,7 +154,7 @@ export class Presentation {
     const { face } = this.idle;
     if (heard?.running) face.leave();
     const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
-    const changed = this.#mixer.update(now, heard, idle);
+    const changed = this.#mixer.update(now, heard && { ...heard, still: heard.utterance.options?.still === true }, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
     const changing = this.#mixer.changing(now);
     const turning = this.orbit.update(now / 1000);

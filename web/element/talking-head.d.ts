@@ -24,7 +24,7 @@ export interface ListenOptions {
   fps?: number;
   /** Strength of the idle motion. */
   life?: number;
-  /** Only the lips move; no signs of life, no expressions. */
+  /** Only the lips move; no signs of life, no gestures and accents. The affects of the text show, without head and gaze. */
   still?: boolean;
   /** When to speak it. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
@@ -114,7 +114,7 @@ export interface SpeakOptions {
   again?: boolean;
   /** Also send its phones as events. */
   phones?: boolean;
-  /** Only the lips move; no signs of life, no expressions. */
+  /** Only the lips move; no signs of life, no gestures and accents. The affects of the text show, without head and gaze. */
   still?: boolean;
   // </speak options>
 }

@@ -70,9 +70,13 @@ export function longEdges({ position: p }, length) {
     Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]) > length;
 }
 
-/** Edges of the lips, the lids and the nose's underside that are long enough to show as corners. */
+const EAR = ['10.1', '10.2', '10.3', '10.4', '10.5', '10.6'];
+const EAR_REACH = 22; // mm from one of its points: the whole ear, little of the cheek
+
+/** Edges of the lips, the lids, the nose's underside and the ears that are long enough to show as corners. */
 export function skinDetail(ctx, part, spec) {
   const long = longEdges(part, spec.longestEdge),
+    ear = longEdges(part, spec.longestEar),
     longer = longEdges(part, spec.longestElsewhere);
   const near = part.refs.map((refs) => {
     const [v] = refs[0];
@@ -82,8 +86,11 @@ export function skinDetail(ctx, part, spec) {
     );
     return ctx.grid.inner[v] + ctx.grid.outer[v] > 0.4 || toEye < ctx.eyes.radius + 6;
   });
+  const ears = part.refs.map(([[v]]) =>
+    EAR.some((name) => Math.hypot(...ctx.fdp[name].map((x, k) => x - ctx.p[v * 3 + k])) < EAR_REACH),
+  );
   const high = (v) => part.position[v * 3 + 1] > spec.refineAbove;
-  return (a, b) => (near[a] && near[b] ? long(a, b) : high(a) && high(b) && longer(a, b));
+  return (a, b) => (near[a] && near[b] ? long(a, b) : ears[a] && ears[b] ? ear(a, b) : high(a) && high(b) && longer(a, b));
 }
 
 /**

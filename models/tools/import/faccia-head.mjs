@@ -19,7 +19,7 @@ const USAGE = `Usage: faccia head import FILE [--points FILE] [-o HEAD.json]
        faccia head calibrate HEAD.json --points FILE [-o HEAD.json]
        faccia head points HEAD.json [-o FILE.fdp | FILE.json]
        faccia head check HEAD.json
-Makes a head of a GLB, glTF, VRM, FBX, OBJ, PLY or VRML97 file; has a head take the feature points of somebody; writes a head's feature points (Xface's
+Makes a head of a GLB, glTF, VRM, FBX, OBJ, PLY or VRML file; has a head take the feature points of somebody; writes a head's feature points (Xface's
 .fdp, or JSON); says what a head lacks and what its FAPs will not do.
 
   -p, --points FILE   feature points: Xface's .fdp, JSON, or a head's own file (import: found by themselves where the file brings none)

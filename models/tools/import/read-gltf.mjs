@@ -11,7 +11,7 @@ import { plainLook, shapedBy } from '../../../web/element/avatar/extensions.mjs'
 import { readPoints } from './points.mjs';
 import { asTriangles, turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
-import { targetNamer } from './target-names.mjs';
+import { isExpression, targetNamer } from './target-names.mjs';
 import { textOf } from './text.mjs';
 import { apply, linear, matrixOf, mirrors, product } from './matrix.mjs';
 
@@ -257,7 +257,7 @@ function colorsOf(gltf, i, count, at, factor = [1, 1, 1]) {
   return colors.some((x, k) => Math.abs(x - colors[k % 3]) > 0.01) ? colors : null;
 }
 
-function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
+function readPrimitive(gltf, mesh, primitive, at, matrix, look, weights) {
   const { mode = 4 } = primitive;
   if (![4, 5, 6].includes(mode)) {
     gltf.notes.push(`${at} is not of triangles: left out`);
@@ -285,7 +285,11 @@ function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
     if (target.POSITION === undefined) return;
     const deltas = gltf.accessor(target.POSITION, 3, `${at}.targets[${i}].POSITION`, true, true);
     if (deltas.length !== raw.length) throw new FileError(`${at}.targets[${i}].POSITION`, `must have ${count} elements`);
-    targets[gltf.nameOf(gltf.json.meshes.indexOf(mesh), i, names[i] === undefined ? undefined : String(names[i]))] = linear(matrix, deltas);
+    const name = gltf.nameOf(gltf.json.meshes.indexOf(mesh), i, names[i] === undefined ? undefined : String(names[i]));
+    // What a file adds at rest is the person's own form; a face that smiles or blinks at rest is imported without that.
+    const weight = Number.isFinite(weights?.[i]) && !isExpression(name) ? weights[i] : 0;
+    if (weight) for (let k = 0; k < raw.length; k++) raw[k] += weight * deltas[k];
+    targets[name] = linear(matrix, deltas);
   });
   return { position: apply(matrix, raw), index, uv, colors, targets };
 }
@@ -324,7 +328,7 @@ export async function readGltf(file, bytes, budget) {
       budget.work(1000, `meshes[${node.mesh}].primitives[${k}]`);
       if (meshes.length >= MOST.meshes) throw new FileError(`meshes[${node.mesh}]`, `more than ${MOST.meshes} meshes are no head`);
       if (primitive.material !== undefined) gltf.member('materials', primitive.material, `meshes[${node.mesh}].primitives[${k}].material`);
-      const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place, materials[primitive.material]);
+      const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place, materials[primitive.material], node.weights ?? mesh.weights);
       if (read) meshes.push({ name: String(mesh.name ?? node.name ?? `mesh ${node.mesh}`), also: String(node.name ?? ''), material: primitive.material ?? -1, ...read });
     });
   }

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** VRML97 (ISO/IEC 14772-1), as modelling programs write it: the scene's IndexedFaceSets with transforms, materials and textures. */
+/** VRML97 (ISO/IEC 14772-1), as modelling programs write it, and VRML 1.0: the scene's IndexedFaceSets with transforms, materials and textures. */
 import { pictureBeside } from './beside.mjs';
 import { cutFace, turnedOver } from './corners.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { apply, matrixOf, mirrors, product } from './matrix.mjs';
 import { textOf } from './text.mjs';
+import { vrmlTransform } from './vrml-transform.mjs';
+import { walkVrml1 } from './vrml1.mjs';
 
 const TOKEN = /#[^\r\n]*|"(?:[^"\\]|\\.)*"|[[\]{}]|[^\s,[\]{}"#]+|\r\n|\r|\n/g;
 
 class Reader {
-  constructor(text, budget) {
+  /** @param {boolean} old whether it is VRML 1.0: nodes stand in nodes without a field, and values may be words */
+  constructor(text, budget, old = false) {
+    this.old = old;
     this.text = text;
     this.budget = budget;
     this.line = 1;
@@ -40,7 +44,6 @@ class Reader {
 
   /** Reads a node, or resolves USE. */
   node(depth) {
-    if (depth > MOST.depth) this.fail('nodes within nodes within nodes: too deep');
     let name = null;
     if (this.word === 'USE') {
       this.advance();
@@ -52,12 +55,26 @@ class Reader {
       this.advance();
       name = this.advance();
     }
-    const node = { type: this.advance(), name, fields: {}, line: this.line };
+    return this.body(this.advance(), name, depth);
+  }
+
+  body(type, name, depth) {
+    if (depth > MOST.depth) this.fail('nodes within nodes within nodes: too deep');
+    const node = { type, name, fields: {}, nodes: [], line: this.line };
     if (this.word !== '{') this.fail(`"{" must follow ${String(node.type).slice(0, 40)}`);
     this.advance();
     while (this.word !== '}') {
       if (this.word === undefined) this.fail(`the file ends within a ${node.type}`);
+      if (this.old && ['DEF', 'USE'].includes(this.word)) {
+        node.nodes.push(this.node(depth + 1));
+        continue;
+      }
       const field = this.advance();
+      if (this.old && this.word === '{') {
+        this.budget.keep(1, () => `line ${this.line}`);
+        node.nodes.push(this.body(field, null, depth + 1));
+        continue;
+      }
       if (!/^[A-Za-z_]/.test(field)) this.fail(`"${field.slice(0, 40)}" is no field of a ${node.type}`);
       if (field === 'ROUTE') {
         this.skipRoute();
@@ -106,29 +123,21 @@ class Reader {
     }
     if (word[0] === '"') return this.advance().slice(1, -1).replace(/\\(.)/g, '$1');
     if (['TRUE', 'FALSE', 'NULL'].includes(word)) return { TRUE: true, FALSE: false, NULL: null }[this.advance()];
+    if (this.old && /^[A-Z_(]/.test(word)) return this.wordOrMask();
     if (!/^[A-Za-z_]/.test(word)) this.fail(`"${word.slice(0, 40)}" is no value`);
     return this.node(depth + 1);
+  }
+
+  /** A word of VRML 1.0 such as COUNTERCLOCKWISE, or several in brackets. */
+  wordOrMask() {
+    const first = this.advance();
+    if (first[0] !== '(') return first;
+    for (let word = first; word !== undefined && !word.endsWith(')'); ) word = this.advance();
+    return first;
   }
 }
 
 const listOf = (value) => (Array.isArray(value) ? value : value ? [value] : []);
-
-function turn([x, y, z, angle]) {
-  const length = Math.hypot(x, y, z) || 1;
-  const s = Math.sin(angle / 2) / length;
-  return [x * s, y * s, z * s, Math.cos(angle / 2)];
-}
-
-/** T C R SR S -SR -C (ISO/IEC 14772-1, 6.52). */
-function transformOf({ fields, line }) {
-  const at = `line ${line}`;
-  const { translation, center = [0, 0, 0], rotation = [0, 0, 1, 0], scale, scaleOrientation = [0, 0, 1, 0] } = fields;
-  const back = ([x, y, z, angle]) => [x, y, z, -angle];
-  return [
-    { translation }, { translation: center }, { rotation: turn(rotation) }, { rotation: turn(scaleOrientation) }, { scale },
-    { rotation: turn(back(scaleOrientation)) }, { translation: center.map((x) => -x) },
-  ].map((one) => matrixOf(one, at)).reduce(product);
-}
 
 function facesOf({ fields, line }, matrix, name, material, meshes, budget) {
   const fail = (what) => {
@@ -182,8 +191,9 @@ function facesOf({ fields, line }, matrix, name, material, meshes, budget) {
 
 export function readVrml(file, bytes, budget) {
   const text = textOf(bytes);
-  if (!/^#VRML V2\.0 utf8/.test(text)) throw new FileError('line 1', 'this is no VRML97: it must begin with "#VRML V2.0 utf8"');
-  const reader = new Reader(text, budget);
+  const old = /^#VRML V[12]\.0 ascii/.test(text); // LUCIA's files of VRML 1.0 say 2.0
+  if (!old && !/^#VRML V2\.0 utf8/.test(text)) throw new FileError('line 1', 'this is no VRML: it must begin with "#VRML V2.0 utf8" or "#VRML V1.0 ascii"');
+  const reader = new Reader(text, budget, old);
   const roots = [];
   while (reader.word !== undefined) {
     if (reader.word !== 'ROUTE') roots.push(reader.node(0));
@@ -211,6 +221,10 @@ export function readVrml(file, bytes, budget) {
     }
     return sides[solid];
   };
+  const draw = (set, matrix, name, appearance, solid) => {
+    facesOf(set, matrix, name ?? `mesh ${meshes.length}`, materialOf(appearance, solid), meshes, budget);
+    if (meshes.length > MOST.meshes) throw new FileError(`line ${set.line}`, `more than ${MOST.meshes} meshes are no head`);
+  };
   let visited = 0;
   const walk = (node, matrix, name) => {
     if (!node?.type) return;
@@ -219,17 +233,17 @@ export function readVrml(file, bytes, budget) {
     const own = node.name ?? name;
     if (node.type === 'Shape') {
       const { geometry, appearance } = node.fields;
-      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance, geometry.fields.solid !== false), meshes, budget);
-      if (meshes.length > MOST.meshes) throw new FileError(`line ${node.line}`, `more than ${MOST.meshes} meshes are no head`);
+      if (geometry?.type === 'IndexedFaceSet') draw(geometry, matrix, geometry.name ?? own, appearance, geometry.fields.solid !== false);
       return;
     }
-    const inner = node.type === 'Transform' ? product(matrix, transformOf(node)) : matrix;
+    const inner = node.type === 'Transform' ? product(matrix, vrmlTransform(node.fields, `line ${node.line}`)) : matrix;
     const { children, choice, whichChoice = -1, level } = node.fields;
     // of alternatives, reads the chosen one of a Switch and the nearest level of an LOD
     const shown = node.type === 'Switch' ? listOf(choice).slice(whichChoice, whichChoice < 0 ? 0 : whichChoice + 1) : node.type === 'LOD' ? listOf(level).slice(0, 1) : listOf(children);
     for (const child of shown) walk(child, inner, own);
   };
-  for (const root of roots) walk(root, matrixOf({}, ''), null);
+  if (old) walkVrml1(roots, { draw, work: (steps, at) => budget.work(steps, at) });
+  else for (const root of roots) walk(root, matrixOf({}, ''), null);
   if (!meshes.length) throw new FileError('', 'there is no IndexedFaceSet in it');
   return { meshes, materials, notes, unit: null };
 }

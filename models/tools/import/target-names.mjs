@@ -5,8 +5,12 @@ import { HALVES, presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/
 /** Names that differ: VRM's vowels are visemes. */
 const ALSO = { vowel_aa: 'viseme_aa', vowel_ih: 'viseme_I', vowel_ou: 'viseme_U', vowel_ee: 'viseme_E', vowel_oh: 'viseme_O', mouthOpen: 'jawOpen' };
 
-/** Renames the targets of a scene's meshes; unknown ones keep their names. */
+const moves = (deltas) => deltas.some((x) => Math.abs(x) > 1e-9);
+
+/** Renames the targets of a scene's meshes; unknown ones keep their names. One that moves no mesh is left out, so that another of its kind counts. */
 export function nameTargets({ meshes }) {
+  const alive = new Set(meshes.flatMap(({ targets }) => Object.keys(targets).filter((name) => moves(targets[name]))));
+  for (const mesh of meshes) mesh.targets = Object.fromEntries(Object.entries(mesh.targets).filter(([name]) => alive.has(name)));
   const rows = rowShapes([...new Set(meshes.flatMap(({ targets }) => Object.keys(targets)))]);
   for (const mesh of meshes) {
     const known = shapesAmong(Object.keys(mesh.targets), rows);
@@ -22,6 +26,9 @@ export function nameTargets({ meshes }) {
     mesh.targets = named;
   }
 }
+
+/** Whether a target is a movement of the face, and not a form of it. */
+export const isExpression = (name) => Boolean(shapeOf(name) ?? presetOf(name));
 
 const list = (value) => (Array.isArray(value) ? value : []);
 

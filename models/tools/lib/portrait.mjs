@@ -14,7 +14,7 @@ import { shadePoint, toLinear } from './shading.mjs';
 
 const SAMPLES = 2; // for each pixel, in both directions
 const WHITE = [255, 255, 255, 255]; // of what has no texture
-const FADE = 0.13; // as in web/element/head/view.mjs
+const FADE = 0.08; // as in web/element/head/view.mjs
 
 /**
  * @param {object} head unpacked (deform.mjs)

@@ -139,6 +139,11 @@ static int by_first(const void *a, const void *b) {
     return (x->order > y->order) - (x->order < y->order);
 }
 
+static void find_latest(struct cue_envelopes *shows) {
+    for (size_t i = 0; i < shows->count; i++)
+        shows->latest[i] = i ? fmax(shows->latest[i - 1], shows->items[i].last) : shows->items[i].last;
+}
+
 void cue_envelopes_from(const struct sentence_audio *u, const struct expressions *expressions,
                         enum face_blend blend, struct cue_envelopes *out) {
     *out = (struct cue_envelopes){0};
@@ -155,8 +160,18 @@ void cue_envelopes_from(const struct sentence_audio *u, const struct expressions
         out->count++;
     }
     qsort(out->items, out->count, sizeof *out->items, by_first);
-    for (size_t i = 0; i < out->count; i++)
-        out->latest[i] = i ? fmax(out->latest[i - 1], out->items[i].last) : out->items[i].last;
+    find_latest(out);
+}
+
+void cue_envelopes_calm(struct cue_envelopes *shows) {
+    size_t kept = 0;
+    for (size_t i = 0; i < shows->count; i++)
+        if (shows->items[i].is_affect) {
+            shows->items[kept] = shows->items[i];
+            shows->items[kept++].reach = 0;
+        }
+    shows->count = kept;
+    find_latest(shows);
 }
 
 void cue_envelopes_free(struct cue_envelopes *shows) {

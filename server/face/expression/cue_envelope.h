@@ -39,6 +39,9 @@ struct cue_envelopes {
 
 void cue_envelopes_from(const struct sentence_audio *u, const struct expressions *expressions,
                         enum face_blend blend, struct cue_envelopes *out);
+
+/* Keeps only the poses of affects: a face that keeps still has a mood, but no accents and no gestures. */
+void cue_envelopes_calm(struct cue_envelopes *shows);
 void cue_envelopes_free(struct cue_envelopes *shows);
 
 /* Returns the pose's level at t without the cue's intensity, 0..1. */

@@ -62,6 +62,8 @@ void sentence_expression_from(const struct sentence_audio *u, const struct phone
                                         .rule = options->blend};
     if (options->expressions)
         cue_envelopes_from(u, options->expressions, options->blend, &out->envelopes);
+    if (options->still)
+        cue_envelopes_calm(&out->envelopes);
     activity_from(g, &out->activity);
 }
 

@@ -113,3 +113,22 @@ test('jumps, changes the rate and interrupts through the element', async () => {
   assert.deepEqual(page.problems, []);
   await page.close();
 });
+
+test('for users who prefer reduced motion the affect of a text shows, and nothing but the lips moves beside it', async () => {
+  const page = await open(); // the tests' browser asks for reduced motion
+  const said = (affect) => page.evaluate(async ([words, mood]) => {
+    const head = document.querySelector('talking-head');
+    const most = Array(69).fill(0);
+    const watch = setInterval(() => head.debug().fapValues.forEach((value, n) => (most[n] = Math.max(most[n], Math.abs(value)))), 10);
+    await head.speak(words, { lang: 'it', markup: 'ssml', ...(mood ? { affect: mood } : {}) });
+    clearInterval(watch);
+    return most;
+  }, ['<speak>Mi <emphasis level="strong">dispiace</emphasis> molto, davvero.</speak>', affect]);
+  const plain = await said(null);
+  for (const fap of [19, 21, 31, 32, 37]) assert.equal(plain[fap], 0, `FAP ${fap} moves without an affect`);
+  const sad = await said('sadness');
+  assert.ok(sad[31] > 100 && sad[37] > 40 && sad[59] > 0, `brows ${sad[31]}, together ${sad[37]}`);
+  for (const fap of [23, 24, 25, 26, 48, 49, 50]) assert.equal(sad[fap], 0, `FAP ${fap} moves`);
+  assert.ok(plain[3] > 20, 'and it speaks');
+  await page.close();
+});

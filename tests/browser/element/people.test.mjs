@@ -3,10 +3,12 @@
 // poster. The same without WebGL.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { PNG } from 'pngjs';
 import { launch, openPage, picture } from '../../lib/browser.mjs';
+import { models as built } from '../../lib/built-heads.mjs';
 import { artefacts, Daemon } from '../../lib/daemon.mjs';
 
 let daemon, browser, page, models;
@@ -134,14 +136,23 @@ test('each view shows a different part of the head', async () => {
   await page.close();
 });
 
-test('shows a picture of the speaker without WebGL', async () => {
+/** The built models, but for Bruno's set of pictures. */
+function modelsWithoutSet() {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-models-'));
+  fs.cpSync(built, folder, { recursive: true, filter: (file) => !/pictures\/bruno|\.glb$/.test(file) });
+  return folder;
+}
+
+test('shows a picture of the speaker without WebGL, where there is no set of pictures', async () => {
+  const folder = modelsWithoutSet();
+  const other = await Daemon.start([], { FACCIA_MODELS: folder });
   const blind = await launch({ webgl: false });
   try {
     const plain = await blind.newPage();
-    await plain.goto(daemon.url);
+    await plain.goto(other.url);
     const poster = plain.locator('talking-head .poster');
     const message = plain.locator('talking-head .message');
-    // Mara has a picture set, Bruno has none.
+    // Mara has a picture set, Bruno has none here.
     await plain.waitForFunction(() => document.querySelector('talking-head').debug?.().level === 'pictures', null, { timeout: 60000 });
     await poster.waitFor({ state: 'hidden', timeout: 30000 });
     assert.match(await poster.getAttribute('src'), /\/v1\/models\/mara\.webp$/);
@@ -158,12 +169,12 @@ test('shows a picture of the speaker without WebGL', async () => {
     }));
     assert.ok(await poster.isVisible(), 'and what is said is read under it');
     const stand = (wish) => plain.evaluate((value) => { document.querySelector('talking-head').poster = value; }, wish);
-    await stand(`${daemon.url}/v1/models/rosa.webp`);
+    await stand(`${other.url}/v1/models/rosa.webp`);
     await plain.waitForFunction(() => {
       const image = document.querySelector('talking-head').shadowRoot.querySelector('.poster');
       return /rosa\.webp$/.test(image.src) && !image.hidden && image.naturalWidth > 200;
     });
-    await stand(`${daemon.url}/nobody.webp`);
+    await stand(`${other.url}/nobody.webp`);
     await poster.waitFor({ state: 'hidden' });
     assert.ok(await message.isVisible(), 'where the picture cannot be had, either, one is told');
     await stand(null);
@@ -172,5 +183,7 @@ test('shows a picture of the speaker without WebGL', async () => {
     await poster.waitFor({ state: 'hidden' });
   } finally {
     await blind.close();
+    await other.stop();
+    fs.rmSync(folder, { recursive: true });
   }
 });

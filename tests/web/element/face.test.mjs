@@ -125,6 +125,19 @@ test('keeping still shows the mood, also during speech, without gaze or head tur
   assert.deepEqual(shown(), [0, 0, 0, 0, 0], 'no mood any more');
 });
 
+test('keeping still shows the affects of a text that is spoken so, and nothing else of it', () => {
+  const mixer = new FaceMixer();
+  mixer.still = true;
+  const speech = new FaceTrack(25);
+  speech.put(0, Array.from({ length: 10 }, () => faceValues({ 31: -500, 3: 200, 48: -700, 23: 300 })));
+  const shown = (still) => {
+    for (let now = 0; now < 800; now += 16) mixer.update(now, { ...heard(speech, 0.1), still }, null);
+    return [31, 3, 48, 23].map((n) => Math.round(mixer.values[n]));
+  };
+  assert.deepEqual(shown(true), [-500, 200, 0, 0]);
+  assert.deepEqual(shown(false), [0, 200, 0, 0], 'made to move: its brows may be accents and blinks');
+});
+
 test('fades to a pose on request', () => {
   const mixer = new FaceMixer();
   mixer.pose = faceValues({ 3: 250 });

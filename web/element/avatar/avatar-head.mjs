@@ -147,7 +147,7 @@ function viewOf({ chin, upper }, eyes) {
   return { target: [0, -22 * size, 0], distance: Math.max(620 * size, -chin[1] * 5.6), fov: 26 };
 }
 
-const FADE = 'linear-gradient(#000 87%, transparent)'; // where a bust ends
+const FADE = 'linear-gradient(#000 92%, transparent)'; // where a bust ends
 const CLOSE = ['face', 'mouth']; // views that end in the skin
 
 /** A View whose colours are light until the last step, as materials of glTF want it. */

@@ -54,7 +54,8 @@ export class FaceMixer {
 
   /**
    * @param {number} now milliseconds
-   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean}|null} heard
+   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean, still?: boolean}|null} heard
+   *   still: made to keep still, so that what it shows beside the lips are the affects of its text
    * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number}|null} idle
    * @returns {boolean} whether the values have changed
    */
@@ -78,13 +79,20 @@ export class FaceMixer {
     }
     const weight = (milliseconds) => ease(Math.min(1, Math.max(0, (now - this.since) / milliseconds)));
     const [mouth, upper] = [weight(CHANGE_MS), weight(UPPER_CHANGE_MS)];
+    const affects = !this.pose && this.source === heard?.track && heard?.still;
     for (let n = 0; n < FAP_VALUES; n++) {
       const w = moving(n) ? mouth : upper;
-      const target = this.still && !this.pose && !moving(n) ? this.mood[n] : this.target[n];
+      const target = this.still && !this.pose && !moving(n) ? this.#held(n, affects) : this.target[n];
       this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
     }
     this.before = now;
     return this.values.some((value, n) => value !== shown[n]);
+  }
+
+  /** What a still face shows beside the lips: the mood, or a stronger affect of the text. */
+  #held(n, affects) {
+    const [mood, affect] = [this.mood[n], affects && !looking(n) ? this.target[n] : 0];
+    return Math.abs(affect) > Math.abs(mood) ? affect : mood;
   }
 
   /** The mood of a face that keeps still follows what the idle track shows on the whole. */

@@ -24,6 +24,8 @@ const CUT = 0.5; // of the alpha of hair that is drawn as if it were opaque
 
 /** Brows are drawn as if they stood some 3 mm before the skin: the lid that closes comes out below them. */
 const OVER_LIDS = { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -6000 };
+/** Lashes, as if half a mm before it: on closed lids the skin would cut their roots into dashes. */
+const ON_LIDS = { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -1000 };
 
 /** Colours come multiplied by alpha. */
 function blended(material) {
@@ -220,6 +222,7 @@ export class Head {
       },
     });
     if (part.name.startsWith('brows')) Object.assign(material, OVER_LIDS);
+    if (part.name.startsWith('lashes')) Object.assign(material, ON_LIDS);
     if (!opaque) {
       material.transparent = true;
       blended(material);

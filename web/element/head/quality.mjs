@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 
 /**
- * From the best to the cheapest: fine shading; samples for each pixel; share of the display's pixels, and how many pixels
- * there are to a CSS pixel at most.
+ * From the best to the cheapest: fine shading; samples for each pixel; whether edges are made soft where no graphics processor
+ * draws; share of the display's pixels, and how many pixels there are to a CSS pixel at most.
  */
 export const LEVELS = [
-  { name: 'high', fine: true, samples: 4, share: 1, ratio: 2, anisotropy: 8 },
-  { name: 'high-1x', fine: true, samples: 4, share: 1, ratio: 1, anisotropy: 4 },
-  { name: 'fine', fine: true, samples: 0, share: 1, ratio: 1, anisotropy: 2 },
-  { name: 'low', fine: false, samples: 0, share: 0.75, ratio: 1, anisotropy: 1 },
-  { name: 'lowest', fine: false, samples: 0, share: 0.5, ratio: 0.75, anisotropy: 1 },
+  { name: 'high', fine: true, samples: 4, soft: true, share: 1, ratio: 2, anisotropy: 8 },
+  { name: 'high-1x', fine: true, samples: 4, soft: true, share: 1, ratio: 1, anisotropy: 4 },
+  { name: 'fine', fine: true, samples: 0, soft: false, share: 1, ratio: 1, anisotropy: 2 },
+  { name: 'low', fine: false, samples: 0, soft: true, share: 0.75, ratio: 1, anisotropy: 1 },
+  { name: 'lowest', fine: false, samples: 0, soft: true, share: 0.5, ratio: 0.75, anisotropy: 1 },
 ];
 
 const FIXED = { high: 0, low: 3 };

@@ -6,7 +6,7 @@ import {
   WebGLRenderTarget,
 } from 'three';
 
-const FADE = 0.13; // of the picture's height, over which the shoulders vanish
+const FADE = 0.08; // of the picture's height, over which the shoulders vanish
 const SOFTWARE_ANISOTROPY = 2; // each more is a texture read more, and faces look at the viewer
 const CLOSE = ['face', 'mouth']; // views that end in the skin
 
@@ -81,7 +81,7 @@ export class View {
 
   /** Whether edges are made soft after drawing: see edges.mjs. */
   get #smoothed() {
-    return this.smooths && this.level.samples > 0 && this.software;
+    return this.smooths && this.level.soft && this.software;
   }
 
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */

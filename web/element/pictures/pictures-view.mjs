@@ -4,6 +4,7 @@ import { decodePictures } from './set.mjs';
 const ROOM = 1.4; // round the mouth, in the view `mouth`
 const SWAY = 0.5; // of what a turn of the head would move the face: the shoulders, which stand, move along
 const AU = 1e-5; // radians
+const SIDES = 0.12; // of the picture's width, over which shoulders fade where the place is wider than the picture
 
 /**
  * A canvas with a set of pictures on it, without a graphics processor: the same as View, for a face of photographs. The base
@@ -33,6 +34,19 @@ export class PicturesView {
   /** In CSS pixels. */
   resize(width, height) {
     this.size = { width, height };
+    this.#soften();
+  }
+
+  /** Makes the sides of a picture soft that is narrower than its place: it ends in the middle of the shoulders. */
+  #soften() {
+    const { canvas, shown, size } = this;
+    if (!shown) return;
+    const drawn = Math.min(size.width, (size.height * shown.width) / shown.height);
+    const beside = (100 * (size.width - drawn)) / 2 / size.width;
+    const faded = beside + (100 * SIDES * drawn) / size.width;
+    const at = (percent) => `${percent.toFixed(2)}%`;
+    canvas.style.maskImage =
+      beside < 0.5 ? '' : `linear-gradient(90deg, transparent ${at(beside)}, #000 ${at(faded)} ${at(100 - faded)}, transparent ${at(100 - beside)})`;
   }
 
   setLevel() {} // there is one
@@ -46,6 +60,7 @@ export class PicturesView {
       Object.assign(canvas, { width: shown.width, height: shown.height });
       context.translate(-shown.x, -shown.y);
       head.begin(context);
+      this.#soften();
     } else head.draw(context);
     const transform = shown === head.whole ? this.#turned() : '';
     if (canvas.style.transform !== transform) canvas.style.transform = transform;
@@ -70,7 +85,7 @@ export class PicturesView {
 
   dispose() {
     this.head?.dispose();
-    Object.assign(this.canvas.style, { objectFit: '', transform: '', transformOrigin: '' });
+    Object.assign(this.canvas.style, { objectFit: '', transform: '', transformOrigin: '', maskImage: '' });
   }
 }
 

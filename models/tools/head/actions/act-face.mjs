@@ -32,7 +32,7 @@ export function faceActions(actions, ctx, tuning) {
   }
 }
 
-const SPARED = [2, 12]; // mm from the eyeball
+const SPARED = [2, 16]; // mm from the eyeball
 
 /** 0 on the lids, 1 from some mm outside: cheeks and brows must not push the lids through the eyeballs. */
 function spared({ eyes }, x, y, z, [near, clear] = SPARED) {

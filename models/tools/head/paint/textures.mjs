@@ -4,6 +4,7 @@ import { readAsset } from './asset-image.mjs';
 import { occlusion } from './bake.mjs';
 import { bleed, recolour, writeImage } from '../../lib/image.mjs';
 import { normals } from '../../lib/mesh.mjs';
+import { fadeHairline } from './hairline.mjs';
 import { paintCloth } from './paint-cloth.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';
@@ -44,9 +45,11 @@ function paintBothEyes({ size }, { recipe, parts, eyeSpec }) {
 }
 
 async function paintAsset(spec, scene) {
+  const named = (name) => scene.parts.find((part) => part.name === name);
   const image = await readAsset(spec, scene);
   if (spec.ramp) recolour(image, spec.ramp);
   if (spec.strands) paintHair(image, spec.strands);
+  if (spec.hairline) fadeHairline(image, named('hair'), named('skin'), spec.hairline);
   bleed(image, spec.size / 32);
   return image;
 }

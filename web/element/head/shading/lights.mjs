@@ -3,11 +3,11 @@
 
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
-export const KEY = { direction: unit([-0.55, 0.55, 0.72]), color: [2.0, 1.88, 1.72] };
-export const FILL = { direction: unit([0.85, 0.1, 0.55]), color: [0.42, 0.47, 0.55] };
+export const KEY = { direction: unit([-0.55, 0.55, 0.72]), color: [2.12, 1.98, 1.8] };
+export const FILL = { direction: unit([0.85, 0.1, 0.55]), color: [0.34, 0.39, 0.47] };
 export const RIM = { direction: unit([0.6, 0.45, -0.75]), color: [1.3, 1.35, 1.45] };
-export const SKY = [0.5, 0.53, 0.58];
-export const GROUND = [0.3, 0.25, 0.22];
+export const SKY = [0.42, 0.45, 0.5];
+export const GROUND = [0.25, 0.2, 0.175];
 
 // The light that falls on a surface. KIND and FINE: see shader-surface.mjs.
 
@@ -51,8 +51,10 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
 #else
 #if KIND == 3
   vec3 ambientReach = vec3(max(reach.x, 0.12));
+#elif KIND == 2
+  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair lets light through: it is not black inside
 #else
-  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair and cloth let light through: they are not black inside
+  vec3 ambientReach = vec3(max(reach.x, 0.55)); // nor is a collar, whose cloth lets more through
 #endif
   vec3 keyReach = vec3(reach.y);
 #endif

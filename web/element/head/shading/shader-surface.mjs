@@ -46,7 +46,8 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
 #else
   float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
 #if KIND == 1
-  rough = mix(rough, 0.34, lipsOf(base)); // lips are moist
+  float lips = lipsOf(base);
+  rough = mix(rough, 0.42, lips); // lips are moist
 #endif
   float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
   color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
@@ -56,6 +57,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
   color *= specular * 2.6;
 #if KIND == 1
+  color *= 1.0 - 0.35 * lips; // but furrowed: no mirror
   color *= smoothstep(0.004, 0.02, dot(base.rgb, vec3(0.3, 0.6, 0.1))); // roots of hair that are painted on the skin do not shine
 #endif
 #endif
@@ -276,7 +278,9 @@ vec4 shaded(vec4 base) {
 #endif
 #if FINE
   vec3 color = base.rgb * diffuseLight(n, reach);
-#if KIND != 3
+#if KIND == 1
+  color += shineOf(n, v, base, reach) * (1.0 - 0.7 * min(1.0, deep)); // a crease's sides shade each other
+#elif KIND != 3
   color += shineOf(n, v, base, reach);
 #endif
 #else

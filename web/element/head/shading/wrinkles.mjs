@@ -8,10 +8,10 @@ const mean = (values, numbers) => numbers.reduce((sum, n) => sum + values[n], 0)
 /** Values at which a crease is as deep as it gets. */
 const RAISED = 260; // brows, FAPs 31 to 36
 const SQUEEZED = 150; // brows, FAPs 37 and 38
-const LIFTED = 260; // cheeks, FAPs 41 and 42
+const LIFTED = 190; // cheeks, FAPs 41 and 42
 const DRAWN = 240; // cheeks and lips together, see foldsOf
 const STILL = 50; // of that: what speech does to the lips folds nothing
-const WRINKLED = 55; // nose, FAP 63
+const WRINKLED = 60; // nose, FAP 63
 
 /**
  * Computes the depth of creases, 0..1.
@@ -83,11 +83,11 @@ float wrinkle(inout vec3 n) {
   float front = smoothstep(-5.0, 10.0, q.z);
   // Most of the skin has no crease, and a branch costs less than its sines.
   float deep = 0.0;
-  float at = wrinkles.x * front * smoothstep(7.0, 15.0, above) * (1.0 - smoothstep(26.0, 40.0, above)) * (1.0 - smoothstep(20.0, 40.0, side));
+  float at = wrinkles.x * front * (0.55 + 0.45 * smoothstep(2.0, 14.0, side)) * smoothstep(7.0, 15.0, above) * (1.0 - smoothstep(26.0, 40.0, above)) * (1.0 - smoothstep(20.0, 40.0, side));
   if (at > 0.0) {
     vec2 fold = crease(above / 7.0 + 0.3 * sin(q.x * 0.08 + 1.3) + 0.08 * sin(q.x * 0.31)) * at;
-    n.y += 0.30 * fold.y / 7.0;
-    deep = fold.x;
+    n.y += 0.2 * fold.y / 7.0;
+    deep = 0.8 * fold.x;
   }
   float gap = wrinklePlace.y;
   at = wrinkles.y * front * smoothstep(-9.0, -1.0, above) * (1.0 - smoothstep(7.0, 16.0, above)) * (1.0 - smoothstep(0.45 * gap, 0.95 * gap, side));
@@ -102,7 +102,7 @@ float wrinkle(inout vec3 n) {
   if (at > 0.0) {
     float turn = atan(corner.y, corner.x);
     vec2 fold = crease(turn / 0.38 + 0.12 * sin(far * 0.6)) * at * (1.0 - smoothstep(0.5, 0.85, abs(turn)));
-    n.y += 0.14 * fold.y / max(far * 0.38, 2.0);
+    n.y += 0.1 * fold.y / max(far * 0.38, 2.0);
     deep += fold.x;
   }
   // From the nose to the mouth: a line under a cheek that stands out beside it.
@@ -110,17 +110,17 @@ float wrinkle(inout vec3 n) {
   at = (q.x > 0.0 ? folds.x : folds.y) * front * smoothstep(-0.05, 0.25, down) * (1.0 - smoothstep(0.75, 1.15, down));
   if (at > 0.0) {
     float beside = side - mix(foldPlace.x, foldPlace.z, down) - 9.0 * down * (1.0 - down);
-    float valley = exp(-beside * beside / 2.6), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
-    n.x += sign(q.x) * at * (0.09 * (beside - 4.5) * cheek - 0.42 * beside * valley);
+    float valley = exp(-beside * beside / 5.0), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
+    n.x += sign(q.x) * at * (0.05 * (beside - 4.5) * cheek - 0.16 * beside * valley);
     deep += at * 0.8 * valley;
   }
   // Across the nose, beside its bridge.
   at = folds.z * front * smoothstep(3.0, 6.0, side) * (1.0 - smoothstep(11.0, 16.0, side)) * smoothstep(foldPlace.y - 2.0, foldPlace.y + 6.0, q.y)
     * (1.0 - smoothstep(-6.0, 0.0, q.y));
   if (at > 0.0) {
-    vec2 fold = crease((q.y - 0.7 * side) / 5.5) * at;
-    n.y += 0.22 * fold.y / 5.5;
-    deep += 0.7 * fold.x;
+    vec2 fold = crease((q.y - 0.45 * side) / 5.5) * at;
+    n.y += 0.1 * fold.y / 5.5;
+    deep += 0.5 * fold.x;
   }
   return deep;
 }
