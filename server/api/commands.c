@@ -149,6 +149,7 @@ static const struct command commands[] = {
     {"flush", .act = open_text_flush},
     {"close", .act = open_text_close},
     {"voice", .act = client_voice_begin},
+    {"hear", .act = client_ear_begin},
     {"idle", .act = client_idle},
     {"model", .act = client_send_model},
     {"media", .act = client_choose_media},

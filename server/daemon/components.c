@@ -49,6 +49,14 @@ static int load_hearing(struct components *s, const struct settings *settings, c
     s->live = (struct live_pool){.most = settings->live_voices,
                                  .key_most = settings->live_voices_per_address,
                                  .seconds = settings->live_voice_seconds};
+    s->ears = (struct ear_pool){.recogniser = {.how = settings->recogniser,
+                                               .unconfined = settings->voices.unconfined,
+                                               .megabytes = settings->voices.megabytes,
+                                               .seconds = settings->hear_seconds},
+                                .most = settings->live_voices,
+                                .key_most = settings->live_voices_per_address,
+                                .seconds = settings->hear_seconds};
+    s->pipeline.ears = &s->ears;
     s->pipeline.live = &s->live;
     if (access(path, F_OK))
         return 0;

@@ -93,8 +93,13 @@ static bool wants_text(const struct follower *f, enum stream_event_kind kind) {
     return !f->media || !encoding_packs(&f->encoding, kind);
 }
 
+/* What listeners say is not for all. */
+static bool may_have(const struct follower *f, const struct channel_item *item) {
+    return strcmp(item->message->event, HEARD) != 0 || f->remote || follower_hears(f);
+}
+
 static bool wants(struct follower *f, const struct channel_item *item) {
-    if (!item->message)
+    if (!item->message || (item->notice && !may_have(f, item)))
         return false;
     if (!item->media)
         return item->notice || wants_text(f, item->kind);

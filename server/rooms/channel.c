@@ -32,6 +32,7 @@ static void free_channel(struct channel *c) {
     channel_forget_all(c);
     late_join_free(&c->late_join);
     notice_board_free(&c->notices);
+    queued_message_release(c->listens);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);

@@ -181,6 +181,35 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
+void notice_heard(struct channel *c, const json_t *heard) {
+    queued_message_release(notice_tell(c, heard, HEARD));
+}
+
+bool follower_hears(const struct follower *f) {
+    return f->watches && f->directs;
+}
+
+static struct queued_message *tell_state(struct channel *c, const char *state) {
+    json_t *told = notice_begin(c, "state");
+    json_object_set_new(told, "state", json_string(state));
+    struct queued_message *all = notice_tell(c, told, "state");
+    notice_board_state(&c->notices, all);
+    json_decref(told);
+    return all;
+}
+
+void notice_listening(struct channel *c, bool on) {
+    c->listening += on ? 1 : -1u;
+    if (on && c->listening == 1) {
+        c->listens = tell_state(c, "listening");
+    } else if (!c->listening) {
+        if (c->listens == c->notices.state)
+            queued_message_release(tell_state(c, "idle"));
+        queued_message_release(c->listens);
+        c->listens = NULL;
+    }
+}
+
 /* Counts a calibration or a lexicon. Returns -1 with *e when there were too many: each goes to every
  * listener. */
 static int count_large(struct channel *c, const char *what, struct error *e) {

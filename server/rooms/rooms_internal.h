@@ -81,6 +81,9 @@ void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx);
 void notice_board_free(struct notice_board *board);
 
+/* The event of a notice that only some followers get (follower_hears). */
+#define HEARD "heard"
+
 /* The followers that want the same media encoding. */
 struct variant {
     struct variant *next;
@@ -138,6 +141,8 @@ struct channel {
     bool in_turn; /* to be flushed at the end of the loop's turn */
     struct channel *next_in_turn;
     struct variant *variants;
+    unsigned listening;                 /* utterances of listeners being heard */
+    struct queued_message *listens;     /* the state told with the first of them; NULL: none */
     struct channel_item *first, **last; /* output queue, oldest first */
     struct late_join late_join;
     struct notice_board notices;

@@ -45,6 +45,7 @@ const whole = {
   authorized: { subject: 'x' },
   choices: { stream: 's', choices: ['x'] },
   chosen: { stream: 's', choice: 0, text: 'x', by: 'x' },
+  heard: { stream: 's', id: 'x', text: 'x', final: true, by: 'x' },
   state: { stream: 's', state: 'idle' },
   calibrated: { stream: 's' },
   lexicon: { stream: 's', lexicon: '' },

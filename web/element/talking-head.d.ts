@@ -164,6 +164,8 @@ export interface ServerHello {
   opus_skip: number;
   /** Whether tokens are required. */
   tokens: boolean;
+  /** Whether it recognises what listeners say (hear). */
+  hears: boolean;
   /** Languages with a speech pack: tag, name, and their engines. */
   languages: { tag: string; name: string; engines: string[] }[];
   /** Tags of other languages that voices speak; their lips follow the International Phonetic Alphabet. */
@@ -461,6 +463,22 @@ export interface ServerChosen {
   /** Who chose: the token's subject, else the name given at join, else the connection's name. */
   by: string;
 }
+/** What a listener said, sent to that client and to observers who may speak in the room. */
+export interface ServerHeard {
+  type: 'heard';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the hear message. At most 64 bytes. */
+  id: string;
+  /** The words; final and empty: none were recognised. At most 1000 bytes. */
+  text: string;
+  /** False: a preview, which later ones replace. */
+  final: boolean;
+  /** How sure the recogniser is, if it says so. */
+  confidence?: number;
+  /** Who spoke, as in chosen. */
+  by: string;
+}
 /** What the assistant behind the face is doing. */
 export interface ServerState {
   type: 'state';
@@ -553,6 +571,7 @@ export interface TalkingHeadEventMap {
   authorized: CustomEvent<ServerAuthorized>;
   choices: CustomEvent<ServerChoices>;
   chosen: CustomEvent<ServerChosen>;
+  heard: CustomEvent<ServerHeard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;
   expressed: CustomEvent<ServerExpressed>;
