@@ -5,7 +5,9 @@
 #include "server/api/client_message.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/live/answers.h"
 #include "server/live/ear.h"
+#include "server/synthesis/pipeline.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +20,7 @@ struct client_ear {
     struct ear *ear;
     char *id;
     char *told; /* the last preview */
+    char *lang;
     struct client_ear *next;
 };
 
@@ -29,6 +32,7 @@ static void drop(struct client *c, struct client_ear **at) {
     ear_free(one->ear);
     free(one->id);
     free(one->told);
+    free(one->lang);
     free(one);
     notice_listening(c->follower.channel, false);
 }
@@ -73,11 +77,27 @@ static void on_warning(void *ctx, const struct error *e) {
     complain(ctx, e, true);
 }
 
+/* Words may choose one of the answers on offer. */
+static void choose(const struct client_ear *one, const char *text) {
+    struct client *c = one->client;
+    struct channel *channel = c->follower.channel;
+    const json_t *offered = notice_offered(channel);
+    const struct pipeline *pipeline = c->api->pipeline;
+    struct error ignored;
+    int choice = offered ? answers_choose(pipeline->ears->answers, one->lang, offered, text) : -1;
+    if (choice < 0)
+        return;
+    json_t *message = json_pack("{si}", "choice", choice);
+    notice_choose(channel, message, client_called(c), &ignored);
+    json_decref(message);
+}
+
 static void on_done(void *ctx, const struct heard_words *words, const struct error *e) {
     struct client_ear *one = ctx;
     struct client *c = one->client;
     if (words) {
         tell(one, words);
+        choose(one, words->text);
     } else {
         log_warn("%s", e->message);
         complain(one, e, false);
@@ -122,6 +142,7 @@ static int begin(struct client *c, struct client_ear *one, const json_t *message
     if (!failed) {
         client_sound_close(c);
         one->id = mem_strdup(speech.id);
+        one->lang = mem_strdup(speech.lang ? speech.lang : c->api->pipeline->default_lang);
         one->ear = ear_open(c->api->pipeline, &request, &calls, one, e);
     }
     request_free(&speech);
@@ -135,6 +156,7 @@ void client_ear_begin(struct client *c, const json_t *message) {
     if (begin(c, one, message, &e)) {
         client_complain(c, &e);
         free(one->id);
+        free(one->lang);
         free(one);
         return;
     }

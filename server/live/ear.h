@@ -7,14 +7,16 @@
 #include "server/live/live_voice.h"
 #include "server/live/recognition.h"
 
+struct answers;
 struct pipeline;
 
 /* Shared by all ears. */
 struct ear_pool {
     struct recogniser recogniser;
-    unsigned most;     /* limit of ears */
-    unsigned key_most; /* limit per quota key (speech_request.h); 0 = none */
-    unsigned seconds;  /* longest utterance */
+    struct answers *answers; /* words for choices on offer; NULL: none */
+    unsigned most;           /* limit of ears */
+    unsigned key_most;       /* limit per quota key (speech_request.h); 0 = none */
+    unsigned seconds;        /* longest utterance */
     unsigned count;
     struct ear *ears; /* the open ones */
 };

@@ -143,6 +143,10 @@ int notice_choose(struct channel *c, const json_t *message, const char *by, stru
     return at < 0 ? -1 : 0;
 }
 
+const json_t *notice_offered(const struct channel *c) {
+    return json_object_get(c->notices.offered, "choices");
+}
+
 /* Notifies the room of its new mood, and of who set it. */
 static void tell_mood(struct channel *c, const struct mood_request *mix, const char *by) {
     json_t *told = notice_begin(c, "expressed"), *parts = json_array();

@@ -30,6 +30,9 @@ enum {
 int notice_choices(struct channel *channel, const json_t *message, struct error *e);
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
+/* The choices on offer, a list of texts, or NULL. */
+const json_t *notice_offered(const struct channel *channel);
+
 /* Sets the mood of the stream; a room notifies all its followers. by: who set it, or NULL. */
 int notice_express(struct channel *channel, const json_t *message, const char *by, struct error *e);
 

@@ -67,6 +67,32 @@ test('recognises English speech, as samples and as Opus, for the speaker and the
   await close(daemon);
 });
 
+test('chooses an answer on offer by its words, once, and in any language with words', async () => {
+  const daemon = await daemonWith(`[ $HEAR_LANG = en ] && exec ${POCKETSPHINX}; cat >/dev/null; echo 'Beh, la seconda, grazie.'`);
+  const [speaker, screen] = await Promise.all([daemon.stream('?room=kitchen'), daemon.stream('?room=kitchen')]);
+  const { stream: me } = await speaker.wait({ type: 'hello' });
+  await screen.wait({ type: 'joined' });
+  const offer = (id, choices) => screen.send({ type: 'choices', id, choices });
+  offer('a', ['Tea', 'Coffee']);
+  await speaker.wait({ type: 'choices', id: 'a' });
+  await say(speaker, samplesOf(spoken('the second one')), { id: '1' });
+  const { arrived: _, ...chosen } = await screen.wait({ type: 'chosen' });
+  assert.deepEqual(chosen, { type: 'chosen', stream: 'kitchen', id: 'a', choice: 1, text: 'Coffee', by: me });
+  await say(speaker, samplesOf(spoken('the second one')), { id: '2' }); // nothing is on offer
+  offer('b', ['Tè', 'Caffè', 'Latte']);
+  await speaker.wait({ type: 'choices', id: 'b' });
+  await say(speaker, Buffer.alloc(3200), { id: '3', lang: 'it' });
+  await screen.wait({ type: 'chosen', id: 'b', choice: 1, text: 'Caffè' });
+  offer('c', ['Sì']); // there is no second
+  await speaker.wait({ type: 'choices', id: 'c' });
+  await say(speaker, Buffer.alloc(3200), { id: '4', lang: 'it' });
+  screen.send({ type: 'choose', id: 'c', choice: 0 });
+  await speaker.wait({ type: 'chosen', id: 'c', choice: 0 });
+  assert.equal(of(screen, 'chosen').length, 3);
+  assert.deepEqual(of(screen, 'error').concat(of(speaker, 'error')), []);
+  await close(daemon);
+});
+
 test('gives a command the samples and the language, and takes its lines', async () => {
   const daemon = await daemonWith('if [ $HEAR_LANG = it ]; then echo one; echo two; wc -c; else head -c 2 >/dev/null; echo \'{"text":"a\\u0007 b","final":false}\'; cat >/dev/null; echo \'{"text":"a bee","confidence":0.75}\'; echo \'{"text":"sees","confidence":0.5}\'; fi');
   const stream = await daemon.stream();
