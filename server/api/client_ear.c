@@ -7,6 +7,7 @@
 #include "server/base/mem.h"
 #include "server/live/answers.h"
 #include "server/live/ear.h"
+#include "server/rooms/question.h"
 #include "server/synthesis/pipeline.h"
 #include <stdlib.h>
 #include <string.h>
@@ -98,6 +99,7 @@ static void on_done(void *ctx, const struct heard_words *words, const struct err
     if (words) {
         tell(one, words);
         choose(one, words->text);
+        question_heard(c->follower.channel, words->text, client_called(c));
     } else {
         log_warn("%s", e->message);
         complain(one, e, false);

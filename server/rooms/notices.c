@@ -2,6 +2,7 @@
 #include "server/rooms/notices.h"
 #include "server/base/json/error_json.h"
 #include "server/rooms/events.h"
+#include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
 #include <string.h>
@@ -74,7 +75,7 @@ enum {
     CALIBRATION_BURST = 12, /* most calibrations at once */
 };
 
-static int check_choices(const json_t *choices, struct error *e) {
+int notice_check_choices(const json_t *choices, struct error *e) {
     size_t count = json_array_size(choices);
     if (!json_is_array(choices) || count > NOTICE_CHOICES)
         return error_in_field(e, choices ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choices",
@@ -94,8 +95,9 @@ static int check_choices(const json_t *choices, struct error *e) {
 
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
-    int failed = check_choices(choices, e);
+    int failed = notice_check_choices(choices, e);
     if (!failed) {
+        question_offered(c);
         take_member(message, "id", told);
         take_member(message, "question", told);
         json_object_set_new(told, "choices", json_deep_copy(choices));
@@ -138,6 +140,7 @@ int notice_choose(struct channel *c, const json_t *message, const char *by, stru
         json_object_set_new(told, "by", json_string(by));
         queued_message_release(notice_tell(c, told, "chosen"));
         notice_board_choices(&c->notices, NULL, NULL);
+        question_chosen(c, told);
     }
     json_decref(told);
     return at < 0 ? -1 : 0;

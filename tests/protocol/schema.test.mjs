@@ -45,6 +45,8 @@ const whole = {
   authorized: { subject: 'x' },
   choices: { stream: 's', choices: ['x'] },
   chosen: { stream: 's', choice: 0, text: 'x', by: 'x' },
+  asked: { stream: 's', id: 'x', question: 'x', seconds: 1 },
+  answered: { stream: 's', id: 'x', reason: 'chosen', text: 'x', choice: 0, by: 'x' },
   heard: { stream: 's', id: 'x', text: 'x', final: true, by: 'x' },
   state: { stream: 's', state: 'idle' },
   calibrated: { stream: 's' },

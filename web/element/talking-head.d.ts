@@ -463,6 +463,34 @@ export interface ServerChosen {
   /** Who chose: the token's subject, else the name given at join, else the connection's name. */
   by: string;
 }
+/** A question has been said, and waits for its answer: a page may listen now. */
+export interface ServerAsked {
+  type: 'asked';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the question. At most 64 bytes. */
+  id: string;
+  /** Its text. At most 1000 bytes. */
+  question: string;
+  /** How long it waits. */
+  seconds: number;
+}
+/** The end of a question, sent to followers who may speak in the room. Over HTTP it is the answer to ask. */
+export interface ServerAnswered {
+  type: 'answered';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the question. At most 64 bytes. */
+  id: string;
+  /** How it ended. chosen: one of its choices; heard: the words of a listener; timeout: no answer in time; withdrawn: another question or other choices took its place; failed: it could not be said. */
+  reason: 'chosen' | 'heard' | 'timeout' | 'withdrawn' | 'failed';
+  /** The answer. At most 1000 bytes. */
+  text?: string;
+  /** Index in the list of choices, from 0. */
+  choice?: number;
+  /** Who answered, as in chosen. */
+  by?: string;
+}
 /** What a listener said, sent to that client and to observers who may speak in the room. */
 export interface ServerHeard {
   type: 'heard';
@@ -571,6 +599,8 @@ export interface TalkingHeadEventMap {
   authorized: CustomEvent<ServerAuthorized>;
   choices: CustomEvent<ServerChoices>;
   chosen: CustomEvent<ServerChosen>;
+  asked: CustomEvent<ServerAsked>;
+  answered: CustomEvent<ServerAnswered>;
   heard: CustomEvent<ServerHeard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;

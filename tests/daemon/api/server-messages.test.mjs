@@ -82,6 +82,8 @@ async function together() {
   for (const [message, told] of [
     [{ type: 'choices', id: 'q', question: 'Sì?', choices: ['Sì'] }, { type: 'choices', id: 'q' }],
     [{ type: 'choose', id: 'q', choice: 0 }, { type: 'chosen', id: 'q' }],
+    [{ type: 'ask', id: 'k', text: 'Sì?', choices: ['Sì'] }, { type: 'asked', id: 'k' }],
+    [{ type: 'choose', id: 'k', choice: 0 }, { type: 'answered', id: 'k', choice: 0 }],
     [{ type: 'state', state: 'listening', text: 'Ciao' }, { type: 'state', text: 'Ciao' }],
     [{ type: 'calibrate', featurePointsCoord: { '8.3': [26, -62, 18] }, textureCoord: { '8.3': [0, 1] }, texture }, { type: 'calibrated', texture }],
     [{ type: 'calibrate', reset: true }, { type: 'calibrated', reset: true }],

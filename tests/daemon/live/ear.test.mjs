@@ -109,6 +109,60 @@ test('gives a command the samples and the language, and takes its lines', async 
   await close(daemon);
 });
 
+test('asks, and returns the answer to those who may speak: over the stream and over HTTP, chosen, heard, late or withdrawn', async () => {
+  const daemon = await daemonWith("cat >/dev/null; echo 'il secondo'");
+  const [desk, screen] = await Promise.all([daemon.stream('?room=kitchen&lang=it'), daemon.stream('?room=kitchen')]);
+  await screen.wait({ type: 'joined' });
+  const answered = (id) => desk.wait({ type: 'answered', id });
+  // one of its choices, by voice, while she still speaks
+  desk.send({ type: 'ask', id: 'a', text: 'Tè o caffè? Oppure niente, per oggi.', choices: ['Tè', 'Caffè'] });
+  await screen.wait({ type: 'choices', id: 'a', question: 'Tè o caffè? Oppure niente, per oggi.' });
+  await say(screen, Buffer.alloc(3200), { id: '1', lang: 'it' });
+  const { arrived: _, by, ...first } = await answered('a');
+  assert.deepEqual(first, { type: 'answered', stream: 'kitchen', id: 'a', reason: 'chosen', text: 'Caffè', choice: 1 });
+  // any words, over HTTP; the answer waits
+  const post = (message) => daemon.get('/v1/rooms/kitchen/commands', { method: 'POST', body: JSON.stringify({ type: 'ask', lang: 'it', ...message }) });
+  const posted = post({ id: 'b', text: 'Quale?' });
+  await screen.wait({ type: 'asked', id: 'b', question: 'Quale?', seconds: 60 });
+  await say(screen, Buffer.alloc(3200), { id: '2', lang: 'it' });
+  const response = await posted;
+  assert.deepEqual([response.status, await response.json()], [200, { type: 'answered', stream: 'kitchen', id: 'b', reason: 'heard', text: 'il secondo', by }]);
+  // nothing in time: its choices are withdrawn
+  const from = screen.messages.length;
+  assert.deepEqual((({ id, reason }) => [id, reason])(await (await post({ id: 'c', text: 'E ora?', choices: ['Sì', 'No'], seconds: 1 })).json()), ['c', 'timeout']);
+  await screen.wait({ type: 'choices', id: 'c', choices: [] }, { from });
+  // others take its place
+  desk.send({ type: 'ask', id: 'd', text: 'Uno?', choices: ['Sì'] });
+  desk.send({ type: 'ask', id: 'e', text: 'Due?', choices: ['Sì'] });
+  assert.equal((await answered('d')).reason, 'withdrawn');
+  desk.send({ type: 'choices', choices: ['Altro'] });
+  assert.equal((await answered('e')).reason, 'withdrawn');
+  // cut short by its listener, it waits all the same
+  desk.send({ type: 'ask', id: 'f', text: 'Una domanda molto lunga, che nessuno vorrà ascoltare fino alla sua fine, perché sa già la risposta.' });
+  await screen.wait({ type: 'word', id: 'f' });
+  screen.send({ type: 'stop' });
+  await screen.wait({ type: 'asked', id: 'f' });
+  await say(screen, Buffer.alloc(3200), { id: '3', lang: 'it' });
+  assert.equal((await answered('f')).text, 'il secondo');
+  desk.send({ type: 'ask', id: 'g', text: '' });
+  await desk.wait({ type: 'error', id: 'g', code: 'empty-text' });
+  desk.send({ type: 'ask', id: 'h', text: 'Sì?', choices: 'Sì' });
+  await desk.wait({ type: 'error', id: 'h', field: 'choices' });
+  desk.send({ type: 'ask', id: 'i', text: 'Sì?', seconds: 0 });
+  await desk.wait({ type: 'error', id: 'i', field: 'seconds' });
+  // a client that does not wait for it, and a room that empties
+  const gone = new AbortController(), lost = daemon.get('/v1/rooms/kitchen/commands', { method: 'POST', signal: gone.signal, body: '{"type":"ask","id":"k","text":"Sì?","lang":"it"}' }).catch(() => {});
+  await screen.wait({ type: 'asked', id: 'k' });
+  gone.abort();
+  await lost;
+  const last = post({ id: 'l', text: 'Chi resta?' });
+  await screen.wait({ type: 'asked', id: 'l' });
+  valid(desk, screen);
+  for (const stream of [desk, screen]) await stream.close();
+  assert.equal((await (await last).json()).reason, 'failed');
+  await close(daemon);
+});
+
 for (const [what, command, pattern] of [
   ['cannot be found', 'no-such-program', /exited with status 127.*no-such-program/],
   ['fails', 'cat >/dev/null; echo "no model" >&2; exit 3', /exited with status 3: no model/],
