@@ -47,6 +47,32 @@ export interface Listening {
   done: Promise<EndMessage>;
 }
 
+export interface HearOptions {
+  /** The language spoken. */
+  lang?: string;
+  /** In place of the user's microphone. */
+  stream?: MediaStream;
+  /** Any number of utterances, each found by its loudness. */
+  handsFree?: boolean;
+  /** Somebody begins to speak. */
+  onset?: () => void;
+  /** dB by which they must be louder now, because the page itself makes a sound. */
+  noise?: () => number;
+  /** pcm: uncompressed sound instead of Opus. */
+  codec?: 'opus' | 'pcm';
+}
+
+export interface Hearing {
+  /** Whether the microphone is, or will be. */
+  readonly open: boolean;
+  /** Ends the utterance, and closes the microphone. */
+  stop(): void;
+  /** Ends by itself once somebody has spoken and is silent. */
+  stopAtSilence(): void;
+  /** The last `heard`, if there was one; fails where there is no microphone, or it is refused. */
+  done: Promise<ServerHeard | null>;
+}
+
 /** Members of the protocol's `speak`. */
 export interface SpeakOptions {
   // <speak options: made by protocol/make-messages.py>
@@ -608,6 +634,8 @@ export interface TalkingHeadEventMap {
   consent: CustomEvent<ServerConsent>;
   observers: CustomEvent<ServerObservers>;
   // </server events>
+  /** Of `hear`: whether the microphone is on, and whether an utterance is being sent. */
+  hearing: CustomEvent<{ on: boolean; speaking: boolean }>;
   /** What has come of an utterance, before it is heard; not to be changed. */
   media: CustomEvent<MediaDetail>;
   end: CustomEvent<EndMessage>;
@@ -725,6 +753,8 @@ export class TalkingHead extends HTMLElement {
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   /** Without a stream: the user's microphone, only while the user does something. */
   listen(stream?: MediaStream | MediaStreamTrack | null, options?: ListenOptions): Listening;
+  /** Has what the user says recognised, if the server hears. */
+  hear(options?: HearOptions): Hearing;
   follow(media: HTMLMediaElement, options?: ListenOptions): Omit<Listening, 'done'>;
   stop(): void;
   pause(): void;

@@ -68,6 +68,8 @@ export const errors = {
   'too-many-voices': 'Too many people are speaking already. Try again when one has finished.',
   'queue-full': 'Too many texts are waiting. Try again when some have been spoken.',
   'voice-failed': 'The voice could not speak a sentence. Try again, or choose another voice.',
+  'recogniser-failed': 'The words could not be recognised. Say it again, or tell whoever runs the server.',
+  'no-recogniser': 'This server does not recognise speech.',
   'voice-crashed': 'The voice broke off in a sentence. Try again, or choose another voice.',
   'voice-timeout': 'The voice took too long. Try again, or choose another voice.',
   'voice-unavailable': 'The voice is not ready yet, or not there. Try again soon, or choose another voice.',
@@ -247,6 +249,9 @@ export const room = {
   blocked: 'Touch the screen to hear the voice', chosen: 'Answer: {text}', noRoom: 'The address must name a room: room.html?room=kitchen',
   consentTitle: 'May we take notes?', consentWhat: 'This is a study. We note what is said here and which answers you choose.', consentFree: 'You can say no: everything works just the same. You can change your mind at any time. This screen records neither voices nor pictures.',
   consentYes: 'Yes, I agree', consentNo: 'No, thank you', noted: 'Notes are being taken.', consentStop: 'Stop taking notes', declined: 'All right: nothing about you is written down.',
+  talk: 'Hold to speak', talking: 'Speak now…', handsFree: 'Hands-free', microphoneOn: 'The microphone is on',
+  earsTitle: 'May she listen?', earsWhat: 'While the microphone is on, what you say goes to this server, becomes words, and is shown to those who look after this room. The sound is not kept. You can turn it off at any time.',
+  earsYes: 'Yes, turn it on', earsNo: 'Not now', youSaid: 'Heard: {text}', notUnderstood: 'That was not understood. Please say it again.', noMicrophone: 'There is no microphone, or this page may not use it.',
 };
 
 export const voices = {
