@@ -72,7 +72,7 @@ export const sidebar = [
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
   group('Frameworks', ['Plain HTML', 'frameworks/'], ['React', 'frameworks/react'], ['Vue', 'frameworks/vue'], ['Svelte', 'frameworks/svelte'], ['Angular', 'frameworks/angular'], ['Astro', 'frameworks/astro']),
-  group('Home', ['Rooms, screens, operators', 'home/'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
+  group('Home', ['Rooms, screens, operators', 'home/'], ['A home that hears', 'home/hearing'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
   group('Library', ['A library that speaks', 'library/'], ['Into your own site', 'library/embedding'], ['Over HTTP', 'library/protocol']),
   group('Markup', ['Mark up a text', 'markup/'], ['What each element does', 'markup/elements'], ['Expressions', 'markup/expressions'], ['Gestures', 'markup/gestures'], ['Numbers and dates', 'markup/reading'], ['Lexicons', 'markup/lexicons']),
   group('Voices', ['Choose a voice', 'voices/'], ['Plugins', 'voices/plugins'], ['Speech packs', 'voices/speech-packs'], ['Phone boundaries', 'voices/boundaries']),

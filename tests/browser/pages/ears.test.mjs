@@ -105,7 +105,9 @@ test('hears while the button, or the space bar, is held', async () => {
 });
 
 test('hears hands-free: one utterance after another, stops her when somebody speaks, and answers a question', async () => {
-  const page = await visit();
+  const page = await visit(), operator = await browser.newPage({ locale: 'en-GB' });
+  await operator.goto(`${daemon.url}/operator.html?room=kitchen&name=Anna`);
+  await desk.wait(({ type, observers }) => type === 'observers' && observers.some(({ name }) => name === 'Anna'));
   await page.check('#hands-free');
   await page.click('#ears-yes');
   await isOn(page, true);
@@ -114,6 +116,8 @@ test('hears hands-free: one utterance after another, stops her when somebody spe
     await words(from);
     from = desk.messages.length;
   }
+  await operator.waitForFunction(() => document.getElementById('said').textContent.includes('Heard: the second one'));
+  await operator.close();
   await daemon.get('/v1/say?room=kitchen&lang=en&id=long', { method: 'POST', body: 'This is a long story, which nobody wants to hear to its end, because they know it already, and it goes on, and on, and on, for ever.' });
   assert.equal((await desk.wait({ type: 'end', id: 'long' }, { from })).reason, 'stopped');
   const answer = await daemon.get('/v1/rooms/kitchen/commands', { method: 'POST', body: JSON.stringify({ type: 'ask', lang: 'en', text: 'Which?' }) });

@@ -220,7 +220,7 @@ export const operator = {
   looksOn: 'watching', affect: 'A single emotion', discHint: 'Drag the point, or move it with the arrow keys: the face of the room changes at once. Other operators see it.',
   study: 'Study', askFirst: 'Ask for consent', consentText: 'What is recorded, and for whom', consentHint: 'The listener reads it before answering. Without a text there is a ready explanation.', askConsent: 'Ask for consent', endStudy: 'End the study',
   consent: 'Consent:', 'consent-none': 'No study is running.', 'consent-asked': 'Asked, no answer yet: nothing about the listener is recorded.', 'consent-given': 'Given: the log is kept.', 'consent-declined': 'Declined: nothing about the listener is recorded.',
-  sentence: '', chosen: 'Chosen:', chose: 'Offered:', stated: 'Sign:', stopped: 'Stopped', refused: 'Not said, or not to the end:', heard: '',
+  sentence: '', chosen: 'Chosen:', chose: 'Offered:', stated: 'Sign:', stopped: 'Stopped', refused: 'Not said, or not to the end:', heard: 'Heard:',
   sampleScene: [
     ['1', 'Good morning! How are you today?', 'Good morning! Did you sleep well?', 'joy 0.5', 'Well > 2 | Not so well > 3'],
     ['2', 'I am glad to hear it.', '', 'joy 0.7', ''],

@@ -227,7 +227,7 @@ export const operator = {
   looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascina il punto, o spostalo con le frecce: il volto della stanza cambia subito. Gli altri operatori lo vedono.',
   study: 'Studio', askFirst: 'Consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
   consent: 'Consenso:', 'consent-none': 'Nessuno studio in corso.', 'consent-asked': 'Chiesto, senza risposta: di chi ascolta non si annota nulla.', 'consent-given': 'Dato: il registro è tenuto.', 'consent-declined': 'Negato: di chi ascolta non si annota nulla.',
-  sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: '',
+  sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: 'Sentito:',
   sampleScene: [
     ['1', 'Buongiorno! Come va oggi?', 'Buongiorno! Ha dormito bene?', 'joy 0.5', 'Bene > 2 | Non tanto > 3'],
     ['2', 'Sono contenta di sentirlo.', '', 'joy 0.7', ''],

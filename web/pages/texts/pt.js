@@ -227,7 +227,7 @@ export const operator = {
   looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arraste o ponto, ou mova-o com as setas: o rosto da sala muda logo. Os outros operadores o veem.',
   study: 'Estudo', askFirst: 'Pedir o consentimento', consentText: 'O que se anota, e para quem', consentHint: 'Quem ouve lê isto antes de responder. Sem texto, há uma explicação pronta.', askConsent: 'Pedir consentimento', endStudy: 'Fim do estudo',
   consent: 'Consentimento:', 'consent-none': 'Nenhum estudo em curso.', 'consent-asked': 'Pedido, sem resposta: de quem ouve nada se anota.', 'consent-given': 'Dado: o registro é mantido.', 'consent-declined': 'Negado: de quem ouve nada se anota.',
-  sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: '',
+  sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: 'Ouvido:',
   sampleScene: [
     ['1', 'Bom dia! Como vai hoje?', 'Bom dia! Dormiu bem?', 'joy 0.5', 'Bem > 2 | Nem tanto > 3'],
     ['2', 'Fico feliz em saber.', '', 'joy 0.7', ''],

@@ -227,7 +227,7 @@ export const operator = {
   looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
   study: 'Araştırma', askFirst: 'Onay isteme', consentText: 'Ne yazılıyor, kimin için', consentHint: 'Dinleyen kişi yanıtlamadan önce bunu okur. Metin yoksa hazır bir açıklama gösterilir.', askConsent: 'Onay iste', endStudy: 'Araştırmayı bitir',
   consent: 'Onay:', 'consent-none': 'Süren bir araştırma yok.', 'consent-asked': 'Soruldu, yanıt yok: dinleyenle ilgili hiçbir şey yazılmıyor.', 'consent-given': 'Verildi: kayıt tutuluyor.', 'consent-declined': 'Verilmedi: dinleyenle ilgili hiçbir şey yazılmıyor.',
-  sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: '',
+  sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: 'Duyulan:',
   sampleScene: [
     ['1', 'Günaydın! Bugün nasılsınız?', 'Günaydın! İyi uyudunuz mu?', 'joy 0.5', 'İyiyim > 2 | Pek değil > 3'],
     ['2', 'Bunu duyduğuma sevindim.', '', 'joy 0.7', ''],
