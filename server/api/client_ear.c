@@ -121,9 +121,7 @@ static int may_begin(struct client *c, const char *id, struct error *e) {
     if (c->api->draining)
         return error_set(e, ERROR_STOPPING, "the server is shutting down");
     for (const struct client_ear *one = c->ears; one; one = one->next)
-        count++;
-    if (*find(c, id))
-        return error_in_field(e, ERROR_BAD_FIELD, "id", "an utterance with this id is being heard already");
+        count += strcmp(one->id, id) != 0;
     if (count >= CLIENT_EARS)
         return error_set(e, ERROR_TOO_MANY_VOICES, "%u utterances of this client are still recognised",
                          count);
@@ -143,6 +141,8 @@ static int begin(struct client *c, struct client_ear *one, const json_t *message
     speech.quota_key = principal_quota_key(&c->principal);
     if (!failed) {
         client_sound_close(c);
+        if (*find(c, speech.id)) /* another of that id takes its place */
+            drop(c, find(c, speech.id));
         one->id = mem_strdup(speech.id);
         one->lang = mem_strdup(speech.lang ? speech.lang : c->api->pipeline->default_lang);
         one->ear = ear_open(c->api->pipeline, &request, &calls, one, e);

@@ -48,7 +48,7 @@ export interface Listening {
 }
 
 export interface HearOptions {
-  /** The language spoken. */
+  /** A BCP 47 tag of what is spoken. */
   lang?: string;
   /** In place of the user's microphone. */
   stream?: MediaStream;
