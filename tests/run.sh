@@ -68,7 +68,7 @@ fi
 set -- $groups
 . "$root/server/setup.sh"
 
-need_packages clang-format libcmocka-dev g++ libnss3-tools strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium chromium-headless-shell curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
+need_packages clang-format libcmocka-dev g++ libnss3-tools strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium chromium-headless-shell curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx pocketsphinx-en-us pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
     sqlite3 wamerican wbrazilian witalian asterisk-core-sounds-it asterisk-core-sounds-it-wav festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 need_modules "$root/tests"
 need_modules "$root/web/mcp"

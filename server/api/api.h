@@ -29,6 +29,7 @@ struct api_options {
     const char *web, *models;              /* folders */
     const char *media;                     /* folder of recordings; NULL: none */
     bool shares;                           /* speech is shared with other daemons */
+    bool hears;                            /* what listeners say is recognised */
     struct bus *bus;                       /* shares rooms with other daemons; NULL: none */
     struct presence *presence;             /* shares limits and revocations with other daemons; NULL: none */
     const char *scenes;                    /* folder of scenes saved by operators; NULL: none */

@@ -422,6 +422,7 @@ void clients_revoke(struct api *api) {
         if (!principal_revoke(api, &c->principal))
             continue;
         client_complain(c, &e);
+        client_ears_leave(c);
         if (client_room(c))
             leave(c);
         else

@@ -34,6 +34,9 @@ struct client {
     struct open_text *open;
     size_t open_count, open_cap;
     uint32_t voice;               /* utterance of its live voice; 0: none */
+    struct client_ear *ears;      /* utterances that are heard or still recognised */
+    struct client_ear *ear;       /* the one that binary messages are for; NULL: none */
+    char *hearing;                /* its id, until `close`, even if it is done; NULL: none */
     struct long_message *reading; /* message being parsed in another thread, while later ones wait */
     const struct model *model;    /* head being sent part by part; NULL: none */
     size_t model_part;
@@ -84,12 +87,32 @@ void open_text_close(struct client *client, const json_t *message);
 void client_voice_begin(struct client *client, const json_t *message);
 void client_voice_sound(struct client *client, const uint8_t *bytes, size_t size);
 
+/* Reads codec, rate and channels of a voice or hear message. -1 with *e. */
+struct live_request;
+int client_sound_format(struct live_request *request, const json_t *message, struct error *e);
+
+/* Closes the live voice or the utterance that binary messages are for: they do not name it. */
+void client_sound_close(struct client *client);
+
 /* Checks whether the client may begin an unfinished text with that request. -1 with *e. */
 int open_text_check(struct client *client, const struct speech_request *request, struct error *e);
 void open_text_begin(struct client *client, const char *id, uint32_t utterance, uint16_t half);
 
 /* Closes its unfinished texts, because the client leaves its stream. */
 void open_texts_leave(struct client *client);
+
+/* client_ear.c: utterances to be recognised */
+
+struct client_ear;
+void client_ear_begin(struct client *client, const json_t *message);
+
+/* Takes a binary message. False: it is not for an ear. */
+bool client_ear_sound(struct client *client, const uint8_t *bytes, size_t size);
+
+/* False: no utterance of that id is being heard. */
+bool client_ear_close(struct client *client, const char *id);
+void client_ear_end(struct client *client);    /* closes the one that hears */
+void client_ears_leave(struct client *client); /* drops all, because the client leaves its stream */
 
 /* text_protocol.c: the sub-protocol for typing */
 #define TEXT_PROTOCOL "faccia.text.v1"

@@ -118,11 +118,11 @@ static void give(struct client *c, const struct command *command, const json_t *
         client_complain(c, &e);
 }
 
-/* Handles speak and play. Speech uses the client's defaults. */
+/* Handles speak, ask and play. Speech uses the client's defaults. */
 static void give_speech(struct client *c, const struct command *command, const json_t *message) {
     struct speech_request request;
     struct error e = {0};
-    if (!strcmp(command->name, "speak"))
+    if (strcmp(command->name, "play") != 0)
         request_copy(&request, &c->defaults);
     else
         request_init(&request);
@@ -201,7 +201,7 @@ static void refuse_unread(struct client *c, const char *data, size_t size, const
     bool known = find_member(data, size, "id", id);
     c->asked = known ? id : NULL;
     if (known && find_member(data, size, "type", type) &&
-        (!strcmp(type, "speak") || !strcmp(type, "voice") || !strcmp(type, "play")))
+        (!strcmp(type, "speak") || !strcmp(type, "voice") || !strcmp(type, "play") || !strcmp(type, "ask")))
         client_refuse(c, id, e);
     else
         client_complain(c, e);

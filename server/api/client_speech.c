@@ -54,6 +54,7 @@ void open_text_begin(struct client *c, const char *id, uint32_t utterance, uint1
 
 void open_texts_leave(struct client *c) {
     struct error e;
+    client_ears_leave(c);
     error_set(&e, ERROR_UNFINISHED, "its writer disconnected: the text is spoken as far as it was written");
     while (c->open_count) {
         struct open_text *w = &c->open[c->open_count - 1];
@@ -122,6 +123,8 @@ void open_text_flush(struct client *c, const json_t *message) {
 }
 
 void open_text_close(struct client *c, const json_t *message) {
+    if (client_ear_close(c, json_string_value(json_object_get(message, "id"))))
+        return;
     struct open_text *w = asked(c, message);
     if (!w)
         return;
@@ -145,7 +148,7 @@ static void read_number(const json_t *message, const char *name, unsigned *numbe
         *number = (unsigned)json_number_value(value);
 }
 
-static int read_voice(struct live_request *request, const json_t *message, struct error *e) {
+int client_sound_format(struct live_request *request, const json_t *message, struct error *e) {
     const char *codec = json_string_value(json_object_get(message, "codec"));
     if (codec && live_codec_find(codec, &request->codec, e))
         return -1;
@@ -161,7 +164,7 @@ static uint32_t start_voice(struct client *c, struct live_request *request) {
     return stream_play(client_stream(c), request->speech, live_voice_open, request);
 }
 #else
-static int read_voice(struct live_request *request, const json_t *message, struct error *e) {
+int client_sound_format(struct live_request *request, const json_t *message, struct error *e) {
     (void)request, (void)message;
     return error_set(e, ERROR_VOICE_UNAVAILABLE, "this daemon was built without live voices");
 }
@@ -172,8 +175,8 @@ static uint32_t start_voice(struct client *c, struct live_request *request) {
 }
 #endif
 
-/* Only one voice at a time: binary messages do not name theirs. */
-static void close_last(struct client *c) {
+void client_sound_close(struct client *c) {
+    client_ear_end(c);
     if (c->voice)
         stream_close(client_stream(c), c->voice, NULL);
     c->voice = 0;
@@ -187,10 +190,10 @@ static int may_begin(struct client *c, struct error *e) {
 
 static int begin(struct client *c, struct live_request *request, struct speech_request *speech,
                  const json_t *message, struct error *e) {
-    if (client_message_request("voice", message, speech, e) || read_voice(request, message, e) ||
+    if (client_message_request("voice", message, speech, e) || client_sound_format(request, message, e) ||
         may_begin(c, e))
         return -1;
-    close_last(c);
+    client_sound_close(c);
     if (open_text_check(c, speech, e))
         return -1;
     return channel_is_remote(c->follower.channel)
@@ -218,10 +221,13 @@ void client_voice_begin(struct client *c, const json_t *message) {
 
 void client_voice_sound(struct client *c, const uint8_t *bytes, size_t size) {
     struct error e;
+    if (client_ear_sound(c, bytes, size))
+        return;
     if (c->voice) {
         stream_sound(client_stream(c), c->voice, bytes, size);
         return;
     }
-    error_set(&e, ERROR_BINARY_MESSAGE, "a binary message is sound of a live voice, but none has started");
+    error_set(&e, ERROR_BINARY_MESSAGE,
+              "a binary message is sound of a voice or hear message, but none has started");
     client_complain(c, &e);
 }

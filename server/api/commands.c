@@ -5,6 +5,7 @@
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/rooms/notices.h"
+#include "server/rooms/question.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,6 +42,23 @@ static int speak(struct command_call *call, struct error *e) {
     call->answer = room_speak(call->api->rooms, call->room, call->request, &call->utterance, e);
     call->status = 202;
     return call->answer ? 0 : -1;
+}
+
+/* Says the text, and waits for an answer. */
+static int ask(struct command_call *call, struct error *e) {
+    struct error why;
+    if (!call->request->text)
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
+    if (question_check(call->message, e))
+        return -1;
+    call->utterance = stream_speak(stream_of(call), call->request, &why);
+    call->asks = call->utterance && !json_is_false(json_object_get(call->message, "wait"));
+    if (call->utterance)
+        question_begin(call->channel, call->message, call->utterance);
+    accepted(call);
+    if (!call->utterance && call->answer)
+        json_object_set_new(call->answer, "refused", error_json(&why));
+    return 0;
 }
 
 static int play(struct command_call *call, struct error *e) {
@@ -131,6 +149,7 @@ static int check_consent(const struct command_call *call, bool *exempt, struct e
 static const struct command commands[] = {
     {"speak", .speaks = true, .run = speak},
     {"play", .speaks = true, .run = play},
+    {"ask", .speaks = true, .run = ask},
     {"stop", .run = stop, .bare = true},
     {"pause", .run = pause_speech, .bare = true},
     {"resume", .run = resume, .bare = true},
@@ -148,6 +167,7 @@ static const struct command commands[] = {
     {"flush", .act = open_text_flush},
     {"close", .act = open_text_close},
     {"voice", .act = client_voice_begin},
+    {"hear", .act = client_ear_begin},
     {"idle", .act = client_idle},
     {"model", .act = client_send_model},
     {"media", .act = client_choose_media},

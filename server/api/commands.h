@@ -29,6 +29,7 @@ struct command_call {
     /* results of the command */
     unsigned status; /* HTTP status */
     json_t *answer;
+    bool asks;          /* a question waits for its answer */
     uint32_t utterance; /* number of the utterance, for commands that speak; 0: refused, or held */
 };
 

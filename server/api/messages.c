@@ -123,11 +123,11 @@ json_t *message_hello(struct api *api, const char *stream) {
                                                    offer->languages[i].name, "engines",
                                                    strings(offer->languages[i].engines)));
     const struct api_options *o = &api->options;
-    json_t *hello =
-        json_pack("{ss si ss ss si s[sss] s[sss] s[ss] si sb ss}", "type", "hello", "protocol", 1, "server",
-                  "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "opus", "pcm_s16le", "none",
-                  "fap", "fapc", "plain", "none", "events", "text", "packed", "opus_skip", OPUS_SKIP,
-                  "tokens", o->secrets != NULL, "lang", offer->default_lang);
+    json_t *hello = json_pack("{ss si ss ss si s[sss] s[sss] s[ss] si sb sb ss}", "type", "hello", "protocol",
+                              1, "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio",
+                              "opus", "pcm_s16le", "none", "fap", "fapc", "plain", "none", "events", "text",
+                              "packed", "opus_skip", OPUS_SKIP, "tokens", o->secrets != NULL, "hears",
+                              o->hears, "lang", offer->default_lang);
     json_object_set_new(hello, "languages", languages);
     json_object_set_new(hello, "more_languages", more_languages(api));
     json_object_set_new(hello, "engines", strings(offer->engines));

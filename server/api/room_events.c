@@ -86,6 +86,7 @@ int room_events(struct exchange *x) {
     api->events = events;
     events->follower.deliver = on_delivery;
     events->follower.watches = watch;
+    events->follower.directs = !principal_may(api, exchange_principal(x), RIGHT_SPEAK, name, &e);
     exchange_set_work(
         x, (struct exchange_work){
                .keepalive = events_keepalive, .free = events_free, .self = events, .endless = true});

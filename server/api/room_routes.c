@@ -6,6 +6,7 @@
 #include "server/api/commands.h"
 #include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
+#include "server/rooms/question.h"
 #include "server/rooms/shared/forward.h"
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +32,7 @@ struct command_post {
     const struct command *command; /* NULL: named by the message */
     char room[TOKEN_ROOM + 1];
     struct forward *forward; /* pending on another daemon; or NULL */
+    struct question_watch watch;
 };
 
 static void on_forwarded(void *ctx, unsigned status, const json_t *answer) {
@@ -45,6 +47,20 @@ static int forward(struct command_post *p, json_t *packed) {
     if (forward)
         p->forward = forward;
     return 0;
+}
+
+static void on_answered(void *ctx, const json_t *answered) {
+    struct command_post *p = ctx;
+    exchange_json(p->text.x, 200, json_copy((json_t *)answered));
+}
+
+/* Answers when the question has its answer. False: it has none any more. */
+static bool awaits(struct command_post *p, const struct command_call *call) {
+    p->watch = (struct question_watch){.answered = on_answered, .ctx = p};
+    if (!call->asks || !question_watch_begin(&p->watch, call->channel))
+        return false;
+    json_decref(call->answer);
+    return true;
 }
 
 static bool is_forwarded(const struct api *api, const char *room) {
@@ -68,8 +84,9 @@ static int give(struct command_post *p, const struct command *command, struct co
         json_t *packed = command_pack(command, call, &e);
         return packed ? forward(p, packed) : exchange_error(x, &e);
     }
-    return command_run(command, call, &e) ? exchange_error(x, &e)
-                                          : exchange_json(x, call->status, call->answer);
+    if (command_run(command, call, &e))
+        return exchange_error(x, &e);
+    return awaits(p, call) ? 0 : exchange_json(x, call->status, call->answer);
 }
 
 static struct command_call call_of(const struct command_post *p, const json_t *message,
@@ -85,7 +102,7 @@ static struct command_call call_of(const struct command_post *p, const json_t *m
 
 /* Handles a message that speaks: its members are those of a request. */
 static int give_speech(struct command_post *p, const struct command *command, const json_t *message) {
-    static const char *const more[] = {"type", "name", NULL};
+    static const char *const more[] = {"type", "name", "choices", "seconds", "wait", NULL};
     static const struct members known = {.speech = true, .more = more};
     struct exchange *x = p->text.x;
     bool speak = !strcmp(command->name, "speak");
@@ -139,6 +156,7 @@ static int on_message_end(void *self) {
 static void on_free(void *self) {
     struct command_post *p = self;
     forward_forget(p->forward);
+    question_watch_end(&p->watch);
     post_text_free(&p->text);
     free(p);
 }

@@ -88,6 +88,8 @@
     X(VOICE_UNAVAILABLE, "voice-unavailable", 503, "no voice is available") \
     X(VOICE_WARNING, "voice-warning", 0, "the voice does this differently") \
     X(NO_SOUND, "no-sound", 0, "there is no such sound") \
+    X(NO_RECOGNISER, "no-recogniser", 503, "this server recognises no speech (--recogniser)") \
+    X(RECOGNISER_FAILED, "recogniser-failed", 500, "the words could not be recognised") \
     X(CANCELLED, "cancelled", 500, "it was cancelled") \
     /* access */ \
     X(TOKEN_NEEDED, "token-needed", 401, "this server requires a token") \

@@ -6,12 +6,13 @@
 
 /* Absolute paths; "" if not found. Free with paths_free. */
 struct paths {
-    char *models;  /* holds speech/, heads/ */
-    char *web;     /* the page and its bundle */
-    char *plugins; /* voice plugins */
-    char *worker;  /* the faccia-voice program */
-    char *aligner; /* the faccia-align program */
-    char *reader;  /* the faccia-reader program */
+    char *models;     /* holds speech/, heads/ */
+    char *web;        /* the page and its bundle */
+    char *plugins;    /* voice plugins */
+    char *worker;     /* the faccia-voice program */
+    char *aligner;    /* the faccia-align program */
+    char *reader;     /* the faccia-reader program */
+    char *recogniser; /* the faccia-recogniser program */
 };
 
 void paths_find(struct paths *paths);

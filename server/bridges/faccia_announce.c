@@ -13,10 +13,12 @@
 
 static const char usage[] =
     "Usage: faccia-say [OPTION]... TEXT...\n"
-    "       faccia-ask --choices 'YES|NO' [OPTION]... TEXT...\n"
+    "       faccia-ask [--choices 'YES|NO'] [OPTION]... TEXT...\n"
     "Makes the face in a room of a running facciad say the text. TEXT - is standard input. With --choices it "
     "is a\n"
-    "question: the answers are offered there, and the one that somebody chooses is printed.\n"
+    "question: the answers are offered there, and the one that somebody chooses is printed. faccia-ask "
+    "without\n"
+    "--choices prints what somebody says, if the daemon hears (--recogniser).\n"
     "\n"
     "  -r, --room NAME       the room (FACCIA_ROOM, else home)\n"
     "  -u, --url URL         the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
@@ -34,7 +36,7 @@ static const char usage[] =
     "Exit status: 0 accepted, or with --wait heard to its end; 1 failed; 2 wrong usage; 3 there is no "
     "listener;\n"
     "4 something is being said (--if-quiet); 5 it was cut short; 6 not heard: the browsers there\n"
-    "play no sound until a user clicks or taps (--wait); 7 nobody has chosen an answer (--choices).\n";
+    "play no sound until a user clicks or taps (--wait); 7 nobody has answered (faccia-ask).\n";
 
 enum {
     EXIT_HEARD = 0,
@@ -48,6 +50,7 @@ enum {
 };
 enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* clients play media within that time */ };
 enum { PATIENCE = 60 /* s */, PATIENCE_MOST = 86400, WITHDRAWN_MS = 3000 };
+enum { ASK_SECONDS_MOST = 3600 };
 
 enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
 
@@ -59,7 +62,8 @@ struct announcement {
     char id[40];
     uv_timer_t last; /* runs until the end has been played */
     bool wait, said;
-    const char *choices; /* answers, separated by |; NULL: no question */
+    const char *choices; /* answers, separated by |; NULL: none */
+    bool free;           /* a question whose answer is what somebody says */
     int seconds;         /* of patience for an answer */
     bool asked, offered; /* sent to the room; there until somebody chooses */
     uv_signal_t signals[2];
@@ -104,6 +108,8 @@ static void on_answer(void *ctx, const struct remote_answer *answer) {
     const json_t *refused = json_object_get(answer->body, "refused");
     if (answer->status == 409) {
         leave(a, EXIT_BUSY);
+    } else if (a->free && answer->status == 404) {
+        leave(a, EXIT_NOBODY);
     } else if (answer->status != 202) {
         fprintf(stderr, "faccia-say: %s\n", answer->why);
         leave(a, EXIT_FAILED);
@@ -121,6 +127,36 @@ static void say(struct announcement *a) {
     if (!a->said)
         remote_ask(a->remote, "/v1/say", a->members, "text/plain", (char *)a->text.data, on_answer, a);
     a->said = true;
+}
+
+/* Asks the question in the room, which waits for its answer. */
+static void ask(struct announcement *a) {
+    json_t *message = json_pack("{ss ss si sb}", "type", "ask", "text", (char *)a->text.data, "seconds",
+                                a->seconds < ASK_SECONDS_MOST ? a->seconds : ASK_SECONDS_MOST, "wait", 0);
+    for (const struct remote_member *m = &a->members[LANG]; m->name; m++)
+        if (m->value)
+            json_object_set_new(message, m->name,
+                                !strcmp(m->name, "rate") ? json_real(atof(m->value)) : json_string(m->value));
+    char *text = json_dumps(message, JSON_COMPACT);
+    remote_command(a->remote, a->members[ROOM].value, text, on_answer, a);
+    free(text);
+    json_decref(message);
+}
+
+/* The end of the question. */
+static void note_answer(struct announcement *a, const json_t *message) {
+    const char *text = json_string_value(json_object_get(message, "text"));
+    const char *reason = json_string_value(json_object_get(message, "reason"));
+    if (text) {
+        puts(text);
+        leave(a, EXIT_HEARD);
+    } else if (reason && !strcmp(reason, "failed")) {
+        leave(a, a->status ? a->status : EXIT_FAILED);
+    } else {
+        fprintf(stderr, "faccia-ask: %s\n",
+                reason && !strcmp(reason, "timeout") ? "nobody has answered" : "the question was withdrawn");
+        leave(a, EXIT_UNANSWERED);
+    }
 }
 
 static void on_unanswered(uv_timer_t *timer) {
@@ -171,7 +207,9 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         note_choice(a, type, message, ours);
     if (!ours)
         return;
-    if (!strcmp(type, "error")) {
+    if (!strcmp(type, "answered")) {
+        note_answer(a, message);
+    } else if (!strcmp(type, "error")) {
         note_error(a, message);
     } else if (!strcmp(type, "end") && reason && !strcmp(reason, "done")) {
         if (json_is_true(json_object_get(message, "blocked"))) {
@@ -181,8 +219,9 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
             leave(a, EXIT_BLOCKED);
             return;
         }
-        uv_timer_start(&a->last, on_heard, LEAD_MS, 0);
-    } else if (!strcmp(type, "end")) {
+        if (!a->free)
+            uv_timer_start(&a->last, on_heard, LEAD_MS, 0);
+    } else if (!strcmp(type, "end") && !a->free) {
         leave(a, reason && !strcmp(reason, "stopped") ? EXIT_CUT : a->status ? a->status : EXIT_FAILED);
     }
 }
@@ -190,7 +229,9 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
 static void on_following(void *ctx, const char *why) {
     struct announcement *a = ctx;
     if (!why) {
-        if (!a->choices)
+        if (a->free && !a->asked)
+            ask(a);
+        else if (!a->free && !a->choices)
             say(a);
         else if (!a->asked)
             offer(a, a->choices, on_offered);
@@ -335,8 +376,8 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
             return fputs("Try 'faccia-say --help'.\n", stderr), EXIT_USAGE;
     }
     const char *name = strrchr(argv[0], '/');
-    if (!a->choices && !strcmp(name ? name + 1 : argv[0], "faccia-ask"))
-        return fputs("faccia-ask: --choices is missing: the answers, separated by |\n", stderr), EXIT_USAGE;
+    a->free = !a->choices && !strcmp(name ? name + 1 : argv[0], "faccia-ask");
+    a->wait = a->wait || a->free;
     if (optind < argc)
         return -1;
     fputs(usage, stderr);

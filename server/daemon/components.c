@@ -2,6 +2,7 @@
 #include "server/daemon/components.h"
 #include "server/expression/gestures.h"
 #include "server/face/high_level.h"
+#include "server/live/answers.h"
 #include "server/live/lip_network.h"
 #include <stdio.h>
 #include <unistd.h>
@@ -49,6 +50,18 @@ static int load_hearing(struct components *s, const struct settings *settings, c
     s->live = (struct live_pool){.most = settings->live_voices,
                                  .key_most = settings->live_voices_per_address,
                                  .seconds = settings->live_voice_seconds};
+    s->ears = (struct ear_pool){.recogniser = {.how = settings->recogniser,
+                                               .unconfined = settings->voices.unconfined,
+                                               .megabytes = settings->voices.megabytes,
+                                               .seconds = settings->hear_seconds},
+                                .most = settings->live_voices,
+                                .key_most = settings->live_voices_per_address,
+                                .seconds = settings->hear_seconds};
+    char answers[PATH_BYTES];
+    if (settings->recogniser &&
+        !(s->ears.answers = answers_load(in_models(settings, "answers.json", answers), &inner)))
+        return fail_in(answers, &inner, e);
+    s->pipeline.ears = &s->ears;
     s->pipeline.live = &s->live;
     if (access(path, F_OK))
         return 0;
@@ -58,6 +71,7 @@ static int load_hearing(struct components *s, const struct settings *settings, c
 
 static void free_hearing(struct components *s) {
     lip_network_free(s->live.network);
+    answers_free(s->ears.answers);
 }
 #else
 static int load_hearing(struct components *s, const struct settings *settings, const char *path,

@@ -4,6 +4,7 @@
 #define FACCIA_DAEMON_COMPONENTS_H
 
 #include "server/daemon/settings.h"
+#include "server/live/ear.h"
 #include "server/live/live_voice.h"
 #include "server/normalize/lexicon.h"
 #include "server/synthesis/synthesis.h"
@@ -26,6 +27,7 @@ struct components {
     struct lexicons lexicons, named_lexicons;
     struct boundary_table *boundaries;
     struct live_pool live;
+    struct ear_pool ears;
     struct pipeline pipeline; /* all of the above and the expressions; the caller fills in the rest */
 };
 

@@ -413,6 +413,7 @@ static struct api_options api_options_of(struct daemon *d) {
     options.secrets = d->access.secrets.count ? &d->access.secrets : NULL;
     options.revocations = &d->access.revocations;
     options.shares = d->cluster.cluster != NULL;
+    options.hears = d->components.pipeline.ears && d->components.ears.recogniser.how;
     options.bus = d->cluster.bus;
     options.presence = d->cluster.presence;
     options.http.connections_above = API_CONNECTIONS_ABOVE;
@@ -474,6 +475,9 @@ static void reload(struct daemon *d) {
         d->components.live.most = settings.live_voices;
         d->components.live.key_most = settings.live_voices_per_address;
         d->components.live.seconds = settings.live_voice_seconds;
+        d->components.ears.most = settings.live_voices;
+        d->components.ears.key_most = settings.live_voices_per_address;
+        d->components.ears.seconds = d->components.ears.recogniser.seconds = settings.hear_seconds;
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(
@@ -571,6 +575,7 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->long_text = LONG_TEXT_BYTES;
     d->reader = (struct reader){d->paths.reader, s->voices.unconfined};
     pipeline->reader = &d->reader;
+    d->components.ears.recogniser.program = d->paths.recogniser;
     pipeline->gate = &d->gate;
     pipeline->open_seconds = s->api.open_seconds;
     pipeline->library = d->library;

@@ -40,6 +40,8 @@ struct settings {
     unsigned live_voices;             /* live voices at a time */
     unsigned live_voices_per_address; /* live voices per address or subject; 0 = unlimited */
     unsigned live_voice_seconds;      /* buffered sound of each live voice */
+    const char *recogniser;           /* command or address; NULL = none */
+    unsigned hear_seconds;            /* longest utterance of a listener */
 };
 
 /* Each program has the settings that apply to it. */

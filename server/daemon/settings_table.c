@@ -49,6 +49,9 @@ const struct setting settings_table[] = {
      "engine|on|off",
      "force the lips to touch where sounds require it, for requests that do not set it: on, off, or as the "
      "engine does"},
+    {"speech.recogniser", "recogniser", SETTING_STRING, MEMBER(recogniser), FOR_DAEMON, 0, 0, NULL, "COMMAND",
+     "recognise what listeners say: a command that reads 16 kHz 16-bit mono samples and prints the words, or "
+     "tcp://HOST:PORT, a server of the Wyoming protocol"},
     {"voices.workers", "workers", SETTING_NUMBER, MEMBER(voices.workers), FOR_DAEMON, 1, 64, "1", "N",
      "worker processes of each voice plugin"},
     {"voices.spare_workers", "spare-workers", SETTING_NUMBER, MEMBER(voices.spare_workers), FOR_DAEMON, 0, 64,
@@ -106,6 +109,9 @@ const struct setting settings_table[] = {
      "live voices that may be open at a time"},
     {"limits.voice_seconds", "voice-seconds", SETTING_NUMBER, MEMBER(live_voice_seconds), FOR_DAEMON, 1, 60,
      "2", "S", "when this many seconds of a live voice are buffered, drop all but the last 0.2 s"},
+    {"limits.hear_seconds", "hear-seconds", SETTING_NUMBER, MEMBER(hear_seconds), FOR_DAEMON, 1, 600, "30",
+     "S",
+     "longest utterance of a listener that is recognised; the recogniser has this long after its end, too"},
     {"limits.connections", "max-connections", SETTING_NUMBER, MEMBER(api.http.connections), FOR_DAEMON, 1,
      100000, "1000", "N", "connections that may be open at a time"},
     {"limits.rooms", "max-rooms", SETTING_NUMBER, MEMBER(api.rooms.rooms), FOR_DAEMON, 1, 100000, "100", "N",

@@ -5,6 +5,7 @@
  * so this adds no latency; a daemon that falls behind writes several items to each follower at once. */
 #include "server/base/mem.h"
 #include "server/base/work/loop_idle.h"
+#include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -93,8 +94,16 @@ static bool wants_text(const struct follower *f, enum stream_event_kind kind) {
     return !f->media || !encoding_packs(&f->encoding, kind);
 }
 
+/* What listeners say is not for all in a room. */
+static bool may_have(const struct follower *f, const struct channel_item *item) {
+    const char *event = item->message->event;
+    if (f->remote || !f->channel->room)
+        return true;
+    return strcmp(event, HEARD) ? strcmp(event, ANSWERED) || f->directs : follower_hears(f);
+}
+
 static bool wants(struct follower *f, const struct channel_item *item) {
-    if (!item->message)
+    if (!item->message || (item->notice && !may_have(f, item)))
         return false;
     if (!item->media)
         return item->notice || wants_text(f, item->kind);
@@ -287,6 +296,8 @@ static void on_event(void *ctx, const struct stream_event *event) {
         add_event(c, event->kind == STREAM_END && c->room ? with_blocked(c, event, &end) : event);
     if (!is_of_chunk(event->kind))
         channel_say(c);
+    if (event->kind == STREAM_END)
+        question_spoken(c, event->utterance, event->reason);
 }
 
 /* Builds the end from the begin message, and the duration from the last word or mark. */

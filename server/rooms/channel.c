@@ -2,6 +2,7 @@
 /* The followers of a channel, and the media encodings that they want. */
 #include "protocol/chunk.h"
 #include "server/base/mem.h"
+#include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdlib.h>
 
@@ -27,11 +28,13 @@ static void free_channel(struct channel *c) {
         c->rooms->sharing_calls->closed(c);
     if (c->gone)
         c->gone(c);
+    question_drop(c);
     stream_free(c->stream);
     broadcast_forget(c);
     channel_forget_all(c);
     late_join_free(&c->late_join);
     notice_board_free(&c->notices);
+    queued_message_release(c->listens);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);

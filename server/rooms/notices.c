@@ -2,6 +2,7 @@
 #include "server/rooms/notices.h"
 #include "server/base/json/error_json.h"
 #include "server/rooms/events.h"
+#include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
 #include <string.h>
@@ -74,7 +75,7 @@ enum {
     CALIBRATION_BURST = 12, /* most calibrations at once */
 };
 
-static int check_choices(const json_t *choices, struct error *e) {
+int notice_check_choices(const json_t *choices, struct error *e) {
     size_t count = json_array_size(choices);
     if (!json_is_array(choices) || count > NOTICE_CHOICES)
         return error_in_field(e, choices ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choices",
@@ -94,8 +95,9 @@ static int check_choices(const json_t *choices, struct error *e) {
 
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
-    int failed = check_choices(choices, e);
+    int failed = notice_check_choices(choices, e);
     if (!failed) {
+        question_offered(c);
         take_member(message, "id", told);
         take_member(message, "question", told);
         json_object_set_new(told, "choices", json_deep_copy(choices));
@@ -138,9 +140,14 @@ int notice_choose(struct channel *c, const json_t *message, const char *by, stru
         json_object_set_new(told, "by", json_string(by));
         queued_message_release(notice_tell(c, told, "chosen"));
         notice_board_choices(&c->notices, NULL, NULL);
+        question_chosen(c, told);
     }
     json_decref(told);
     return at < 0 ? -1 : 0;
+}
+
+const json_t *notice_offered(const struct channel *c) {
+    return json_object_get(c->notices.offered, "choices");
 }
 
 /* Notifies the room of its new mood, and of who set it. */
@@ -179,6 +186,35 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     }
     json_decref(told);
     return failed ? -1 : 0;
+}
+
+void notice_heard(struct channel *c, const json_t *heard) {
+    queued_message_release(notice_tell(c, heard, HEARD));
+}
+
+bool follower_hears(const struct follower *f) {
+    return f->watches && f->directs;
+}
+
+static struct queued_message *tell_state(struct channel *c, const char *state) {
+    json_t *told = notice_begin(c, "state");
+    json_object_set_new(told, "state", json_string(state));
+    struct queued_message *all = notice_tell(c, told, "state");
+    notice_board_state(&c->notices, all);
+    json_decref(told);
+    return all;
+}
+
+void notice_listening(struct channel *c, bool on) {
+    c->listening += on ? 1 : -1u;
+    if (on && c->listening == 1) {
+        c->listens = tell_state(c, "listening");
+    } else if (!c->listening) {
+        if (c->listens == c->notices.state)
+            queued_message_release(tell_state(c, "idle"));
+        queued_message_release(c->listens);
+        c->listens = NULL;
+    }
 }
 
 /* Counts a calibration or a lexicon. Returns -1 with *e when there were too many: each goes to every

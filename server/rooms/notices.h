@@ -30,6 +30,9 @@ enum {
 int notice_choices(struct channel *channel, const json_t *message, struct error *e);
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
+/* The choices on offer, a list of texts, or NULL. */
+const json_t *notice_offered(const struct channel *channel);
+
 /* Sets the mood of the stream; a room notifies all its followers. by: who set it, or NULL. */
 int notice_express(struct channel *channel, const json_t *message, const char *by, struct error *e);
 
@@ -49,6 +52,16 @@ int notice_consent(struct channel *channel, const json_t *message, const char *b
 /* Returns whether the `consent` message is an answer (`given`, `declined`) rather than a question
  * (`asked`, `none`). */
 bool consent_is_answer(const json_t *message);
+
+/* Tells the observers who may direct the room what a listener said: a `heard` message. */
+void notice_heard(struct channel *channel, const json_t *heard);
+
+/* Counts the utterances that are being heard. While there are any, the state is "listening", unless it is
+ * changed meanwhile. */
+void notice_listening(struct channel *channel, bool on);
+
+/* Returns whether the follower is told what listeners say. */
+bool follower_hears(const struct follower *follower);
 
 /* Reads the mood of an `express` message. The mix borrows from the message. Returns -1 with *e. */
 int express_read(const json_t *message, struct mood_request *mix, struct error *e);

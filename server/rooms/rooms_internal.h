@@ -10,7 +10,14 @@
 #include "server/rooms/rooms.h"
 #include <jansson.h>
 
+struct question;
 struct shared_room;
+
+/* notices.c: sends the notice, and returns its message for the board. */
+struct queued_message *notice_tell(struct channel *channel, const json_t *told, const char *event);
+
+/* Checks a list of choices. -1 with *e "bad-field". */
+int notice_check_choices(const json_t *choices, struct error *e);
 
 /* Speech held for empty rooms, in the order of arrival. */
 struct pending_speech {
@@ -81,6 +88,12 @@ void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx);
 void notice_board_free(struct notice_board *board);
 
+/* The event of a notice that only some followers get (follower_hears). */
+#define HEARD "heard"
+
+/* The event of a notice that only followers with the right to direct the room get. */
+#define ANSWERED "answered"
+
 /* The followers that want the same media encoding. */
 struct variant {
     struct variant *next;
@@ -138,6 +151,9 @@ struct channel {
     bool in_turn; /* to be flushed at the end of the loop's turn */
     struct channel *next_in_turn;
     struct variant *variants;
+    struct question *question;          /* waits for its answer; NULL: none */
+    unsigned listening;                 /* utterances of listeners being heard */
+    struct queued_message *listens;     /* the state told with the first of them; NULL: none */
     struct channel_item *first, **last; /* output queue, oldest first */
     struct late_join late_join;
     struct notice_board notices;

@@ -20,6 +20,7 @@ struct normalizers;
 struct lexicons;
 struct library;
 struct live_pool;
+struct ear_pool;
 
 /* All borrowed. */
 struct pipeline {
@@ -45,6 +46,7 @@ struct pipeline {
     /* Texts of at least this many bytes are parsed on another thread; 0 = never. */
     size_t long_text;
     struct live_pool *live; /* live voices; NULL = disabled */
+    struct ear_pool *ears;  /* recognition of listeners; NULL = disabled */
     unsigned open_seconds;  /* an open text is closed after this many idle seconds; 0 = never */
 };
 

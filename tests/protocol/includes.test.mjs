@@ -172,8 +172,8 @@ test('only the settings read settings', () => {
     [...code.matchAll(/\b(?:secure_)?(?:getenv|setenv|putenv)\(("?\w+"?)/g)].map(([, what]) => `${name}: ${what}`),
   );
   // PATH and HOME are the system's; a voice's worker tells what it loads, in its own process: libraries to be silent, a plugin that speaks
-  // with a second voice whether that is confined; programs beside the daemon have their own
-  const others = asked.filter((line) => !/^server\/daemon\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/bridges\/|^server\/(?:voice\/worker_main|library\/align\/reference)\.c: "FACCIA_SANDBOX"$/.test(line));
+  // with a second voice whether that is confined; the command of a recogniser is told the language; programs beside the daemon have their own
+  const others = asked.filter((line) => !/^server\/daemon\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/bridges\/|^server\/(?:voice\/worker_main|library\/align\/reference)\.c: "FACCIA_SANDBOX"$|^server\/live\/faccia_recogniser\.c: "HEAR_LANG"$/.test(line));
   assert.deepEqual(others, []);
 });
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { applyStyles, parts, styles } from './template.mjs';
 import { Controls } from './controls.mjs';
+import { Hearing } from './speech/hearing.mjs';
 import { VoiceInputs } from './speech/voice-inputs.mjs';
 import { readMix } from './face/expression.mjs';
 import { Player } from './audio/player.mjs';
@@ -48,6 +49,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #presentation;
   #reader;
   #session;
+  #hearing = null;
   #voiceInputs = new VoiceInputs({
     speak: (options) => {
       const voice = this.#speech.listen(options);
@@ -251,6 +253,27 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    */
   follow(media, options = {}) {
     return this.#voiceInputs.follow(media, this.#speakOptions(options));
+  }
+
+  /**
+   * Has what the user says recognised, if the server hears (`hello.hears`); the event `heard` tells the words. The microphone
+   * needs a user gesture; it is open until the hearing is stopped.
+   * @param {object} [options] lang; stream: a MediaStream in place of the microphone; handsFree: any number of utterances, each
+   *   found by its loudness; onset(): somebody begins to speak; noise(): dB by which they must be louder now; codec: 'pcm'
+   * @returns {{stop(): void, stopAtSilence(): void, done: Promise<object|null>}} done: the last `heard`, if there was one
+   */
+  hear(options = {}) {
+    this.#player.open(); // while the user's gesture counts
+    this.#hearing?.stop();
+    const hearing = new Hearing({
+      send: (message) => this.#session.send(message),
+      sendSound: (sound, bytes) => this.#session.sendSound(sound, bytes),
+      on: (type, listener) => this.addEventListener(type, listener),
+      off: (type, listener) => this.removeEventListener(type, listener),
+      changed: (detail) => hearing === this.#hearing && this.#emit('hearing', detail),
+    }, options);
+    this.#hearing = hearing;
+    return hearing;
   }
 
   #followFor() {
@@ -467,6 +490,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#opened = false;
     this.#reader.close();
     this.#voiceInputs.close();
+    this.#hearing?.stop();
     this.#speech.stop();
     this.#session.close();
     this.#player.close();

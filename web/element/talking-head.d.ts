@@ -47,6 +47,32 @@ export interface Listening {
   done: Promise<EndMessage>;
 }
 
+export interface HearOptions {
+  /** A BCP 47 tag of what is spoken. */
+  lang?: string;
+  /** In place of the user's microphone. */
+  stream?: MediaStream;
+  /** Any number of utterances, each found by its loudness. */
+  handsFree?: boolean;
+  /** Somebody begins to speak. */
+  onset?: () => void;
+  /** dB by which they must be louder now, because the page itself makes a sound. */
+  noise?: () => number;
+  /** pcm: uncompressed sound instead of Opus. */
+  codec?: 'opus' | 'pcm';
+}
+
+export interface Hearing {
+  /** Whether the microphone is, or will be. */
+  readonly open: boolean;
+  /** Ends the utterance, and closes the microphone. */
+  stop(): void;
+  /** Ends by itself once somebody has spoken and is silent. */
+  stopAtSilence(): void;
+  /** The last `heard`, if there was one; fails where there is no microphone, or it is refused. */
+  done: Promise<ServerHeard | null>;
+}
+
 /** Members of the protocol's `speak`. */
 export interface SpeakOptions {
   // <speak options: made by protocol/make-messages.py>
@@ -164,6 +190,8 @@ export interface ServerHello {
   opus_skip: number;
   /** Whether tokens are required. */
   tokens: boolean;
+  /** Whether it recognises what listeners say (hear). */
+  hears: boolean;
   /** Languages with a speech pack: tag, name, and their engines. */
   languages: { tag: string; name: string; engines: string[] }[];
   /** Tags of other languages that voices speak; their lips follow the International Phonetic Alphabet. */
@@ -461,6 +489,50 @@ export interface ServerChosen {
   /** Who chose: the token's subject, else the name given at join, else the connection's name. */
   by: string;
 }
+/** A question has been said, and waits for its answer: a page may listen now. */
+export interface ServerAsked {
+  type: 'asked';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the question. At most 64 bytes. */
+  id: string;
+  /** Its text. At most 1000 bytes. */
+  question: string;
+  /** How long it waits. */
+  seconds: number;
+}
+/** The end of a question, sent to followers who may speak in the room. Over HTTP it is the answer to ask. */
+export interface ServerAnswered {
+  type: 'answered';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the question. At most 64 bytes. */
+  id: string;
+  /** How it ended. chosen: one of its choices; heard: the words of a listener; timeout: no answer in time; withdrawn: another question or other choices took its place; failed: it could not be said. */
+  reason: 'chosen' | 'heard' | 'timeout' | 'withdrawn' | 'failed';
+  /** The answer. At most 1000 bytes. */
+  text?: string;
+  /** Index in the list of choices, from 0. */
+  choice?: number;
+  /** Who answered, as in chosen. */
+  by?: string;
+}
+/** What a listener said, sent to that client and to observers who may speak in the room. */
+export interface ServerHeard {
+  type: 'heard';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the hear message. At most 64 bytes. */
+  id: string;
+  /** The words; final and empty: none were recognised. At most 1000 bytes. */
+  text: string;
+  /** False: a preview, which later ones replace. */
+  final: boolean;
+  /** How sure the recogniser is, if it says so. */
+  confidence?: number;
+  /** Who spoke, as in chosen. */
+  by: string;
+}
 /** What the assistant behind the face is doing. */
 export interface ServerState {
   type: 'state';
@@ -553,6 +625,9 @@ export interface TalkingHeadEventMap {
   authorized: CustomEvent<ServerAuthorized>;
   choices: CustomEvent<ServerChoices>;
   chosen: CustomEvent<ServerChosen>;
+  asked: CustomEvent<ServerAsked>;
+  answered: CustomEvent<ServerAnswered>;
+  heard: CustomEvent<ServerHeard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;
   expressed: CustomEvent<ServerExpressed>;
@@ -561,6 +636,8 @@ export interface TalkingHeadEventMap {
   // </server events>
   /** It goes on at another time of the recording. */
   seeked: CustomEvent<{ time: number; sample: number; utterance: number }>;
+  /** Of `hear`: whether the microphone is on, and whether an utterance is being sent. */
+  hearing: CustomEvent<{ on: boolean; speaking: boolean }>;
   /** What has come of an utterance, before it is heard; not to be changed. */
   media: CustomEvent<MediaDetail>;
   end: CustomEvent<EndMessage>;
@@ -691,6 +768,8 @@ export class TalkingHead extends HTMLElement {
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   /** Without a stream: the user's microphone, only while the user does something. */
   listen(stream?: MediaStream | MediaStreamTrack | null, options?: ListenOptions): Listening;
+  /** Has what the user says recognised, if the server hears. */
+  hear(options?: HearOptions): Hearing;
   follow(media: HTMLMediaElement, options?: ListenOptions): Omit<Listening, 'done'>;
   stop(): void;
   pause(): void;

@@ -151,6 +151,7 @@ void library_opds(struct buf *out, const json_t *list, const char *base) {
 /* Adds a field of CSV and what follows it. */
 static void put_field(struct buf *out, const char *text, const char *end) {
     buf_add(out, "\"", 1);
+    buf_printf(out, "%s", *text && strchr("=+-@\t\r", *text) ? "'" : ""); /* no formula of a spreadsheet */
     for (; *text; text++)
         buf_printf(out, *text == '"' ? "%c\"" : "%c", *text);
     buf_printf(out, "\"%s", end);

@@ -124,6 +124,11 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         json_t *chosen = json_pack("{ss}", "event_type", "chosen");
         json_object_update_missing(chosen, (json_t *)message);
         room_publish_json(r, "chosen", chosen, false);
+    } else if (!strcmp(type, "answered") ||
+               (!strcmp(type, "heard") && json_is_true(json_object_get(message, "final")))) {
+        json_t *told = json_pack("{ss}", "event_type", type);
+        json_object_update_missing(told, (json_t *)message);
+        room_publish_json(r, type, told, false);
     } else if (!strcmp(type, "end")) {
         const char *reason = member(message, "reason");
         r->speaks = false;
@@ -191,6 +196,8 @@ static const struct component components[] = {
     {"state", "sensor", "State", "mdi:face-woman-shimmer", NULL, "now/state", NULL},
     {"words", "sensor", "Last words", "mdi:comment-text-outline", NULL, "now/words", cut},
     {"choice", "event", "Choice", "mdi:gesture-tap-button", NULL, "chosen", NULL},
+    {"heard", "event", "Heard", "mdi:ear-hearing", NULL, "heard", NULL},
+    {"answer", "event", "Answer", "mdi:comment-question-outline", NULL, "answered", NULL},
 };
 
 static json_t *topic(const struct bridge_room *r, const char *below) {
@@ -209,7 +216,7 @@ static json_t *component(const struct bridge_room *r, const char *device, const 
     if (!strcmp(c->key, "mood"))
         json_object_set(part, "options", r->bridge->moods);
     if (!strcmp(c->platform, "event"))
-        json_object_set_new(part, "event_types", json_pack("[s]", "chosen"));
+        json_object_set_new(part, "event_types", json_pack("[s]", c->state));
     if (!strcmp(c->platform, "text")) { /* longer texts go through the notify entity or the topic */
         json_object_set_new(part, "min", json_integer(0));
         json_object_set_new(part, "max", json_integer(STATE_MOST));
@@ -530,6 +537,11 @@ static void room_command(struct bridge_room *r, const char *command, const char 
     if (!strcmp(command, "say")) {
         if ((object = object_of(r, "say", "text", payload, size)))
             say(r, object, NULL, NULL);
+    } else if (!strcmp(command, "ask")) {
+        if ((object = object_of(r, "ask", "text", payload, size))) {
+            json_object_set_new(object, "wait", json_false());
+            ask_for(r, "ask", "ask", object, "");
+        }
     } else if (!strcmp(command, "mute")) {
         mute(r, payload);
     } else if (!strcmp(command, "presence")) {
@@ -559,8 +571,8 @@ static void discover(struct bridge *b) {
 
 static void on_connected(void *ctx) {
     struct bridge *b = ctx;
-    static const char *const commands[] = {"say",   "stop",    "pause", "resume", "express",
-                                           "state", "choices", "mute",  "voice",  "presence"};
+    static const char *const commands[] = {"say",   "ask",     "stop", "pause", "resume",  "express",
+                                           "state", "choices", "mute", "voice", "presence"};
     char topic[BRIDGE_TOPIC];
     log_info("connected to the broker");
     for (unsigned i = 0; i < b->room_count; i++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
+#include "server/base/json/wyoming_event.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/base/program.h"
@@ -11,17 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Events of the Wyoming protocol (github.com/OHF-Voice/wyoming): a line of JSON with a type, then data_length
- * bytes of JSON, then payload_length bytes. */
-
-enum { FRAME_LINE_MOST = 65536, FRAME_DATA_MOST = 1 << 20, FRAME_PAYLOAD_MOST = 1 << 22 };
-
-struct frame {
-    json_t *head; /* owns the type */
-    json_t *data; /* of the line and what follows it */
-    const char *type;
-};
 
 /* One who asks over the Wyoming protocol: describe, synthesize, and the streaming form (synthesize-start,
  * -chunk, -stop).
@@ -54,85 +44,6 @@ static json_t *wyoming_info(const json_t *known) {
     return json_pack("{s[{ss ss sb ss s{ss ss} so sb}]}", "tts", "name", "faccia", "description",
                      "A face that speaks", "installed", 1, "version", FACCIA_VERSION, "attribution", "name",
                      "faccia", "url", "", "voices", voices, "supports_synthesize_streaming", 1);
-}
-
-/* Returns a length stated in the line; absent or null: 0; -1 if it is invalid. */
-static long long length_of(const json_t *head, const char *name, long long most) {
-    const json_t *value = json_object_get(head, name);
-    long long length = json_integer_value(value);
-    return value && !json_is_null(value) && (!json_is_integer(value) || length < 0 || length > most) ? -1
-                                                                                                     : length;
-}
-
-static void frame_free(struct frame *f);
-
-static int frame_fail(struct frame *f, const char **why, const char *text) {
-    frame_free(f);
-    *why = text;
-    return -1;
-}
-
-/* Takes the next complete event from the received bytes and skips its payload. Returns 1; 0 if it is
- * incomplete; -1 with *why if the bytes are invalid. */
-static int frame_next(struct buf *come, struct frame *f, const char **why) {
-    *f = (struct frame){0};
-    const char *bytes = (const char *)come->data, *end = come->size ? memchr(bytes, '\n', come->size) : NULL;
-    if (!end)
-        return come->size > FRAME_LINE_MOST ? frame_fail(f, why, "a line is too long") : 0;
-    size_t line = (size_t)(end - bytes) + 1;
-    f->head = json_loadb(bytes, line, 0, NULL);
-    f->type = json_string_value(json_object_get(f->head, "type"));
-    if (!f->type)
-        return frame_fail(f, why, "a line is not a JSON object with a type");
-    long long data = length_of(f->head, "data_length", FRAME_DATA_MOST);
-    long long payload = length_of(f->head, "payload_length", FRAME_PAYLOAD_MOST);
-    if (data < 0 || payload < 0)
-        return frame_fail(f, why, "a length is not a number, or too large");
-    if (come->size - line < (size_t)(data + payload)) {
-        frame_free(f);
-        return 0;
-    }
-    json_t *more = data ? json_loadb(bytes + line, (size_t)data, 0, NULL) : NULL;
-    if (data && !json_is_object(more)) {
-        json_decref(more);
-        return frame_fail(f, why, "the data is not a JSON object");
-    }
-    const json_t *of_line = json_object_get(f->head, "data");
-    f->data = json_is_object(of_line) ? json_deep_copy(of_line) : json_object();
-    if (more)
-        json_object_update(f->data, more);
-    json_decref(more);
-    buf_consume(come, line + (size_t)(data + payload));
-    return 1;
-}
-
-static void frame_free(struct frame *f) {
-    json_decref(f->head);
-    json_decref(f->data);
-    *f = (struct frame){0};
-}
-
-/* Adds an event; data is released. */
-static void frame_write(struct buf *out, const char *type, json_t *data, const void *payload, size_t size) {
-    struct buf text = {0};
-    if (data) {
-        size_t length = json_dumpb(data, NULL, 0, JSON_COMPACT);
-        json_dumpb(data, buf_reserve(&text, length), length, JSON_COMPACT);
-        text.size = length;
-    }
-    json_t *head = json_pack("{ss sI sI}", "type", type, "data_length", (json_int_t)text.size,
-                             "payload_length", (json_int_t)size);
-    size_t length = json_dumpb(head, NULL, 0, JSON_COMPACT);
-    json_dumpb(head, buf_reserve(out, length), length, JSON_COMPACT);
-    out->size += length;
-    buf_add(out, "\n", 1);
-    if (text.size)
-        buf_add(out, text.data, text.size);
-    if (size)
-        buf_add(out, payload, size);
-    buf_free(&text);
-    json_decref(head);
-    json_decref(data);
 }
 
 enum {
@@ -244,7 +155,7 @@ static void tell(struct wyoming_client *c, const char *type, json_t *data, const
         return;
     }
     struct sending *s = mem_alloc(sizeof *s);
-    frame_write(&s->bytes, type, data, payload, size);
+    wyoming_event_write(&s->bytes, type, data, payload, size);
     uv_buf_t bytes = uv_buf_init((char *)s->bytes.data, (unsigned)s->bytes.size);
     uv_write(&s->write, (uv_stream_t *)&c->tcp, &bytes, 1, on_sent);
 }
@@ -430,7 +341,7 @@ static void describe(void *ctx, const struct remote_answer *answer) {
     take_events(c);
 }
 
-static void act(struct wyoming_client *c, const struct frame *f) {
+static void act(struct wyoming_client *c, const struct wyoming_event *f) {
     bool busy = c->fetch || c->streams;
     if (!strcmp(f->type, "describe")) {
         c->asked = remote_fetch(c->wyoming->remote, "/v1/voices", NULL, NULL, NULL, NULL, describe, c);
@@ -463,12 +374,12 @@ static bool takes(const struct wyoming_client *c) {
 }
 
 static void take_events(struct wyoming_client *c) {
-    struct frame f;
+    struct wyoming_event f;
     const char *why = NULL;
     int whole = 0;
-    while (takes(c) && (whole = frame_next(&c->come, &f, &why)) > 0) {
+    while (takes(c) && (whole = wyoming_event_next(&c->come, &f, &why)) > 0) {
         act(c, &f);
-        frame_free(&f);
+        wyoming_event_free(&f);
     }
     if (whole < 0) {
         log_warn("disconnecting a client: %s", why);

@@ -60,8 +60,8 @@ static int kind_of(const char *event) {
 
 /* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
-    static const char *const names[] = {"choices",   "chosen",  "state",  "calibrated",
-                                        "expressed", "consent", "lexicon"};
+    static const char *const names[] = {"choices", "chosen",  "state", "calibrated", "expressed",
+                                        "consent", "lexicon", "asked", HEARD,        ANSWERED};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(names[i], event))
             return names[i];

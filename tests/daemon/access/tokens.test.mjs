@@ -72,8 +72,8 @@ test("a room's token permits actions on that room only", async () => {
 
 test('each message needs the right that protocol/messages.json declares', async () => {
   const { client: messages } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/messages.json')));
-  const members = { speak: { text: 'Sì.' }, text: { text: 'Sì.' }, rate: { rate: 150 }, jump: { mark: 'm' }, play: { name: 'x' }, express: { mix: [] }, join: { room: 'hall' }, authorize: { token: 'x' },
-    choices: { choices: [] }, choose: { choice: 0 }, state: { state: 'idle' }, calibrate: { reset: true }, consent: { consent: 'asked' }, voice: { rate: 16000 } };
+  const members = { speak: { text: 'Sì.' }, ask: { text: 'Sì.' }, text: { text: 'Sì.' }, rate: { rate: 150 }, jump: { mark: 'm' }, play: { name: 'x' }, express: { mix: [] }, join: { room: 'hall' }, authorize: { token: 'x' },
+    choices: { choices: [] }, choose: { choice: 0 }, state: { state: 'idle' }, calibrate: { reset: true }, consent: { consent: 'asked' }, voice: { rate: 16000 }, hear: { rate: 16000 } };
   const told = { listen: {}, speak: {} };
   for (const right of Object.keys(told)) {
     const stream = await daemon.stream('', bearer(token({ rights: right })));

@@ -48,6 +48,7 @@ const cases = {
   cancel: [{ id: 's' }, { type: 'end', id: 's', reason: 'stopped' }],
   play: [{ id: 'p', name: 'nod' }, { type: 'begin', id: 'p' }],
   stop: [{}, null],
+  ask: [{ id: 'a', text: 'Sì?', choices: ['Sì'], wait: false }, { type: 'asked', id: 'a' }],
   express: [{ mix: [{ name: 'joy' }] }, { type: 'expressed', mix: [{ name: 'joy', intensity: 1 }] }],
   choices: [{ id: 'q', choices: ['Sì', 'No'] }, { type: 'choices', id: 'q' }],
   choose: [{ id: 'q', choice: 1 }, { type: 'chosen', text: 'No' }],

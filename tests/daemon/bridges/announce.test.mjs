@@ -12,7 +12,7 @@ import { build, Daemon } from '../../lib/daemon.mjs';
 
 let daemon, kiosk;
 before(async () => {
-  daemon = await Daemon.start(['--hold', '2']);
+  daemon = await Daemon.start(['--hold', '2', '--recogniser', 'cat >/dev/null; echo abbastanza bene']);
   kiosk = await daemon.stream('?lang=it&room=kitchen');
   await kiosk.wait({ type: 'joined' });
 });
@@ -22,8 +22,8 @@ after(async () => {
 });
 
 /** Runs faccia-say. Returns its status and standard error. */
-async function run(options, { input, url = daemon.url, env = {} } = {}) {
-  const child = spawn(path.join(build, 'server/bridges/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
+async function run(options, { input, url = daemon.url, env = {}, argv0 } = {}) {
+  const child = spawn(path.join(build, 'server/bridges/faccia-say'), options, { argv0, env: { ...process.env, FACCIA_URL: url, ...env } });
   let stderr = '', stdout = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text));
   child.stdout.setEncoding('utf8').on('data', (text) => (stdout += text));
@@ -116,6 +116,24 @@ test('sends a token to a daemon that requires one', async () => {
   assert.equal((await run([...kitchen, '--token-file', token, 'Ciao.'], { url: own.url })).status, 0);
   assert.equal((await own.stop()).code, 0);
   fs.rmSync(folder, { recursive: true });
+});
+
+test('faccia-ask without --choices prints what somebody says; status 7 if nobody does, 3 if nobody is there', async () => {
+  kiosk.messages.length = 0;
+  const ask = (...words) => run([...kitchen, ...words], { argv0: 'faccia-ask' });
+  const asked = ask('Come sta?');
+  const { id } = await kiosk.wait({ type: 'asked', question: 'Come sta?', seconds: 60 });
+  assert.ok(kiosk.messages.some((m) => m.type === 'end' && m.id === id));
+  kiosk.send({ type: 'hear', id: 'h', rate: 16000 });
+  kiosk.send({ type: 'close', id: 'h' });
+  assert.deepEqual(await asked, { status: 0, stderr: '', stdout: 'abbastanza bene\n' });
+  assert.deepEqual(await ask('--seconds', '1', 'Nessuno?'), { status: 7, stderr: 'faccia-ask: nobody has answered\n' });
+  const replaced = ask('E adesso?');
+  await kiosk.wait({ type: 'asked', question: 'E adesso?' });
+  kiosk.send({ type: 'ask', lang: 'it', text: 'Altro?', seconds: 1 });
+  assert.deepEqual(await replaced, { status: 7, stderr: 'faccia-ask: the question was withdrawn\n' });
+  const nobody = await run(['--room', 'attic', '--lang', 'it', 'Chi è là?'], { argv0: 'faccia-ask' });
+  assert.equal(nobody.status, 3, nobody.stderr);
 });
 
 test('--choices: prints the answer that somebody chooses, before or after the question is said', async () => {

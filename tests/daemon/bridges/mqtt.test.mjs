@@ -63,7 +63,7 @@ const saidOn = (topic, payload = () => true, from = 0) =>
 const publish = (topic, payload, options = []) => start('mosquitto_pub', ['-p', String(port), '-q', '1', '-t', topic, '-m', typeof payload === 'string' ? payload : JSON.stringify(payload), ...options]).exited;
 
 before(async () => {
-  daemon = await Daemon.start();
+  daemon = await Daemon.start(['--recogniser', 'cat >/dev/null; echo abbastanza bene']);
   port = await freePort();
   safePort = await freePort();
   certify();
@@ -149,14 +149,25 @@ test('publishes states, moods, choices and the selected answer', async () => {
   assert.deepEqual([chosen.event_type, chosen.choice, chosen.text], ['chosen', 1, 'Non ancora']);
 });
 
+test('asks a question, and publishes its answer and what is heard', async () => {
+  await publish('faccia/kitchen/ask', { id: 'pill', lang: 'it', text: 'Come sta?', seconds: 60 });
+  await kiosk.wait({ type: 'asked', id: 'pill' });
+  kiosk.send({ type: 'hear', id: 'h', rate: 16000 });
+  kiosk.send({ type: 'close', id: 'h' });
+  const answered = JSON.parse((await saidOn('faccia/kitchen/answered')).payload);
+  assert.deepEqual([answered.event_type, answered.id, answered.reason, answered.text], ['answered', 'pill', 'heard', 'abbastanza bene']);
+  const heard = JSON.parse((await saidOn('faccia/kitchen/heard')).payload);
+  assert.deepEqual([heard.event_type, heard.id, heard.text, heard.final], ['heard', 'h', 'abbastanza bene', true]);
+});
+
 test('Home Assistant discovers a device with all functions of the room, also after its restart', async () => {
   const from = lines().length;
   await publish('homeassistant/status', 'online');
   const { payload } = await saidOn('homeassistant/device/faccia_kitchen/config', undefined, from);
   const config = JSON.parse(payload);
   assert.deepEqual(Object.fromEntries(Object.entries(config.cmps).map(([key, c]) => [key, c.p])), {
-    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', presence: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event' });
-  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 10);
+    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', presence: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event', heard: 'event', answer: 'event' });
+  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 12);
   assert.ok(config.cmps.voice.options.includes('espeak:it') && config.cmps.mood.options.includes('joy'));
   for (const { topic } of config.availability) assert.ok(await saidOn(topic, 'online'), topic);
   // commands as Home Assistant sends them

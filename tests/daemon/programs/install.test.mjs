@@ -30,7 +30,7 @@ before(() => run('meson', ['install', '-C', ordinary, '--destdir', stage, '--no-
 test('installs files where Debian expects them', () => {
   const files = [
     ...['facciad', 'faccia'].map((name) => within('bindir', name)),
-    ...['faccia-align', 'faccia-reader', 'faccia-voice', 'plugins/espeak.so', 'plugins/command.so', 'plugins/festival.json', 'plugins/wyoming.py'].map((name) => within('libdir', 'faccia', name)),
+    ...['faccia-align', 'faccia-reader', 'faccia-recogniser', 'faccia-voice', 'plugins/espeak.so', 'plugins/command.so', 'plugins/festival.json', 'plugins/wyoming.py'].map((name) => within('libdir', 'faccia', name)),
     ...['boundaries.json', 'expressions.json', 'speech/it.json', 'speech/alphabets/ipa.json', 'speech/letters/tr.json', 'speech/visemes/pt.json', 'normalization/it.json', 'heads/mara.json', 'heads/mara.json.gz', 'heads/mara.glb', 'hear/network.bin', 'stimuli/page.html']
       .map((name) => within('datadir', 'faccia/models', name)),
     ...['index.html', 'speak.js', 'talking-head.js', 'talking-head-worklet.js', 'opus-decoder.js', 'faps.json', 'docs/index.html', 'docs/start/page.html.gz'].map((name) => within('datadir', 'faccia/web', name)),

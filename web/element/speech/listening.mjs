@@ -8,7 +8,7 @@ import { acquireContext, releaseContext } from '../audio/shared-context.mjs';
 const sources = new WeakMap(); // media element -> {context, node}: there can be but one for each
 
 /** Opens the microphone, after a user gesture only: a prompt must not come as a surprise. */
-async function microphone() {
+export async function microphone() {
   if (navigator.userActivation?.isActive === false)
     throw new globalThis.DOMException('The microphone is asked for when the user does something.', 'NotAllowedError');
   if (!navigator.mediaDevices) throw new globalThis.DOMException('The page has no microphones.', 'NotSupportedError');

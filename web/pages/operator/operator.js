@@ -211,6 +211,10 @@ head.addEventListener('chosen', ({ detail }) => {
   log.show('chosen', detail.text, { by: detail.by, id: detail.id, listener: true });
   if (offered?.id === detail.id) expect(offered.choices[detail.choice]?.next);
 });
+head.addEventListener('heard', ({ detail }) => {
+  const { id, text: words, final, by, confidence } = detail;
+  if (final && words) log.show('heard', words, { id, by, listener: true, ...(confidence === undefined ? {} : { confidence }) });
+});
 head.addEventListener('state', ({ detail }) => {
   log.show('stated', `${say(detail.state)} ${detail.text ?? ''}`.trim(), { listener: Boolean(detail.text) });
   state.value = detail.state;

@@ -4,6 +4,7 @@ import { Access } from '../shared/access.js';
 import { pageLanguage } from '../shared/languages.js';
 import { errors, room as words, shared } from '../texts/index.js';
 import { Consent } from './consent.js';
+import { Ears } from './ears.js';
 import { isWithin, readWish } from './wish.js';
 
 const WORKER = 'room-worker.js';
@@ -41,6 +42,7 @@ const consent = new Consent(head, say, {
     showQuestion();
   },
 });
+const ears = new Ears(head, say, lang, { news: tell, speaking: () => now.utterances > 0, wake });
 let awakeUntil = 0;
 let trouble = ''; // message during a lost connection
 let lock = null;
@@ -121,6 +123,7 @@ head.addEventListener('connection', ({ detail }) => {
   now.told = 'idle';
   now.heard = '';
   consent.lost();
+  ears.lost();
   showQuestion();
   showState();
 });

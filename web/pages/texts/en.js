@@ -68,6 +68,8 @@ export const errors = {
   'too-many-voices': 'Too many people are speaking already. Try again when one has finished.',
   'queue-full': 'Too many texts are waiting. Try again when some have been spoken.',
   'voice-failed': 'The voice could not speak a sentence. Try again, or choose another voice.',
+  'recogniser-failed': 'The words could not be recognised. Say it again, or tell whoever runs the server.',
+  'no-recogniser': 'This server does not recognise speech.',
   'voice-crashed': 'The voice broke off in a sentence. Try again, or choose another voice.',
   'voice-timeout': 'The voice took too long. Try again, or choose another voice.',
   'voice-unavailable': 'The voice is not ready yet, or not there. Try again soon, or choose another voice.',
@@ -219,7 +221,7 @@ export const operator = {
   looksOn: 'watching', affect: 'A single emotion', discHint: 'Drag the point, or move it with the arrow keys: the face of the room changes at once. Other operators see it.',
   study: 'Study', askFirst: 'Ask for consent', consentText: 'What is recorded, and for whom', consentHint: 'The listener reads it before answering. Without a text there is a ready explanation.', askConsent: 'Ask for consent', endStudy: 'End the study',
   consent: 'Consent:', 'consent-none': 'No study is running.', 'consent-asked': 'Asked, no answer yet: nothing about the listener is recorded.', 'consent-given': 'Given: the log is kept.', 'consent-declined': 'Declined: nothing about the listener is recorded.',
-  sentence: '', chosen: 'Chosen:', chose: 'Offered:', stated: 'Sign:', stopped: 'Stopped', refused: 'Not said, or not to the end:', heard: '',
+  sentence: '', chosen: 'Chosen:', chose: 'Offered:', stated: 'Sign:', stopped: 'Stopped', refused: 'Not said, or not to the end:', heard: 'Heard:',
   sampleScene: [
     ['1', 'Good morning! How are you today?', 'Good morning! Did you sleep well?', 'joy 0.5', 'Well > 2 | Not so well > 3'],
     ['2', 'I am glad to hear it.', '', 'joy 0.7', ''],
@@ -249,6 +251,9 @@ export const room = {
   blocked: 'Touch the screen to hear the voice', chosen: 'Answer: {text}', noRoom: 'The address must name a room: room.html?room=kitchen',
   consentTitle: 'May we take notes?', consentWhat: 'This is a study. We note what is said here and which answers you choose.', consentFree: 'You can say no: everything works just the same. You can change your mind at any time. This screen records neither voices nor pictures.',
   consentYes: 'Yes, I agree', consentNo: 'No, thank you', noted: 'Notes are being taken.', consentStop: 'Stop taking notes', declined: 'All right: nothing about you is written down.',
+  talk: 'Hold to speak', talking: 'Speak now…', handsFree: 'Hands-free', microphoneOn: 'The microphone is on',
+  earsTitle: 'May she listen?', earsWhat: 'While the microphone is on, what you say goes to this server, becomes words, and is shown to those who look after this room. The sound is not kept. You can turn it off at any time.',
+  earsYes: 'Yes, turn it on', earsNo: 'Not now', youSaid: 'Heard: {text}', notUnderstood: 'That was not understood. Please say it again.', noMicrophone: 'There is no microphone, or this page may not use it.',
 };
 
 export const voices = {

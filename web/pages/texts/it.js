@@ -68,6 +68,8 @@ export const errors = {
   'too-many-voices': 'Parlano già troppe persone. Riprovare quando qualcuna ha finito.',
   'queue-full': 'Troppi testi aspettano già. Riprovare quando alcuni sono stati detti.',
   'voice-failed': 'La voce non è riuscita a dire una frase. Riprovare, o scegliere un’altra voce.',
+  'recogniser-failed': 'Non è stato possibile riconoscere le parole. Ripetere, o avvisare chi gestisce il server.',
+  'no-recogniser': 'Questo server non riconosce il parlato.',
   'voice-crashed': 'La voce si è interrotta durante una frase. Riprovare, o scegliere un’altra voce.',
   'voice-timeout': 'La voce ha impiegato troppo tempo. Riprovare, o scegliere un’altra voce.',
   'voice-unavailable': 'La voce non è ancora pronta, o non c’è. Riprovare fra poco, o scegliere un’altra voce.',
@@ -226,7 +228,7 @@ export const operator = {
   looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascina il punto, o spostalo con le frecce: il volto della stanza cambia subito. Gli altri operatori lo vedono.',
   study: 'Studio', askFirst: 'Consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
   consent: 'Consenso:', 'consent-none': 'Nessuno studio in corso.', 'consent-asked': 'Chiesto, senza risposta: di chi ascolta non si annota nulla.', 'consent-given': 'Dato: il registro è tenuto.', 'consent-declined': 'Negato: di chi ascolta non si annota nulla.',
-  sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: '',
+  sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: 'Sentito:',
   sampleScene: [
     ['1', 'Buongiorno! Come va oggi?', 'Buongiorno! Ha dormito bene?', 'joy 0.5', 'Bene > 2 | Non tanto > 3'],
     ['2', 'Sono contenta di sentirlo.', '', 'joy 0.7', ''],
@@ -256,6 +258,9 @@ export const room = {
   blocked: 'Toccare lo schermo per sentire la voce', chosen: 'Risposta: {text}', noRoom: 'L’indirizzo deve nominare una stanza: room.html?room=cucina',
   consentTitle: 'Possiamo prendere appunti?', consentWhat: 'È uno studio. Si annota che cosa si dice qui e quali risposte sceglie.', consentFree: 'Può dire di no: tutto funziona lo stesso. Può cambiare idea quando vuole. Questo schermo non registra né voci né immagini.',
   consentYes: 'Sì, va bene', consentNo: 'No, grazie', noted: 'Si prendono appunti.', consentStop: 'Non più', declined: 'Va bene: di lei non si annota nulla.',
+  talk: 'Tenere premuto per parlare', talking: 'Si può parlare…', handsFree: 'A mani libere', microphoneOn: 'Il microfono è acceso',
+  earsTitle: 'Può ascoltare?', earsWhat: 'Finché il microfono è acceso, ciò che si dice va a questo server, diventa parole ed è mostrato a chi si occupa di questa stanza. Il suono non viene conservato. Si può spegnere in ogni momento.',
+  earsYes: 'Sì, accendere', earsNo: 'Non ora', youSaid: 'Sentito: {text}', notUnderstood: 'Non si è capito. Ripetere, per favore.', noMicrophone: 'Non c’è un microfono, o questa pagina non può usarlo.',
 };
 
 export const voices = {

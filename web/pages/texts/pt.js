@@ -68,6 +68,8 @@ export const errors = {
   'too-many-voices': 'Já há pessoas demais falando. Tente quando alguma tiver terminado.',
   'queue-full': 'Já há textos demais à espera. Tente quando alguns tiverem sido ditos.',
   'voice-failed': 'A voz não conseguiu dizer uma frase. Tente de novo, ou escolha outra voz.',
+  'recogniser-failed': 'As palavras não puderam ser reconhecidas. Diga de novo, ou avise quem cuida do servidor.',
+  'no-recogniser': 'Este servidor não reconhece a fala.',
   'voice-crashed': 'A voz parou durante uma frase. Tente de novo, ou escolha outra voz.',
   'voice-timeout': 'A voz demorou demais. Tente de novo, ou escolha outra voz.',
   'voice-unavailable': 'A voz ainda não está pronta, ou não existe. Tente em instantes, ou escolha outra voz.',
@@ -226,7 +228,7 @@ export const operator = {
   looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arraste o ponto, ou mova-o com as setas: o rosto da sala muda logo. Os outros operadores o veem.',
   study: 'Estudo', askFirst: 'Pedir o consentimento', consentText: 'O que se anota, e para quem', consentHint: 'Quem ouve lê isto antes de responder. Sem texto, há uma explicação pronta.', askConsent: 'Pedir consentimento', endStudy: 'Fim do estudo',
   consent: 'Consentimento:', 'consent-none': 'Nenhum estudo em curso.', 'consent-asked': 'Pedido, sem resposta: de quem ouve nada se anota.', 'consent-given': 'Dado: o registro é mantido.', 'consent-declined': 'Negado: de quem ouve nada se anota.',
-  sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: '',
+  sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: 'Ouvido:',
   sampleScene: [
     ['1', 'Bom dia! Como vai hoje?', 'Bom dia! Dormiu bem?', 'joy 0.5', 'Bem > 2 | Nem tanto > 3'],
     ['2', 'Fico feliz em saber.', '', 'joy 0.7', ''],
@@ -256,6 +258,9 @@ export const room = {
   blocked: 'Toque na tela para ouvir a voz', chosen: 'Resposta: {text}', noRoom: 'O endereço deve nomear uma sala: room.html?room=cozinha',
   consentTitle: 'Podemos tomar notas?', consentWhat: 'É um estudo. Anotamos o que se diz aqui e as respostas que você escolhe.', consentFree: 'Você pode dizer não: tudo funciona igual. Pode mudar de ideia quando quiser. Esta tela não grava voz nem imagem.',
   consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Estão sendo tomadas notas.', consentStop: 'Parar de anotar', declined: 'Tudo bem: nada sobre você é anotado.',
+  talk: 'Segure para falar', talking: 'Pode falar…', handsFree: 'Mãos livres', microphoneOn: 'O microfone está ligado',
+  earsTitle: 'Ela pode ouvir?', earsWhat: 'Enquanto o microfone está ligado, o que você diz vai para este servidor, vira palavras e é mostrado a quem cuida desta sala. O som não é guardado. Você pode desligá-lo a qualquer momento.',
+  earsYes: 'Sim, ligar', earsNo: 'Agora não', youSaid: 'Ouvido: {text}', notUnderstood: 'Não deu para entender. Diga de novo, por favor.', noMicrophone: 'Não há microfone, ou esta página não pode usá-lo.',
 };
 
 export const voices = {

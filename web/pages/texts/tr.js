@@ -68,6 +68,8 @@ export const errors = {
   'too-many-voices': 'Zaten çok fazla kişi konuşuyor. Biri bitirdikten sonra deneyin.',
   'queue-full': 'Zaten çok fazla metin bekliyor. Bazıları söylendikten sonra deneyin.',
   'voice-failed': 'Ses bir cümleyi söyleyemedi. Yeniden deneyin ya da başka bir ses seçin.',
+  'recogniser-failed': 'Sözcükler tanınamadı. Yeniden söyleyin ya da sunucuya bakan kişiye haber verin.',
+  'no-recogniser': 'Bu sunucu konuşma tanımıyor.',
   'voice-crashed': 'Ses bir cümlede durdu. Yeniden deneyin ya da başka bir ses seçin.',
   'voice-timeout': 'Ses çok uzun sürdü. Yeniden deneyin ya da başka bir ses seçin.',
   'voice-unavailable': 'Ses henüz hazır değil ya da yok. Birazdan deneyin ya da başka bir ses seçin.',
@@ -226,7 +228,7 @@ export const operator = {
   looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
   study: 'Araştırma', askFirst: 'Onay isteme', consentText: 'Ne yazılıyor, kimin için', consentHint: 'Dinleyen kişi yanıtlamadan önce bunu okur. Metin yoksa hazır bir açıklama gösterilir.', askConsent: 'Onay iste', endStudy: 'Araştırmayı bitir',
   consent: 'Onay:', 'consent-none': 'Süren bir araştırma yok.', 'consent-asked': 'Soruldu, yanıt yok: dinleyenle ilgili hiçbir şey yazılmıyor.', 'consent-given': 'Verildi: kayıt tutuluyor.', 'consent-declined': 'Verilmedi: dinleyenle ilgili hiçbir şey yazılmıyor.',
-  sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: '',
+  sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: 'Duyulan:',
   sampleScene: [
     ['1', 'Günaydın! Bugün nasılsınız?', 'Günaydın! İyi uyudunuz mu?', 'joy 0.5', 'İyiyim > 2 | Pek değil > 3'],
     ['2', 'Bunu duyduğuma sevindim.', '', 'joy 0.7', ''],
@@ -256,6 +258,9 @@ export const room = {
   blocked: 'Sesi duymak için ekrana dokunun', chosen: 'Yanıt: {text}', noRoom: 'Adres bir oda söylemelidir: room.html?room=mutfak',
   consentTitle: 'Not alabilir miyiz?', consentWhat: 'Bu bir araştırma. Burada söylenenler ve seçtiğiniz yanıtlar yazılır.', consentFree: 'Hayır diyebilirsiniz: her şey aynı şekilde çalışır. Fikrinizi istediğiniz zaman değiştirebilirsiniz. Bu ekran ses ya da görüntü kaydetmez.',
   consentYes: 'Evet, olur', consentNo: 'Hayır, teşekkürler', noted: 'Not alınıyor.', consentStop: 'Artık alınmasın', declined: 'Peki: sizinle ilgili hiçbir şey yazılmıyor.',
+  talk: 'Konuşmak için basılı tutun', talking: 'Şimdi konuşun…', handsFree: 'Eller serbest', microphoneOn: 'Mikrofon açık',
+  earsTitle: 'Dinleyebilir mi?', earsWhat: 'Mikrofon açıkken söyledikleriniz bu sunucuya gider, sözcüklere çevrilir ve bu odayla ilgilenenlere gösterilir. Ses saklanmaz. Mikrofonu istediğiniz zaman kapatabilirsiniz.',
+  earsYes: 'Evet, açın', earsNo: 'Şimdi değil', youSaid: 'Duyulan: {text}', notUnderstood: 'Anlaşılamadı. Lütfen yeniden söyleyin.', noMicrophone: 'Mikrofon yok ya da bu sayfa onu kullanamıyor.',
 };
 
 export const voices = {
