@@ -2,7 +2,6 @@
 /* What a WebSocket client has recognised: the sound of a `hear` message arrives in binary messages until
  * `close`; the words go to the client, and to the observers who may direct its room. */
 #include "server/api/client_internal.h"
-#include "server/api/client_message.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/live/answers.h"
