@@ -4,13 +4,24 @@
 import { create, ts } from '@custom-elements-manifest/analyzer';
 import { readFileSync } from 'node:fs';
 
-/** Collects the descriptions of each name in the first column of a section's tables. */
+const SEVERAL = 4; // names in a row that lists them without telling each
+
+/**
+ * Collects the descriptions of each name in the first column of a section's tables: of rows of its own, rather than of one of
+ * many names.
+ */
 function rows(readme, section) {
   const text = readme.split(`\n## ${section}\n`)[1].split('\n## ')[0];
-  const told = new Map();
+  const told = new Map(), shared = new Set();
   for (const line of text.split('\n').filter((one) => one.startsWith('| `'))) {
     const [names, ...rest] = line.slice(2, -2).split(' | ');
-    for (const [, name] of names.matchAll(/`([^`]+)`/g)) told.set(name, [...(told.has(name) ? [told.get(name)] : []), ...rest].join('; '));
+    const listed = [...names.matchAll(/`([^`]+)`/g)].map(([, name]) => name);
+    for (const name of listed) {
+      const before = shared.has(name) ? undefined : told.get(name);
+      told.set(name, [...(before ? [before] : []), ...rest].join('; '));
+      if (listed.length > SEVERAL) shared.add(name);
+      else shared.delete(name);
+    }
   }
   return [...told].map(([name, description]) => ({ name, description }));
 }

@@ -276,6 +276,15 @@ const roomStories = [
     },
   },
   {
+    id: 'hear', group: rooms, title: 'Words of a listener',
+    about: 'The microphone is heard by the server, if it has a recogniser (facciad --recogniser). The words come back, and answer a question of the room. Neither sound nor words are stored.',
+    shows: ['hear()', '@hearing', '@heard', '@asked', '@answered'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      hear: ['Speak to her', (head) => head.hear({ lang: 'en' }).stopAtSilence()],
+      stop: ['Stop', (head) => head.stop()],
+    },
+  },
+  {
     id: 'state', group: rooms, title: 'What the assistant does',
     about: 'Listening, thinking, muted: sent to everybody in the room, with an expression of the face.',
     shows: ['tell()', '@state'], attributes: { room: 'examples', lang: 'en' },
