@@ -70,6 +70,7 @@ static void take_line(struct heard_lines *lines, char *line, size_t size,
     if (preview) {
         struct buf all = {0};
         buf_printf(&all, "%s%s%s", said(lines), lines->said.size && *own ? " " : "", own);
+        buf_add(&all, "", 1); /* both may be empty */
         tidy((char *)all.data);
         words(ctx, &(struct heard_words){(char *)all.data, false, -1});
         buf_free(&all);

@@ -109,7 +109,7 @@ const parts = {
       joined(3, 1, u32(sound.length), deflateSync(sound))];
   },
   // the first byte sets the length of the pieces
-  heard: () => ['the second one\n', 'one\n two \n', '{"text":"Sì, gr","final":false}\n{"text":"Sì, grazie","confidence":0.5}\n', '{"text":7}\n[]\n\xff\0\u0007x', '{"type":"transcript","data_length":15}\n{"text":"words"}',
+  heard: () => ['the second one\n', '{"text":"","final":false}\n', 'one\n two \n', '{"text":"Sì, gr","final":false}\n{"text":"Sì, grazie","confidence":0.5}\n', '{"text":7}\n[]\n\xff\0\u0007x', '{"type":"transcript","data_length":15}\n{"text":"words"}',
     '{"type":"transcript-chunk","data":{"text":"x"},"payload_length":2}\nab'].map((output) => joined(3, output)),
   replies: () => ['+PONG\r\n', '-NOSCRIPT no such script\r\n', ':-17\r\n', '$-1\r\n', '$0\r\n\r\n', '$5\r\nhe\r\no\r\n', '*-1\r\n', '*0\r\n:1\r\n', '*3\r\n$9\r\nsubscribe\r\n$1\r\na\r\n:1\r\n*3\r\n$7\r\nmessage\r\n$1\r\na\r\n$3\r\nxyz\r\n',
     '*2\r\n*1\r\n*2\r\n:1\r\n$-1\r\n*1\r\n*0\r\n', '*1\r\n'.repeat(7), '*2147483647\r\n:1\r\n', '*-2\r\n', '$2147483647\r\nx', '$-2\r\n', ':9223372036854775808\r\n', '$05\r\nhello\r\n', '+a\rb\r\n', '>2\r\n', `+${'x'.repeat(5000)}`]
