@@ -8,6 +8,8 @@ import { PortraitError } from '../../../web/portrait/problem.mjs';
 const LIPS = [13, 14]; // landmarks of the lips' inner edges in the middle,
 const CORNERS = [78, 308]; // and where they meet
 const CLOSED = 0.065; // of the width of the mouth: touching lips are measured as up to that far apart
+const CLOSED_MOST = 0.085; // of some faces, dark ones among them, measured with touching lips,
+const NEARLY = 0.006; // where the closest lips of the film, and what is nearly as close, count as closed
 const LOOKS = 250; // pictures looked at, from the beginning: 10 s at 25 a second
 const LONGEST = 0.4; // s: enough pictures of a resting face
 
@@ -24,7 +26,7 @@ async function opening(eye, picture) {
   }
 }
 
-const isClosed = (open) => open !== null && open < CLOSED;
+const isClosed = (open, most = CLOSED) => open !== null && open < most;
 
 /** @returns {Promise<boolean>} whether most of the pictures show closed lips */
 export async function lipsClosed(eye, pictures) {
@@ -34,12 +36,12 @@ export async function lipsClosed(eye, pictures) {
 }
 
 /** Returns the longest run of closed lips, of equal ones that with the lips closest together; without any, the picture with the closest lips. */
-function longestRun(looks, fps) {
+function longestRun(looks, fps, most) {
   let best = null;
   for (let i = 0; i < looks.length; i++) {
-    if (!isClosed(looks[i].open)) continue;
+    if (!isClosed(looks[i].open, most)) continue;
     let end = i;
-    while (isClosed(looks[end + 1]?.open ?? null) && (looks[end + 1].number - looks[i].number) / fps <= LONGEST) end++;
+    while (isClosed(looks[end + 1]?.open ?? null, most) && (looks[end + 1].number - looks[i].number) / fps <= LONGEST) end++;
     const length = looks[end].number - looks[i].number;
     const open = looks.slice(i, end + 1).reduce((sum, look) => sum + look.open, 0) / (end + 1 - i);
     if (!best || length > best.length || (length === best.length && open < best.open)) best = { length, open, from: looks[i].number, to: looks[end].number };
@@ -65,6 +67,8 @@ export async function findRest(eye, pictures, fps, tell) {
     if (number % every === 0) looks.push({ number, open: await opening(eye, picture) });
   }
   if (!looks.some(({ open }) => open !== null)) return null;
-  const { from, to, open } = longestRun(looks, fps);
-  return { from: Math.max(0, from - 0.25) / fps, to: (to + 0.25) / fps, closed: isClosed(open) };
+  const least = Math.min(...looks.filter(({ open }) => open !== null).map(({ open }) => open));
+  const most = Math.max(CLOSED, Math.min(CLOSED_MOST, least + NEARLY));
+  const { from, to, open } = longestRun(looks, fps, most);
+  return { from: Math.max(0, from - 0.25) / fps, to: (to + 0.25) / fps, closed: isClosed(open, most) };
 }
