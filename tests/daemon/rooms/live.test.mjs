@@ -303,7 +303,7 @@ test('sends markup warnings as events with line and column; begin names the mark
 
 const widest = ({ chunks }, fap) => Math.max(...framesOf(chunks, 1).map(({ values }) => Math.abs(values[fap])));
 
-test('shows an affect of markup with life 0, and hides it when still', async () => {
+test('shows an affect of markup with life 0, and when still, which keeps head and gaze at rest', async () => {
   const speak = async (options) => {
     const stream = await daemon.stream();
     stream.send({ type: 'speak', lang: 'it', seed: 1, text: '<apml><performative><rheme affect="surprise">Che cosa vedo</rheme></performative></apml>', ...options });
@@ -314,7 +314,9 @@ test('shows an affect of markup with life 0, and hides it when still', async () 
   const BROW = 33;
   assert.ok(widest(await speak({ life: 0 }), BROW) > 100);
   assert.ok(widest(await speak({ life: 0, blend: 'weighted' }), BROW) > 60);
-  assert.equal(widest(await speak({ still: true }), BROW), 0);
+  const still = await speak({ still: true });
+  assert.ok(widest(still, BROW) > 100);
+  for (const fap of [23, 24, 25, 26, 48, 49, 50]) assert.equal(widest(still, fap), 0, `FAP ${fap}`);
 });
 
 test('takes the markup of an HTTP request from its type, or detects it', async () => {
