@@ -11,7 +11,8 @@ import { manifest } from './package/manifest.mjs';
 import { trimmed } from './trimmed.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
-const [out, depfile, contents] = process.argv.slice(2);
+const [folder, depfile, contents] = process.argv.slice(2);
+const out = folder && path.resolve(folder);
 if (!out) {
   console.error('usage: node build.mjs FOLDER [DEPFILE [CONTENTS]]');
   process.exit(2);
@@ -25,11 +26,13 @@ function leaveImports(script) {
   writeFileSync(file, readFileSync(file, 'utf8').replace(/\bimport\((?!["'`/])/g, left));
 }
 
-const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
+// absWorkingDir: comments that name files are the same wherever it is built
+const common = { absWorkingDir: here, bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
 const inputs = new Set(['build.mjs', 'decoders.mjs', 'trimmed.mjs', 'docs/element/reference.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
 const within = {}; // of each script, the files that something of is in it
 const note = ({ inputs: found, outputs }) => {
-  Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
+  const files = Object.keys(found).filter((file) => file !== '<stdin>'); // which would make each build do it again
+  files.forEach((file) => inputs.add(path.resolve(here, file.replace(/^.*?:/, ''))));
   for (const [script, { inputs: parts }] of Object.entries(outputs))
     within[path.basename(script)] = Object.keys(parts).filter((file) => parts[file].bytesInOutput);
 };
@@ -184,6 +187,6 @@ for (const file of readdirSync(out).filter((name) => /\.(js|css|html|wasm)$/.tes
   writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
 if (depfile) {
   const escape = (file) => file.replaceAll(' ', '\\ ');
-  writeFileSync(depfile, `${escape(path.join(out, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);
+  writeFileSync(depfile, `${escape(path.join(folder, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);
 }
 if (contents) writeFileSync(contents, JSON.stringify(within));
