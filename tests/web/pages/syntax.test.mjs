@@ -3,6 +3,7 @@
 // browsers that they are not supported.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import path from 'node:path';
 import test from 'node:test';
 import vm from 'node:vm';
@@ -25,6 +26,16 @@ test('the page of a room and all its imports are ECMAScript 2022', () => {
   assert.deepEqual([...files].sort(), ['room.js', 'talking-head.js']);
   for (const name of [...files, 'talking-head-worklet.js', 'opus-decoder.js'])
     assert.doesNotThrow(() => parse(read(name), { ecmaVersion: 2022, sourceType: 'module' }), name);
+});
+
+test('style sheets of pages have no rule that browsers would drop', () => {
+  const { transformSync } = createRequire(path.join(root, 'web/package.json'))('esbuild');
+  const pages = path.join(root, 'web/pages'), files = fs.readdirSync(pages, { recursive: true }).filter((name) => name.endsWith('.css'));
+  assert.ok(files.length > 8);
+  for (const file of files) {
+    const { warnings } = transformSync(fs.readFileSync(path.join(pages, file), 'utf8'), { loader: 'css', logLevel: 'silent' });
+    assert.deepEqual(warnings.map(({ text, location }) => `${file}:${location.line}: ${text}`), []);
+  }
 });
 
 test('notifies an outdated browser, in syntax that it can parse, and no other', () => {
