@@ -204,8 +204,7 @@ static bool read_request(struct asking *a, const struct http_request *request) {
         if (!read_path(a, request->path + sizeof api - 1))
             return false;
         if (a->question.kind == LIBRARY_CONCORDANCE && format && !strcmp(format, "csv"))
-            a->form = LIBRARY_AS_CSV;
-        a->base = base_of(a, request);
+            a->form = LIBRARY_AS_CSV, a->base = base_of(a, request);
         return true;
     }
     a->base = base_of(a, request);

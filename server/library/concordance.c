@@ -44,7 +44,6 @@ static json_t *one_line(const char *text, size_t from, size_t to) {
 
 /* Adds the occurrences in the row. Returns false when there are enough; c->next tells where to go on. */
 static bool add_row(struct concordance *c, const struct shelf_work *work, int64_t row) {
-    static const char *const kinds[] = {"head", "paragraph", "line", "note", "speaker", "stage", ""};
     const char *lang = index_text(c->row, 3), *text = index_text(c->row, 4);
     size_t size = (size_t)sqlite3_column_bytes(c->row, 4), line = (size_t)sqlite3_column_int64(c->row, 5),
            seen = 0;
@@ -73,15 +72,10 @@ static bool add_row(struct concordance *c, const struct shelf_work *work, int64_
                       one_line(text, side(text, size, word.from, c->width, true), word.from), "match",
                       one_line(text, word.from, word.to), "right",
                       one_line(text, word.to, side(text, size, word.to, c->width, false)), "passage", passage,
-                      "kind", kinds[kind], "lang", lang, "work", "id", work->name, "title", work->title,
-                      "author", *work->author ? work->author : NULL));
+                      "kind", search_kinds[kind], "lang", lang, "work", "id", work->name, "title",
+                      work->title, "author", *work->author ? work->author : NULL));
     }
     return true;
-}
-
-static int by_row(const void *a, const void *b) {
-    const struct search_place *x = a, *y = b;
-    return (x->row > y->row) - (x->row < y->row);
 }
 
 static json_t *run(struct concordance *c, const struct library_question *q, struct answer_limit *limit,
@@ -91,8 +85,6 @@ static json_t *run(struct concordance *c, const struct library_question *q, stru
     json_t *answer = NULL;
     if (!search_places_find(&places, &shelf, c->reader, &c->query, q, e)) {
         bool more = true;
-        if (places.count)
-            qsort(places.list, places.count, sizeof *places.list, by_row);
         for (size_t i = 0; more && i < places.count && !answer_is_late(limit); i++) {
             if (places.list[i].row < c->row_after)
                 continue;

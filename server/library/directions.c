@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Moods of stage directions (models/directions). */
+#include "server/base/etag.h"
 #include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/library/words.h"
@@ -23,11 +24,6 @@ struct directions {
     uint64_t hash;
 };
 
-static void note(struct directions *d, const char *text) {
-    for (const char *c = text; *c; c++)
-        d->hash = (d->hash ^ (unsigned char)*c) * 1099511628211u; /* FNV-1a */
-}
-
 static int read_words(struct directions *d, size_t language, const struct json_place *root,
                       const char *affect) {
     struct json_place words = json_place_key(root, affect);
@@ -49,15 +45,15 @@ static int read_words(struct directions *d, size_t language, const struct json_p
         struct entry *entry = &d->languages[language].list[d->languages[language].count++];
         *entry = (struct entry){.any_ending = any_ending, .affect = mem_strdup(affect)};
         snprintf(entry->word, sizeof entry->word, "%s", word.folded);
-        note(d, text);
+        d->hash = hash_add(d->hash, text, size);
     }
-    note(d, affect);
+    d->hash = hash_add(d->hash, affect, strlen(affect));
     return 0;
 }
 
 struct directions *directions_load(const char *folder, struct error *e) {
     struct directions *d = mem_alloc(sizeof *d);
-    d->hash = 14695981039346656037u;
+    d->hash = HASH_BEGIN;
     for (size_t i = 0; folder && i < STEM_LANGUAGES; i++) {
         struct json_place root;
         const char *affect;

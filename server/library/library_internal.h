@@ -126,6 +126,10 @@ bool search_term_written(const struct query_term *term, const struct word *word)
 bool search_query_means(const struct search_query *query, struct stems *stems, const char *lang,
                         const struct word *word);
 
+/* True when the text, in that language, has a match for each term. */
+bool search_query_has_all(const struct search_query *query, struct stems *stems, const char *lang,
+                          const char *text);
+
 /* True when the list contains the tag, or with `language` the tag's language. A NULL list contains
  * everything. */
 bool search_list_has(const char *list, const char *tag, bool language);
@@ -212,19 +216,26 @@ struct search_place {
     bool preferred; /* its work is in a preferred language */
 };
 
+/* Kinds of results, by block_kind; a line of verse is found by its own. */
+extern const char *const search_kinds[];
+
 /* Zero-initialised. */
 struct search_places {
-    struct search_place *list; /* ranked ones first, preferred before others, best first; then the others in
-                                  the library's order */
+    struct search_place *list; /* in the order of the library until search_places_rank */
     size_t count, cap, ranked;
     size_t total; /* counted rows */
     bool counted; /* all were: no row is missing */
 };
 
-/* Finds the rows in the works, languages and kinds that the question selects, and fills the shelf. Returns -1
- * with *e ("bad-index"); an interruption by the progress handler is not an error. Free both in either case.
- */
+/* Finds the rows in the works, languages and kinds that the question selects, in the library's order, and
+ * fills the shelf. Returns -1 with *e ("bad-index"); an interruption by the progress handler is not an error.
+ * Free both in either case. */
 int search_places_find(struct search_places *places, struct shelf *shelf, struct index_reader *reader,
+                       const struct search_query *query, const struct library_question *question,
+                       struct error *e);
+
+/* Puts ranked places first, the best of them first. Returns -1 with *e. */
+int search_places_rank(struct search_places *places, const struct shelf *shelf, struct index_reader *reader,
                        const struct search_query *query, const struct library_question *question,
                        struct error *e);
 void search_places_free(struct search_places *places);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/etag.h"
 #include "server/base/files.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -17,15 +18,14 @@
 
 /* ---- recordings: checked again whenever a file has changed ---- */
 
-/* FNV-1a hash of the list of files, chained from `hash`. */
+/* Hash of the list of files, chained from `hash`. */
 static uint64_t sign(uint64_t hash, const struct library_file *files, size_t count) {
     for (size_t i = 0; i < count; i++) {
-        for (const char *c = files[i].path; *c; c++)
-            hash = (hash ^ (unsigned char)*c) * 1099511628211u;
-        hash = (hash ^ (uint64_t)files[i].size) * 1099511628211u;
-        hash = (hash ^ (uint64_t)files[i].modified) * 1099511628211u;
+        hash = hash_add(hash, files[i].path, strlen(files[i].path) + 1);
+        hash = hash_add(hash, &files[i].size, sizeof files[i].size);
+        hash = hash_add(hash, &files[i].modified, sizeof files[i].modified);
     }
-    return hash * 1099511628211u;
+    return hash_add(hash, "", 1); /* ends the list */
 }
 
 static const struct library_file *file_of(const struct library_files *files, const char *path) {
@@ -72,7 +72,7 @@ static int set_flag(struct index_writer *w, const char *name, struct error *e) {
 /* Passes the works with recordings to the alignments, and updates the index. -1 with *e. */
 static int library_recorded(struct library *l, struct index_writer *w, const struct library_files *files,
                             struct error *e) {
-    uint64_t signature = sign(14695981039346656037u, files->list, files->count);
+    uint64_t signature = sign(HASH_BEGIN, files->list, files->count);
     signature = sign(signature, files->sounds, files->sound_count);
     signature = sign(signature, files->lexicons, files->lexicon_count);
     if (signature == l->signature)

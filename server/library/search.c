@@ -107,7 +107,6 @@ static const char *name_of(struct searching *s, int64_t row) {
 }
 
 static json_t *result_of(struct searching *s, int64_t row, double worth) {
-    static const char *const kinds[] = {"head", "paragraph", "line", "note", "speaker", "stage", ""};
     struct match matches[MARKS_MOST];
     const char *work = index_text(s->row, 0), *text = index_text(s->row, 7), *lang = index_text(s->row, 6);
     size_t size = (size_t)sqlite3_column_bytes(s->row, 7);
@@ -121,10 +120,10 @@ static json_t *result_of(struct searching *s, int64_t row, double worth) {
         line += text[i] == '\n';
     passage = verse ? json_sprintf("%s:%d:l%lld", work, section, (long long)line) : json_incref(block);
     json_t *result = json_pack("{so ss so ss sf s{ss so so} s{so si so} sb so}", "passage", passage, "kind",
-                               kinds[kind], "block", block, "lang", lang, "score", worth, "work", "id", work,
-                               "title", library_text(s->row, 8), "author", library_text(s->row, 9), "section",
-                               "id", json_sprintf("%s:%d", work, section), "number", section, "title",
-                               library_text(s->row, 10), "recording", sqlite3_column_int(s->row, 11),
+                               search_kinds[kind], "block", block, "lang", lang, "score", worth, "work", "id",
+                               work, "title", library_text(s->row, 8), "author", library_text(s->row, 9),
+                               "section", "id", json_sprintf("%s:%d", work, section), "number", section,
+                               "title", library_text(s->row, 10), "recording", sqlite3_column_int(s->row, 11),
                                "snippet", snippet(text, size, verse, matches, count, part > 0, false));
     if (verse)
         set_line(s, result, row, part, line);
@@ -153,7 +152,8 @@ static json_t *run(struct searching *s, struct error *e) {
         library_number("after", s->question->after, 0, AFTER_MOST, 0, &after, e))
         return NULL;
     size_t end = (size_t)after + limit;
-    if (!search_places_find(&places, &shelf, s->reader, &s->query, s->question, e))
+    if (!search_places_find(&places, &shelf, s->reader, &s->query, s->question, e) &&
+        !search_places_rank(&places, &shelf, s->reader, &s->query, s->question, e))
         answer = json_pack("{so sI sb sb}", "results", gather(s, &places, limit, after), "total",
                            (json_int_t)places.total, "counted", places.counted, "ranked",
                            places.ranked == places.count);

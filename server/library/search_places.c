@@ -18,6 +18,8 @@ enum { ROWS_COUNTED = 50000, ROWS_LOOKED_UP = 20000 };
  * as one with other forms. */
 enum { PLACES_READ = 40 };
 
+const char *const search_kinds[] = {"head", "paragraph", "line", "note", "speaker", "stage", ""};
+
 static bool century_in(const char *list, int century) {
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
         if (strtol(at, NULL, 10) == century && century)
@@ -169,8 +171,8 @@ static void rank(struct search_places *p, size_t from, size_t to, sqlite3_stmt *
     sqlite3_reset(rows);
 }
 
-/* When not all rows were counted: ranks stretches at equal distances in the whole library, and adds those
- * that are not listed. */
+/* Ranks stretches at equal distances in the whole library, for a search that stopped counting, and adds the
+ * rows that are not listed yet. */
 static void rank_sample(struct search_places *p, const struct shelf *shelf, struct index_reader *r,
                         const struct search_query *query, const struct library_question *q) {
     struct error e;
@@ -266,9 +268,13 @@ static void ranked_first(struct search_places *p) {
 
 int search_places_find(struct search_places *p, struct shelf *shelf, struct index_reader *r,
                        const struct search_query *query, const struct library_question *q, struct error *e) {
-    if (shelf_read(shelf, r, q, e) || find_rows(p, shelf, r, query, q, e))
-        return -1;
+    int result = shelf_read(shelf, r, q, e) || find_rows(p, shelf, r, query, q, e) ? -1 : 0;
     p->total = p->count;
+    return result;
+}
+
+int search_places_rank(struct search_places *p, const struct shelf *shelf, struct index_reader *r,
+                       const struct search_query *query, const struct library_question *q, struct error *e) {
     if (!p->count)
         return 0;
     sqlite3_stmt *rows = library_prepare(
@@ -365,25 +371,6 @@ json_t *search_facets(const struct shelf *shelf) {
                      facet_list(forms), "century", facet_list(centuries), "work", facet_list(works));
 }
 
-/* True if the text contains every searched word, in one of its forms. */
-static bool has_all(const struct search_query *query, struct stems *stems, const char *lang,
-                    const char *text) {
-    bool found[QUERY_TERMS_MAX] = {false};
-    struct word word;
-    size_t size = strlen(text);
-    bool turkish = !strncmp(lang, "tr", 2);
-    for (size_t at = 0; words_next(text, size, turkish, &at, &word);)
-        for (size_t i = 0; i < query->count; i++) {
-            struct search_query one = {.count = 1};
-            one.terms[0] = query->terms[i];
-            found[i] = found[i] || search_query_means(&one, stems, lang, &word);
-        }
-    for (size_t i = 0; i < query->count; i++)
-        if (!found[i])
-            return false;
-    return query->count > 0;
-}
-
 enum { TITLES_MOST = 20 };
 
 json_t *search_titles(const struct shelf *shelf, const struct search_query *query, struct stems *stems) {
@@ -395,7 +382,7 @@ json_t *search_titles(const struct shelf *shelf, const struct search_query *quer
         struct buf both = {0};
         buf_printf(&both, "%s\n%s", w->title, w->author);
         buf_add(&both, "", 1);
-        if (has_all(query, stems, w->lang, (char *)both.data))
+        if (search_query_has_all(query, stems, w->lang, (char *)both.data))
             json_array_append_new(list, json_pack("{ss ss ss* ss}", "id", w->name, "title", w->title,
                                                   "author", *w->author ? w->author : NULL, "lang", w->lang));
         buf_free(&both);

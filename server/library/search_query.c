@@ -66,20 +66,44 @@ bool search_term_written(const struct query_term *t, const struct word *word) {
     return t->prefix ? !strncmp(t->word, word->folded, strlen(t->word)) : !strcmp(t->word, word->folded);
 }
 
+/* forms: the word's stems. */
+static bool is_term(const struct query_term *t, const struct word *word,
+                    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX], size_t count) {
+    if (search_term_written(t, word))
+        return true;
+    for (size_t k = 0; k < t->stem_count; k++)
+        for (size_t n = 0; n < count; n++)
+            if (!strcmp(t->stems[k], forms[n]))
+                return true;
+    return false;
+}
+
 bool search_query_means(const struct search_query *q, struct stems *stems, const char *lang,
                         const struct word *word) {
     char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
     size_t count = stems_forms(stems, lang, word, forms);
-    for (size_t i = 0; i < q->count; i++) {
-        const struct query_term *t = &q->terms[i];
-        if (search_term_written(t, word))
+    for (size_t i = 0; i < q->count; i++)
+        if (is_term(&q->terms[i], word, forms, count))
             return true;
-        for (size_t k = 0; k < t->stem_count; k++)
-            for (size_t n = 0; n < count; n++)
-                if (!strcmp(t->stems[k], forms[n]))
-                    return true;
-    }
     return false;
+}
+
+bool search_query_has_all(const struct search_query *q, struct stems *stems, const char *lang,
+                          const char *text) {
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    bool found[QUERY_TERMS_MAX] = {false};
+    struct word word;
+    size_t size = strlen(text), missing = q->count;
+    bool turkish = !strncmp(lang, "tr", 2);
+    for (size_t at = 0; missing && words_next(text, size, turkish, &at, &word);) {
+        size_t count = stems_forms(stems, lang, &word, forms);
+        for (size_t i = 0; i < q->count; i++)
+            if (!found[i] && is_term(&q->terms[i], &word, forms, count)) {
+                found[i] = true;
+                missing--;
+            }
+    }
+    return q->count && !missing;
 }
 
 struct reading {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Old spellings of a language, rewritten as they are spelled today (models/normalization/spelling). */
+#include "server/base/etag.h"
 #include "server/base/json/json_place.h"
 #include "server/base/mem.h"
 #include "server/library/words.h"
@@ -84,7 +85,7 @@ static int read_language(struct language *l, const struct json_place *root) {
 
 struct spellings *spellings_load(const char *folder, struct error *e) {
     struct spellings *s = mem_alloc(sizeof *s);
-    s->hash = 14695981039346656037u; /* FNV-1a */
+    s->hash = HASH_BEGIN;
     for (size_t i = 0; folder && i < STEM_LANGUAGES; i++) {
         struct json_place root;
         char path[4096];
@@ -95,8 +96,7 @@ struct spellings *spellings_load(const char *folder, struct error *e) {
             goto failed;
         int result = read_language(&s->languages[i], &root);
         char *text = json_dumps(root.json, JSON_COMPACT | JSON_SORT_KEYS);
-        for (const char *c = text; c && *c; c++)
-            s->hash = (s->hash ^ (unsigned char)*c) * 1099511628211u;
+        s->hash = hash_add(s->hash, text, text ? strlen(text) : 0);
         free(text);
         json_decref(root.json);
         if (result)
