@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a WebSocket client has recognised: the sound of a `hear` message arrives in binary messages until
- * `close`; the words go to the client, and to the observers who may direct its room. */
+/* Speech recognition for a WebSocket client: after `hear`, binary messages carry sound until `close`. Sends
+ * the words to the client, and to observers with the right to speak. */
 #include "server/api/client_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -13,7 +13,7 @@
 
 #ifdef HAVE_LIVE
 
-enum { CLIENT_EARS = 4 /* of one client: one that hears, the others still recognise */ };
+enum { CLIENT_EARS = 4 /* per client: one receives sound, the others finish recognition */ };
 
 struct client_ear {
     struct client *client;

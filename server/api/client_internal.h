@@ -34,8 +34,8 @@ struct client {
     struct open_text *open;
     size_t open_count, open_cap;
     uint32_t voice;               /* utterance of its live voice; 0: none */
-    struct client_ear *ears;      /* utterances that are heard or still recognised */
-    struct client_ear *ear;       /* the one that binary messages are for; NULL: none */
+    struct client_ear *ears;      /* utterances being received or recognised */
+    struct client_ear *ear;       /* receives binary messages; NULL: none */
     char *hearing;                /* its id, until `close`, even if it is done; NULL: none */
     struct long_message *reading; /* message being parsed in another thread, while later ones wait */
     const struct model *model;    /* head being sent part by part; NULL: none */
@@ -111,7 +111,7 @@ bool client_ear_sound(struct client *client, const uint8_t *bytes, size_t size);
 
 /* False: no utterance of that id is being heard. */
 bool client_ear_close(struct client *client, const char *id);
-void client_ear_end(struct client *client);    /* closes the one that hears */
+void client_ear_end(struct client *client);    /* closes the ear that receives sound */
 void client_ears_leave(struct client *client); /* drops all, because the client leaves its stream */
 
 /* text_protocol.c: the sub-protocol for typing */
