@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/bridges/mqtt/mqtt_bridge.h"
+#include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -179,10 +180,10 @@ struct component {
     const char *state_template;  /* NULL: the payload is the state */
 };
 
-/* Home Assistant refuses states longer than 255 characters, and choices that are not options; "None" means
- * no choice. */
+/* Home Assistant refuses states longer than 255 characters, and choices that are not options. */
 enum { STATE_MOST = 255 };
-static const char cut[] = "{{ value[:255] }}", chosen[] = "{{ value or 'None' }}",
+static const char default_voice[] = "default"; /* the option for the daemon's own choice */
+static const char cut[] = "{{ value[:255] }}", chosen[] = "{{ value or 'default' }}",
                   first_word[] = "{{ (value.split() or ['neutral'])[0] }}";
 
 static const struct component components[] = {
@@ -211,8 +212,11 @@ static json_t *component(const struct bridge_room *r, const char *device, const 
         json_object_set_new(part, "command_topic", topic(r, c->command));
     if (c->state)
         json_object_set_new(part, "state_topic", topic(r, c->state));
-    if (!strcmp(c->key, "voice"))
-        json_object_set(part, "options", r->bridge->voices);
+    if (!strcmp(c->key, "voice")) {
+        json_t *options = json_pack("[s]", default_voice);
+        json_array_extend(options, r->bridge->voices);
+        json_object_set_new(part, "options", options);
+    }
     if (!strcmp(c->key, "mood"))
         json_object_set(part, "options", r->bridge->moods);
     if (!strcmp(c->platform, "event"))
@@ -226,13 +230,23 @@ static json_t *component(const struct bridge_room *r, const char *device, const 
     return part;
 }
 
+/* Home Assistant ignores discovery topics whose id has other characters than letters, digits, _ and -. */
+static void device_id(const struct bridge_room *r, struct buf *id) {
+    buf_printf(id, "%s_", r->bridge->device);
+    for (const char *c = r->name; *c; c++)
+        buf_printf(id, *c == '.' ? "_2E" : "%c", *c);
+    buf_add(id, "", 1);
+}
+
 /* Announces the room's device to Home Assistant. */
 static void room_discover(struct bridge_room *r) {
     const struct bridge *b = r->bridge;
-    char name[BRIDGE_TOPIC], device[128];
+    char name[BRIDGE_TOPIC];
+    struct buf id = {0};
     if (!b->discovery || !b->voices || !b->moods)
         return;
-    snprintf(device, sizeof device, "%s_%s", b->device, r->name);
+    device_id(r, &id);
+    const char *device = (const char *)id.data;
     json_t *parts = json_object();
     for (size_t i = 0; i < sizeof components / sizeof *components; i++)
         json_object_set_new(parts, components[i].key, component(r, device, &components[i]));
@@ -244,6 +258,7 @@ static void room_discover(struct bridge_room *r) {
     char *text = json_dumps(config, JSON_COMPACT);
     snprintf(name, sizeof name, "%s/device/%s/config", b->discovery, device);
     mqtt_publish(b->link, name, text, true);
+    buf_free(&id);
     free(text);
     json_decref(config);
 }
@@ -516,6 +531,8 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
 
 static void choose_voice(struct bridge_room *r, const char *voice) {
     char why[256];
+    if (!strcmp(voice, default_voice))
+        voice = "";
     if (*voice && !bridge_has_voice(r->bridge, voice)) {
         snprintf(why, sizeof why, "unknown voice \"%.80s\"", voice);
         utf8_mend(why);

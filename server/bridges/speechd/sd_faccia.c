@@ -44,39 +44,53 @@ static void give_sound(struct reader_module *m, size_t least) {
 static void on_sound(void *ctx, const void *bytes, size_t size) {
     struct reader_module *m = ctx;
     buf_add(&m->sound, bytes, size);
-    give_sound(m, PIECE);
+    if (!m->rooms)
+        give_sound(m, PIECE);
+}
+
+/* Sends the rest of the sound once it is complete, and known that no face speaks the text. */
+static void conclude(struct reader_module *m) {
+    if (m->rooms || !m->ended)
+        return;
+    give_sound(m, 1);
+    tell_marks(m, 1e9);
+    module_finish(m, m->ended);
+}
+
+static void module_speak_alone(struct reader_module *m);
+
+/* True if the daemon did not speak the text: it is empty, refused, or tried again without its markup. */
+static bool was_refused(struct reader_module *m, const struct remote_answer *answer) {
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    if (answer->status == 200)
+        return false;
+    if (code && !strcmp(code, "empty-text")) /* for example a space */
+        m->ended = "702 END";
+    else if (module_give_up_markup(m, answer))
+        module_speak_alone(m);
+    else
+        m->ended = "703 STOP", log_warn("not spoken: %s", answer->why);
+    conclude(m);
+    return true;
 }
 
 static void on_sound_end(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
     m->fetch = NULL;
-    if (answer->status != 200) {
-        log_warn("not spoken: %s", answer->why);
-        module_finish(m, "703 STOP");
+    if (was_refused(m, answer))
         return;
-    }
-    give_sound(m, 1);
-    tell_marks(m, 1e9);
-    module_finish(m, "702 END");
+    m->ended = "702 END";
+    conclude(m);
 }
-
-static void module_speak_alone(struct reader_module *m);
 
 static void on_marks(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
     struct remote_member members[READER_MEMBERS + 1] = {{0}};
-    const char *code = json_string_value(json_object_get(answer->body, "code"));
     json_t *one;
     size_t i;
     m->fetch = NULL;
-    if (code && !strcmp(code, "empty-text")) { /* for example a space */
-        module_finish(m, "702 END");
+    if (was_refused(m, answer))
         return;
-    }
-    if (module_give_up_markup(m, answer)) {
-        module_speak_alone(m);
-        return;
-    }
     json_array_foreach(json_object_get(answer->body, "marks"), i, one) {
         const char *name = json_string_value(json_object_get(one, "name"));
         m->marks = mem_grow(m->marks, &m->mark_cap, m->mark_count + 1, sizeof *m->marks);
@@ -87,16 +101,20 @@ static void on_marks(void *ctx, const struct remote_answer *answer) {
     module_ask(m, "/v1/speech", members, on_sound, on_sound_end);
 }
 
-/* ---- no viewer in the room: fetches the times of the marks, then the cached sound, and passes both to
- * speech-dispatcher ---- */
+/* ---- no viewer in the room: fetches the times of the marks, if there are any, then the sound, and passes
+ * both to speech-dispatcher ---- */
 static void module_speak_alone(struct reader_module *m) {
     struct remote_member members[READER_MEMBERS + 1] = {{0}};
     manner_members(&m->manner, members);
     size_t last = 0;
     while (members[last].name)
         last++;
-    members[last] = (struct remote_member){"format", "json"};
     m->rate = 0;
+    if (!strstr(m->text, "<mark")) {
+        module_ask(m, "/v1/speech", members, on_sound, on_sound_end);
+        return;
+    }
+    members[last] = (struct remote_member){"format", "json"};
     module_ask(m, "/v1/speech", members, NULL, on_marks);
 }
 
@@ -133,16 +151,22 @@ static void on_rooms(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
     json_t *one;
     size_t i;
-    m->fetch = NULL;
+    m->rooms = NULL;
     m->face = false;
     json_array_foreach(json_object_get(answer->body, "rooms"), i, one) {
         const char *name = json_string_value(json_object_get(one, "name"));
         m->face |= name && !strcmp(name, m->room) && json_integer_value(json_object_get(one, "listeners"));
     }
-    if (m->face)
+    if (m->face) {
+        module_drop_sound(m);
         say_in_room(m);
-    else
+    } else if (m->early) {
+        give_sound(m, PIECE);
+        conclude(m);
+    } else {
         module_speak_alone(m);
+    }
+    m->watched = m->face;
 }
 
 static void say_in_room(struct reader_module *m) {
@@ -164,8 +188,15 @@ static bool speak(void *ctx, enum reader_kind kind, const char *text) {
     m->begun = m->plain = m->face = false;
     m->samples = m->marks_told = 0;
     daemon_address_make_id(m->id, sizeof m->id);
+    m->ended = NULL;
     reader_say("200 OK SPEAKING");
-    m->fetch = remote_fetch(m->remote, "/v1/rooms", NULL, NULL, NULL, NULL, on_rooms, m);
+    m->rooms = remote_fetch(m->remote, "/v1/rooms", NULL, NULL, NULL, NULL, on_rooms, m);
+    /* Most likely nobody watches still. After a message that was cut short this one may be, too: then the
+     * daemon gets no work before that is certain. */
+    m->early = !m->watched && !m->hurried;
+    m->hurried = false;
+    if (m->early)
+        module_speak_alone(m);
     return true;
 }
 
@@ -178,6 +209,7 @@ static void cut(struct reader_module *m, const char *event) {
     const struct remote_member members[] = {{"room", m->room}, {NULL, NULL}};
     if (m->text && m->face)
         remote_ask(m->remote, "/v1/stop", members, "text/plain", "", on_stopped, m);
+    m->hurried |= m->text != NULL;
     module_finish(m, event);
 }
 

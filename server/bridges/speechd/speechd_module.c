@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 void reader_say(const char *format, ...) {
     va_list arguments;
@@ -239,6 +240,17 @@ void manner_members(const struct reader_manner *m, struct remote_member members[
     memcpy(members, all, sizeof all);
 }
 
+/* The name of the space in the language of the settings; NULL: not known. */
+static const char *space_name(const struct reader_manner *m) {
+    static const char *const names[][2] = {
+        {"en", "space"}, {"it", "spazio"}, {"pt", "espaço"}, {"tr", "boşluk"}};
+    const char *colon = strchr(m->voice, ':'), *lang = colon ? colon + 1 : m->lang;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strncasecmp(lang, names[i][0], 2) && (!lang[2] || lang[2] == '-'))
+            return names[i][1];
+    return NULL;
+}
+
 static void escape(struct buf *out, const char *text) {
     for (; *text; text++) {
         const char *entity = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '"' ? "&quot;" : NULL;
@@ -289,10 +301,13 @@ char *manner_text(const struct reader_manner *m, enum reader_kind kind, const ch
     static const char spelt[] = "<say-as interpret-as=\"characters\">";
     struct buf out = {0};
     buf_printf(&out, "<speak>");
-    if (kind == READER_CHAR || (kind == READER_TEXT && m->spells)) {
+    const bool space = kind == READER_CHAR && (!strcmp(text, "space") || !strcmp(text, " "));
+    if (space && space_name(m)) {
+        buf_printf(&out, "%s", space_name(m));
+    } else if (kind == READER_CHAR || (kind == READER_TEXT && m->spells)) {
         buf_printf(&out, "%s", spelt);
         if (kind == READER_CHAR)
-            escape(&out, strcmp(text, "space") ? text : " ");
+            escape(&out, space ? " " : text);
         else
             add_inside(&out, text);
         buf_printf(&out, "</say-as>");
@@ -315,17 +330,25 @@ char *manner_text(const struct reader_manner *m, enum reader_kind kind, const ch
     return (char *)out.data;
 }
 
-void module_finish(struct reader_module *m, const char *event) {
-    if (!m->text)
-        return;
+void module_drop_sound(struct reader_module *m) {
     if (m->fetch)
         remote_give_up(m->fetch);
     m->fetch = NULL;
-    free(m->text);
-    m->text = NULL;
     while (m->mark_count)
         free(m->marks[--m->mark_count].name);
     m->sound.size = 0;
+    m->ended = NULL;
+}
+
+void module_finish(struct reader_module *m, const char *event) {
+    if (!m->text)
+        return;
+    module_drop_sound(m);
+    if (m->rooms)
+        remote_give_up(m->rooms);
+    m->rooms = NULL;
+    free(m->text);
+    m->text = NULL;
     *m->id = '\0';
     if (!m->begun)
         reader_say("701 BEGIN");

@@ -92,18 +92,26 @@ struct reader_module {
     char *room, *url;
     char *text; /* being spoken; NULL: none */
     char id[40];
-    struct fetch *fetch;
+    struct fetch *fetch; /* of the sound, or of the room's speech */
+    struct fetch *rooms; /* whether a face speaks it; NULL: known */
+    const char *ended;   /* event for the server, once the sound is complete; NULL: it is not */
     struct mark *marks;
     size_t mark_count, mark_cap, marks_told;
     struct buf sound;
     unsigned rate;    /* Hz; 0: not known yet */
     size_t samples;   /* sent to the server */
     bool begun, face; /* the room's face speaks it */
+    bool watched;     /* it spoke the message before */
+    bool hurried;     /* the message before was cut short */
+    bool early;       /* the sound was requested without waiting for `rooms` */
     bool plain;       /* its markup was given up */
 };
 
 /* Reports the start of the message. */
 void module_begin(struct reader_module *module);
+
+/* Cancels the request, and forgets its sound and marks. */
+void module_drop_sound(struct reader_module *module);
 
 /* Ends the message with an event for the server. */
 void module_finish(struct reader_module *module, const char *event);

@@ -74,7 +74,7 @@ before(async () => {
   await startBroker();
   kiosk = await daemon.stream('?lang=it&room=kitchen');
   await kiosk.wait({ type: 'joined' });
-  bridge = start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', 'kitchen', '--room', 'hall', '--broker', `127.0.0.1:${port}`, '--url', daemon.url]);
+  bridge = start(path.join(build, 'server/bridges/faccia-mqtt'), ['--room', 'kitchen', '--room', 'hall', '--room', 'floor.1', '--broker', `127.0.0.1:${port}`, '--url', daemon.url]);
   await listen();
   await saidOn('homeassistant/device/faccia_kitchen/config');
   await saidOn('faccia/kitchen/now/available', 'online');
@@ -185,6 +185,28 @@ test('refuses an unknown voice, and continues speaking', async () => {
   assert.equal((await saidOn('faccia/kitchen/now/voice', undefined, from)).payload, 'espeak:it', 'what shows the choice shows the old one');
   await publish('faccia/kitchen/say', { id: 'voiced', text: 'Parlo ancora.' });
   await saidOn('faccia/kitchen/said', '{"id":"voiced","reason":"done"}');
+});
+
+test('a voice can be taken back: "default" is one of the options', async () => {
+  const { cmps } = JSON.parse((await saidOn('homeassistant/device/faccia_kitchen/config')).payload);
+  assert.equal(cmps.voice.options[0], 'default');
+  assert.equal(cmps.voice.value_template, "{{ value or 'default' }}");
+  const from = lines().length;
+  await publish(cmps.voice.command_topic, 'default');
+  await saidOn(cmps.voice.state_topic, '', from);
+  await publish('faccia/kitchen/say', { id: 'own', text: 'Con la mia voce.', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"own","reason":"done"}');
+});
+
+test('a room with a dot in its name is announced under an id that Home Assistant accepts', async () => {
+  const { topic, payload } = await saidOn('homeassistant/device/faccia_floor_2E1/config');
+  assert.match(topic, /^homeassistant\/\w+\/(?:[a-zA-Z0-9_-]+\/)?[a-zA-Z0-9_-]+\/config$/); // the pattern of its discovery
+  const { cmps } = JSON.parse(payload);
+  const screen = await daemon.stream('?lang=it&room=floor.1');
+  await screen.wait({ type: 'joined' });
+  await publish(cmps.say.command_topic, 'Primo piano.');
+  await screen.wait({ type: 'sentence', text: 'Primo piano.' });
+  await screen.close();
 });
 
 test('publishes exactly one said for every say, whatever it contains', async () => {

@@ -101,10 +101,34 @@ test('without observers, sends the sound and its index marks to the server', asy
     await module.speak(text, command);
     await module.told('702 END');
   }
+  // a space is named in the language of the voice
+  await module.speak('space', 'CHAR');
+  await module.told('702 END');
+  assert.ok(Buffer.concat(module.sound).length > 8000, 'spazio');
   module.send('SET', 'spelling_mode=on', '.');
   await module.speak('<speak>casa</speak>');
   await module.told('702 END');
   assert.ok(Buffer.concat(module.sound).length > 44100, 'four letters take a second and more');
+  module.send('QUIT');
+  assert.equal(await module.child.exited, 0, module.child.log);
+});
+
+test('messages that are cut short at once leave no work behind for the next', async () => {
+  const module = load();
+  const spoken = () => daemon.metric('faccia_sentences_asked_total');
+  module.send('SET', 'synthesis_voice=espeak:it', '.');
+  await module.speak('<speak>Zero.</speak>');
+  await module.told('702 END');
+  const before = await spoken();
+  for (let i = 0; i < 60; i++) {
+    module.lines.length = 0;
+    module.send('SPEAK', `<speak>Numero ${i}, e ancora qualcosa.</speak>`, '.', 'STOP');
+    await module.told('703 STOP');
+  }
+  await module.speak('<speak>E adesso basta, davvero.</speak>');
+  await module.told('702 END');
+  assert.ok(Buffer.concat(module.sound).length > 44100);
+  assert.ok((await spoken()) - before < 20, `${(await spoken()) - before} sentences`);
   module.send('QUIT');
   assert.equal(await module.child.exited, 0, module.child.log);
 });
