@@ -133,7 +133,7 @@ static int may_begin(struct client *c, const char *id, struct error *e) {
 static int begin(struct client *c, struct client_ear *one, const json_t *message, struct error *e) {
     static const struct ear_calls calls = {on_words, on_warning, on_done};
     struct speech_request speech;
-    struct live_request request = {.speech = &speech, .rate = 48000, .channels = 1};
+    struct live_request request = {.speech = &speech, .rate = 48000, .channels = 1, .room = client_room(c)};
     request_copy(&speech, &c->defaults);
     int failed = client_message_request("hear", message, &speech, e) ||
                  client_sound_format(&request, message, e) || may_begin(c, speech.id, e);

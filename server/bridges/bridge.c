@@ -102,3 +102,31 @@ void daemon_address_make_id(char *id, size_t cap) {
         number = uv_hrtime();
     snprintf(id, cap, "say-%016llx", number);
 }
+
+int bridge_listen(uv_tcp_t *tcp, const char *program, const char *where, uv_connection_cb on_connection) {
+    struct sockaddr_storage address;
+    char host[64] = "127.0.0.1";
+    const char *colon = strrchr(where, ':'), *port = colon ? colon + 1 : where;
+    char *end;
+    long number = strtol(port, &end, 10);
+    if (colon)
+        snprintf(host, sizeof host, "%.*s", (int)(colon - where - 2 * (*where == '[')),
+                 where + (*where == '['));
+    if (end == port || *end || number < 0 || number > 65535 ||
+        (uv_ip4_addr(host, (int)number, (struct sockaddr_in *)&address) &&
+         uv_ip6_addr(host, (int)number, (struct sockaddr_in6 *)&address))) {
+        fprintf(stderr, "%s: the address to listen on is invalid: '%s'\n", program, where);
+        return 2;
+    }
+    int failed = uv_tcp_bind(tcp, (struct sockaddr *)&address, 0);
+    if (!failed)
+        failed = uv_listen((uv_stream_t *)tcp, 16, on_connection);
+    if (failed) {
+        log_error("cannot listen on %s: %s", where, uv_strerror(failed));
+        return 1;
+    }
+    int size = sizeof address;
+    uv_tcp_getsockname(tcp, (struct sockaddr *)&address, &size);
+    log_info("listening on %s, port %d", host, ntohs(((struct sockaddr_in *)&address)->sin_port));
+    return -1;
+}

@@ -18,6 +18,10 @@ void bridge_loop_close(struct bridge_loop *loop);
 /* Runs the loop until it is empty, for memory that is freed before the loop is closed. */
 void bridge_loop_run(struct bridge_loop *loop);
 
+/* Listens on "10200", "0.0.0.0:10200" or "[::]:10200", and logs the port. -1, or after a message an exit
+ * status. */
+int bridge_listen(uv_tcp_t *tcp, const char *program, const char *where, uv_connection_cb on_connection);
+
 /* The daemon's address and token, from options and the environment. */
 
 struct daemon_address {

@@ -179,7 +179,8 @@ static int open_all(struct ear *ear, const struct live_request *request, struct 
                          "%u utterances of one address or subject are being heard already", pool->key_most);
     if (open_sound(ear, request, e))
         return -1;
-    ear->recognition = recognition_start(ear->pipeline->loop, &pool->recogniser, lang, &calls, ear, e);
+    ear->recognition = recognition_start(ear->pipeline->loop, &pool->recogniser, lang,
+                                         request->room ? request->room : "", &calls, ear, e);
     return ear->recognition ? 0 : -1;
 }
 

@@ -30,8 +30,9 @@ struct ear_calls {
     void (*done)(void *ctx, const struct heard_words *words, const struct error *e);
 };
 
-/* request: the format of the sound; of request->speech only `lang` and `quota_key` count. Returns NULL with
- * *e: "no-recogniser", "recogniser-failed", "too-many-voices", "unknown-codec", "bad-field". */
+/* request: the format of the sound, and the room; of request->speech only `lang` and `quota_key` count.
+ * Returns NULL with *e: "no-recogniser", "recogniser-failed", "too-many-voices", "unknown-codec",
+ * "bad-field". */
 struct ear *ear_open(const struct pipeline *pipeline, const struct live_request *request,
                      const struct ear_calls *calls, void *ctx, struct error *e);
 

@@ -22,7 +22,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { SECONDS = 1, MEGABYTES, SANDBOX, HOW, LANG, ARGUMENTS };
+enum { SECONDS = 1, MEGABYTES, SANDBOX, HOW, LANG, ROOM, ARGUMENTS };
 enum { COMMAND_FAILED = 127, PIECE = 4096 };
 
 static const char scheme[] = "tcp://";
@@ -198,13 +198,15 @@ static const char *converse(struct transcription *t) {
     return why;
 }
 
-static int transcribe(const char *address, const char *lang) {
+static int transcribe(const char *address, const char *lang, const char *room) {
     struct transcription t = {0};
     char why[128];
     t.socket = connect_to(address, why, sizeof why);
     if (t.socket < 0)
         return fail(address, why);
-    wyoming_event_write(&t.out, "transcribe", json_pack("{ss}", "language", lang), NULL, 0);
+    wyoming_event_write(&t.out, "transcribe",
+                        json_pack("{ss s{ss*}}", "language", lang, "context", "room", *room ? room : NULL),
+                        NULL, 0);
     wyoming_event_write(&t.out, "audio-start", format_of(), NULL, 0);
     const char *wrong = converse(&t);
     close(t.socket);
@@ -217,7 +219,7 @@ static int transcribe(const char *address, const char *lang) {
 int main(int argc, char **argv) {
     program_begin();
     if (argc != ARGUMENTS) {
-        fputs("usage: faccia-recogniser SECONDS MEGABYTES on|off COMMAND|tcp://HOST:PORT LANG\nHas an "
+        fputs("usage: faccia-recogniser SECONDS MEGABYTES on|off COMMAND|tcp://HOST:PORT LANG ROOM\nHas an "
               "utterance recognised for facciad, which starts this program by itself.\n",
               stderr);
         return argc == 2 && !strcmp(argv[1], "--help") ? 0 : 2;
@@ -227,5 +229,5 @@ int main(int argc, char **argv) {
     limit(argv[SECONDS], argv[MEGABYTES]);
     if (strcmp(argv[SANDBOX], "off") != 0)
         confine(argv[0], how, command);
-    return command ? become(how, argv[LANG]) : transcribe(how + strlen(scheme), argv[LANG]);
+    return command ? become(how, argv[LANG]) : transcribe(how + strlen(scheme), argv[LANG], argv[ROOM]);
 }

@@ -24,6 +24,7 @@ struct live_request {
     const struct speech_request *speech; /* its fields other than those of a text */
     enum live_codec codec;
     unsigned rate, channels, lookahead; /* Hz; ms */
+    const char *room;                   /* for a recogniser; NULL: none */
 };
 
 /* Returns -1 with *e ("unknown-codec", field "codec"). Accepts "pcm" too. */

@@ -284,14 +284,14 @@ static int open_pipes(struct recognition *r, int theirs[PIPES]) {
 }
 
 static int spawn(struct recognition *r, uv_loop_t *loop, const struct recogniser *recogniser,
-                 const char *lang) {
+                 const char *lang, const char *room) {
     char seconds[16], megabytes[16];
     int theirs[PIPES];
     snprintf(seconds, sizeof seconds, "%u", (unsigned)PROCESSOR_SECONDS);
     snprintf(megabytes, sizeof megabytes, "%u", recogniser->megabytes);
     char *args[] = {
-        (char *)recogniser->program, seconds,      megabytes, recogniser->unconfined ? "off" : "on",
-        (char *)recogniser->how,     (char *)lang, NULL};
+        (char *)recogniser->program, seconds,      megabytes,    recogniser->unconfined ? "off" : "on",
+        (char *)recogniser->how,     (char *)lang, (char *)room, NULL};
     uv_stdio_container_t stdio[PIPES];
     int result = open_pipes(r, theirs);
     for (int i = 0; i < PIPES; i++)
@@ -316,7 +316,8 @@ static int spawn(struct recognition *r, uv_loop_t *loop, const struct recogniser
 }
 
 struct recognition *recognition_start(uv_loop_t *loop, const struct recogniser *recogniser, const char *lang,
-                                      const struct recognition_calls *calls, void *ctx, struct error *e) {
+                                      const char *room, const struct recognition_calls *calls, void *ctx,
+                                      struct error *e) {
     if (!recogniser->how || !*recogniser->how)
         return error_plain(e, ERROR_NO_RECOGNISER), NULL;
     struct recognition *r = mem_alloc(sizeof *r);
@@ -328,7 +329,7 @@ struct recognition *recognition_start(uv_loop_t *loop, const struct recogniser *
     uv_timer_init(loop, &r->timer);
     r->child.data = r->timer.data = r;
     r->handles = PIPES + 1;
-    int result = spawn(r, loop, recogniser, lang);
+    int result = spawn(r, loop, recogniser, lang, room);
     if (!result)
         return r;
     error_set(e, ERROR_RECOGNISER_FAILED, "%.150s cannot be started: %s", recogniser->program,

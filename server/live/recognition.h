@@ -59,9 +59,11 @@ struct recognition_calls {
     void (*done)(void *ctx, const struct heard_words *words, const struct error *e);
 };
 
-/* Starts the process. lang: a BCP 47 tag. Returns NULL with *e ("no-recogniser", "recogniser-failed"). */
+/* Starts the process. lang: a BCP 47 tag. room: where it is said, for a server; "": in none. Returns NULL
+ * with *e ("no-recogniser", "recogniser-failed"). */
 struct recognition *recognition_start(uv_loop_t *loop, const struct recogniser *recogniser, const char *lang,
-                                      const struct recognition_calls *calls, void *ctx, struct error *e);
+                                      const char *room, const struct recognition_calls *calls, void *ctx,
+                                      struct error *e);
 void recognition_write(struct recognition *r, const int16_t *samples, size_t count);
 void recognition_end(struct recognition *r);  /* the sound is complete */
 void recognition_free(struct recognition *r); /* kills the process; NULL is ignored; no call follows */

@@ -339,7 +339,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   /**
    * Shows in the room what the assistant is doing.
-   * @param {'idle'|'listening'|'thinking'|'muted'|'asleep'} state
+   * @param {'idle'|'listening'|'thinking'|'muted'|'error'|'asleep'} state
    * @param {{text?: string, mix?: object, ease?: number}} [options] text: what it has heard, say; mix, ease: as `express`
    * @returns {boolean} as `offer`
    */

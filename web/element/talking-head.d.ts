@@ -5,7 +5,7 @@
 export type Expression = Record<string, number> | { name: string; intensity?: number }[] | string | null;
 
 /** What the assistant behind the face is doing. */
-export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted' | 'asleep';
+export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted' | 'error' | 'asleep';
 
 export type Consent = 'asked' | 'given' | 'declined' | 'none';
 
@@ -538,8 +538,8 @@ export interface ServerState {
   type: 'state';
   /** The stream's name: that of hello, or the room's. */
   stream: string;
-  /** The state; asleep: nobody is present, and the screen is dark. */
-  state: 'idle' | 'listening' | 'thinking' | 'muted' | 'asleep';
+  /** The state; error: the assistant failed, the text says why; asleep: nobody is present, and the screen is dark. */
+  state: 'idle' | 'listening' | 'thinking' | 'muted' | 'error' | 'asleep';
   /** A text to show with it, such as what was recognised. At most 1000 bytes. */
   text?: string;
 }

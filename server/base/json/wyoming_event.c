@@ -15,6 +15,7 @@ static long long length_of(const json_t *head, const char *name, long long most)
 void wyoming_event_free(struct wyoming_event *f) {
     json_decref(f->head);
     json_decref(f->data);
+    buf_free(&f->payload);
     *f = (struct wyoming_event){0};
 }
 
@@ -52,6 +53,8 @@ int wyoming_event_next(struct buf *come, struct wyoming_event *f, const char **w
     if (more)
         json_object_update(f->data, more);
     json_decref(more);
+    if (payload)
+        buf_add(&f->payload, come->data + line + (size_t)data, (size_t)payload);
     buf_consume(come, line + (size_t)(data + payload));
     return 1;
 }

@@ -11,10 +11,11 @@ struct wyoming_event {
     json_t *head; /* owns the type */
     json_t *data; /* of the line and what follows it */
     const char *type;
+    struct buf payload;
 };
 
-/* Takes the next complete event from the received bytes and skips its payload. Returns 1; 0 if it is
- * incomplete; -1 with *why if the bytes are invalid. */
+/* Takes the next complete event from the received bytes. Returns 1; 0 if it is incomplete; -1 with *why if
+ * the bytes are invalid. */
 int wyoming_event_next(struct buf *come, struct wyoming_event *event, const char **why);
 void wyoming_event_free(struct wyoming_event *event);
 

@@ -456,33 +456,6 @@ static int usage_error(const char *what, const char *value) {
     return 2;
 }
 
-/* "10200", "0.0.0.0:10200", "[::]:10200". */
-static int listen_on(uv_tcp_t *tcp, const char *where) {
-    struct sockaddr_storage address;
-    char host[64] = "127.0.0.1";
-    const char *colon = strrchr(where, ':'), *port = colon ? colon + 1 : where;
-    char *end;
-    long number = strtol(port, &end, 10);
-    if (colon)
-        snprintf(host, sizeof host, "%.*s", (int)(colon - where - 2 * (*where == '[')),
-                 where + (*where == '['));
-    if (end == port || *end || number < 0 || number > 65535 ||
-        (uv_ip4_addr(host, (int)number, (struct sockaddr_in *)&address) &&
-         uv_ip6_addr(host, (int)number, (struct sockaddr_in6 *)&address)))
-        return usage_error("the address to listen on is invalid", where);
-    int failed = uv_tcp_bind(tcp, (struct sockaddr *)&address, 0);
-    if (!failed)
-        failed = uv_listen((uv_stream_t *)tcp, 16, on_connection);
-    if (failed) {
-        log_error("cannot listen on %s: %s", where, uv_strerror(failed));
-        return 1;
-    }
-    int size = sizeof address;
-    uv_tcp_getsockname(tcp, (struct sockaddr *)&address, &size);
-    log_info("listening on %s, port %d", host, ntohs(((struct sockaddr_in *)&address)->sin_port));
-    return -1;
-}
-
 static int run(struct wyoming *w, const struct daemon_address *place, const char *where) {
     uv_loop_t loop;
     struct bridge_loop ending;
@@ -494,7 +467,7 @@ static int run(struct wyoming *w, const struct daemon_address *place, const char
     w->loop = &loop;
     w->remote = remote_new(&loop, place->url, place->token);
     w->client = w->remote && w->room ? speech_client_new(w->remote, w->room) : NULL;
-    int status = w->remote ? listen_on(&listener, where) : 2;
+    int status = w->remote ? bridge_listen(&listener, "faccia-wyoming", where, on_connection) : 2;
     if (status < 0) {
         uv_run(&loop, UV_RUN_DEFAULT);
         status = 0;

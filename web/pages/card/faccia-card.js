@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A card for Home Assistant's dashboards: the face of a room. Add it there as a resource, a JavaScript module:
 // http://SERVER:8080/faccia-card.js; protocol/mqtt.md says how the room becomes a device.
-const SIGNS = ['listening', 'thinking', 'muted', 'processing', 'unavailable']; // of an assistant's entity, or of the room
+const SIGNS = ['listening', 'thinking', 'muted', 'error', 'processing', 'unavailable']; // of an assistant's entity, or of the room
 
 const FORM = [
   { name: 'url', required: true, selector: { text: { type: 'url' } } },

@@ -13,7 +13,7 @@ import { readCsv, readScene, writeCsv, writeTable } from './scene.js';
 import { Study } from './study.js';
 
 const KEY = 'faccia.scene';
-const STATES = ['idle', 'listening', 'thinking', 'muted', 'asleep'];
+const STATES = ['idle', 'listening', 'thinking', 'muted', 'error', 'asleep'];
 const USUAL_RATE = 160; // words a minute, if no rate was requested
 const $ = (id) => document.getElementById(id);
 const [text, lang, state] = ['text', 'lang', 'state'].map($);

@@ -217,7 +217,7 @@ export const operator = {
   saveCsv: 'Save CSV', saveJson: 'Save JSON', sceneHint: 'CSV: columns id, text, variants (separated by |), mood, choices (text > id, separated by |), next.', sceneTaken: 'The scene is in use.',
   sceneStore: 'Scenes on the server', noScenes: 'You cannot store scenes on this server. They stay in this browser, and can be saved as files.',
   sceneName: 'Scene on the server', fetchScene: 'Open', keepScene: 'Save', dropScene: 'Remove', sceneKept: 'The scene is on the server.', sceneDropped: 'The scene was removed.',
-  badScene: 'The scene has an error: {place}', logCsv: 'Log CSV', logJson: 'Log JSON', idle: 'ready', listening: 'listening', thinking: 'thinking', muted: 'microphone off', asleep: 'asleep',
+  badScene: 'The scene has an error: {place}', logCsv: 'Log CSV', logJson: 'Log JSON', idle: 'ready', listening: 'listening', thinking: 'thinking', muted: 'microphone off', error: 'trouble', asleep: 'asleep',
   looksOn: 'watching', affect: 'A single emotion', discHint: 'Drag the point, or move it with the arrow keys: the face of the room changes at once. Other operators see it.',
   study: 'Study', askFirst: 'Ask for consent', consentText: 'What is recorded, and for whom', consentHint: 'The listener reads it before answering. Without a text there is a ready explanation.', askConsent: 'Ask for consent', endStudy: 'End the study',
   consent: 'Consent:', 'consent-none': 'No study is running.', 'consent-asked': 'Asked, no answer yet: nothing about the listener is recorded.', 'consent-given': 'Given: the log is kept.', 'consent-declined': 'Declined: nothing about the listener is recorded.',
@@ -247,7 +247,7 @@ export const player = {
 
 export const room = {
   title: 'The face of the room', full: 'Full screen', answers: 'Answers', wake: 'Asleep. Touch to wake her', stopHint: 'Touch the screen to stop her',
-  offline: 'Not connected', idle: 'Ready', listening: 'Listening', thinking: 'Thinking', speaking: 'Speaking', muted: 'Microphone off', asleep: 'Asleep',
+  offline: 'Not connected', idle: 'Ready', listening: 'Listening', thinking: 'Thinking', speaking: 'Speaking', muted: 'Microphone off', error: 'Something went wrong', asleep: 'Asleep',
   blocked: 'Touch the screen to hear the voice', chosen: 'Answer: {text}', noRoom: 'The address must name a room: room.html?room=kitchen',
   consentTitle: 'May we take notes?', consentWhat: 'This is a study. We note what is said here and which answers you choose.', consentFree: 'You can say no: everything works just the same. You can change your mind at any time. This screen records neither voices nor pictures.',
   consentYes: 'Yes, I agree', consentNo: 'No, thank you', noted: 'Notes are being taken.', consentStop: 'Stop taking notes', declined: 'All right: nothing about you is written down.',

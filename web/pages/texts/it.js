@@ -224,7 +224,7 @@ export const operator = {
   saveCsv: 'Salva CSV', saveJson: 'Salva JSON', sceneHint: 'CSV: colonne id, text, variants (divise da |), mood, choices (testo > id, divise da |), next.', sceneTaken: 'La scena è in uso.',
   sceneStore: 'Scene sul server', noScenes: 'Qui non si possono conservare scene sul server. Restano in questo browser, e si possono salvare come file.',
   sceneName: 'Scena sul server', fetchScene: 'Apri', keepScene: 'Conserva', dropScene: 'Cancella', sceneKept: 'La scena è sul server.', sceneDropped: 'La scena è stata cancellata.',
-  badScene: 'La scena ha un errore: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ascolta', thinking: 'pensa', muted: 'microfono spento', asleep: 'addormentata',
+  badScene: 'La scena ha un errore: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ascolta', thinking: 'pensa', muted: 'microfono spento', error: 'guasto', asleep: 'addormentata',
   looksOn: 'guarda', affect: 'Una sola emozione', discHint: 'Trascina il punto, o spostalo con le frecce: il volto della stanza cambia subito. Gli altri operatori lo vedono.',
   study: 'Studio', askFirst: 'Consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
   consent: 'Consenso:', 'consent-none': 'Nessuno studio in corso.', 'consent-asked': 'Chiesto, senza risposta: di chi ascolta non si annota nulla.', 'consent-given': 'Dato: il registro è tenuto.', 'consent-declined': 'Negato: di chi ascolta non si annota nulla.',
@@ -254,7 +254,7 @@ export const player = {
 
 export const room = {
   title: 'Il volto della stanza', full: 'Schermo intero', answers: 'Risposte', wake: 'Dorme. Toccare per svegliarla', stopHint: 'Toccare lo schermo per fermarla',
-  offline: 'Non connessa', idle: 'Pronta', listening: 'Ascolta', thinking: 'Pensa', speaking: 'Parla', muted: 'Microfono spento', asleep: 'Dorme',
+  offline: 'Non connessa', idle: 'Pronta', listening: 'Ascolta', thinking: 'Pensa', speaking: 'Parla', muted: 'Microfono spento', error: 'Qualcosa è andato storto', asleep: 'Dorme',
   blocked: 'Toccare lo schermo per sentire la voce', chosen: 'Risposta: {text}', noRoom: 'L’indirizzo deve nominare una stanza: room.html?room=cucina',
   consentTitle: 'Possiamo prendere appunti?', consentWhat: 'È uno studio. Si annota che cosa si dice qui e quali risposte sceglie.', consentFree: 'Può dire di no: tutto funziona lo stesso. Può cambiare idea quando vuole. Questo schermo non registra né voci né immagini.',
   consentYes: 'Sì, va bene', consentNo: 'No, grazie', noted: 'Si prendono appunti.', consentStop: 'Non più', declined: 'Va bene: di lei non si annota nulla.',

@@ -224,7 +224,7 @@ export const operator = {
   saveCsv: 'Salvar CSV', saveJson: 'Salvar JSON', sceneHint: 'CSV: colunas id, text, variants (separadas por |), mood, choices (texto > id, separadas por |), next.', sceneTaken: 'A cena foi lida.',
   sceneStore: 'Cenas no servidor', noScenes: 'Aqui não se podem guardar cenas no servidor. Elas ficam neste navegador e podem ser salvas em arquivos.',
   sceneName: 'Cena no servidor', fetchScene: 'Abrir', keepScene: 'Guardar', dropScene: 'Apagar', sceneKept: 'A cena está no servidor.', sceneDropped: 'A cena foi apagada.',
-  badScene: 'A cena tem um erro: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ouvindo', thinking: 'pensando', muted: 'microfone desligado', asleep: 'dormindo',
+  badScene: 'A cena tem um erro: {place}', logCsv: 'Registro CSV', logJson: 'Registro JSON', idle: 'pronta', listening: 'ouvindo', thinking: 'pensando', muted: 'microfone desligado', error: 'falha', asleep: 'dormindo',
   looksOn: 'observa', affect: 'Uma só emoção', discHint: 'Arraste o ponto, ou mova-o com as setas: o rosto da sala muda logo. Os outros operadores o veem.',
   study: 'Estudo', askFirst: 'Pedir o consentimento', consentText: 'O que se anota, e para quem', consentHint: 'Quem ouve lê isto antes de responder. Sem texto, há uma explicação pronta.', askConsent: 'Pedir consentimento', endStudy: 'Fim do estudo',
   consent: 'Consentimento:', 'consent-none': 'Nenhum estudo em curso.', 'consent-asked': 'Pedido, sem resposta: de quem ouve nada se anota.', 'consent-given': 'Dado: o registro é mantido.', 'consent-declined': 'Negado: de quem ouve nada se anota.',
@@ -254,7 +254,7 @@ export const player = {
 
 export const room = {
   title: 'O rosto da sala', full: 'Tela cheia', answers: 'Respostas', wake: 'Dormindo. Toque para acordar', stopHint: 'Toque na tela para parar',
-  offline: 'Sem conexão', idle: 'Pronta', listening: 'Ouvindo', thinking: 'Pensando', speaking: 'Falando', muted: 'Microfone desligado', asleep: 'Dormindo',
+  offline: 'Sem conexão', idle: 'Pronta', listening: 'Ouvindo', thinking: 'Pensando', speaking: 'Falando', muted: 'Microfone desligado', error: 'Algo deu errado', asleep: 'Dormindo',
   blocked: 'Toque na tela para ouvir a voz', chosen: 'Resposta: {text}', noRoom: 'O endereço deve nomear uma sala: room.html?room=cozinha',
   consentTitle: 'Podemos tomar notas?', consentWhat: 'É um estudo. Anotamos o que se diz aqui e as respostas que você escolhe.', consentFree: 'Você pode dizer não: tudo funciona igual. Pode mudar de ideia quando quiser. Esta tela não grava voz nem imagem.',
   consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Estão sendo tomadas notas.', consentStop: 'Parar de anotar', declined: 'Tudo bem: nada sobre você é anotado.',

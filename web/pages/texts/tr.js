@@ -224,7 +224,7 @@ export const operator = {
   saveCsv: 'CSV kaydet', saveJson: 'JSON kaydet', sceneHint: 'CSV: sütunlar id, text, variants (| ile ayrılmış), mood, choices (metin > id, | ile ayrılmış), next.', sceneTaken: 'Sahne alındı.',
   sceneStore: 'Sunucudaki sahneler', noScenes: 'Bu sunucuda sahne saklayamazsınız. Sahneler bu tarayıcıda kalır ve dosya olarak kaydedilebilir.',
   sceneName: 'Sunucudaki sahne', fetchScene: 'Aç', keepScene: 'Sakla', dropScene: 'Sil', sceneKept: 'Sahne sunucuda.', sceneDropped: 'Sahne silindi.',
-  badScene: 'Sahnede hata var: {place}', logCsv: 'Kayıt CSV', logJson: 'Kayıt JSON', idle: 'hazır', listening: 'dinliyor', thinking: 'düşünüyor', muted: 'mikrofon kapalı', asleep: 'uykuda',
+  badScene: 'Sahnede hata var: {place}', logCsv: 'Kayıt CSV', logJson: 'Kayıt JSON', idle: 'hazır', listening: 'dinliyor', thinking: 'düşünüyor', muted: 'mikrofon kapalı', error: 'sorun', asleep: 'uykuda',
   looksOn: 'izliyor', affect: 'Tek bir duygu', discHint: 'Noktayı sürükleyin ya da oklarla oynatın: odanın yüzü hemen değişir. Diğer operatörler de görür.',
   study: 'Araştırma', askFirst: 'Onay isteme', consentText: 'Ne yazılıyor, kimin için', consentHint: 'Dinleyen kişi yanıtlamadan önce bunu okur. Metin yoksa hazır bir açıklama gösterilir.', askConsent: 'Onay iste', endStudy: 'Araştırmayı bitir',
   consent: 'Onay:', 'consent-none': 'Süren bir araştırma yok.', 'consent-asked': 'Soruldu, yanıt yok: dinleyenle ilgili hiçbir şey yazılmıyor.', 'consent-given': 'Verildi: kayıt tutuluyor.', 'consent-declined': 'Verilmedi: dinleyenle ilgili hiçbir şey yazılmıyor.',
@@ -254,7 +254,7 @@ export const player = {
 
 export const room = {
   title: 'Odanın yüzü', full: 'Tam ekran', answers: 'Yanıtlar', wake: 'Uyuyor. Uyandırmak için dokunun', stopHint: 'Durdurmak için ekrana dokunun',
-  offline: 'Bağlantı yok', idle: 'Hazır', listening: 'Dinliyor', thinking: 'Düşünüyor', speaking: 'Konuşuyor', muted: 'Mikrofon kapalı', asleep: 'Uyuyor',
+  offline: 'Bağlantı yok', idle: 'Hazır', listening: 'Dinliyor', thinking: 'Düşünüyor', speaking: 'Konuşuyor', muted: 'Mikrofon kapalı', error: 'Bir sorun oldu', asleep: 'Uyuyor',
   blocked: 'Sesi duymak için ekrana dokunun', chosen: 'Yanıt: {text}', noRoom: 'Adres bir oda söylemelidir: room.html?room=mutfak',
   consentTitle: 'Not alabilir miyiz?', consentWhat: 'Bu bir araştırma. Burada söylenenler ve seçtiğiniz yanıtlar yazılır.', consentFree: 'Hayır diyebilirsiniz: her şey aynı şekilde çalışır. Fikrinizi istediğiniz zaman değiştirebilirsiniz. Bu ekran ses ya da görüntü kaydetmez.',
   consentYes: 'Evet, olur', consentNo: 'Hayır, teşekkürler', noted: 'Not alınıyor.', consentStop: 'Artık alınmasın', declined: 'Peki: sizinle ilgili hiçbir şey yazılmıyor.',
