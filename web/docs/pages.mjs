@@ -11,6 +11,7 @@ const protocol = 'protocol/README.md';
 export const included = {
   'home/mqtt': { from: 'protocol/mqtt.md' },
   'home/wyoming': { from: 'protocol/wyoming.md' },
+  'home/satellite': { from: 'protocol/satellite.md' },
   'home/linux-voice-assistant': { from: 'protocol/lva.md' },
   'home/screen-readers': { from: 'protocol/speech-dispatcher.md' },
   'library/protocol': { from: 'protocol/library.md' },
@@ -75,7 +76,7 @@ export const sidebar = [
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
   group('Frameworks', ['Plain HTML', 'frameworks/'], ['React', 'frameworks/react'], ['Vue', 'frameworks/vue'], ['Svelte', 'frameworks/svelte'], ['Angular', 'frameworks/angular'], ['Astro', 'frameworks/astro']),
-  group('Home', ['Rooms, screens, operators', 'home/'], ['A home that hears', 'home/hearing'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
+  group('Home', ['Rooms, screens, operators', 'home/'], ['A home that hears', 'home/hearing'], ['MQTT, Home Assistant', 'home/mqtt'], ['Wyoming', 'home/wyoming'], ['A satellite with a face', 'home/satellite'], ['Linux Voice Assistant', 'home/linux-voice-assistant'], ['Screen readers', 'home/screen-readers']),
   group('Library', ['A library that speaks', 'library/'], ['Into your own site', 'library/embedding'], ['Over HTTP', 'library/protocol'], ['Old spellings', 'library/spelling'], ['Moods of stage directions', 'library/moods']),
   group('Markup', ['Mark up a text', 'markup/'], ['What each element does', 'markup/elements'], ['Expressions', 'markup/expressions'], ['Gestures', 'markup/gestures'], ['Numbers and dates', 'markup/reading'], ['Lexicons', 'markup/lexicons']),
   group('Voices', ['Choose a voice', 'voices/'], ['Plugins', 'voices/plugins'], ['Speech packs', 'voices/speech-packs'], ['Phone boundaries', 'voices/boundaries']),

@@ -30,7 +30,7 @@ after(() => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const bridges = { 'faccia-say': ['x'], 'faccia-live': ['x.wav'], 'faccia-mqtt': [], 'faccia-wyoming': ['--listen', '127.0.0.1:0'], 'faccia-lva': [] };
+const bridges = { 'faccia-say': ['x'], 'faccia-live': ['x.wav'], 'faccia-mqtt': [], 'faccia-wyoming': ['--listen', '127.0.0.1:0'], 'faccia-satellite': ['--listen', '127.0.0.1:0'], 'faccia-lva': [] };
 const nothing = { secret: `${secret}\n`, 'two parts': 'abc.def\n', 'four parts': 'a.b.c.d\n', 'an empty part': 'abc..def\n', words: 'my token is abc.def.ghi\n', empty: '' };
 
 async function run(program, options, env = {}, input = 'ignore') {

@@ -45,7 +45,7 @@ for (const file of programs) {
 
 test('long-running programs: standard descriptors are open, no signal is blocked, SIGPIPE and SIGXFSZ are ignored', async () => {
   const bit = (n) => 1n << BigInt(n - 1);
-  for (const [name, ...options] of [['bridges/faccia-wyoming', '--listen', '0'], ['bridges/faccia-lva', '--assistant', 'ws://127.0.0.1:1'], ['bridges/faccia-mqtt', '--broker', '127.0.0.1:1'], ['daemon/facciad', '--port', '0']]) {
+  for (const [name, ...options] of [['bridges/faccia-wyoming', '--listen', '0'], ['bridges/faccia-satellite', '--listen', '0'], ['bridges/faccia-lva', '--assistant', 'ws://127.0.0.1:1'], ['bridges/faccia-mqtt', '--broker', '127.0.0.1:1'], ['daemon/facciad', '--port', '0']]) {
     const file = path.join(build, 'server', name);
     if (!fs.existsSync(file)) continue;
     const child = spawn('env', ['--block-signal=TERM', '--ignore-signal=CHLD', 'bash', '-c', 'exec "$@" <&- >&- 2>&-', 'bash', file, ...options], { stdio: 'ignore' });
