@@ -25,6 +25,9 @@ static const char usage[] =
     "  -w, --wake HOST:PORT    a wake word service of the same protocol: only what follows the wake word is "
     "sent\n"
     "      --wake-word NAME    the wake word's name there (any)\n"
+    "      --others HOST:PORT  where the words of other rooms are recognised: another satellite, or any "
+    "Wyoming\n"
+    "                          recogniser\n"
     "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
     "  -h, --help              print this and exit\n"
@@ -79,9 +82,9 @@ static int run(struct program *p) {
     return status;
 }
 
-static int take_wake(struct satellite *s, const char *address) {
-    s->wake = strncmp(address, "tcp://", 6) ? address : address + 6;
-    return wyoming_address_check(s->wake) ? -1 : usage_error("not HOST:PORT", address);
+static int take_address(const char **address, const char *value) {
+    *address = strncmp(value, "tcp://", 6) ? value : value + 6;
+    return wyoming_address_check(*address) ? -1 : usage_error("not HOST:PORT", value);
 }
 
 static int take_speech(struct satellite *s, const char *how) {
@@ -91,7 +94,7 @@ static int take_speech(struct satellite *s, const char *how) {
 
 /* -1: continue; otherwise the exit status. */
 static int read_options(struct program *p, int argc, char **argv) {
-    enum { AREA = 256, LANG, VOICE, WAKE_WORD, TOKEN_FILE };
+    enum { AREA = 256, LANG, VOICE, WAKE_WORD, OTHERS, TOKEN_FILE };
     static const struct option options[] = {{"listen", 1, NULL, 'l'},
                                             {"room", 1, NULL, 'r'},
                                             {"name", 1, NULL, 'n'},
@@ -104,6 +107,7 @@ static int read_options(struct program *p, int argc, char **argv) {
                                             {"url", 1, NULL, 'u'},
                                             {"help", 0, NULL, 'h'},
                                             {"version", 0, NULL, 'V'},
+                                            {"others", 1, NULL, OTHERS},
                                             {"token-file", 1, NULL, TOKEN_FILE},
                                             {0}};
     struct satellite *s = &p->satellite;
@@ -124,7 +128,9 @@ static int read_options(struct program *p, int argc, char **argv) {
         else if (c == VOICE)
             p->room.voice = optarg;
         else if (c == 'w')
-            status = take_wake(s, optarg);
+            status = take_address(&s->wake, optarg);
+        else if (c == OTHERS)
+            status = take_address(&s->others, optarg);
         else if (c == WAKE_WORD)
             s->wake_word = optarg;
         else if (c == 'u')

@@ -25,7 +25,8 @@ enum {
 /* A connection: the assistant's, or that of a recogniser with an utterance. */
 struct peer {
     struct satellite *satellite;
-    struct wyoming_link *link, *wake; /* wake: connection to the wake service; NULL: none */
+    struct wyoming_link *link;
+    struct wyoming_link *service; /* connection to the wake service, or to others' recogniser; NULL: none */
     struct peer *next, **self;
     enum {
         STRANGER,
@@ -35,6 +36,7 @@ struct peer {
         STREAMING, /* its sound goes to the pipeline */
         HEARD,     /* the pipeline has heard enough */
         ANSWERED,
+        RELAYED, /* an utterance of another room */
     } state;
     struct buf sound; /* not given to the pipeline yet */
     uint64_t at;      /* bytes given to the pipeline, or to the wake service */
@@ -81,17 +83,17 @@ static json_t *format_at(uint64_t bytes) {
 
 /* ---- utterances ---- */
 
-static void drop_wake(struct peer *p) {
-    if (p->wake)
-        wyoming_link_close(p->wake);
-    p->wake = NULL;
+static void drop_service(struct peer *p) {
+    if (p->service)
+        wyoming_link_close(p->service);
+    p->service = NULL;
 }
 
 /* The recogniser's utterance is over: with its words, or (text NULL) an error. */
 static void answer(struct peer *p, const char *text, const char *why) {
     if (p->satellite->current == p)
         p->satellite->current = NULL;
-    drop_wake(p);
+    drop_service(p);
     p->sound.size = 0;
     p->state = ANSWERED;
     if (text)
@@ -160,7 +162,7 @@ static void on_wake_event(void *ctx, const struct wyoming_event *event) {
             json_is_number(at) ? json_number_value(at) * BYTES_PER_MS : (double)p->sound.size;
         const size_t size = spoken > 0 && spoken < (double)p->sound.size ? (size_t)spoken : p->sound.size;
         buf_consume(&p->sound, size & ~(size_t)1);
-        drop_wake(p);
+        drop_service(p);
         tell_assistant(p->satellite, "detection", json_pack("{sO*}", "name", name));
         wake_up(p);
     } else if (!strcmp(event->type, "not-detected")) {
@@ -171,7 +173,7 @@ static void on_wake_event(void *ctx, const struct wyoming_event *event) {
 static void on_wake_ended(void *ctx, const char *why) {
     struct peer *p = ctx;
     char text[300];
-    p->wake = NULL;
+    p->service = NULL;
     snprintf(text, sizeof text, "the wake service %.200s: %s", p->satellite->wake, why);
     log_warn("%s", text);
     answer(p, NULL, text);
@@ -181,11 +183,33 @@ static void ask_wake(struct peer *p) {
     static const struct wyoming_link_calls calls = {on_wake_event, on_wake_ended};
     const struct satellite *s = p->satellite;
     p->state = WAKING;
-    p->wake = wyoming_link_connect(s->loop, s->wake, &calls, p);
-    wyoming_link_tell(p->wake, "detect",
+    p->service = wyoming_link_connect(s->loop, s->wake, &calls, p);
+    wyoming_link_tell(p->service, "detect",
                       s->wake_word ? json_pack("{s[s]}", "names", s->wake_word) : json_pack("{sn}", "names"),
                       NULL, 0);
-    wyoming_link_tell(p->wake, "audio-start", format_at(0), NULL, 0);
+    wyoming_link_tell(p->service, "audio-start", format_at(0), NULL, 0);
+}
+
+static void on_relay_event(void *ctx, const struct wyoming_event *event) {
+    const struct peer *p = ctx;
+    wyoming_link_tell(p->link, event->type, json_incref(event->data), event->payload.data,
+                      event->payload.size);
+}
+
+static void on_relay_ended(void *ctx, const char *why) {
+    struct peer *p = ctx;
+    char text[300];
+    p->service = NULL;
+    snprintf(text, sizeof text, "the recogniser %.200s of other rooms: %s", p->satellite->others, why);
+    answer(p, NULL, text);
+}
+
+/* Has an utterance of another room recognised elsewhere, perhaps by that room's satellite. */
+static void relay(struct peer *p) {
+    static const struct wyoming_link_calls calls = {on_relay_event, on_relay_ended};
+    drop_service(p);
+    p->state = RELAYED;
+    p->service = wyoming_link_connect(p->satellite->loop, p->satellite->others, &calls, p);
 }
 
 static void begin_utterance(struct peer *p, const json_t *data) {
@@ -195,7 +219,9 @@ static void begin_utterance(struct peer *p, const json_t *data) {
     p->sound.size = 0;
     p->at = 0;
     p->complete = false;
-    if (room && strcmp(room, s->room_name) != 0) {
+    if (room && strcmp(room, s->room_name) != 0 && s->others) {
+        relay(p);
+    } else if (room && strcmp(room, s->room_name) != 0) {
         snprintf(why, sizeof why, "this satellite serves the room %.100s", s->room_name);
         answer(p, NULL, why);
     } else if (!s->assistant || s->paused) {
@@ -217,7 +243,7 @@ static void hear(struct peer *p, const struct wyoming_event *event) {
         return;
     }
     if (p->state == WAKING) {
-        wyoming_link_tell(p->wake, "audio-chunk", format_at(p->at), payload->data, payload->size);
+        wyoming_link_tell(p->service, "audio-chunk", format_at(p->at), payload->data, payload->size);
         p->at += payload->size;
     }
     if (p->sound.size + payload->size > SOUND_MOST) {
@@ -236,8 +262,8 @@ static void end_utterance(struct peer *p) {
     if (p->state == WAKING) {
         uint8_t *silence = mem_alloc(SILENCE);
         memset(silence, 0, SILENCE);
-        wyoming_link_tell(p->wake, "audio-chunk", format_at(p->at), silence, SILENCE);
-        wyoming_link_tell(p->wake, "audio-stop", NULL, NULL, 0);
+        wyoming_link_tell(p->service, "audio-chunk", format_at(p->at), silence, SILENCE);
+        wyoming_link_tell(p->service, "audio-stop", NULL, NULL, 0);
         free(silence);
     } else if (p->state == HELD) {
         wake_up(p);
@@ -250,6 +276,12 @@ static void end_utterance(struct peer *p) {
 static bool take_utterance(struct peer *p, const struct wyoming_event *event) {
     if (!strcmp(event->type, "transcribe") && p->state != ASSISTANT) {
         begin_utterance(p, event->data);
+        if (p->state != RELAYED)
+            return true;
+    }
+    if (p->state == RELAYED) {
+        wyoming_link_tell(p->service, event->type, json_incref(event->data), event->payload.data,
+                          event->payload.size);
         return true;
     }
     if (p->state == STRANGER || p->state == ASSISTANT)
@@ -462,7 +494,7 @@ static void free_peer(struct peer *p) {
     if (p->next)
         p->next->self = p->self;
     p->satellite->peer_count--;
-    drop_wake(p);
+    drop_service(p);
     buf_free(&p->sound);
     free(p);
 }

@@ -81,6 +81,7 @@ struct satellite {
     const char *room_name, *name, *area; /* area: NULL: none */
     const char *lang;                    /* NULL: none */
     const char *wake, *wake_word;        /* HOST:PORT of a wake service, and its model; NULL: none, any */
+    const char *others;                  /* HOST:PORT of a recogniser for other rooms; NULL: none */
     enum satellite_speech speech;
     struct peer *peers; /* connections */
     unsigned peer_count;

@@ -372,6 +372,30 @@ test('with a wake word service, only what follows the wake word is sent', async 
   peer.socket.destroy();
 });
 
+test('each room has its satellite: one hands on what is said in other rooms', async () => {
+  const [first, second] = [await freePort(), await freePort()];
+  const home = await Daemon.start(['--recogniser', `tcp://127.0.0.1:${first}`]);
+  const hall = await home.stream('?lang=it&room=hall');
+  await hall.wait({ type: 'joined' });
+  const one = await start(first, home.url, '--others', `127.0.0.1:${second}`), two = await start(second, home.url, '--room', 'hall');
+  const [kitchen, peer] = [await assist(first), await assist(second)];
+  speak(0.5, hall);
+  await peer.heard('audio-stop');
+  recognise('Dalla sala.', peer);
+  await hall.wait({ type: 'heard', text: 'Dalla sala.' });
+  reply('Detto in sala.', 0.2, peer);
+  await hall.wait({ type: 'sentence', text: 'Detto in sala.' });
+  assert.ok(!kitchen.events.some((e) => e.type === 'run-pipeline'));
+  two.kill('SIGKILL');
+  await two.exited;
+  const id = speak(0.5, hall);
+  assert.match((await hall.wait({ type: 'error', code: 'recogniser-failed', id })).message, /of other rooms/);
+  await hall.close();
+  assert.equal(await stop(one), 0, one.text);
+  assert.deepEqual(await home.stop(), { code: 0, signal: null });
+  for (const { socket } of [kitchen, peer]) socket.destroy();
+});
+
 test('with --speak sound, the face moves to the assistant’s own voice', async () => {
   const ear = await freePort();
   const home = await Daemon.start(['--recogniser', `tcp://127.0.0.1:${ear}`]);
