@@ -96,6 +96,9 @@ void heads_free(struct heads *heads);
 /* Returns NULL if there is no head of that name. */
 const struct model *heads_find(const struct heads *heads, const char *name);
 
+/* Sets *e "unknown-model" with similar names. field: of the message. Returns -1. */
+int heads_unknown(const struct heads *heads, const char *name, const char *field, struct error *e);
+
 /* ---- search_queue.c: queues jobs that search the library or save documents. Each client has its own line,
  * and the lines take turns, so that no client waits for all the jobs of another. The jobs run in threads of
  * lower priority than speech. ---- */

@@ -2,7 +2,6 @@
 /* One WebSocket client: its lifecycle, its room and the media it receives. */
 #include "server/api/client_internal.h"
 #include "server/base/mem.h"
-#include "server/base/suggest.h"
 #include "server/http/http_request.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -119,12 +118,7 @@ void client_send_model(struct client *c, const json_t *message) {
         push_model_part(c);
         return;
     }
-    struct suggestions near = suggestions_for(name ? name : "");
-    char text[SUGGESTIONS_TEXT];
-    for (size_t i = 0; i < heads->count; i++)
-        suggest_name(&near, heads->list[i].name, heads->list[i].name);
-    error_in_field(&e, ERROR_UNKNOWN_MODEL, "name", "no model '%.80s'%s", near.wanted,
-                   suggestions_text(&near, text));
+    heads_unknown(heads, name ? name : "", "name", &e);
     client_complain(c, &e);
 }
 

@@ -133,6 +133,14 @@ static int set_lexicon(struct command_call *call, struct error *e) {
     return notice_lexicon(call->channel, call->message, e) ? -1 : accepted(call);
 }
 
+static int show_head(struct command_call *call, struct error *e) {
+    const char *name = string_of(call, "head");
+    if (*name && !heads_find(&call->api->heads, name))
+        return heads_unknown(&call->api->heads, name, "head", e);
+    notice_head(call->channel, name);
+    return accepted(call);
+}
+
 static int consent(struct command_call *call, struct error *e) {
     return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
 }
@@ -161,6 +169,7 @@ static const struct command commands[] = {
     {"choose", .run = choose},
     {"state", .run = set_state},
     {"calibrate", .run = calibrate},
+    {"head", .run = show_head},
     {"lexicon", .run = set_lexicon},
     {"consent", .check = check_consent, .run = consent},
     {"text", .act = open_text_add},

@@ -3,6 +3,7 @@
 #include "server/api/api_internal.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/suggest.h"
 #include <glob.h>
 #include <jansson.h>
 #include <stdio.h>
@@ -159,4 +160,13 @@ const struct model *heads_find(const struct heads *heads, const char *name) {
         if (!strcmp(heads->list[i].name, name))
             return &heads->list[i];
     return NULL;
+}
+
+int heads_unknown(const struct heads *heads, const char *name, const char *field, struct error *e) {
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
+    for (size_t i = 0; i < heads->count; i++)
+        suggest_name(&near, heads->list[i].name, heads->list[i].name);
+    return error_in_field(e, ERROR_UNKNOWN_MODEL, field, "no model '%.80s'%s", near.wanted,
+                          suggestions_text(&near, text));
 }

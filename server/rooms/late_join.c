@@ -96,6 +96,10 @@ void notice_board_lexicon(struct notice_board *board, struct queued_message *mes
     replace(&board->lexicon, message);
 }
 
+void notice_board_head(struct notice_board *board, struct queued_message *message) {
+    replace(&board->head, message);
+}
+
 void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked) {
     replace(&board->consent, message);
     json_decref(board->asked);
@@ -104,6 +108,8 @@ void notice_board_consent(struct notice_board *board, struct queued_message *mes
 
 void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx) {
+    if (board->head)
+        tell(ctx, board->head);
     if (board->calibration)
         tell(ctx, board->calibration);
     if (board->mood)
@@ -124,5 +130,6 @@ void notice_board_free(struct notice_board *board) {
     notice_board_calibration(board, NULL);
     notice_board_mood(board, NULL);
     notice_board_lexicon(board, NULL);
+    notice_board_head(board, NULL);
     notice_board_consent(board, NULL, NULL);
 }

@@ -246,6 +246,15 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
     return failed ? -1 : 0;
 }
 
+void notice_head(struct channel *c, const char *name) {
+    json_t *told = notice_begin(c, "head");
+    json_object_set_new(told, "head", json_string(name));
+    struct queued_message *all = notice_tell(c, told, "head");
+    notice_board_head(&c->notices, c->room && *name ? all : NULL);
+    queued_message_release(all);
+    json_decref(told);
+}
+
 /* Only a room keeps the lexicon for late joiners, which include replicas of the room. */
 int notice_lexicon(struct channel *c, const json_t *message, struct error *e) {
     const json_t *document = json_object_get(message, "lexicon");

@@ -42,6 +42,9 @@ int notice_state(struct channel *channel, const json_t *message, struct error *e
 /* Sets feature points of the head; `reset` restores the head's own. */
 int notice_calibrate(struct channel *channel, const json_t *message, struct error *e);
 
+/* Shows another head; an empty name: each listener's own. The name is checked by the caller. */
+void notice_head(struct channel *channel, const char *name);
+
 /* Sets the lexicon for what is spoken from now on; an empty one removes it. */
 int notice_lexicon(struct channel *channel, const json_t *message, struct error *e);
 

@@ -557,6 +557,14 @@ export interface ServerCalibrated {
   /** A picture of the skin, in base64. */
   texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
 }
+/** Another head is shown; empty: each page's own. */
+export interface ServerHead {
+  type: 'head';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The head's name. At most 64 bytes. */
+  head: string;
+}
 /** The room's mood has changed; an empty mix: neutral. */
 export interface ServerExpressed {
   type: 'expressed';
@@ -630,6 +638,7 @@ export interface TalkingHeadEventMap {
   heard: CustomEvent<ServerHeard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;
+  head: CustomEvent<ServerHead>;
   expressed: CustomEvent<ServerExpressed>;
   consent: CustomEvent<ServerConsent>;
   observers: CustomEvent<ServerObservers>;

@@ -61,6 +61,7 @@ static void room_publish_all(struct bridge_room *r) {
     room_publish(r, "now/words", r->words ? r->words : "", true);
     room_publish(r, "now/voice", r->voice ? r->voice : "", true);
     room_publish(r, "now/mood", r->mood ? r->mood : "neutral", true);
+    room_publish(r, "now/head", r->head ? r->head : "", true);
 }
 
 /* Publishes how a request ended. */
@@ -121,6 +122,10 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         r->absent = !strcmp(r->state, "asleep");
         publish_state(r);
         room_publish(r, "now/presence", r->absent ? "OFF" : "ON", true);
+    } else if (!strcmp(type, "head")) {
+        const char *head = member(message, "head");
+        take(&r->head, *head ? head : NULL);
+        room_publish(r, "now/head", head, true);
     } else if (!strcmp(type, "chosen")) {
         json_t *chosen = json_pack("{ss}", "event_type", "chosen");
         json_object_update_missing(chosen, (json_t *)message);
@@ -182,7 +187,7 @@ struct component {
 
 /* Home Assistant refuses states longer than 255 characters, and choices that are not options. */
 enum { STATE_MOST = 255 };
-static const char default_voice[] = "default"; /* the option for the daemon's own choice */
+static const char default_choice[] = "default"; /* the option for the daemon's or the page's own choice */
 static const char cut[] = "{{ value[:255] }}", chosen[] = "{{ value or 'default' }}",
                   first_word[] = "{{ (value.split() or ['neutral'])[0] }}";
 
@@ -190,6 +195,7 @@ static const struct component components[] = {
     {"say", "notify", "Say", "mdi:account-voice", "say", NULL, NULL},
     {"text", "text", "Text", "mdi:form-textbox", "say", "now/words", cut},
     {"voice", "select", "Voice", "mdi:microphone-message", "voice", "now/voice", chosen},
+    {"head", "select", "Head", "mdi:account-box-outline", "head", "now/head", chosen},
     {"mood", "select", "Mood", "mdi:emoticon-outline", "express", "now/mood", first_word},
     {"mute", "switch", "Mute", "mdi:volume-off", "mute", "now/mute", NULL},
     {"presence", "switch", "Occupied", "mdi:motion-sensor", "presence", "now/presence", NULL},
@@ -212,9 +218,9 @@ static json_t *component(const struct bridge_room *r, const char *device, const 
         json_object_set_new(part, "command_topic", topic(r, c->command));
     if (c->state)
         json_object_set_new(part, "state_topic", topic(r, c->state));
-    if (!strcmp(c->key, "voice")) {
-        json_t *options = json_pack("[s]", default_voice);
-        json_array_extend(options, r->bridge->voices);
+    if (!strcmp(c->key, "voice") || !strcmp(c->key, "head")) {
+        json_t *options = json_pack("[s]", default_choice);
+        json_array_extend(options, *c->key == 'v' ? r->bridge->voices : r->bridge->heads);
         json_object_set_new(part, "options", options);
     }
     if (!strcmp(c->key, "mood"))
@@ -243,7 +249,7 @@ static void room_discover(struct bridge_room *r) {
     const struct bridge *b = r->bridge;
     char name[BRIDGE_TOPIC];
     struct buf id = {0};
-    if (!b->discovery || !b->voices || !b->moods)
+    if (!b->discovery || !b->voices || !b->moods || !b->heads)
         return;
     device_id(r, &id);
     const char *device = (const char *)id.data;
@@ -531,7 +537,7 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
 
 static void choose_voice(struct bridge_room *r, const char *voice) {
     char why[256];
-    if (!strcmp(voice, default_voice))
+    if (!strcmp(voice, default_choice))
         voice = "";
     if (*voice && !bridge_has_voice(r->bridge, voice)) {
         snprintf(why, sizeof why, "unknown voice \"%.80s\"", voice);
@@ -567,6 +573,9 @@ static void room_command(struct bridge_room *r, const char *command, const char 
         express(r, payload, size);
     } else if (!strcmp(command, "voice")) {
         choose_voice(r, payload);
+    } else if (!strcmp(command, "head")) {
+        ask_for(r, "head", "head", json_pack("{ss}", "head", strcmp(payload, default_choice) ? payload : ""),
+                "");
     }
     for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
         if (!strcmp(command, plain[i].command) &&
@@ -588,8 +597,8 @@ static void discover(struct bridge *b) {
 
 static void on_connected(void *ctx) {
     struct bridge *b = ctx;
-    static const char *const commands[] = {"say",   "ask",     "stop", "pause", "resume",  "express",
-                                           "state", "choices", "mute", "voice", "presence"};
+    static const char *const commands[] = {"say",   "ask",     "stop", "pause", "resume", "express",
+                                           "state", "choices", "mute", "voice", "head",   "presence"};
     char topic[BRIDGE_TOPIC];
     log_info("connected to the broker");
     for (unsigned i = 0; i < b->room_count; i++)
@@ -672,6 +681,16 @@ static void on_moods(void *ctx, const struct remote_answer *answer) {
     discover(b);
 }
 
+static void on_heads(void *ctx, const struct remote_answer *answer) {
+    struct bridge *b = ctx;
+    json_t *list = json_object_get(answer->body, "models"), *one;
+    size_t i;
+    json_decref(b->heads);
+    b->heads = json_array();
+    json_array_foreach(list, i, one) json_array_append(b->heads, json_object_get(one, "name"));
+    discover(b);
+}
+
 /* The daemon's voices may have changed while it was away. */
 static void on_bridge_following(void *ctx, const char *why) {
     struct bridge_room *r = ctx;
@@ -679,6 +698,7 @@ static void on_bridge_following(void *ctx, const char *why) {
     if (why || r != r->bridge->rooms)
         return;
     remote_ask(r->bridge->remote, "/v1/voices", NULL, NULL, NULL, on_voices, r->bridge);
+    remote_ask(r->bridge->remote, "/v1/models", NULL, NULL, NULL, on_heads, r->bridge);
     remote_ask(r->bridge->remote, "/v1/expressions", NULL, NULL, NULL, on_moods, r->bridge);
 }
 
@@ -695,7 +715,9 @@ void bridge_end(struct bridge *b) {
         free(r->words);
         free(r->voice);
         free(r->mood);
+        free(r->head);
     }
     json_decref(b->voices);
     json_decref(b->moods);
+    json_decref(b->heads);
 }

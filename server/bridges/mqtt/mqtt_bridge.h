@@ -32,7 +32,7 @@ struct bridge_room {
     struct follow *follow;
     struct said_ids said;
     char state[16], speaking_id[SAID_ID];  /* state of the assistant, and the utterance being spoken */
-    char *words, *voice, *mood;            /* NULL: none */
+    char *words, *voice, *mood, *head;     /* NULL: none */
     bool speaks, muted, absent, available; /* absent: nobody is watching the room */
 };
 
@@ -46,7 +46,7 @@ struct bridge {
     struct bridge_room rooms[BRIDGE_ROOMS];
     unsigned room_count, asking; /* asking: number of waiting requests */
     struct asking *asked;
-    json_t *voices, *moods; /* names; NULL: not known yet */
+    json_t *voices, *moods, *heads; /* names; NULL: not known yet */
 };
 
 /* Set bridge->link and the other members first; names are copied. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
+#include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/bridges/remote_internal.h"
@@ -192,7 +193,8 @@ static void on_error(struct room *r, const json_t *message) {
         return;
     json_t *retry = r->retry;
     r->retry = NULL;
-    if (retry && (!strcmp(code, "unknown-language") || !strcmp(code, "unknown-voice"))) {
+    if (retry && (!strcmp(code, error_name(ERROR_UNKNOWN_LANGUAGE)) ||
+                  !strcmp(code, error_name(ERROR_UNKNOWN_VOICE)))) {
         daemon_address_make_id(r->id, sizeof r->id); /* the end of the first one is not its own */
         json_object_set_new(retry, "id", json_string(r->id));
         tell(r, retry);

@@ -60,8 +60,8 @@ static int kind_of(const char *event) {
 
 /* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
-    static const char *const names[] = {"choices", "chosen",  "state", "calibrated", "expressed",
-                                        "consent", "lexicon", "asked", HEARD,        ANSWERED};
+    static const char *const names[] = {"choices", "chosen", "state", "calibrated", "expressed", "consent",
+                                        "lexicon", "asked",  "head",  HEARD,        ANSWERED};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(names[i], event))
             return names[i];
@@ -105,6 +105,9 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
         take_mood(c, told, message);
     } else if (!strcmp(event, "lexicon")) {
         take_lexicon(c, told, message);
+    } else if (!strcmp(event, "head")) {
+        const char *head = json_string_value(json_object_get(told, "head"));
+        notice_board_head(board, head && *head ? message : NULL);
     } else if (!strcmp(event, "consent")) {
         const char *word = json_string_value(json_object_get(told, "consent"));
         bool any = word && strcmp(word, "none") != 0;

@@ -54,6 +54,7 @@ const cases = {
   choose: [{ id: 'q', choice: 1 }, { type: 'chosen', text: 'No' }],
   state: [{ state: 'thinking' }, { type: 'state', state: 'thinking' }],
   calibrate: [{ reset: true }, { type: 'calibrated', reset: true }],
+  head: [{ head: 'mara' }, { type: 'head', head: 'mara' }],
   lexicon: [{ lexicon: '' }, { type: 'lexicon', lexicon: '' }],
   consent: [{ consent: 'asked', text: 'Va bene?' }, { type: 'consent', consent: 'asked' }],
 };

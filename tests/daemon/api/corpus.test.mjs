@@ -25,6 +25,7 @@ const messages = [
   { type: 'consent', consent: 'asked', text: 'x' },
   { type: 'leave' },
   { type: 'model', name: 'mara' },
+  { type: 'head', head: 'mara' },
   { type: 'play', name: 'all-faps', id: 'p', mode: 'queue' },
   { type: 'jump', mark: 'qui' },
   { type: 'authorize', token: 'x' },

@@ -87,6 +87,7 @@ async function together() {
     [{ type: 'state', state: 'listening', text: 'Ciao' }, { type: 'state', text: 'Ciao' }],
     [{ type: 'calibrate', featurePointsCoord: { '8.3': [26, -62, 18] }, textureCoord: { '8.3': [0, 1] }, texture }, { type: 'calibrated', texture }],
     [{ type: 'calibrate', reset: true }, { type: 'calibrated', reset: true }],
+    [{ type: 'head', head: 'mara' }, { type: 'head', head: 'mara' }],
     [{ type: 'lexicon', lexicon: '' }, { type: 'lexicon', lexicon: '' }],
     [{ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] }, { type: 'expressed' }],
     [{ type: 'consent', consent: 'asked', text: 'Va bene?' }, { type: 'consent', consent: 'asked' }],

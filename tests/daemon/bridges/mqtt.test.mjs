@@ -166,8 +166,8 @@ test('Home Assistant discovers a device with all functions of the room, also aft
   const { payload } = await saidOn('homeassistant/device/faccia_kitchen/config', undefined, from);
   const config = JSON.parse(payload);
   assert.deepEqual(Object.fromEntries(Object.entries(config.cmps).map(([key, c]) => [key, c.p])), {
-    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', presence: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event', heard: 'event', answer: 'event' });
-  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 12);
+    say: 'notify', text: 'text', voice: 'select', head: 'select', mood: 'select', mute: 'switch', presence: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event', heard: 'event', answer: 'event' });
+  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 13);
   assert.ok(config.cmps.voice.options.includes('espeak:it') && config.cmps.mood.options.includes('joy'));
   for (const { topic } of config.availability) assert.ok(await saidOn(topic, 'online'), topic);
   // commands as Home Assistant sends them
@@ -196,6 +196,23 @@ test('a voice can be taken back: "default" is one of the options', async () => {
   await saidOn(cmps.voice.state_topic, '', from);
   await publish('faccia/kitchen/say', { id: 'own', text: 'Con la mia voce.', lang: 'it' });
   await saidOn('faccia/kitchen/said', '{"id":"own","reason":"done"}');
+});
+
+test('chooses a head for the screens of the room', async () => {
+  const { cmps } = JSON.parse((await saidOn('homeassistant/device/faccia_kitchen/config')).payload);
+  assert.ok(cmps.head.options[0] === 'default' && cmps.head.options.includes('mara'));
+  const from = lines().length;
+  await publish(cmps.head.command_topic, 'mara');
+  await kiosk.wait({ type: 'head', head: 'mara' });
+  await saidOn(cmps.head.state_topic, 'mara', from);
+  const later = await daemon.stream('?room=kitchen');
+  await later.wait({ type: 'head', head: 'mara' });
+  await later.close();
+  await publish(cmps.head.command_topic, 'nobody');
+  assert.match(JSON.parse((await saidOn('faccia/kitchen/refused', undefined, from)).payload).message, /nobody/);
+  const next = lines().length;
+  await publish(cmps.head.command_topic, 'default');
+  await saidOn(cmps.head.state_topic, '', next);
 });
 
 test('a room with a dot in its name is announced under an id that Home Assistant accepts', async () => {

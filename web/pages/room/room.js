@@ -153,6 +153,11 @@ head.addEventListener('state', ({ detail }) => {
   look();
   showState();
 });
+head.addEventListener('head', ({ detail }) => {
+  const name = detail.head || wish.head;
+  if (name) head.setAttribute('model', name);
+  else head.removeAttribute('model');
+});
 head.addEventListener('choices', ({ detail }) => {
   now.offered = detail.choices.length ? detail : null;
   $('news').textContent = '';
