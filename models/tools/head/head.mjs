@@ -20,7 +20,7 @@ import { mouthGrid } from './mouth-grid.mjs';
 import { closeLips, setLids } from './neutral.mjs';
 import { packHead } from '../lib/pack.mjs';
 import { applyActions, applyHeadTurns, proxyPart, skinPart } from '../lib/parts.mjs';
-import { refine, rounded, skinDetail } from './refine.mjs';
+import { alongLips, refine, rounded, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
 import { makeTextures } from './paint/textures.mjs';
 
@@ -70,7 +70,7 @@ export async function buildHead(assets, given) {
   const head = headTurns(ctx, recipe.faps.head);
 
   const parts = makeParts(ctx, recipe, eyeSpec);
-  parts[0] = refine(parts[0], skinDetail(ctx, parts[0], recipe.parts.skin));
+  parts[0] = refine(parts[0], skinDetail(ctx, parts[0], recipe.parts.skin), alongLips(topology.mouth));
   layOut(parts[0], recipe.skin.atlas);
   const [whole] = parts;
   parts.splice(0, 1, ...cutCavity(ctx, whole));

@@ -2,15 +2,17 @@
 /**
  * Subdivides triangles where the outline matters. A split edge gets a vertex on the curve that its end points and
  * normals give (the edge of a PN triangle, Vlachos et al. 2001); the old vertices stay where they are, so
- * feature points stay exact, and the actions of a new vertex are the mean of its two neighbours'.
+ * feature points stay exact. The actions of a new vertex are the mean of its two neighbours', but along the lips
+ * they follow a curve through four neighbours, so that an opening is round where its vertices are far apart.
  */
 import { normals } from '../lib/mesh.mjs';
 
 /**
  * @param {(a: number, b: number) => boolean} split whether the edge between two vertices is to be split;
  *   symmetric
+ * @param {(a: number[][], b: number[][]) => number[][]} between refs of a new vertex
  */
-export function refine(part, split) {
+export function refine(part, split, between = meanOf) {
   const first =
     part.smooth ??
     part.index.reduce((all, v) => {
@@ -38,7 +40,7 @@ export function refine(part, split) {
     smooth.push(places.get(place));
     position.push(...curved(part.position, n, fa < fb ? a : b, fa < fb ? b : a));
     uv.push((uv[a * 2] + uv[b * 2]) / 2, (uv[a * 2 + 1] + uv[b * 2 + 1]) / 2);
-    refs.push(meanOf(refs[a], refs[b]));
+    refs.push(between(refs[a], refs[b]));
     return i;
   };
 
@@ -122,4 +124,23 @@ function meanOf(a, b) {
   const sum = new Map();
   for (const [v, w] of [...a, ...b]) sum.set(v, (sum.get(v) ?? 0) + w / 2);
   return [...sum];
+}
+
+/**
+ * Refs of new vertices of the skin: along an edge loop of the lips by the four-point scheme (Dyn, Levin and Gregory 1987), elsewhere the mean.
+ * @param {{l: number[][], r: number[][]}} mouth the loops of the topology
+ */
+export function alongLips(mouth) {
+  const rings = mouth.l.map((left, row) => [...left, ...mouth.r[row].slice(1, -1).reverse()]);
+  const places = new Map(rings.flatMap((ring) => ring.map((v, at) => [v, { ring, at }])));
+  return (a, b) => {
+    const [one, other] = [a, b].map((refs) => (refs.length === 1 ? places.get(refs[0][0]) : undefined));
+    if (one?.ring !== other?.ring || !one) return meanOf(a, b);
+    const { ring } = one;
+    const count = ring.length;
+    const step = (other.at - one.at + count) % count;
+    if (step !== 1 && step !== count - 1) return meanOf(a, b);
+    const first = step === 1 ? one.at : other.at;
+    return [-1, 9, 9, -1].map((w, i) => [ring[(first - 1 + i + count) % count], w / 16]);
+  };
 }

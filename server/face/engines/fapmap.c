@@ -16,7 +16,8 @@
 
 /* Rounded lips protrude and touch each other from the corners inwards, leaving a hole of about a quarter of
  * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion. With
- * a raised upper lip or closed teeth (/S s/) the lips form a funnel instead, which shows the teeth. */
+ * a raised upper lip or closed teeth (/S/) the lips form a funnel instead, whose square opening shows the
+ * teeth: it is short, but as high at the sides as in the middle. */
 #define ROUND_NARROW 2.0     /* mm of AR, and */
 #define ROUND_PUSH 1.2       /* mm of protrusion at which lips are fully rounded */
 #define FLARE_FROM 2.0       /* mm of LS at which rounding starts to decrease */
@@ -31,6 +32,13 @@
 #define ROUND_LOW 0.9      /* mm that both lips hang lower before the teeth, */
 #define ROUND_LOW_SIDE 2.0 /* and half-way to the corners, under which the hole is arched */
 #define ROUND_BULGE 0.7    /* mm that the red of each lip becomes wider */
+#define FUNNEL_NARROW 1.2  /* mm of AR at which lips that are not rounded form a full funnel */
+#define FUNNEL_CORNER 5.0  /* mm that each inner corner goes in beyond the outer one */
+#define FUNNEL_SIDE 1.15   /* factor on the opening half-way to the corners */
+#define FUNNEL_LIFT 0.9    /* mm that the upper lip turns up, */
+#define FUNNEL_DROP 0.5    /* and the lower lip down, */
+#define FUNNEL_OPEN 3.0    /* from an opening of these mm on wholly */
+#define FUNNEL_BULGE 0.8   /* mm that the red of each becomes wider */
 
 /* Secondary motion, mm per mm. */
 #define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */
@@ -77,17 +85,38 @@ static double positive(double x) {
     return x > 0 ? x : 0;
 }
 
-/* Tells how rounded the lips are, 0 to 1. */
-static double roundness(const double mm[PARAM_COUNT]) {
-    double push = (mm[PARAM_PI] + mm[PARAM_PS]) / 2;
-    return smoothstep(-mm[PARAM_AR] / ROUND_NARROW) * smoothstep(push / ROUND_PUSH) *
-           smoothstep((FLARE_FULL - mm[PARAM_LS]) / (FLARE_FULL - FLARE_FROM)) *
-           smoothstep((mm[PARAM_EM] - TEETH_MET) / (TEETH_APART - TEETH_MET));
+/* How far the lips are a round hole, and how far a funnel, 0 to 1 each, together at most 1. */
+struct pursing {
+    double round, funnel;
+};
+
+static double pursed(double narrow, double width, double push) {
+    return smoothstep(-width / narrow) * smoothstep(push / ROUND_PUSH);
 }
 
-/* The same of a face: how much farther in its inner corners are than the outer ones. */
-static double roundness_of(const struct speech_fapu *fapu, double inner, double outer) {
-    return fmin(fmax((outer - inner) * fapu->mw / 1024 / (2 * ROUND_INNER_CORNER), 0), 1);
+static struct pursing pursing(const double mm[PARAM_COUNT]) {
+    double push = (mm[PARAM_PI] + mm[PARAM_PS]) / 2;
+    double round = pursed(ROUND_NARROW, mm[PARAM_AR], push) *
+                   smoothstep((FLARE_FULL - mm[PARAM_LS]) / (FLARE_FULL - FLARE_FROM)) *
+                   smoothstep((mm[PARAM_EM] - TEETH_MET) / (TEETH_APART - TEETH_MET));
+    return (struct pursing){round, pursed(FUNNEL_NARROW, mm[PARAM_AR], push) - round};
+}
+
+/* mm that each inner corner goes in beyond the outer one. */
+static double inset(struct pursing p) {
+    return ROUND_INNER_CORNER * p.round + FUNNEL_CORNER * p.funnel;
+}
+
+/* The same of a face, given as FAPs: inner and outer corners (6 + 7, 53 + 54), lips pushed (16 + 17). */
+static struct pursing pursing_of(const struct speech_fapu *fapu, double inner, double outer, double pushed) {
+    double in = fmin(fmax((outer - inner) * fapu->mw / 1024 / 2, 0), FUNNEL_CORNER);
+    double all = pursed(FUNNEL_NARROW, outer * fapu->mw / 1024, pushed / 2 * fapu->mns / 1024);
+    /* Poses between others, and other layers, may show less narrow or pushed lips than the inner corners do:
+     * then they are rounded. */
+    double least = in / FUNNEL_CORNER, most = fmin(in / ROUND_INNER_CORNER, 1);
+    all = fmin(fmax(all, least) + (most - least) * smoothstep((least - all) / 0.2), most);
+    double round = fmax((FUNNEL_CORNER * all - in) / (FUNNEL_CORNER - ROUND_INNER_CORNER), 0);
+    return (struct pursing){round, fmax(all - round, 0)};
 }
 
 /* Returns how far both lips are lowered beyond their parameters, mm. */
@@ -97,32 +126,35 @@ static double lowered(int pair, double width, double open, double round) {
 }
 
 /* Opening half-way to the corner for one in the middle, mm. */
-static double side_opening(double middle, double round) {
-    double side = SIDE_OPENING * middle;
-    return side > 0 ? positive((1 - ROUND_SHARE * round) * side - ROUND_SIDE * round) : side;
+static double side_opening(double middle, struct pursing p) {
+    double side = SIDE_OPENING * middle * (1 + (FUNNEL_SIDE - 1) * p.funnel);
+    return side > 0 ? positive((1 - ROUND_SHARE * p.round) * side - ROUND_SIDE * p.round) : side;
 }
 
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
     double mns = 1024 / fapu->mns, mw = 1024 / fapu->mw, es = 1024 / fapu->es, ens = 1024 / fapu->ens;
     double spread = mm[PARAM_AR] / 2; /* per corner */
     double press = positive(-mm[PARAM_LI]), push = positive((mm[PARAM_PI] + mm[PARAM_PS]) / 2),
-           jaw = positive(mm[PARAM_EM]), round = roundness(mm), open = mm[PARAM_LI] + mm[PARAM_LS];
+           jaw = positive(mm[PARAM_EM]), open = mm[PARAM_LI] + mm[PARAM_LS];
+    struct pursing purse = pursing(mm);
+    double round = purse.round, turned = purse.funnel * fmin(positive(open) / FUNNEL_OPEN, 1);
     double corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
-    double side = open > 0 ? side_opening(open, round) / open : SIDE_OPENING;
-    double wider = ROUND_BULGE * round - THIN_PER_SPREAD * positive(mm[PARAM_AR]);
+    double side = open > 0 ? side_opening(open, purse) / open : SIDE_OPENING;
+    double wider =
+        ROUND_BULGE * round + FUNNEL_BULGE * purse.funnel - THIN_PER_SPREAD * positive(mm[PARAM_AR]);
     for (int i = 0; i < PAIRS; i++) {
         double part = i == MIDDLE ? 1 : side, at_corner = i == MIDDLE ? 0 : (1 - side) * corner;
         double up = part * mm[PARAM_LS] + at_corner, down = part * mm[PARAM_LI] - at_corner;
         double low = lowered(i, mm[PARAM_AR], open, round), drop = i == MIDDLE ? ROUND_DROP * round : 0;
-        faps[pairs[i].upper] -= (up - low) * mns;
-        faps[pairs[i].lower] -= (down + low + drop) * mns;
+        faps[pairs[i].upper] -= (up - low + FUNNEL_LIFT * turned) * mns;
+        faps[pairs[i].lower] -= (down + low + drop + FUNNEL_DROP * turned) * mns;
         /* Opening thins the lips; closing is handled by fapmap_part_lips. */
         faps[pairs[i].upper_outer] -= ((up > 0 ? OUTER_PER_INNER * up : up) + wider) * mns;
         faps[pairs[i].lower_outer] -= ((down > 0 ? OUTER_PER_INNER * down : down) + wider) * mns;
     }
     faps[3] += jaw * mns;
-    faps[6] += (spread - ROUND_INNER_CORNER * round) * mw;
-    faps[7] += (spread - ROUND_INNER_CORNER * round) * mw;
+    faps[6] += (spread - inset(purse)) * mw;
+    faps[7] += (spread - inset(purse)) * mw;
     faps[53] += spread * mw;
     faps[54] += spread * mw;
     faps[12] += corner * mns;
@@ -143,9 +175,10 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
 }
 
 void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]) {
-    double mns = 1024 / fapu->mns, round = roundness_of(fapu, faps[6] + faps[7], faps[53] + faps[54]);
+    double mns = 1024 / fapu->mns;
+    struct pursing purse = pursing_of(fapu, faps[6] + faps[7], faps[53] + faps[54], faps[16] + faps[17]);
     for (int i = 0; i < PAIRS; i++) {
-        double wanted = (i == MIDDLE ? gap : side_opening(gap, round)) * mns;
+        double wanted = (i == MIDDLE ? gap : side_opening(gap, purse)) * mns;
         if (wanted <= 0) /* rounded lips meet here */
             continue;
         double move = weight * positive(wanted + faps[pairs[i].upper] + faps[pairs[i].lower]);
@@ -204,12 +237,17 @@ void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]
 void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
     double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
     const int32_t *v = frame->value;
-    double jaw = v[3] * mns, round = roundness_of(fapu, v[6] + v[7], v[53] + v[54]);
+    double jaw = v[3] * mns;
+    struct pursing purse = pursing_of(fapu, v[6] + v[7], v[53] + v[54], v[16] + v[17]);
+    double round = purse.round;
     mm[PARAM_AR] = (v[53] + v[54]) * mw;
     double open = -(v[4] + v[5]) * mns - ROUND_DROP * round;
+    double most = (FUNNEL_LIFT + FUNNEL_DROP) * purse.funnel; /* mm that turned lips open more */
+    double part = fmin(positive(open) / (FUNNEL_OPEN + most), 1), turned = purse.funnel * part;
+    open -= most * part;
     double low = lowered(MIDDLE, mm[PARAM_AR], open, round);
-    mm[PARAM_LS] = low - v[4] * mns;
-    mm[PARAM_LI] = -v[5] * mns - low - ROUND_DROP * round;
+    mm[PARAM_LS] = low - v[4] * mns - FUNNEL_LIFT * turned;
+    mm[PARAM_LI] = -v[5] * mns - low - ROUND_DROP * round - FUNNEL_DROP * turned;
     mm[PARAM_PI] = v[16] * mns;
     mm[PARAM_PS] = v[17] * mns;
     mm[PARAM_EM] = jaw;

@@ -26,6 +26,12 @@ const CORNERS = [
   [7, 54, 13, 60, CORNER_R, -1],
 ];
 
+/**
+ * The middle of a lip moves as a wider piece than a cubic between the nodes has it: people's openings are round below, not pointed. Power of the
+ * distance from the middle, as a share of that to the feature points half-way.
+ */
+const FULL_MIDDLE = 1.6;
+
 /** Pressed lip, mm per mm of its outer contour: the red moves back and towards the other lip. */
 const ROLL = { back: 1.1, up: 0.35 };
 /**
@@ -44,7 +50,8 @@ export function mouthActions(actions, ctx, grid, tuning) {
   const roll = { ...ROLL, ...tuning.roll },
     rounding = { ...ROUNDING, ...tuning.rounding };
   const high = clamp(1 - (ctx.teeth.line - ctx.teeth.edge) / HIGH_TEETH.below, 0, 1);
-  const basis = cardinalBasis(NODES, tuning.cornerSteepness);
+  const cubic = cardinalBasis(NODES, tuning.cornerSteepness);
+  const basis = (node, s) => cubic(node, Math.abs(s) < 0.5 ? Math.sign(s) * 0.5 * (2 * Math.abs(s)) ** FULL_MIDDLE : s);
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
 

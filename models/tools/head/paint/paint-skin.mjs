@@ -68,7 +68,13 @@ export async function paintSkin(spec, scene) {
       wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
     const q = [at(part.position, 3, 0), at(part.position, 3, 1), at(part.position, 3, 2)];
     const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
-    const light = Math.min(1, Math.max(0, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
+    const lip = attribute(lipT),
+      deep = attribute(lipDepth);
+    // Closed lips shade each other. Little of that is painted, because it would stay when they open.
+    const outside = smoothstep(9, 4, deep);
+    const least = LEAST_ON_LIPS * smoothstep(1.6, 0.9, lip) * outside;
+    const lamp = look.lampShadow * (1 - LAMP_BETWEEN_LIPS * smoothstep(0.45, 0.05, lip) * outside);
+    const light = Math.min(1, Math.max(least, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
     const behind =
       q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
     const hairy = behind > -look.scalp.soft ? smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q)) : 0;
@@ -84,16 +90,18 @@ export async function paintSkin(spec, scene) {
       }
       colour = neck(mottle(colour, q, look), q, [0, 1, 2].map((k) => at(vertexNormals, 3, k)));
       colour = lidPaint(colour, q, attribute(inner), lids, lidLook);
-      const t = attribute(lipT);
-      colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);
-      return grown(pores(colour, [0, 1, 2].map((k) => at(seen, 3, k)), look, t), q, behind, t);
+      colour = lipPaint(colour, q, lip, deep, attribute(lipS), look.lips);
+      return grown(pores(colour, [0, 1, 2].map((k) => at(seen, 3, k)), look, lip), q, behind, lip);
     };
     const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
-    data.set(shade(darkened(colour, between(shadow, size / 2, texel, size), look.lampShadow), light, look.occlusion), texel * 3);
+    data.set(shade(darkened(colour, between(shadow, size / 2, texel, size), lamp), light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };
 }
+
+const LEAST_ON_LIPS = 0.7; // share of the sky's light that the painted lips get at least
+const LAMP_BETWEEN_LIPS = 0.8; // of the lamp's shadow on the line where they touch, the share that is not painted
 
 /**
  * Short hairs where hair and beard begin, so that neither has a hard border.
