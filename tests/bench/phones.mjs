@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors of the voices' phone times against the sound, and the table that corrects them (models/boundaries.md).
-// Usage: node tests/bench/run.mjs phones [--write FILE] [VOICE]...
+// Usage: node tests/bench/run.mjs phones [--write FILE] [--lang TAG] [--text FILE] [VOICE]...
+// The sentences are those of the voice's language, or of --lang, or the lines of --text: any voice that `faccia say --voice` speaks with can be measured, also
+// one of a configuration (FACCIA_CONFIG).
 // By voice and event: median of a boundary's time minus that of its spectral event, ms (positive: the boundary is late), ± half-width that contains half of
 // them; mean absolute error (count) of the voice. Below it, if a correction is useful, the error after cross-validated correction: each half of the sentences
 // (every other one) is corrected by the other half. --write FILE: writes the table learned from all sentences, where it holds in cross-validation; the file
@@ -14,9 +16,8 @@ import { build, root } from '../lib/daemon.mjs';
 import { sentences } from '../lib/sentences.mjs';
 import { median } from './figures.mjs';
 
-const { values: wanted, positionals } = parseArgs({ allowPositionals: true, options: { write: { type: 'string' } } });
-const VOICES = ['espeak:it', 'espeak:it+f2', 'espeak:pt-br', 'espeak:tr', 'espeak:en-us', 'festival:lp', 'festival:pc', 'festival:slt', 'festival:kal'];
-const LANG = { it: 'it', lp: 'it', pc: 'it', slt: 'en', kal: 'en', 'pt-br': 'pt-BR', tr: 'tr', 'en-us': 'en' };
+const { values: wanted, positionals } = parseArgs({ allowPositionals: true, options: { write: { type: 'string' }, lang: { type: 'string' }, text: { type: 'string' } } });
+const VOICES = ['it', 'pt-br', 'pt', 'tr', 'en-us', 'en-gb'].flatMap((lang) => [`espeak:${lang}`, `espeak:${lang}+f2`]).concat(['lp', 'pc', 'slt', 'kal'].map((name) => `festival:${name}`));
 const STEP = 0.001; // s
 const NEAR = 0.06; // s: an event farther away belongs to another boundary
 const LEAST = 6, ENOUGH = 8; // ms, number of boundaries: omits smaller corrections, those from fewer boundaries,
@@ -84,6 +85,16 @@ function steepest(levels, from, to, sign, first) {
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'phones-'));
 process.on('exit', () => fs.rmSync(folder, { recursive: true }));
 
+const own = wanted.text && fs.readFileSync(wanted.text, 'utf8').split('\n').map((line) => line.trim()).filter(Boolean);
+const speaks = new Map(execFileSync(path.join(build, 'server/cli/faccia'), ['voices'], { stdio: ['ignore', 'pipe', 'inherit'] }).toString().split('\n').map((line) => line.split(/\s+/)));
+
+/** Sentences of a language, also those of another region of it. */
+function linesOf(lang) {
+  const known = Object.keys(sentences).find((tag) => tag.split('-')[0] === lang.split('-')[0]);
+  if (!own && !known) throw new Error(`there are no sentences in ${lang}: --text FILE, one a line, at least 25`);
+  return own ?? sentences[known];
+}
+
 /** Speaks every other sentence, from `half` on. Returns phones and sound. */
 function say(voice, lang, half, table) {
   const [wav, json, models] = ['a.wav', 'a.json', 'models'].map((name) => path.join(folder, name));
@@ -91,7 +102,7 @@ function say(voice, lang, half, table) {
   fs.mkdirSync(models);
   for (const name of ['speech', 'normalization', 'expressions.json']) fs.symlinkSync(path.join(root, 'models', name), path.join(models, name));
   if (table) fs.writeFileSync(path.join(models, 'boundaries.json'), JSON.stringify({ sounds, voices: { [voice]: table } }));
-  const text = sentences[lang].filter((_, i) => i % 2 === half).join('\n');
+  const text = linesOf(lang).filter((_, i) => i % 2 === half).join('\n');
   execFileSync(path.join(build, 'server/cli/faccia'), ['say', '--voice', voice, '--lang', lang, '--wav', wav, '--json', json, text],
     { stdio: ['ignore', 'ignore', 'inherit'], env: { ...process.env, FACCIA_MODELS: models } });
   const bytes = fs.readFileSync(wav), rate = bytes.readUInt32LE(24);
@@ -149,12 +160,18 @@ function measure(voice, lang) {
   return { table: learned(all, good), good, all, unseen: crossed(good) };
 }
 
+function langOf(voice) {
+  const lang = wanted.lang ?? speaks.get(voice);
+  if (!lang) throw new Error(`no voice '${voice}': see faccia voices`);
+  return lang;
+}
+
 const shown = (row, moved) => (row.length < 5 ? '' : `${told(row)}; ${mean(row).toFixed(0)}${moved ? '' : ` (${row.length})`}`);
 const names = Object.keys(EVENTS);
 console.log(`| voice | ${names.join(' | ')} |\n|---|${names.map(() => '---|').join('')}`);
 const tables = {};
 for (const voice of positionals.length ? positionals : VOICES) {
-  const { table, good, all, unseen } = measure(voice, LANG[voice.split(':')[1].split('+')[0]] ?? 'en');
+  const { table, good, all, unseen } = measure(voice, langOf(voice));
   console.log(`| ${voice} | ${names.map((name) => shown(all[name])).join(' | ')} |`);
   if (good.length) console.log(`| moved | ${names.map((name) => (good.includes(name) || EVENTS[name].seen ? shown(unseen[name], true) : '')).join(' | ')} |`);
   tables[voice] = table.length ? table : undefined;
