@@ -37,6 +37,7 @@ export const benchmarks = {
   day: { moment: ['--hours', '0.01', '--minutes', '0.1'], long: 'speaks for a tenth of a minute' },
   'emotions-picture': { packages: browser, moment: ['mara', picture('emotions.webp')], long: 'draws a head seven times' },
   engine: { packages: ['espeak-ng'], moment: [] },
+  'export-loaders': { packages: browser, without: 'needs a folder with the npm packages of others' },
   faces: { packages: browser, moment: ['--turns', '1'], long: 'draws two faces' },
   'first-media': { moment: ['1'] },
   'first-picture': { packages: browser, moment: ['1'], long: 'draws each head' },

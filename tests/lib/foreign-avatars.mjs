@@ -51,7 +51,7 @@ export function visemesOnly(bytes) {
   const glb = partsOf(bytes);
   renamed(glb.json, (name) => (/^viseme_|^eyeBlink/.test(name) ? name : null));
   delete glb.json.extensions;
-  without(glb.json, 'head', 'leftEye', 'rightEye');
+  without(glb.json, 'Head', 'Neck', 'LeftEye', 'RightEye');
   return writeGlb(glb);
 }
 
@@ -86,8 +86,8 @@ export function oddNames(bytes) {
   const glb = partsOf(bytes);
   renamed(glb.json, (name) => ODD[name] ?? null);
   delete glb.json.extensions;
-  for (const node of glb.json.nodes) if (['head', 'leftEye', 'rightEye'].includes(node.name)) node.name = `osso ${node.name}`;
-  const bones = Object.fromEntries(['head', 'leftEye', 'rightEye'].map((name) => [name, `osso ${name}`]));
+  for (const node of glb.json.nodes) if (['Head', 'LeftEye', 'RightEye'].includes(node.name)) node.name = `osso ${node.name}`;
+  const bones = Object.fromEntries(['Head', 'LeftEye', 'RightEye'].map((name) => [name[0].toLowerCase() + name.slice(1), `osso ${name}`]));
   return { glb: writeGlb(glb), map: { format: 'faccia-avatar-map', version: 1, shapes: ODD, bones } };
 }
 
@@ -96,7 +96,7 @@ export function bonesOnly(bytes) {
   const { numbers } = readGlb(bytes);
   const glb = partsOf(bytes);
   const { json } = glb;
-  const head = json.nodes.findIndex(({ name }) => name === 'head');
+  const head = json.nodes.findIndex(({ name }) => name === 'Head');
   const world = (node) => {
     const parent = json.nodes.find(({ children }) => children?.includes(node));
     const own = json.nodes[node].translation ?? [0, 0, 0];

@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
@@ -13,6 +14,7 @@ import { models } from '../lib/built-heads.mjs';
 import { readGlb } from '../lib/glb.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
+const { Matrix4, Quaternion, Vector3 } = createRequire(path.join(root, 'web/package.json'))('three');
 const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
 const heads = fs.readdirSync(path.join(models, 'heads')).filter((file) => file.endsWith('.json')).map((file) => path.basename(file, '.json'));
 const file = (name, kind) => path.join(models, 'heads', `${name}.${kind}`);
@@ -75,8 +77,10 @@ test('exports a VRM 1.0 avatar', () => {
   assert.equal(specVersion, '1.0');
   assert.equal(meta.licenseUrl, 'https://vrm.dev/licenses/1.0/');
   assert.match(meta.otherLicenseUrl, /publicdomain\/zero/);
-  const bones = ['hips', 'spine', 'head', ...['left', 'right'].flatMap((side) => ['UpperArm', 'LowerArm', 'Hand', 'UpperLeg', 'LowerLeg', 'Foot'].map((bone) => side + bone))];
-  for (const bone of bones) assert.equal(json.nodes[humanoid.humanBones[bone].node].name, bone);
+  const limbs = { UpperArm: 'Arm', LowerArm: 'ForeArm', Hand: 'Hand', UpperLeg: 'UpLeg', LowerLeg: 'Leg', Foot: 'Foot' };
+  const sides = ['left', 'right'].flatMap((side) => Object.entries(limbs).map(([human, bone]) => [side + human, side[0].toUpperCase() + side.slice(1) + bone]));
+  const bones = { hips: 'Hips', spine: 'Spine', head: 'Head', ...Object.fromEntries(sides) };
+  for (const [human, bone] of Object.entries(bones)) assert.equal(json.nodes[humanoid.humanBones[human].node].name, bone);
   assert.equal(new Set(Object.values(humanoid.humanBones).map(({ node }) => node)).size, Object.keys(humanoid.humanBones).length);
   assert.equal(lookAt.type, 'bone');
   for (const preset of ['aa', 'ih', 'ou', 'ee', 'oh', 'blink', 'blinkLeft', 'blinkRight', 'lookUp', 'lookDown', 'lookLeft', 'lookRight', 'happy', 'angry', 'sad', 'relaxed', 'surprised', 'neutral']) {
@@ -91,6 +95,28 @@ test('exports a VRM 1.0 avatar', () => {
   const shown = (preset) => new Set(expressions.preset[preset].morphTargetBinds.map(({ node, index }) => json.meshes[json.nodes[node].mesh].extras.targetNames[index]));
   assert.ok(shown('happy').has('mouthSmileLeft') && shown('sad').has('mouthFrownRight') && shown('angry').has('browDownLeft'));
   assert.deepEqual([...shown('aa')], ['viseme_aa']);
+});
+
+const SPINE = ['Hips', 'Spine', 'Spine1', 'Spine2', 'Neck', 'Head'];
+const LIMBS = ['Shoulder', 'Arm', 'ForeArm', 'Hand', ...['Thumb', 'Index', 'Middle', 'Ring', 'Pinky'].flatMap((finger) => [1, 2, 3].map((i) => `Hand${finger}${i}`)), 'UpLeg', 'Leg', 'Foot', 'ToeBase', 'Eye'];
+
+test('an export has the skeleton that programs for talking heads ask for', () => {
+  const { json } = readGlb(fs.readFileSync(file('mara', 'glb')));
+  const names = json.nodes.map(({ name }) => name);
+  for (const name of ['Armature', ...SPINE, ...['Left', 'Right'].flatMap((side) => LIMBS.map((bone) => side + bone))]) assert.ok(names.includes(name), name);
+  assert.equal(json.nodes[json.scenes[0].nodes[0]].name, 'Armature');
+  const parent = (i) => json.nodes.findIndex(({ children }) => children?.includes(i));
+  const place = (i) => {
+    if (i < 0) return new Matrix4();
+    const { translation = [0, 0, 0], rotation = [0, 0, 0, 1] } = json.nodes[i];
+    return place(parent(i)).multiply(new Matrix4().compose(new Vector3(...translation), new Quaternion(...rotation), new Vector3(1, 1, 1)));
+  };
+  const at = (name) => new Vector3().setFromMatrixPosition(place(names.indexOf(name)));
+  for (const [name, axis, sign] of [['LeftHandMiddle3', 'x', 1], ['RightHandMiddle3', 'x', -1]]) assert.ok(sign * at(name)[axis] > 0.6, `${name} lies at ${at(name).toArray()}`);
+  for (const name of ['LeftToeBase', 'RightToeBase']) assert.ok(at(name).y < 0.1 && at(name).z > 0, `${name} lies at ${at(name).toArray()}`);
+  assert.ok(at('LeftEye').x > 0.02 && Math.abs(at('LeftEye').y - 1.55) < 0.01);
+  const [skin] = json.skins;
+  assert.deepEqual(skin.joints.map((i) => names[i]), ['Spine2', 'Head', 'LeftEye', 'RightEye']);
 });
 
 /** The first bytes of a PNG that says it is so large. */

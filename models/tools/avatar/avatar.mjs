@@ -7,12 +7,14 @@ import { pose } from '../lib/deform.mjs';
 import { openTexture } from '../lib/image.mjs';
 import { Glb } from './glb.mjs';
 import { ARKIT, VISEMES } from './shapes.mjs';
-import { EYE_HEIGHT, JOINTS, bonesOf, skinOf } from './skeleton.mjs';
+import { EYE_HEIGHT, JOINTS, bonesOf, humanBones, skinOf, turnOf } from './skeleton.mjs';
 import { vrm } from './vrm.mjs';
 
 /** Ignores shorter displacements: m, and components of a normal. */
 const LEAST_SHIFT = 2e-6,
   LEAST_TURN = 4e-3;
+
+const ROOT = 'Armature'; // what programs for talking heads look for
 
 export const TARGETS = { ...ARKIT, ...VISEMES };
 
@@ -29,9 +31,10 @@ export async function makeAvatar(head) {
   json.meshes = [];
   const meshes = head.parts.map((part) => addPart(glb, head, part));
   json.scene = 0;
-  json.scenes = [{ name: head.title, nodes: [bones.nodes.hips, ...meshes.map(({ node }) => node)] }];
-  const top = bones.list.find(({ name }) => name === 'head').at;
-  json.extensions = { VRMC_vrm: vrm(head, bones.nodes, meshes, [0, EYE_HEIGHT - top[1], -top[2]].map((x) => Math.round(x * 1e6) / 1e6)) };
+  json.nodes.push({ name: ROOT, children: [bones.nodes.Hips, ...meshes.map(({ node }) => node)] });
+  json.scenes = [{ name: head.title, nodes: [json.nodes.length - 1] }];
+  const top = bones.list.find(({ name }) => name === 'Head').at;
+  json.extensions = { VRMC_vrm: vrm(head, humanBones(bones.nodes), meshes, [0, EYE_HEIGHT - top[1], -top[2]].map((x) => Math.round(x * 1e6) / 1e6)) };
   return glb.finish();
 }
 
@@ -40,13 +43,26 @@ function addBones({ json }, head) {
   const nodes = Object.fromEntries(list.map(({ name }, i) => [name, i]));
   json.nodes = list.map(({ name, parent, at }) => {
     const from = parent ? list[nodes[parent]].at : [0, 0, 0];
+    const [turn, before] = [turnOf(name), turnOf(parent)];
+    const back = [-before[0], -before[1], -before[2], before[3]];
+    const shift = turnedBy(back, at.map((x, k) => x - from[k])).map((x) => Math.round(x * 1e6) / 1e6);
+    const rotation = product(back, turn);
     const children = list.flatMap((bone, i) => (bone.parent === name ? [i] : []));
-    return { name, translation: at.map((x, k) => Math.round((x - from[k]) * 1e6) / 1e6, from), ...(children.length ? { children } : {}) };
+    return { name, translation: shift, ...(Math.abs(rotation[3]) > 1 - 1e-9 ? {} : { rotation }), ...(children.length ? { children } : {}) };
   });
-  // merged after rounding
-  for (const bone of list) bone.at = json.nodes[nodes[bone.name]].translation.map((x, k) => x + (bone.parent ? list[nodes[bone.parent]].at[k] : 0));
+  // added up after rounding
+  for (const bone of list) {
+    const { translation } = json.nodes[nodes[bone.name]];
+    bone.at = turnedBy(turnOf(bone.parent), translation).map((x, k) => x + (bone.parent ? list[nodes[bone.parent]].at[k] : 0));
+  }
   return { list, nodes };
 }
+
+/** The product of two quaternions. */
+const product = ([a, b, c, d], [e, f, g, h]) => [d * e + a * h + b * g - c * f, d * f - a * g + b * h + c * e, d * g + a * f - b * e + c * h, d * h - a * e - b * f - c * g];
+
+/** A vector turned by a quaternion. */
+const turnedBy = (q, v) => product(product(q, [...v, 0]), [-q[0], -q[1], -q[2], q[3]]).slice(0, 3);
 
 function addSkin(glb, bones) {
   const matrices = JOINTS.flatMap((name) => {

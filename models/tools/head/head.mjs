@@ -12,17 +12,21 @@ import { makeTeeth } from './teeth.mjs';
 import { tongueActions } from './actions/act-tongue.mjs';
 import { readBase } from './assets.mjs';
 import { layOut, packIslands } from './atlas.mjs';
+import { layCollar } from './collar.mjs';
 import { eyePart } from '../lib/eye.mjs';
 import { readTopology } from '../lib/hm08.mjs';
+import { addMoustache } from './moustache.mjs';
 import { measureUnits, pointOf, readLandmarks } from '../lib/landmarks.mjs';
 import { groupVertices } from '../lib/mesh.mjs';
+import { roundLobes } from './lobes.mjs';
 import { mouthGrid } from './mouth-grid.mjs';
 import { closeLips, setLids } from './neutral.mjs';
 import { packHead } from '../lib/pack.mjs';
 import { applyActions, applyHeadTurns, proxyPart, skinPart } from '../lib/parts.mjs';
 import { alongLips, refine, rounded, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
-import { makeTextures } from './paint/textures.mjs';
+import { makeTextures, opacityOf } from './paint/textures.mjs';
+import { addWisps } from './wisps.mjs';
 
 /** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
 const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
@@ -48,6 +52,7 @@ export async function buildHead(assets, given) {
   ctx.grid = gridOf(ctx, recipe);
   closeLips(p, topology, ctx.grid, recipe.faps.mouth.tuck);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
+  roundLobes(p, ctx.inGroup('body'), ctx.fdp);
   for (const side of ['l', 'r'])
     setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
@@ -74,11 +79,12 @@ export async function buildHead(assets, given) {
   layOut(parts[0], recipe.skin.atlas);
   const [whole] = parts;
   parts.splice(0, 1, ...cutCavity(ctx, whole));
-  parts.forEach(({ name }, i) => {
+  for (const [i, { name }] of parts.entries()) {
     const { longestEdge, material } = recipe.parts[name];
     if (longestEdge && name !== 'skin') parts[i] = rounded(parts[i], longestEdge);
+    parts[i] = await haired(parts[i], whole, recipe, ctx);
     if (recipe.textures[recipe.materials[material]?.texture]?.paint === 'cloth') packIslands(parts[i]);
-  });
+  }
   for (const part of parts) {
     if (recipe.parts[part.name].follows) applyActions(part, actions, LEAST_MOVE);
     applyHeadTurns(part, head);
@@ -96,6 +102,15 @@ export async function buildHead(assets, given) {
     materials,
     parts,
   });
+}
+
+/** Hair with its wisps, a beard with its moustache. */
+async function haired(part, skin, recipe, ctx) {
+  const { wisps, moustache, material } = recipe.parts[part.name];
+  if (moustache) return addMoustache(part, skin, ctx.fdp, moustache);
+  if (!wisps) return part;
+  const texture = recipe.textures[recipe.materials[material].texture];
+  return addWisps(part, skin, wisps, await opacityOf(texture, { ctx, parts: [{ ...part, material }] }, skin));
 }
 
 function makeContext(assets, base, topology, p, eyes) {
@@ -153,10 +168,12 @@ function eyeGeometry(eyes, radius) {
   };
 }
 
+const laid = (ctx, part, { collar }) => (collar ? layCollar(part, ctx, collar) : part);
+
 function makeParts(ctx, recipe, eyeSpec) {
   const spec = recipe.parts;
   const others = Object.keys(spec).filter((name) => !ALWAYS.includes(name));
-  const worn = others.map((name) => proxyPart(ctx, name, spec[name]));
+  const worn = others.map((name) => laid(ctx, proxyPart(ctx, name, spec[name]), spec[name]));
   const clothes = worn.find((part) => part.name === 'clothes');
   return [
     skinPart(ctx, spec.skin, clothes?.proxy.hides),

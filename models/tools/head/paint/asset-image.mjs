@@ -25,12 +25,13 @@ export async function readAsset(spec, scene, size = spec.size) {
 export async function opacities(scene) {
   const out = new Map();
   const { textures, materials } = scene.recipe;
-  for (const { name, material } of scene.parts) {
+  for (const { name, material, square } of scene.parts) {
     const look = materials[material];
     if (look?.alpha !== 'cutout' && look?.alpha !== 'blend') continue;
     const { size, data } = await readAsset(textures[look.texture], scene, COARSE);
     const cell = (x) => Math.min(size - 1, Math.max(0, Math.floor(x * size)));
-    out.set(name, (u, v) => data[(cell(1 - v) * size + cell(u)) * 4 + 3] > 255 * HALF);
+    const carded = (u, v) => square && [u, v].every((x, k) => x >= square[k] && x <= square[k] + square[2]);
+    out.set(name, (u, v) => carded(u, v) || data[(cell(1 - v) * size + cell(u)) * 4 + 3] > 255 * HALF);
   }
   return out;
 }

@@ -5,6 +5,7 @@ import { occlusion } from './bake.mjs';
 import { bleed, recolour, writeImage } from '../../lib/image.mjs';
 import { normals } from '../../lib/mesh.mjs';
 import { fadeHairline } from './hairline.mjs';
+import { paintCards } from './paint-cards.mjs';
 import { paintCloth } from './paint-cloth.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';
@@ -51,5 +52,17 @@ async function paintAsset(spec, scene) {
   if (spec.strands) paintHair(image, spec.strands);
   if (spec.hairline) fadeHairline(image, named('hair'), named('skin'), spec.hairline);
   bleed(image, spec.size / 32);
+  const carded = scene.parts.find(({ material, square }) => square && material === spec.material);
+  if (carded) paintCards(image, carded.square, spec.strands?.ramp ?? spec.ramp);
   return image;
+}
+
+const COARSE = 256; // texels: enough to see where hair ends
+
+/** Where a part's picture of hair will be opaque. @returns {Promise<(u: number, v: number) => boolean>} */
+export async function opacityOf(spec, scene, skin) {
+  const image = await readAsset(spec, scene, COARSE);
+  if (spec.hairline) fadeHairline(image, scene.parts[0], skin, spec.hairline);
+  const cell = (x) => Math.min(COARSE - 1, Math.max(0, Math.floor(x * COARSE)));
+  return (u, v) => image.data[4 * (cell(1 - v) * COARSE + cell(u)) + 3] > 127;
 }
