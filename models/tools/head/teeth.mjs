@@ -6,19 +6,22 @@
  */
 import { archPath } from '../lib/anatomy.mjs';
 
-/** Width, height of the crown, thickness at the neck, how far the edge stays behind the line of the edges. */
+/**
+ * Width, height of the crown, thickness at the neck, how far the edge stays behind the line of the edges; of front teeth by how
+ * much the edge's corners are rounded off, and how much darker they are (share of the crown from edge to neck).
+ */
 const UPPER = [
-  [8.5, 10.5, 6.6, 0],
-  [6.6, 9.4, 6, 0.6],
-  [7.6, 10, 7.4, 0.15],
+  [8.5, 10.5, 6.6, 0, 0.3, 0],
+  [6.6, 9.4, 6, 0.6, 0.7, 0.04],
+  [7.6, 10, 7.4, 0.15, 1.5, 0.14],
   [7, 8.6, 8.6, 0.6],
   [6.8, 8, 8.6, 0.8],
   [10, 7.2, 10, 1],
 ];
 const LOWER = [
-  [5.3, 9, 5.6, 0],
-  [5.8, 9.2, 5.8, 0.05],
-  [6.9, 10.2, 7, 0.35],
+  [5.3, 9, 5.6, 0, 0.2, 0.02],
+  [5.8, 9.2, 5.8, 0.05, 0.35, 0.04],
+  [6.9, 10.2, 7, 0.35, 1.2, 0.14],
   [7, 8.6, 7.4, null],
   [7.1, 8, 7.8, null],
   [11, 7.2, 9.6, null],
@@ -80,10 +83,10 @@ function lowerJaw({ overbite, overjet }, { edge, scale, front }) {
 function row(sizes, scale, edgeOf) {
   let way = 0;
   return sizes.map((size, i) => {
-    const [width, height, thickness] = size.map((x) => x * scale);
+    const [width, height, thickness, , corner = 0] = size.map((x) => x * scale);
     const middle = way + width / 2;
     way += width;
-    return { width: width - 0.12, height, thickness, middle, edge: edgeOf(size, i), front: i < FRONT_TEETH };
+    return { width: width - 0.12, height, thickness, middle, edge: edgeOf(size, i), front: i < FRONT_TEETH, corner, darker: size[5] ?? 0 };
   });
 }
 
@@ -122,6 +125,12 @@ function face(mesh, a, b, c, towards) {
   mesh.index.push(...(facing >= 0 ? [a, b, c] : [a, c, b]));
 }
 
+const CORNER_HIGH = 0.35; // of the crown, up to which corners are rounded
+const NEARER = 0.6; // of the corner towards the middle of the arch, as a share of the other one
+
+/** How much a corner is off, from the middle of the edge (0) to its ends (-1 towards the middle of the arch, 1). */
+const cornerOf = (x) => (x < 0 ? NEARER : 1) * Math.abs(x) ** 3;
+
 function addTooth(mesh, { path, up }, tooth, side) {
   const at = path(side * tooth.middle);
   const along = [at.out[2], 0, -at.out[0]];
@@ -137,8 +146,9 @@ function addTooth(mesh, { path, up }, tooth, side) {
         s = Math.sin(angle);
       const t = half * Math.sign(c) * Math.abs(c) ** SQUARE;
       const o = (deep / 2) * Math.sign(s) * Math.abs(s) ** SQUARE - back - deep / 2;
-      mesh.position.push(...place(t, o, tooth.edge + up * tooth.height * height));
-      mesh.uv.push(...tile('tooth', 0.5 + t / tooth.width, height / 1.12));
+      const off = tooth.corner * cornerOf((side * t) / half) * Math.max(0, 1 - height / CORNER_HIGH);
+      mesh.position.push(...place(t, o, tooth.edge + up * (tooth.height * height + off)));
+      mesh.uv.push(...tile('tooth', 0.5 + t / tooth.width, height / 1.12 + tooth.darker));
     }
   }
   const centre = rings.map(([height, , back, thick]) =>
