@@ -60,6 +60,7 @@ struct api *api_open(const struct pipeline *pipeline, const struct offer_source 
     api->offer = *offer;
     complete(&api->options);
     api->rooms = rooms_open(pipeline, &api->options.rooms, commands_run_packed, api);
+    rooms_record(api->rooms, api->options.sessions);
     if (!heads_load(&api->heads, options->web, options->models, e))
         api->http = http_server_open(pipeline->loop, pipeline->metrics, &api->quota, &api->options.http,
                                      &calls, api, e);

@@ -32,6 +32,7 @@ struct api_options {
     bool hears;                            /* what listeners say is recognised */
     struct bus *bus;                       /* shares rooms with other daemons; NULL: none */
     struct presence *presence;             /* shares limits and revocations with other daemons; NULL: none */
+    const char *sessions;                  /* folder of recorded sessions of studies; NULL: none */
     const char *scenes;                    /* folder of scenes saved by operators; NULL: none */
     unsigned scene_bytes;                  /* longest scene, bytes */
     unsigned scene_count;

@@ -213,6 +213,16 @@ void client_authorize(struct client *c, const json_t *message) {
         observers_tell(c->follower.channel);
 }
 
+/* The flag holds wherever the client goes; who is sent what: notices.h. */
+void client_overhear(struct client *c, const json_t *message) {
+    const json_t *on = json_object_get(message, "on");
+    struct error e;
+    if (principal_may(c->api, &c->principal, client_message_right("overhear"), client_room(c), &e))
+        client_complain(c, &e);
+    else
+        c->follower.overhears = !on || json_is_true(on);
+}
+
 void client_pong(struct client *c, const json_t *message) {
     json_t *answer = json_pack("{ss}", "type", "pong");
     json_object_set(answer, "id", json_object_get(message, "id"));

@@ -2,18 +2,21 @@
 /* Speech recognition for a WebSocket client: after `hear`, binary messages carry sound until `close`. Sends
  * the words to the client, and to observers with the right to speak. */
 #include "server/api/client_internal.h"
+#include "server/api/words.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/live/answers.h"
 #include "server/live/ear.h"
-#include "server/rooms/question.h"
 #include "server/synthesis/pipeline.h"
+#include <openssl/evp.h>
 #include <stdlib.h>
 #include <string.h>
 
 #ifdef HAVE_LIVE
 
-enum { CLIENT_EARS = 4 /* per client: one receives sound, the others finish recognition */ };
+enum {
+    CLIENT_EARS = 4,         /* per client: one receives sound, the others finish recognition */
+    OVERHEARD_BYTES = 65536, /* longer pieces of sound are not passed on */
+};
 
 struct client_ear {
     struct client *client;
@@ -21,14 +24,29 @@ struct client_ear {
     char *id;
     char *told; /* the last preview */
     char *lang;
+    struct live_request format; /* of the sound; without its speech */
+    uint64_t samples;           /* at RECOGNITION_RATE */
+    bool over;                  /* the sound is */
     struct client_ear *next;
 };
+
+static void end_sound(struct client_ear *one) {
+    if (!one->over)
+        notice_hearing(one->client->follower.channel, one->id, (double)one->samples / RECOGNITION_RATE);
+    one->over = true;
+}
+
+/* The room's leader tells and records; another daemon only forwards the words. */
+static bool is_away(const struct client *c) {
+    return channel_is_remote(c->follower.channel);
+}
 
 static void drop(struct client *c, struct client_ear **at) {
     struct client_ear *one = *at;
     *at = one->next;
     if (c->ear == one)
         c->ear = NULL;
+    end_sound(one);
     ear_free(one->ear);
     free(one->id);
     free(one->told);
@@ -44,18 +62,37 @@ static struct client_ear **find(struct client *c, const char *id) {
     return at;
 }
 
+/* Sends final words to the daemon that leads the room, as the words of a listener's own device. */
+static void forward(const struct client_ear *one, const struct heard_words *words) {
+    json_t *message =
+        json_pack("{ss ss ss ss}", "type", "said", "id", one->id, "text", words->text, "lang", one->lang);
+    if (words->confidence >= 0)
+        json_object_set_new(message, "confidence", json_real(words->confidence));
+    client_act(one->client, message);
+    json_decref(message);
+}
+
 static void tell(const struct client_ear *one, const struct heard_words *words) {
     struct client *c = one->client;
     struct channel *channel = c->follower.channel;
-    json_t *heard = json_pack("{ss ss ss ss sb ss}", "type", "heard", "stream", channel_name(channel), "id",
-                              one->id, "text", words->text, "final", words->final, "by", client_called(c));
-    if (words->confidence >= 0)
-        json_object_set_new(heard, "confidence", json_real(words->confidence));
-    if (channel_is_room(channel))
-        notice_heard(channel, heard);
+    const struct listener_words heard = {.id = one->id,
+                                         .text = words->text,
+                                         .lang = one->lang,
+                                         .by = client_called(c),
+                                         .final = words->final,
+                                         .confidence = words->confidence};
     if (!channel_is_room(channel) || !follower_hears(&c->follower))
-        client_say(c, json_incref(heard));
-    json_decref(heard);
+        client_say(c, words_message(channel, &heard));
+    if (!is_away(c))
+        words_take(c->api, channel, &heard);
+    else if (words->final)
+        forward(one, words);
+}
+
+static void on_samples(void *ctx, const int16_t *samples, size_t count) {
+    struct client_ear *one = ctx;
+    one->samples += count;
+    notice_sound(one->client->follower.channel, samples, count);
 }
 
 static void on_words(void *ctx, const struct heard_words *words) {
@@ -77,28 +114,11 @@ static void on_warning(void *ctx, const struct error *e) {
     complain(ctx, e, true);
 }
 
-/* Words may choose one of the answers on offer. */
-static void choose(const struct client_ear *one, const char *text) {
-    struct client *c = one->client;
-    struct channel *channel = c->follower.channel;
-    const json_t *offered = notice_offered(channel);
-    const struct pipeline *pipeline = c->api->pipeline;
-    struct error ignored;
-    int choice = offered ? answers_choose(pipeline->ears->answers, one->lang, offered, text) : -1;
-    if (choice < 0)
-        return;
-    json_t *message = json_pack("{si}", "choice", choice);
-    notice_choose(channel, message, client_called(c), &ignored);
-    json_decref(message);
-}
-
 static void on_done(void *ctx, const struct heard_words *words, const struct error *e) {
     struct client_ear *one = ctx;
     struct client *c = one->client;
     if (words) {
         tell(one, words);
-        choose(one, words->text);
-        question_heard(c->follower.channel, words->text, client_called(c));
     } else {
         log_warn("%s", e->message);
         complain(one, e, false);
@@ -124,14 +144,11 @@ static int may_begin(struct client *c, const char *id, struct error *e) {
     if (count >= CLIENT_EARS)
         return error_set(e, ERROR_TOO_MANY_VOICES, "%u utterances of this client are still recognised",
                          count);
-    return channel_is_remote(c->follower.channel)
-               ? error_set(e, ERROR_ROOM_AWAY,
-                           "another daemon leads this room: send the sound to that daemon")
-               : 0;
+    return 0;
 }
 
 static int begin(struct client *c, struct client_ear *one, const json_t *message, struct error *e) {
-    static const struct ear_calls calls = {on_words, on_warning, on_done};
+    static const struct ear_calls calls = {on_words, on_warning, on_samples, on_done};
     struct speech_request speech;
     struct live_request request = {.speech = &speech, .rate = 48000, .channels = 1, .room = client_room(c)};
     request_copy(&speech, &c->defaults);
@@ -144,6 +161,8 @@ static int begin(struct client *c, struct client_ear *one, const json_t *message
             drop(c, find(c, speech.id));
         one->id = mem_strdup(speech.id);
         one->lang = mem_strdup(speech.lang ? speech.lang : c->api->pipeline->default_lang);
+        one->format = request;
+        one->format.speech = NULL;
         one->ear = ear_open(c->api->pipeline, &request, &calls, one, e);
     }
     request_free(&speech);
@@ -164,12 +183,31 @@ void client_ear_begin(struct client *c, const json_t *message) {
     one->next = c->ears;
     c->ears = c->ear = one;
     c->hearing = mem_strdup(one->id);
+    notice_hearing(c->follower.channel, one->id, -1);
     notice_listening(c->follower.channel, true);
 }
 
+/* Passes a piece of sound on, as it came, to observers who hear the room. */
+static void pass_on(const struct client_ear *one, const uint8_t *bytes, size_t size) {
+    struct channel *channel = one->client->follower.channel;
+    if (!size || size > OVERHEARD_BYTES || !notice_overhears(channel))
+        return;
+    char *data = mem_alloc((size + 2) / 3 * 4 + 1);
+    EVP_EncodeBlock((unsigned char *)data, bytes, (int)size);
+    json_t *sound =
+        json_pack("{ss ss ss ss ss si si ss}", "type", "overheard", "stream", channel_name(channel), "id",
+                  one->id, "by", client_called(one->client), "codec", live_codecs[one->format.codec], "rate",
+                  (int)one->format.rate, "channels", (int)one->format.channels, "data", data);
+    notice_overheard(channel, sound);
+    json_decref(sound);
+    free(data);
+}
+
 bool client_ear_sound(struct client *c, const uint8_t *bytes, size_t size) {
-    if (c->ear)
+    if (c->ear) {
+        pass_on(c->ear, bytes, size);
         ear_sound(c->ear->ear, bytes, size);
+    }
     return c->hearing != NULL;
 }
 
@@ -181,8 +219,10 @@ bool client_ear_close(struct client *c, const char *id) {
 }
 
 void client_ear_end(struct client *c) {
-    if (c->ear)
+    if (c->ear) {
         ear_close(c->ear->ear);
+        end_sound(c->ear);
+    }
     c->ear = NULL;
     free(c->hearing);
     c->hearing = NULL;

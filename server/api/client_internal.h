@@ -59,6 +59,7 @@ void client_choose_media(struct client *client, const json_t *message);
 void client_authorize(struct client *client, const json_t *message);
 void client_idle(struct client *client, const json_t *message);
 void client_pong(struct client *client, const json_t *message);
+void client_overhear(struct client *client, const json_t *message);
 void client_send_model(struct client *client, const json_t *message);
 
 /* Sends the message and releases it. Clients of the text protocol get lines. */

@@ -2,10 +2,12 @@
 #include "server/api/commands.h"
 #include "server/api/api_internal.h"
 #include "server/api/client_internal.h"
+#include "server/api/words.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/rooms/notices.h"
 #include "server/rooms/question.h"
+#include "server/rooms/repeat.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +38,7 @@ static const char *string_of(const struct command_call *call, const char *name) 
 
 static int speak(struct command_call *call, struct error *e) {
     if (!call->room || !call->keeps) {
-        call->utterance = stream_speak(stream_of(call), call->request, NULL);
+        call->utterance = channel_speak(call->channel, call->request, NULL);
         return accepted(call);
     }
     call->answer = room_speak(call->api->rooms, call->room, call->request, &call->utterance, e);
@@ -51,7 +53,7 @@ static int ask(struct command_call *call, struct error *e) {
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     if (question_check(call->message, e))
         return -1;
-    call->utterance = stream_speak(stream_of(call), call->request, &why);
+    call->utterance = channel_speak(call->channel, call->request, &why);
     call->asks = call->utterance && !json_is_false(json_object_get(call->message, "wait"));
     if (call->utterance)
         question_begin(call->channel, call->message, call->utterance);
@@ -145,6 +147,31 @@ static int consent(struct command_call *call, struct error *e) {
     return notice_consent(call->channel, call->message, call->by, e) ? -1 : accepted(call);
 }
 
+static int set_backdrop(struct command_call *call, struct error *e) {
+    return notice_backdrop(call->channel, call->message, e) ? -1 : accepted(call);
+}
+
+static int set_manner(struct command_call *call, struct error *e) {
+    (void)e;
+    channel_set_manner(call->channel, call->message);
+    return accepted(call);
+}
+
+/* Words that the listener's own device has recognised, or that were typed. */
+static int take_words(struct command_call *call, struct error *e) {
+    const json_t *final = json_object_get(call->message, "final"),
+                 *confidence = json_object_get(call->message, "confidence");
+    (void)e;
+    words_take(call->api, call->channel,
+               &(struct listener_words){.id = string_of(call, "id"),
+                                        .text = string_of(call, "text"),
+                                        .lang = string_of(call, "lang"),
+                                        .by = call->by,
+                                        .final = !json_is_false(final),
+                                        .confidence = confidence ? json_number_value(confidence) : -1});
+    return accepted(call);
+}
+
 /* Listeners may answer without any right. Observers cannot, since nobody may consent for another. */
 static int check_consent(const struct command_call *call, bool *exempt, struct error *e) {
     if (client_message_check("consent", call->message, e))
@@ -171,12 +198,16 @@ static const struct command commands[] = {
     {"calibrate", .run = calibrate},
     {"head", .run = show_head},
     {"lexicon", .run = set_lexicon},
+    {"backdrop", .run = set_backdrop},
+    {"manner", .run = set_manner},
+    {"said", .run = take_words},
     {"consent", .check = check_consent, .run = consent},
     {"text", .act = open_text_add},
     {"flush", .act = open_text_flush},
     {"close", .act = open_text_close},
     {"voice", .act = client_voice_begin},
     {"hear", .act = client_ear_begin},
+    {"overhear", .act = client_overhear},
     {"idle", .act = client_idle},
     {"model", .act = client_send_model},
     {"media", .act = client_choose_media},

@@ -7,6 +7,7 @@
 #include "server/base/json/surrogates.h"
 #include "server/base/mem.h"
 #include "server/rooms/question.h"
+#include "server/rooms/repeat.h"
 #include "server/rooms/shared/forward.h"
 #include <stdlib.h>
 #include <string.h>
@@ -293,7 +294,7 @@ static int speak_written(struct text_post *p, struct speech_request *request, st
         return error_in_field(e, ERROR_BAD_FIELD, "open", "must be true if it is given");
     p->channel = channel_number(channel);
     p->listeners = (int)channel_listeners(channel);
-    p->utterance = stream_speak(channel_stream(channel), request, NULL);
+    p->utterance = channel_speak(channel, request, NULL);
     return 0;
 }
 

@@ -27,6 +27,7 @@ static const char usage[] =
     "  -q, --if-quiet        only if nothing is being said there\n"
     "  -p, --priority WORD   background, chat (default) or alarm\n"
     "  -t, --topic NAME      topic: replaces queued texts of the same topic\n"
+    "  -b, --bell            a bell sounds before it\n"
     "  -c, --choices TEXTS   answers to offer, separated by |: at most 8\n"
     "      --seconds N       how long to wait for one after the question has been said (60)\n"
     "  -l, --lang TAG, -v, --voice ID, --rate N, --markup NAME\n"
@@ -52,7 +53,7 @@ enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* clients play media within that time
 enum { PATIENCE = 60 /* s */, PATIENCE_MOST = 86400, WITHDRAWN_MS = 3000 };
 enum { ASK_SECONDS_MOST = 3600 };
 
-enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
+enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, BELL, ID, MEMBERS };
 
 struct announcement {
     uv_loop_t loop;
@@ -136,7 +137,9 @@ static void ask(struct announcement *a) {
     for (const struct remote_member *m = &a->members[LANG]; m->name; m++)
         if (m->value)
             json_object_set_new(message, m->name,
-                                !strcmp(m->name, "rate") ? json_real(atof(m->value)) : json_string(m->value));
+                                !strcmp(m->name, "rate")   ? json_real(atof(m->value))
+                                : !strcmp(m->name, "bell") ? json_true()
+                                                           : json_string(m->value));
     char *text = json_dumps(message, JSON_COMPACT);
     remote_command(a->remote, a->members[ROOM].value, text, on_answer, a);
     free(text);
@@ -334,6 +337,7 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
                                             {"if-quiet", 0, NULL, 'q'},
                                             {"priority", 1, NULL, 'p'},
                                             {"topic", 1, NULL, 't'},
+                                            {"bell", 0, NULL, 'b'},
                                             {"lang", 1, NULL, 'l'},
                                             {"voice", 1, NULL, 'v'},
                                             {"rate", 1, NULL, OPT_RATE},
@@ -343,7 +347,7 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
                                             {"help", 0, NULL, 'h'},
                                             {"version", 0, NULL, 'V'},
                                             {0}};
-    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:l:v:c:h", options, NULL)) != -1;) {
+    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:bl:v:c:h", options, NULL)) != -1;) {
         enum member member = c == 'r'          ? ROOM
                              : c == 'p'        ? PRIORITY
                              : c == 't'        ? TOPIC
@@ -358,6 +362,8 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
             place->url = optarg;
         else if (c == TOKEN_FILE && daemon_address_read_token(place, optarg))
             return EXIT_FAILED;
+        else if (c == 'b')
+            a->members[BELL].value = "1";
         else if (c == 'w')
             a->wait = true;
         else if (c == 'c')
@@ -386,7 +392,7 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
 
 int main(int argc, char **argv) {
     static const char *const names[MEMBERS] = {"room", "lang",     "voice", "rate", "markup",
-                                               "mode", "priority", "topic", "id"};
+                                               "mode", "priority", "topic", "bell", "id"};
     struct announcement a = {.seconds = PATIENCE};
     struct daemon_address place;
     const char *room = getenv("FACCIA_ROOM");

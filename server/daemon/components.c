@@ -58,8 +58,9 @@ static int load_hearing(struct components *s, const struct settings *settings, c
                                 .key_most = settings->live_voices_per_address,
                                 .seconds = settings->hear_seconds};
     char answers[PATH_BYTES];
-    if (settings->recogniser &&
-        !(s->ears.answers = answers_load(in_models(settings, "answers.json", answers), &inner)))
+    in_models(settings, "answers.json", answers);
+    if ((settings->recogniser || !access(answers, F_OK)) &&
+        !(s->ears.answers = answers_load(answers, &inner)))
         return fail_in(answers, &inner, e);
     s->pipeline.ears = &s->ears;
     s->pipeline.live = &s->live;

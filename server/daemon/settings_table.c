@@ -163,6 +163,8 @@ const struct setting settings_table[] = {
      "recordings that can be played: .fap files with their sound"},
     {"paths.scenes", "scenes", SETTING_FOLDER, MEMBER(api.scenes), FOR_DAEMON, 0, 0, NULL, "DIR",
      "scenes, which operators can save"},
+    {"paths.sessions", "sessions", SETTING_FOLDER, MEMBER(api.sessions), FOR_DAEMON, 0, 0, NULL, "DIR",
+     "recorded sessions of studies, while the listener consents; without this folder none is recorded"},
     {"paths.reports", "reports", SETTING_FOLDER, MEMBER(api.reports), FOR_DAEMON, 0, 0, NULL, "DIR",
      "reports of misread words by readers of the library; without this folder nothing can be reported"},
     {"paths.plugins", "plugins", SETTING_STRING, MEMBER(voices.plugin_dir), FOR_BOTH, 0, 0, NULL, "DIR",

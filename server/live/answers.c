@@ -219,3 +219,30 @@ int answers_choose(const struct answers *a, const char *lang, const json_t *choi
     free(text);
     return found;
 }
+
+/* Takes polite words from both ends, and looks at what is left each time. */
+static bool asks_again(const json_t *words, const char *said) {
+    const json_t *before = json_object_get(words, "before"), *after = json_object_get(words, "after");
+    size_t length = strlen(said);
+    for (;;) {
+        const char *first = memchr(said, ' ', length), *last = memrchr(said, ' ', length);
+        if (has(json_object_get(words, "again"), said, length))
+            return true;
+        if (first && has(before, said, (size_t)(first - said))) {
+            length -= (size_t)(first + 1 - said);
+            said = first + 1;
+        } else if (last && has(after, last + 1, length - (size_t)(last + 1 - said))) {
+            length = (size_t)(last - said);
+        } else {
+            return false;
+        }
+    }
+}
+
+bool answers_asks_again(const struct answers *a, const char *lang, const char *said) {
+    const json_t *words = words_of(a, lang);
+    char *text = fold(said);
+    bool again = words && *text && asks_again(words, text);
+    free(text);
+    return again;
+}

@@ -26,6 +26,7 @@ struct ear;
 struct ear_calls {
     void (*words)(void *ctx, const struct heard_words *words); /* a preview */
     void (*warning)(void *ctx, const struct error *e);
+    void (*samples)(void *ctx, const int16_t *samples, size_t count); /* the sound, mono, RECOGNITION_RATE */
     /* All words, or an error: "recogniser-failed", "bad-sound". Nothing follows; the owner frees the ear. */
     void (*done)(void *ctx, const struct heard_words *words, const struct error *e);
 };

@@ -99,6 +99,8 @@ static bool may_have(const struct follower *f, const struct channel_item *item) 
     const char *event = item->message->event;
     if (f->remote || !f->channel->room)
         return true;
+    if (!strcmp(event, OVERHEARD))
+        return f->overhears && follower_hears(f);
     return strcmp(event, HEARD) ? strcmp(event, ANSWERED) || f->directs : follower_hears(f);
 }
 
@@ -217,6 +219,12 @@ static bool is_text(const struct channel *c, enum stream_event_kind kind) {
     return text;
 }
 
+static void record(const struct channel *c, const struct buf *text) {
+    json_t *event = json_loadb((const char *)text->data, text->size, 0, NULL);
+    session_event(c->session, event);
+    json_decref(event);
+}
+
 static void add_event(struct channel *c, const struct stream_event *event) {
     struct buf text = {0};
     buf_reserve(&text, EVENT_BYTES);
@@ -229,6 +237,8 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     item->message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     item->message->event = event_name(event->kind);
     item->message->line = is_typed(c) ? line_of(event) : NULL;
+    if (c->session)
+        record(c, &text);
     buf_free(&text);
 }
 

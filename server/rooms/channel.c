@@ -34,6 +34,8 @@ static void free_channel(struct channel *c) {
     channel_forget_all(c);
     late_join_free(&c->late_join);
     notice_board_free(&c->notices);
+    channel_forget_speech(c);
+    channel_end_session(c);
     queued_message_release(c->listens);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
@@ -100,7 +102,7 @@ static bool is_only_listener(const struct channel *c, const struct follower *f) 
 /* Speaks what was held for the room when its first listener joins. */
 static void speak_held(struct channel *c, const struct follower *f) {
     if (c->room && !c->remote && !f->watches && is_only_listener(c, f))
-        pending_speak(c->rooms, c->name, c->stream);
+        pending_speak(c->rooms, c->name, c);
 }
 
 void channel_join(struct channel *c, struct follower *f) {

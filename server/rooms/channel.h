@@ -28,6 +28,7 @@ struct follower {
     bool blocked; /* the browser blocks sound until the user interacts with the page, so nothing is heard */
     const struct remote_followers *remote; /* NULL: stands for itself only */
     const char *observer;                  /* name shown to other observers; NULL: not shown */
+    bool overhears;                        /* wants the sound of listeners */
     bool directs;                          /* may send commands to this channel */
     bool waits;                            /* waits for media that a decoder can start with */
     bool lagging;                          /* has skipped media */

@@ -114,6 +114,8 @@ static void put_begin(struct buf *out, const struct stream_event *e) {
     put_text(out, "markup", e->markup);
     if (e->again)
         put(out, ",\"again\":true");
+    if (e->bell)
+        put(out, ",\"bell\":true");
     if (e->live) {
         put_count(out, "lookahead", e->lookahead);
         put_member(out, "captions");

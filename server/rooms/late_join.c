@@ -100,6 +100,10 @@ void notice_board_head(struct notice_board *board, struct queued_message *messag
     replace(&board->head, message);
 }
 
+void notice_board_backdrop(struct notice_board *board, struct queued_message *message) {
+    replace(&board->backdrop, message);
+}
+
 void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked) {
     replace(&board->consent, message);
     json_decref(board->asked);
@@ -116,6 +120,8 @@ void notice_board_tell(const struct notice_board *board,
         tell(ctx, board->mood);
     if (board->lexicon)
         tell(ctx, board->lexicon);
+    if (board->backdrop)
+        tell(ctx, board->backdrop);
     if (board->consent)
         tell(ctx, board->consent);
     if (board->state)
@@ -131,5 +137,6 @@ void notice_board_free(struct notice_board *board) {
     notice_board_mood(board, NULL);
     notice_board_lexicon(board, NULL);
     notice_board_head(board, NULL);
+    notice_board_backdrop(board, NULL);
     notice_board_consent(board, NULL, NULL);
 }

@@ -1,15 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/rooms/notices.h"
 #include "server/base/json/error_json.h"
+#include "server/base/log.h"
 #include "server/rooms/events.h"
 #include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Copies a member, if present. */
 static void take_member(const json_t *message, const char *name, json_t *into) {
     json_object_set(into, name, json_object_get(message, name));
+}
+
+/* The word of a `consent` message. */
+static const char *word_of(const json_t *message) {
+    const char *word = json_string_value(json_object_get(message, "consent"));
+    return word ? word : "";
 }
 
 /* Creates a message; the caller adds its members. */
@@ -31,6 +39,8 @@ struct queued_message *notice_message(const json_t *object, const char *event) {
 
 struct queued_message *notice_tell(struct channel *c, const json_t *told, const char *event) {
     struct queued_message *message = notice_message(told, event);
+    if (c->session)
+        session_event(c->session, told);
     channel_notice(c, message);
     return message;
 }
@@ -188,6 +198,36 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
+/* The person in the room has agreed to what a study does. */
+static bool is_agreed(const struct channel *c) {
+    return c->notices.asked && !strcmp(word_of(c->notices.asked), "given");
+}
+
+static bool is_overheard(const struct channel *c) {
+    for (const struct follower *f = c->followers; f; f = f->next)
+        if (f->remote || (f->overhears && follower_hears(f)))
+            return true;
+    return false;
+}
+
+bool notice_overhears(const struct channel *c) {
+    return c->room && !c->remote && is_agreed(c) && is_overheard(c);
+}
+
+void notice_overheard(struct channel *c, const json_t *sound) {
+    queued_message_release(notice_tell(c, sound, OVERHEARD));
+}
+
+void notice_hearing(struct channel *c, const char *id, double seconds) {
+    if (c->session)
+        session_hearing(c->session, id, seconds);
+}
+
+void notice_sound(struct channel *c, const int16_t *samples, size_t count) {
+    if (c->session)
+        session_sound(c->session, samples, count);
+}
+
 void notice_heard(struct channel *c, const json_t *heard) {
     queued_message_release(notice_tell(c, heard, HEARD));
 }
@@ -255,6 +295,17 @@ void notice_head(struct channel *c, const char *name) {
     json_decref(told);
 }
 
+int notice_backdrop(struct channel *c, const json_t *message, struct error *e) {
+    json_t *told = notice_begin(c, "backdrop");
+    (void)e;
+    take_member(message, "source", told);
+    struct queued_message *all = notice_tell(c, told, "backdrop");
+    notice_board_backdrop(&c->notices, json_string_length(json_object_get(told, "source")) ? all : NULL);
+    queued_message_release(all);
+    json_decref(told);
+    return 0;
+}
+
 /* Only a room keeps the lexicon for late joiners, which include replicas of the room. */
 int notice_lexicon(struct channel *c, const json_t *message, struct error *e) {
     const json_t *document = json_object_get(message, "lexicon");
@@ -270,17 +321,50 @@ int notice_lexicon(struct channel *c, const json_t *message, struct error *e) {
     return 0;
 }
 
-static const char *word_of(const json_t *message) {
-    const char *word = json_string_value(json_object_get(message, "consent"));
-    return word ? word : "";
-}
-
 bool consent_is_answer(const json_t *message) {
     const char *word = word_of(message);
     return !strcmp(word, "given") || !strcmp(word, "declined");
 }
 
+/* Ends the recording of the session; it can still be deleted. */
+static void end_session(struct channel *c) {
+    if (!c->session)
+        return;
+    free(c->recorded);
+    c->recorded = session_close(c->session);
+    c->session = NULL;
+}
+
+static void delete_session(struct channel *c) {
+    end_session(c);
+    if (c->recorded)
+        session_delete(c->recorded);
+    free(c->recorded);
+    c->recorded = NULL;
+}
+
+void channel_end_session(struct channel *c) {
+    end_session(c);
+    free(c->recorded);
+    c->recorded = NULL;
+}
+
+/* A session is recorded while there is consent. Withdrawn consent deletes it. */
+static void record(struct channel *c, const char *consent) {
+    const char *folder = c->rooms->sessions;
+    struct error e;
+    if (!strcmp(consent, "declined"))
+        delete_session(c);
+    else if (strcmp(consent, "given") != 0)
+        end_session(c);
+    else if (!c->session && c->room && folder &&
+             !(c->session = session_open(c->rooms->pipeline->loop, folder, c->name, &e)))
+        log_warn("%s", e.message);
+}
+
 static void tell(struct channel *c, json_t *told) {
+    record(c, word_of(told));
+    json_object_set_new(told, "recorded", json_boolean(c->session || c->recorded));
     struct queued_message *all = notice_tell(c, told, "consent");
     bool any = strcmp(word_of(told), "none") != 0;
     notice_board_consent(&c->notices, any ? all : NULL, any ? told : NULL);
@@ -296,7 +380,8 @@ static bool is_same(const json_t *asked, const json_t *told) {
 int notice_consent(struct channel *c, const json_t *message, const char *by, struct error *e) {
     json_t *asked = c->notices.asked, *told = notice_begin(c, "consent");
     bool answer = consent_is_answer(message);
-    int failed = answer && !asked ? error_plain(e, ERROR_NO_CHOICES) : 0;
+    const bool late = c->recorded && !strcmp(word_of(message), "declined"); /* after the end of the study */
+    int failed = answer && !asked && !late ? error_plain(e, ERROR_NO_CHOICES) : 0;
     if (!failed)
         take_member(answer ? asked : message, "text", told);
     if (!failed && !strcmp(word_of(message), "asked") && is_same(asked, told)) {

@@ -9,6 +9,8 @@
 #include "server/base/error.h"
 #include <jansson.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 struct channel;
 struct follower;
@@ -45,6 +47,9 @@ int notice_calibrate(struct channel *channel, const json_t *message, struct erro
 /* Shows another head; an empty name: each listener's own. The name is checked by the caller. */
 void notice_head(struct channel *channel, const char *name);
 
+/* Shows a picture or a film behind the face. */
+int notice_backdrop(struct channel *channel, const json_t *message, struct error *e);
+
 /* Sets the lexicon for what is spoken from now on; an empty one removes it. */
 int notice_lexicon(struct channel *channel, const json_t *message, struct error *e);
 
@@ -62,6 +67,16 @@ void notice_heard(struct channel *channel, const json_t *heard);
 /* Counts the utterances that are being heard. While there are any, the state is "listening", unless it is
  * changed meanwhile. */
 void notice_listening(struct channel *channel, bool on);
+
+/* The session of a study records that an utterance of a listener begins (seconds: negative), or how long it
+ * was; and its sound: mono, SESSION_RATE. */
+void notice_hearing(struct channel *channel, const char *id, double seconds);
+void notice_sound(struct channel *channel, const int16_t *samples, size_t count);
+
+/* Tells observers who want to hear the room a piece of sound, an `overheard` message, if the listener has
+ * consented; notice_overhears: whether any would get it. */
+bool notice_overhears(const struct channel *channel);
+void notice_overheard(struct channel *channel, const json_t *sound);
 
 /* Returns whether the follower is told what listeners say. */
 bool follower_hears(const struct follower *follower);

@@ -104,6 +104,15 @@ void question_begin(struct channel *c, const json_t *message, uint32_t utterance
     c->question = q;
 }
 
+void question_repeated(struct channel *c, uint32_t before, uint32_t utterance) {
+    struct question *q = c->question;
+    if (!q || q->utterance != before)
+        return;
+    q->utterance = utterance;
+    q->spoken = false;
+    uv_timer_stop(q->timer);
+}
+
 bool question_watch_begin(struct question_watch *watch, struct channel *c) {
     watch->question = c->question;
     if (c->question)

@@ -26,6 +26,9 @@ struct question_watch {
 int question_check(const json_t *message, struct error *e);
 void question_begin(struct channel *channel, const json_t *message, uint32_t utterance);
 
+/* An utterance is said again under another number: if it is the question, its patience begins anew. */
+void question_repeated(struct channel *channel, uint32_t before, uint32_t utterance);
+
 /* Has the watch told the answer of the channel's question. False: there is none. */
 bool question_watch_begin(struct question_watch *watch, struct channel *channel);
 void question_watch_end(struct question_watch *watch);

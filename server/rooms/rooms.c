@@ -161,7 +161,7 @@ static int pending_keep(struct rooms *rooms, const char *room, const struct spee
     return 0;
 }
 
-void pending_speak(struct rooms *rooms, const char *room, struct stream *stream) {
+void pending_speak(struct rooms *rooms, const char *room, struct channel *channel) {
     pending_expire(rooms);
     for (int priority = PRIORITY_ALARM; priority >= PRIORITY_BACKGROUND; priority--)
         for (struct pending **at = &rooms->pending.first; *at;) {
@@ -169,7 +169,7 @@ void pending_speak(struct rooms *rooms, const char *room, struct stream *stream)
                 at = &(*at)->next;
                 continue;
             }
-            stream_speak(stream, &(*at)->request, NULL);
+            channel_speak(channel, &(*at)->request, NULL);
             drop(&rooms->pending, at);
         }
 }
@@ -209,7 +209,7 @@ json_t *room_speak(struct rooms *rooms, const char *room, const struct speech_re
         return say_to_nobody(rooms, room, request, e);
     int listeners = (int)channel_listeners(c);
     struct error why;
-    uint32_t taken = stream_speak(channel_stream(c), request, &why);
+    uint32_t taken = channel_speak(c, request, &why);
     *utterance = numbered(channel_stream(c), taken);
     json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
     if (!taken) /* the sender may not listen to the room, so it gets the error here too */
@@ -223,6 +223,10 @@ struct rooms *rooms_open(const struct pipeline *pipeline, const struct room_limi
     *rooms = (struct rooms){.pipeline = pipeline, .limits = *limits, .run = run, .ctx = ctx};
     broadcast_open(rooms, channel_say_kept);
     return rooms;
+}
+
+void rooms_record(struct rooms *rooms, const char *folder) {
+    rooms->sessions = folder;
 }
 
 void rooms_change(struct rooms *rooms, const struct room_limits *limits) {

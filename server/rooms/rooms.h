@@ -35,6 +35,9 @@ struct rooms *rooms_open(const struct pipeline *pipeline, const struct room_limi
                          void *ctx);
 void rooms_change(struct rooms *rooms, const struct room_limits *limits);
 
+/* Records the sessions of studies in a folder (session.h), which must outlive the rooms. */
+void rooms_record(struct rooms *rooms, const char *folder);
+
 /* Shares rooms with other daemons until rooms_unshare, which must come before the bus is closed. */
 void rooms_share(struct rooms *rooms, struct bus *bus);
 void rooms_unshare(struct rooms *rooms);

@@ -7,7 +7,9 @@
 #include "server/rooms/channel.h"
 #include "server/rooms/events.h"
 #include "server/rooms/notices.h"
+#include "server/rooms/repeat.h"
 #include "server/rooms/rooms.h"
+#include "server/rooms/session.h"
 #include <jansson.h>
 
 struct question;
@@ -29,7 +31,8 @@ struct rooms {
     const struct pipeline *pipeline;
     struct room_limits limits;
     rooms_run *run;
-    void *ctx; /* passed to run */
+    void *ctx;            /* passed to run */
+    const char *sessions; /* folder for the sessions of studies; NULL: not recorded */
     struct channel *list;
     unsigned count;
     uint64_t numbered;           /* channels created so far */
@@ -41,7 +44,7 @@ struct rooms {
 
 /* rooms.c: speaks what was held for the room, now that it has a listener: by priority, then in order of
  * arrival. */
-void pending_speak(struct rooms *rooms, const char *room, struct stream *stream);
+void pending_speak(struct rooms *rooms, const char *room, struct channel *channel);
 
 /* late_join.c */
 
@@ -71,7 +74,7 @@ void late_join_free(struct late_join *late_join);
 struct notice_board {
     json_t *offered;                        /* the current choices, as sent; NULL: none */
     struct queued_message *choices, *state; /* last message sent; NULL: none */
-    struct queued_message *calibration, *mood, *lexicon, *head;
+    struct queued_message *calibration, *mood, *lexicon, *backdrop, *head;
     json_t *asked; /* the current consent question or answer, as sent; NULL: none */
     struct queued_message *consent;
 };
@@ -81,6 +84,7 @@ void notice_board_choices(struct notice_board *board, struct queued_message *mes
 void notice_board_state(struct notice_board *board, struct queued_message *message);
 void notice_board_calibration(struct notice_board *board, struct queued_message *message);
 void notice_board_mood(struct notice_board *board, struct queued_message *message);
+void notice_board_backdrop(struct notice_board *board, struct queued_message *message);
 void notice_board_lexicon(struct notice_board *board, struct queued_message *message);
 void notice_board_head(struct notice_board *board, struct queued_message *message);
 void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked);
@@ -91,6 +95,9 @@ void notice_board_free(struct notice_board *board);
 
 /* The event of a notice that only some followers get (follower_hears). */
 #define HEARD "heard"
+
+/* The same for those of them who want to hear the sound. */
+#define OVERHEARD "overheard"
 
 /* The event of a notice that only followers with the right to direct the room get. */
 #define ANSWERED "answered"
@@ -155,6 +162,11 @@ struct channel {
     struct question *question;          /* waits for its answer; NULL: none */
     unsigned listening;                 /* utterances of listeners being heard */
     struct queued_message *listens;     /* the state told with the first of them; NULL: none */
+    struct manner manner;               /* of all that is spoken */
+    struct speech_request *said;        /* the last text, to be said again; NULL: none */
+    uint32_t said_as;                   /* its utterance */
+    struct session *session;            /* being recorded; NULL: none */
+    char *recorded;                     /* folder of the last one, until another begins; NULL: none */
     struct channel_item *first, **last; /* output queue, oldest first */
     struct late_join late_join;
     struct notice_board notices;
@@ -165,6 +177,12 @@ struct channel {
     bool remote;                /* another daemon leads the room, and this daemon's stream is silent */
     uint64_t speaks_until;      /* loop time at which the stream of a shared room must wait for its lease */
 };
+
+/* notices.c: completes the files of a session. */
+void channel_end_session(struct channel *channel);
+
+/* repeat.c: drops the copy of the last text. */
+void channel_forget_speech(struct channel *channel);
 
 /* channel.c: channel_say on a channel that is kept alive meanwhile. */
 void channel_say_kept(struct channel *channel);

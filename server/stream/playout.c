@@ -69,6 +69,7 @@ static void say_begin(struct utterance *t) {
                                          .idle = stream_idle_time(s, start),
                                          .again = t->spared,
                                          .play = source.name,
+                                         .bell = source.bell,
                                          .voice = source.voice,
                                          .lang = source.lang,
                                          .engine = source.engine,

@@ -65,6 +65,7 @@ struct stream_event {
     bool blocked;       /* END: every listener's browser blocked the sound */
     const char *voice, *lang, *engine, *markup; /* BEGIN */
     double fps;                                 /* BEGIN */
+    bool bell;                                  /* BEGIN: one sounds first */
     bool again;                                 /* BEGIN: repeated if it is lost */
     const char *play;                           /* BEGIN of a recording: its name, else NULL */
     bool live;                                  /* BEGIN: a live voice, without text */

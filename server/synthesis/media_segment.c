@@ -2,6 +2,7 @@
 #include "server/synthesis/media_segment.h"
 #include "server/base/mem.h"
 #include "server/face/track.h"
+#include "server/synthesis/bell.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/sentence_audio.h"
 #include <math.h>
@@ -115,7 +116,7 @@ void synthesis_prepare(const struct synthesis *s, struct sentence_audio *u) {
     sentence_audio_lead_in(u, lead_in_missing(pack_of(s, u), u));
 }
 
-struct media_segment synthesis_wait(struct synthesis *s, unsigned ms) {
+static struct sentence_audio *quiet(const struct synthesis *s, unsigned ms) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
     u->sample_rate = s->sample_rate;
     u->samples = (uint32_t)((uint64_t)s->sample_rate * ms / 1000);
@@ -123,7 +124,19 @@ struct media_segment synthesis_wait(struct synthesis *s, unsigned ms) {
     u->phones = mem_alloc(sizeof *u->phones);
     u->phones[u->phone_count++] = (struct phone){.sampa = "_", .end = u->samples};
     memccpy(u->lang, synthesis_lang(s), '\0', sizeof u->lang - 1);
-    struct slot slot = {.synthesis = s, .audio = u, .sentence = s->delivered, .wait = true};
+    return u;
+}
+
+struct media_segment synthesis_wait(struct synthesis *s, unsigned ms) {
+    struct slot slot = {.synthesis = s, .audio = quiet(s, ms), .sentence = s->delivered, .wait = true};
+    return synthesis_segment(s, &slot);
+}
+
+struct media_segment synthesis_bell(struct synthesis *s, const struct slot *before) {
+    s->sample_rate = before->audio->sample_rate;
+    struct slot slot = {
+        .synthesis = s, .audio = quiet(s, BELL_MS), .sentence = before->sentence, .wait = true};
+    bell_ring(slot.audio->pcm, slot.audio->samples, s->sample_rate, s->request.volume);
     return synthesis_segment(s, &slot);
 }
 

@@ -78,6 +78,7 @@ struct speech_request {
     char *work;    /* or passage of the library, whose lexicons hold for the text; NULL = that of `passage` */
     char *lexicon; /* a PLS document: how words of the text are said; NULL = none */
     bool still;    /* only the lips move */
+    bool bell;     /* a bell sounds first */
     bool phones;   /* report phones as events, too */
     bool again;    /* if the daemon that speaks it is lost, the next leader of the room speaks it again */
     bool ahead;    /* prerendering for the cache: runs in the background (voice_pool.h) */

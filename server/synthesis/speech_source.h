@@ -28,6 +28,7 @@ struct source_description {
     const char *name;                           /* of a recording, else NULL */
     const char *voice, *lang, *engine, *markup; /* NULL = none */
     bool live;
+    bool bell;          /* one sounds before it */
     unsigned lookahead; /* of a live voice, ms */
 };
 

@@ -337,7 +337,14 @@ static void synthesis_submit(struct synthesis *s) {
     }
 }
 
+static void ring(struct synthesis *s, const struct slot *before) {
+    s->rung = true;
+    s->callbacks.segment(s->ctx, synthesis_bell(s, before));
+}
+
 static void play(struct synthesis *s, struct slot *slot) {
+    if (s->request.bell && !s->rung)
+        ring(s, slot);
     struct media_segment segment = synthesis_segment(s, slot);
     *slot = (struct slot){0};
     s->spoken++;
@@ -726,7 +733,8 @@ static void source_describe(const struct speech_source *source, struct source_de
     *description = (struct source_description){.voice = s->voice->id,
                                                .lang = synthesis_lang(s),
                                                .engine = synthesis_engine(s),
-                                               .markup = synthesis_markup(s)};
+                                               .markup = synthesis_markup(s),
+                                               .bell = s->request.bell};
 }
 
 static bool source_is_open(const struct speech_source *source) {

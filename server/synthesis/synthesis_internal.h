@@ -107,6 +107,7 @@ struct synthesis {
     struct voice_selection *chosen;
     struct synthesis_callbacks callbacks;
     void *ctx;
+    bool rung; /* the bell has been */
     bool keeps;
     struct kept_speech kept;
     struct slot slots[WINDOW];
@@ -127,6 +128,9 @@ void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio 
 struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot *slot);
 
 /* Returns a silent segment to play while text is awaited; later segments follow it. */
+/* Builds the bell, which sounds before the sentence of the slot. */
+struct media_segment synthesis_bell(struct synthesis *synthesis, const struct slot *before);
+
 struct media_segment synthesis_wait(struct synthesis *synthesis, unsigned ms);
 
 /* Chooses the request's language and voice and checks that the engine supports them. Returns -1 with *e. */

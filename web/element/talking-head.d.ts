@@ -138,6 +138,8 @@ export interface SpeakOptions {
   topic?: string;
   /** In a shared room: if the daemon that was to speak it is lost, the next leader speaks it again. */
   again?: boolean;
+  /** A bell sounds before it, and pages flash. */
+  bell?: boolean;
   /** Also send its phones as events. */
   phones?: boolean;
   /** Only the lips move; no signs of life, no gestures and accents. The affects of the text show, without head and gaze. */
@@ -230,6 +232,8 @@ export interface ServerBegin {
   play?: string;
   /** The daemon that spoke it was lost; another one speaks it again. */
   again?: true;
+  /** A bell sounds first: a page may show it. */
+  bell?: true;
   /** For a live voice: its lookahead, ms. */
   lookahead?: 0 | 40 | 80 | 120;
   /** For a live voice: its words are unknown; captions must come from elsewhere. */
@@ -533,6 +537,32 @@ export interface ServerHeard {
   /** Who spoke, as in chosen. */
   by: string;
 }
+/** The picture or film behind the face. */
+export interface ServerBackdrop {
+  type: 'backdrop';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** Its address; empty: none. At most 2000 bytes. */
+  source: string;
+}
+/** A piece of what a listener says, as sound, sent to observers who asked to overhear and may speak in the room, while its listener consents. */
+export interface ServerOverheard {
+  type: 'overheard';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** The id of the hear message. At most 64 bytes. */
+  id: string;
+  /** Who speaks, as in chosen. */
+  by: string;
+  /** The form of the data. pcm_s16le: samples, signed 16 bit, little-endian, interleaved; opus: one packet. */
+  codec: 'pcm_s16le' | 'opus';
+  /** Samples per second. */
+  rate: number;
+  /** Channels. */
+  channels: number;
+  /** The sound, in base64. */
+  data: string;
+}
 /** What the assistant behind the face is doing. */
 export interface ServerState {
   type: 'state';
@@ -586,6 +616,8 @@ export interface ServerConsent {
   text?: string;
   /** Who asked or answered, as in chosen. */
   by: string;
+  /** Whether a session is recorded, or was and can still be deleted with declined. */
+  recorded: boolean;
 }
 /** The observers of the room, in the order in which they joined; sent to observers only. */
 export interface ServerObservers {
@@ -636,6 +668,8 @@ export interface TalkingHeadEventMap {
   asked: CustomEvent<ServerAsked>;
   answered: CustomEvent<ServerAnswered>;
   heard: CustomEvent<ServerHeard>;
+  backdrop: CustomEvent<ServerBackdrop>;
+  overheard: CustomEvent<ServerOverheard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;
   head: CustomEvent<ServerHead>;

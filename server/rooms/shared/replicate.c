@@ -60,8 +60,9 @@ static int kind_of(const char *event) {
 
 /* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
-    static const char *const names[] = {"choices", "chosen", "state", "calibrated", "expressed", "consent",
-                                        "lexicon", "asked",  "head",  HEARD,        ANSWERED};
+    static const char *const names[] = {"choices", "chosen",  "state", "calibrated", "expressed",
+                                        "consent", "lexicon", "asked", "backdrop",   "head",
+                                        HEARD,     OVERHEARD, ANSWERED};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(names[i], event))
             return names[i];
@@ -103,6 +104,9 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
         notice_board_calibration(board, json_object_get(told, "reset") ? NULL : message);
     } else if (!strcmp(event, "expressed")) {
         take_mood(c, told, message);
+    } else if (!strcmp(event, "backdrop")) {
+        notice_board_backdrop(&c->notices,
+                              json_string_length(json_object_get(told, "source")) ? message : NULL);
     } else if (!strcmp(event, "lexicon")) {
         take_lexicon(c, told, message);
     } else if (!strcmp(event, "head")) {
