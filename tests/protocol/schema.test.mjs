@@ -14,7 +14,7 @@ const messages = (sign) =>
     [...text.matchAll(new RegExp(`^${sign} (\\{.*\\})$`, 'gm'))].map((match) => JSON.parse(match[1])),
   );
 
-for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'scene', 'library', 'avatar-map'])
+for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'scene', 'questionnaire', 'library', 'avatar-map'])
   test(`${name} is a strict schema of draft 2020-12`, () => {
     const schema = JSON.parse(read(`schema/${name}.json`));
     const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { applyStyles, parts, styles } from './template.mjs';
 import { Controls } from './controls.mjs';
+import { Backdrop } from './backdrop.mjs';
 import { Hearing } from './speech/hearing.mjs';
 import { VoiceInputs } from './speech/voice-inputs.mjs';
 import { readMix } from './face/expression.mjs';
@@ -19,13 +20,14 @@ const PLAY_EVENTS = ['connection', 'begin', 'end', 'paused', 'resumed']; // afte
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
 const MOVE_MS = 100; // grace period outside the page before it closes: frameworks move elements
 
+let said = 0; // words that were sent
 const turns = new Turns(); // of all heads in the page
 
 /** `<talking-head>`: see web/docs/element. Without a page (on a server) it can be imported, but not constructed. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
     ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'pictures', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
-    'rate', 'polite', 'for',
+    'rate', 'polite', 'for', 'backdrop',
   ];
 
   #opened = false;
@@ -50,6 +52,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #reader;
   #session;
   #hearing = null;
+  #backdrop;
   #voiceInputs = new VoiceInputs({
     speak: (options) => {
       const voice = this.#speech.listen(options);
@@ -66,6 +69,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     root.append(...parts());
     applyStyles(root, styles);
     const speech = this.#speech;
+    this.#backdrop = new Backdrop(root.querySelector('.stage'));
     const controls = new Controls(root, {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
@@ -85,6 +89,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
         this.#emit(type, detail);
         if (type === 'connection' && detail.state === 'open' && this.#session.recital && this.autoplay) this.play();
         if (type === 'hello') this.#voiceInputs.linked();
+        if (type === 'backdrop') this.#backdrop.told = detail.source;
+        if (type === 'joined') this.#backdrop.told = null; // the room tells its own
         if (type === 'joined') this.#player.open(); // an announcer in the room must know beforehand whether it can be heard
         if (type === 'hello') {
           this.#blocked = false; // as the server takes it
@@ -126,6 +132,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   attributeChangedCallback(name, before, value) {
     if (name === 'for' && this.#opened) this.#followFor();
+    if (name === 'backdrop') this.#backdrop.own = value;
     if (name === 'polite') {
       this.#speech.waits = this.polite;
       turns.next();
@@ -270,10 +277,57 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       sendSound: (sound, bytes) => this.#session.sendSound(sound, bytes),
       on: (type, listener) => this.addEventListener(type, listener),
       off: (type, listener) => this.removeEventListener(type, listener),
-      changed: (detail) => hearing === this.#hearing && this.#emit('hearing', detail),
+      changed: (detail) => {
+        if (hearing !== this.#hearing) return;
+        this.#presentation.attend(detail.speaking);
+        this.#emit('hearing', detail);
+      },
+      paused: () => this.#presentation.nod(),
     }, options);
     this.#hearing = hearing;
     return hearing;
+  }
+
+  /**
+   * Words that the page has recognised itself, or that were typed: they may choose an answer on offer, or are one.
+   * @param {string} text @param {{id?: string, final?: boolean, lang?: string, confidence?: number}} [options]
+   * @returns {boolean} as `offer`
+   */
+  said(text, { id = `said-${++said}`, ...options } = {}) {
+    return this.#session.send({ ...options, type: 'said', id, text });
+  }
+
+  /**
+   * Has an observer hear what the room's listeners say (`overheard`), where they consent.
+   * @param {boolean} [on] @returns {boolean} as `offer`
+   */
+  overhear(on = true) {
+    return this.#session.send({ type: 'overhear', on });
+  }
+
+  /**
+   * Says a question, and waits for its answer: a choice, or words.
+   * @param {string} text @param {object} [options] choices: texts; seconds: how long to wait (60); others as of `speak`
+   * @returns {boolean} as `offer`; the event `answered` tells how it ends
+   */
+  ask(text, options = {}) {
+    return this.#session.send({ ...options, type: 'ask', text });
+  }
+
+  /**
+   * How all texts of the room are spoken, for who listens there: factors from 0.5 to 2.
+   * @param {{speed?: number, pitch?: number, volume?: number}} manner @returns {boolean} as `offer`
+   */
+  setManner(manner = {}) {
+    return this.#session.send({ ...manner, type: 'manner' });
+  }
+
+  /**
+   * A picture or a film behind the face of all in the room.
+   * @param {string} source its address; empty: none @returns {boolean} as `offer`
+   */
+  showBackdrop(source) {
+    return this.#session.send({ type: 'backdrop', source });
   }
 
   #followFor() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { CaptionView } from './captions/view.mjs';
+import { Attention } from './face/attention.mjs';
 import { FaceMixer, faceValues } from './face/face-mixer.mjs';
 import { IdleController } from './face/idle.mjs';
 import { Orbit } from './orbit.mjs';
@@ -13,6 +14,8 @@ export class Presentation {
   #ticking = 0; // timer
   #drawn = { seconds: null, at: 0 };
   #mixer = new FaceMixer();
+  #attention = new Attention();
+  #shown = this.#mixer.values; // drawn last
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
   /**
@@ -106,6 +109,18 @@ export class Presentation {
     this.wake();
   }
 
+  /** Somebody speaks to her, or has ended: she looks at them. */
+  attend(on) {
+    this.#attention.on = on && !this.#mixer.still;
+    this.wake();
+  }
+
+  /** The speaker pauses: she nods. */
+  nod() {
+    this.#attention.nod(performance.now());
+    this.wake();
+  }
+
   /** See TalkingHead. */
   express(mix, options) {
     this.idle.express(mix, options);
@@ -114,7 +129,7 @@ export class Presentation {
 
   /** The FAPs that are not 0, by number, as they were drawn last. */
   get faps() {
-    return Object.fromEntries([...this.#mixer.values.entries()].filter(([, value]) => value));
+    return Object.fromEntries([...this.#shown.entries()].filter(([, value]) => value));
   }
 
   debug(now) {
@@ -126,7 +141,7 @@ export class Presentation {
       audioTime: heard?.seconds ?? null, // what is heard at this moment
       frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
       frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
-      fapValues: Array.from(this.#mixer.values),
+      fapValues: Array.from(this.#shown),
       turned: this.orbit.turned,
     };
   }
@@ -160,7 +175,10 @@ export class Presentation {
     const turning = this.orbit.update(now / 1000);
     const speaks = this.speech.busy || changing;
     const held = this.#mixer.pose && !changing; // overrides speech
-    const more = changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
-    return { values: this.#mixer.values, turned: this.orbit.turned, more, calm: !speaks && !turning };
+    const attends = !heard?.running && !this.#mixer.pose && this.#attention.active(now);
+    const values = attends ? this.#attention.apply(this.#mixer.values, now) : this.#mixer.values;
+    const more = attends || changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
+    this.#shown = values;
+    return { values, turned: this.orbit.turned, more, calm: !speaks && !turning };
   }
 }

@@ -714,6 +714,7 @@ export interface TalkingHeadAttributes {
   'avatar-map'?: string | null;
   pictures?: string | null;
   poster?: string | null;
+  backdrop?: string | null;
   view?: 'face' | 'bust' | 'mouth' | null;
   quality?: 'auto' | 'high' | 'low' | 'pictures' | null;
   room?: string | null;
@@ -785,6 +786,7 @@ export class TalkingHead extends HTMLElement {
   verse: 'run-on' | 'pause' | null;
   // </speak properties>
   label: string | null;
+  backdrop: string | null;
   captionSize: 'large' | 'larger' | 'largest' | null;
   captionColours: 'contrast' | 'light' | 'yellow' | null;
   get captions(): boolean;
@@ -827,6 +829,16 @@ export class TalkingHead extends HTMLElement {
   offer(choices: string[], options?: { id?: string; question?: string }): boolean;
   choose(choice: number, id?: string): boolean;
   consent(consent: Consent, text?: string): boolean;
+  /** Says a question, and waits for its answer: the event `answered`. */
+  ask(text: string, options?: SpeakOptions & { choices?: string[]; seconds?: number }): boolean;
+  /** Words that the page has recognised itself, or that were typed. */
+  said(text: string, options?: { id?: string; final?: boolean; lang?: string; confidence?: number }): boolean;
+  /** Has an observer hear what listeners say, where they consent: the event `overheard`. */
+  overhear(on?: boolean): boolean;
+  /** How all texts of the room are spoken, for who listens there: factors from 0.5 to 2. */
+  setManner(manner?: { speed?: number; pitch?: number; volume?: number }): boolean;
+  /** A picture or a film behind the face of all in the room; empty: none. */
+  showBackdrop(source: string): boolean;
   tell(state: AssistantState, options?: { text?: string; mix?: Expression; ease?: number }): boolean;
 
   addEventListener<K extends keyof AllEvents>(

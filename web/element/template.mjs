@@ -45,6 +45,7 @@ export const styles = `
   .layout { display: flex; flex-direction: column; position: relative; inline-size: 100%; block-size: 100%; min-inline-size: 0;
     min-block-size: 0; contain: inline-size; contain-intrinsic-inline-size: 20rem; font-family: system-ui, sans-serif; }
   .stage { position: relative; flex: 1 1 26rem; min-block-size: 0; }
+  .backdrop { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: cover; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
   .poster { position: absolute; inset: 0; margin-inline: auto; max-inline-size: 100%; block-size: 100%; object-fit: contain;
     mask-image: linear-gradient(90deg, transparent, #000 12%, #000 88%, transparent); }

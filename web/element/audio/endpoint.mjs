@@ -15,6 +15,11 @@ export class Endpoint {
   #loud = 0; // s
   #quiet = 0; // s
 
+  /** Seconds of quiet within what is being said. */
+  get quiet() {
+    return this.speaking ? this.#quiet : 0;
+  }
+
   /** @param {number} rate samples a second */
   constructor(rate) {
     this.rate = rate;

@@ -7,6 +7,7 @@ import { BYTES, VoiceCoder, voiceCodec } from '../audio/voice-coder.mjs';
 import { microphone } from './listening.mjs';
 
 const BEFORE = 0.4 * CAPTURE_RATE; // samples before the beginning of speech is noticed
+const PAUSE = 0.3; // s of quiet at which a listener nods
 const WAIT_MS = 8000; // for somebody to begin to speak
 const WORDS_MS = 90000; // for the words of what was said: longer than the server waits for them
 
@@ -21,6 +22,7 @@ export class Hearing {
   #stopped = false;
   #auto = false; // ends after the first utterance
   #begun = false;
+  #paused = false; // the speaker is silent for a moment
   #waiting = 0; // timer
   #over = () => {};
 
@@ -31,7 +33,7 @@ export class Hearing {
 
   /**
    * @param {object} ports send(message), sendSound(data, bytesASecond); on(type, listener), off(type, listener): of messages;
-   *   changed({on, speaking}): the microphone, and whether an utterance is sent
+   *   changed({on, speaking}): the microphone, and whether an utterance is sent; paused(): the speaker pauses
    * @param {object} options of `hear`
    */
   constructor(ports, options) {
@@ -89,6 +91,9 @@ export class Hearing {
       this.#begun = true;
       this.options.onset?.();
     }
+    const paused = this.#endpoint.quiet > PAUSE;
+    if (paused && !this.#paused) this.ports.paused();
+    this.#paused = paused;
     if (!this.#id) {
       this.#before.push(samples);
       let size = this.#before.reduce((sum, { length }) => sum + length, 0);

@@ -7,7 +7,9 @@ import { forGood } from '../shared/storage.js';
 import { emotion, operator as words } from '../texts/index.js';
 import { Log } from './log.js';
 import { RoomMood } from './mood.js';
+import { Overhear } from './overhear.js';
 import { People } from './people.js';
+import { Questions } from './questions.js';
 import { Waiting } from './queue.js';
 import { readCsv, readScene, writeCsv, writeTable } from './scene.js';
 import { Study } from './study.js';
@@ -29,6 +31,11 @@ const mood = new RoomMood({ svg: $('disc'), choice: $('mood'), shown: $('mix') }
   called: (name) => emotion[frame.lang].affects[name] ?? name, self: () => me,
 });
 const study = new Study({ text: $('consent-text'), ask: $('ask-consent'), end: $('end-study'), shown: $('consent') }, { send: (...what) => head.room && head.consent(...what), log, say });
+const overhear = new Overhear({ hear: $('overhear'), again: $('again') }, { head, log: (what, state) => log.add(what, state) });
+const questions = new Questions($('questions'), {
+  head, say, download, lang: () => frame.lang, consented: () => study.consent === 'given' || study.consent === 'none', problem: (error) => frame.problem.show(error),
+  log: (what, title) => log.add(what, title),
+});
 const how = { rate: null, volume: 1 };
 const speaking = new Map(); // texts that were sent and have not ended, by id
 const turn = new Map(); // index of the next variant of each line, by its id
@@ -113,6 +120,12 @@ function takeScene(source) {
   forGood.set(KEY, JSON.stringify(scene));
   frame.tell('sceneTaken');
   showScene();
+  showBackdrop();
+}
+
+function showBackdrop() {
+  $('backdrop').value = scene.backdrop ?? '';
+  if (head.room) head.showBackdrop(scene.backdrop ?? '');
 }
 
 /** Runs a command on the stored scene whose name is in the field, and shows an error of the server. */
@@ -145,6 +158,7 @@ function firstScene() {
     scene = readCsv(writeTable([['id', 'text', 'variants', 'mood', 'choices'], ...words[frame.lang].sampleScene]));
   }
   showScene();
+  $('backdrop').value = scene.backdrop ?? '';
 }
 
 function enter() {
@@ -173,6 +187,7 @@ function showChoices() {
   const sign = state.value;
   mood.translate();
   study.translate();
+  questions.translate();
   state.replaceChildren(...STATES.map((name) => new Option(say(name), name)));
   state.value = sign || 'idle';
 }
@@ -183,11 +198,16 @@ head.addEventListener('connection', ({ detail }) => {
 head.addEventListener('authorized', ({ detail }) => (me = detail.subject || me));
 head.addEventListener('joined', ({ detail }) => {
   log.add('joined', detail.room);
+  if (scene.backdrop) head.showBackdrop(scene.backdrop);
   study.joined();
 });
 head.addEventListener('observers', ({ detail }) => people.observers(detail.observers, me));
 head.addEventListener('expressed', ({ detail }) => mood.heard(detail));
-head.addEventListener('consent', ({ detail }) => study.heard(detail));
+head.addEventListener('consent', ({ detail }) => {
+  study.heard(detail);
+  if (detail.consent !== 'given') overhear.forget();
+  if (detail.consent === 'declined') questions.forget();
+});
 head.addEventListener('sentence', ({ detail }) => {
   caption = log.show('sentence', detail.text, { shown: '', id: detail.id, by: detail.id?.replace(/-\d+$/, '') ?? '' });
   caption.dataset.text = detail.text;
@@ -261,6 +281,15 @@ $('keep-scene').addEventListener('click', () => onStoredScene((name) => store.sa
 $('drop-scene').addEventListener('click', () => onStoredScene((name) => store.remove(name), 'sceneDropped'));
 $('store').addEventListener('toggle', () => $('store').open && showStored());
 $('scene-name').addEventListener('focus', showStored);
+$('backdrop-form').addEventListener('submit', (event) => {
+  event.preventDefault();
+  const backdrop = $('backdrop').value.trim();
+  scene = { ...scene, backdrop };
+  if (!backdrop) delete scene.backdrop;
+  forGood.set(KEY, JSON.stringify(scene));
+  showBackdrop();
+  log.add('backdrop', backdrop);
+});
 $('file').addEventListener('change', async ({ target }) => target.files[0] && takeScene(await target.files[0].text()));
 $('save-csv').addEventListener('click', () => download('scene.csv', writeCsv(scene), 'text/csv'));
 $('save-json').addEventListener('click', () => download('scene.json', JSON.stringify(scene, null, 2), 'application/json'));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A scene: the lines that an operator has prepared, with variants, moods, answers and where they lead (schema scene.json).
 
-const MOST = { lines: 500, variants: 20, choices: 8 };
+const MOST = { lines: 500, variants: 20, choices: 8, backdrop: 2000 };
 const COLUMNS = ['id', 'text', 'variants', 'mood', 'choices', 'next'];
 
 const isText = (value) => typeof value === 'string' && value.trim().length > 0;
@@ -33,7 +33,7 @@ function readLine(line, place) {
  * @typedef {{id: string, text: string, variants: string[], mood: string, choices: Choice[], next?: string}} Line
  * @typedef {{text: string, next?: string}} Choice
  *
- * @param {unknown} json @returns {{title: string, lines: Line[]}}
+ * @param {unknown} json @returns {{title: string, backdrop?: string, lines: Line[]}}
  * @throws {Error} with the place: "lines.3.next"
  */
 export function readScene(json) {
@@ -46,7 +46,9 @@ export function readScene(json) {
     if (next !== undefined && !ids.has(next)) fail(`lines.${i}.next`, 'nowhere');
     choices.forEach((choice, k) => choice.next !== undefined && !ids.has(choice.next) && fail(`lines.${i}.choices.${k}.next`, 'nowhere'));
   });
-  return { title: json.title ?? '', lines };
+  const { title = '', backdrop } = json;
+  if (backdrop !== undefined && (typeof backdrop !== 'string' || backdrop.length > MOST.backdrop)) fail('backdrop', 'text');
+  return { title, ...(backdrop ? { backdrop } : {}), lines };
 }
 
 /** Fields of a table (RFC 4180). @param {string} text @returns {string[][]} */

@@ -18,6 +18,10 @@ export class Study {
     });
   }
 
+  get consent() {
+    return this.#consent;
+  }
+
   /** After (re)joining the room: a restarted daemon has lost the question. */
   joined() {
     if (this.#asked !== null) this.#ask(this.#asked);

@@ -30,17 +30,24 @@ export class Consent {
     this.#show();
   }
 
+  #note(text, button) {
+    this.noted.querySelector('span').textContent = this.say(text);
+    document.getElementById('consent-stop').textContent = this.say(button);
+  }
+
   #show() {
     this.card.hidden = !this.asked;
     document.body.toggleAttribute('data-asked', this.asked);
   }
 
-  #heard({ consent, text }) {
+  #heard({ consent, text, recorded }) {
     const news = consent === 'asked' && !this.asked;
     this.asked = consent === 'asked';
     this.what.textContent = text || this.say('consentWhat');
     this.#show();
-    this.noted.hidden = consent !== 'given';
+    const over = consent === 'none' && recorded === true; // what was recorded can still be deleted
+    this.noted.hidden = consent !== 'given' && !over;
+    this.#note(over ? 'studyOver' : 'noted', over ? 'deleteAll' : 'consentStop');
     if (consent === 'declined') this.ports.news(this.say('declined'), TOLD_MS);
     this.ports.changed();
     if (news) this.card.focus(); // focuses the question for screen readers, so that no answer is given by accident

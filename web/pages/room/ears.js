@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The ears of a room's face: push to talk, and hands-free. The microphone is off until somebody agrees and turns it on.
+import { BrowserWords, Recogniser } from './browser-words.js';
+
 const TOLD_MS = 8000; // duration of what was heard
 const TAP_MS = 400; // a shorter press goes on until silence
 const LOUDER = 8; // dB by which somebody must be louder than she, to stop her
@@ -17,10 +19,12 @@ export class Ears {
 
   /**
    * @param {HTMLElement} head @param {(name: string, values?: object) => string} say words @param {string} lang spoken here
+   * @param {string|null} recogniser browser: its own, in place of the daemon's
    * @param {object} ports news(text, milliseconds): shows a note; speaking(): whether she speaks; wake(): somebody is there
    */
-  constructor(head, say, lang, ports) {
-    Object.assign(this, { head, say, lang, ports });
+  constructor(head, say, lang, ports, recogniser) {
+    Object.assign(this, { head, say, lang, ports, byBrowser: recogniser === 'browser' && Boolean(Recogniser) });
+    document.getElementById('ears-browser').hidden = !this.byBrowser;
     for (const id of ['ears', 'talk', 'hands-free', 'ears-consent', 'microphone']) this[id] = document.getElementById(id);
     const { talk } = this, free = this['hands-free'];
     talk.addEventListener('pointerdown', ({ button, pointerId }) => {
@@ -36,7 +40,7 @@ export class Ears {
     document.getElementById('ears-no').addEventListener('click', () => this.#agree(false));
     document.addEventListener('keydown', (event) => this.#key(event, true));
     document.addEventListener('keyup', (event) => this.#key(event, false));
-    head.addEventListener('hello', ({ detail }) => (this.ears.hidden = !detail.hears || !navigator.mediaDevices));
+    head.addEventListener('hello', ({ detail }) => (this.ears.hidden = !this.byBrowser && (!detail.hears || !navigator.mediaDevices)));
     head.addEventListener('hearing', ({ detail }) => this.#show(detail));
     head.addEventListener('heard', ({ detail }) => this.#heard(detail));
     head.addEventListener('asked', ({ detail }) => this.#asked(detail));
@@ -103,7 +107,8 @@ export class Ears {
     this.#hearing?.stop();
     if (!options.handsFree) interrupts();
     const noise = () => (this.ports.speaking() ? LOUDER : 0);
-    const hearing = this.head.hear({ lang: this.lang, onset: interrupts, noise, ...options });
+    const how = { lang: this.lang, onset: interrupts, noise, ...options };
+    const hearing = this.byBrowser ? this.#byBrowser(how) : this.head.hear(how);
     this.#hearing = hearing;
     try {
       await hearing.done;
@@ -112,6 +117,11 @@ export class Ears {
       this['hands-free'].checked = this.#free = false;
     }
     if (this.#hearing === hearing) this.#hearing = null;
+  }
+
+  #byBrowser(how) {
+    const [changed, heard] = [(detail) => this.#show(detail), (detail) => this.#heard(detail)];
+    return new BrowserWords(this.head, how, { changed, heard });
   }
 
   #press() {

@@ -5,6 +5,8 @@ import { pageLanguage } from '../shared/languages.js';
 import { errors, room as words, shared } from '../texts/index.js';
 import { Consent } from './consent.js';
 import { Ears } from './ears.js';
+import { Manner } from './manner.js';
+import { Reply } from './reply.js';
 import { isWithin, readWish } from './wish.js';
 
 const WORKER = 'room-worker.js';
@@ -42,7 +44,8 @@ const consent = new Consent(head, say, {
     showQuestion();
   },
 });
-const ears = new Ears(head, say, lang, { news: tell, speaking: () => now.utterances > 0, wake });
+const ears = new Ears(head, say, lang, { news: tell, speaking: () => now.utterances > 0, wake }, wish.recogniser);
+const reply = new Reply(head, lang, wake);
 let awakeUntil = 0;
 let trouble = ''; // message during a lost connection
 let lock = null;
@@ -124,6 +127,7 @@ head.addEventListener('connection', ({ detail }) => {
   now.heard = '';
   consent.lost();
   ears.lost();
+  reply.close();
   showQuestion();
   showState();
 });
@@ -131,12 +135,15 @@ head.addEventListener('joined', () => {
   if ($('news').textContent === trouble) $('news').textContent = ''; // the link is back
   showState();
 });
-head.addEventListener('begin', () => {
+head.addEventListener('begin', ({ detail }) => {
   now.utterances++;
+  document.body.toggleAttribute('data-bell', detail.bell === true);
   wake();
   showState();
 });
+head.addEventListener('word', () => document.body.removeAttribute('data-bell'));
 head.addEventListener('end', () => {
+  document.body.removeAttribute('data-bell');
   now.utterances = Math.max(0, now.utterances - 1);
   showState();
 });
@@ -197,6 +204,7 @@ document.documentElement.lang = head.lang = lang;
 document.title = `${wish.room ?? say('title')} · faccia`;
 for (const element of document.querySelectorAll('[data-text]')) element.textContent = say(element.dataset.text);
 for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', say(element.dataset.label));
+new Manner(head, say, lang, wish.distance);
 $('clock').hidden = !wish.clock;
 head.setAttribute('view', wish.view);
 if (wish.head) head.setAttribute('model', wish.head);

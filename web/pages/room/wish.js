@@ -23,5 +23,7 @@ export function readWish(address) {
     view: query.get('view') ?? 'face',
     clock: query.has('clock') && query.get('clock') !== '0',
     sleep: readHours(query.get('sleep')),
+    distance: Number(query.get('distance')) || null,
+    recogniser: query.get('recogniser'),
   };
 }

@@ -222,6 +222,8 @@ export const operator = {
   study: 'Study', askFirst: 'Ask for consent', consentText: 'What is recorded, and for whom', consentHint: 'The listener reads it before answering. Without a text there is a ready explanation.', askConsent: 'Ask for consent', endStudy: 'End the study',
   consent: 'Consent:', 'consent-none': 'No study is running.', 'consent-asked': 'Asked, no answer yet: nothing about the listener is recorded.', 'consent-given': 'Given: the log is kept.', 'consent-declined': 'Declined: nothing about the listener is recorded.',
   sentence: '', chosen: 'Chosen:', chose: 'Offered:', stated: 'Sign:', stopped: 'Stopped', refused: 'Not said, or not to the end:', heard: 'Heard:',
+  overhear: 'Hear the room', hearAgain: 'The last minute again', overhearHint: 'Only while the listener consents, and the microphone there is on.', backdrop: 'Picture or film behind her (address)', showBackdrop: 'Show',
+  questions: 'Questionnaire', noQuestions: 'No questionnaire is open.', askQuestions: 'Ask it', stopQuestions: 'Stop asking', questionsHint: 'JSON: title, lang, items with id, text and a scale (up to 8 answers) or none. Open answers saved before, too, to count them together.', questionOf: 'Question {n} of {of}', savePlots: 'Save the plots', badQuestions: 'The questionnaire has an error: {place}',
   sampleScene: [
     ['1', 'Good morning! How are you today?', 'Good morning! Did you sleep well?', 'joy 0.5', 'Well > 2 | Not so well > 3'],
     ['2', 'I am glad to hear it.', '', 'joy 0.7', ''],
@@ -249,11 +251,13 @@ export const room = {
   title: 'The face of the room', full: 'Full screen', answers: 'Answers', wake: 'Asleep. Touch to wake her', stopHint: 'Touch the screen to stop her',
   offline: 'Not connected', idle: 'Ready', listening: 'Listening', thinking: 'Thinking', speaking: 'Speaking', muted: 'Microphone off', error: 'Something went wrong', asleep: 'Asleep',
   blocked: 'Touch the screen to hear the voice', chosen: 'Answer: {text}', noRoom: 'The address must name a room: room.html?room=kitchen',
-  consentTitle: 'May we take notes?', consentWhat: 'This is a study. We note what is said here and which answers you choose.', consentFree: 'You can say no: everything works just the same. You can change your mind at any time. This screen records neither voices nor pictures.',
-  consentYes: 'Yes, I agree', consentNo: 'No, thank you', noted: 'Notes are being taken.', consentStop: 'Stop taking notes', declined: 'All right: nothing about you is written down.',
+  consentTitle: 'May we record this?', consentWhat: 'This is a study. We note what is said here and which answers you choose. While the microphone is on, we also hear your voice, and may keep the sound.', consentFree: 'You can say no: everything works just the same. You can change your mind at any time; what was recorded is then deleted. No pictures are taken.',
+  consentYes: 'Yes, I agree', consentNo: 'No, thank you', noted: 'This is being recorded.', consentStop: 'Stop, and delete it', declined: 'All right: nothing about you is written down.',
   talk: 'Hold to speak', talking: 'Speak now…', handsFree: 'Hands-free', microphoneOn: 'The microphone is on',
-  earsTitle: 'May she listen?', earsWhat: 'While the microphone is on, what you say goes to this server, becomes words, and is shown to those who look after this room. The sound is not kept. You can turn it off at any time.',
+  earsTitle: 'May she listen?', earsWhat: 'While the microphone is on, what you say goes to this server, becomes words, and is shown to those who look after this room. The sound is not kept, unless you agree to a study. You can turn it off at any time.',
   earsYes: 'Yes, turn it on', earsNo: 'Not now', youSaid: 'Heard: {text}', notUnderstood: 'That was not understood. Please say it again.', noMicrophone: 'There is no microphone, or this page may not use it.',
+  manner: 'How she speaks', speed: 'Speed', volume: 'Loudness', pitch: 'Pitch', less: 'Less', more: 'More', distance: 'Captions, to be read from', usualSize: 'usual size', close: 'Close', reply: 'Your answer',
+  send: 'Send', studyOver: 'The study is over.', deleteAll: 'Delete what was recorded', earsBrowser: 'Your words are recognised by this browser, which may send the sound out of the house, to its maker.',
 };
 
 export const voices = {

@@ -229,6 +229,8 @@ export const operator = {
   study: 'Studio', askFirst: 'Consenso', consentText: 'Che cosa si annota, e per chi', consentHint: 'Lo legge chi ascolta, prima di rispondere. Senza testo si spiega da sé.', askConsent: 'Chiedi il consenso', endStudy: 'Fine dello studio',
   consent: 'Consenso:', 'consent-none': 'Nessuno studio in corso.', 'consent-asked': 'Chiesto, senza risposta: di chi ascolta non si annota nulla.', 'consent-given': 'Dato: il registro è tenuto.', 'consent-declined': 'Negato: di chi ascolta non si annota nulla.',
   sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Non detto, o non fino alla fine:', heard: 'Sentito:',
+  overhear: 'Ascolta la stanza', hearAgain: 'Di nuovo l’ultimo minuto', overhearHint: 'Solo con il consenso di chi ascolta, e finché il suo microfono è acceso.', backdrop: 'Immagine o filmato dietro di lei (indirizzo)', showBackdrop: 'Mostra',
+  questions: 'Questionario', noQuestions: 'Nessun questionario aperto.', askQuestions: 'Fai le domande', stopQuestions: 'Smetti', questionsHint: 'JSON: title, lang, items con id, text e una scala (fino a 8 risposte) oppure nessuna. Si aprono anche le risposte salvate, per contarle insieme.', questionOf: 'Domanda {n} di {of}', savePlots: 'Salva i grafici', badQuestions: 'Il questionario ha un errore: {place}',
   sampleScene: [
     ['1', 'Buongiorno! Come va oggi?', 'Buongiorno! Ha dormito bene?', 'joy 0.5', 'Bene > 2 | Non tanto > 3'],
     ['2', 'Sono contenta di sentirlo.', '', 'joy 0.7', ''],
@@ -256,11 +258,13 @@ export const room = {
   title: 'Il volto della stanza', full: 'Schermo intero', answers: 'Risposte', wake: 'Dorme. Toccare per svegliarla', stopHint: 'Toccare lo schermo per fermarla',
   offline: 'Non connessa', idle: 'Pronta', listening: 'Ascolta', thinking: 'Pensa', speaking: 'Parla', muted: 'Microfono spento', error: 'Qualcosa è andato storto', asleep: 'Dorme',
   blocked: 'Toccare lo schermo per sentire la voce', chosen: 'Risposta: {text}', noRoom: 'L’indirizzo deve nominare una stanza: room.html?room=cucina',
-  consentTitle: 'Possiamo prendere appunti?', consentWhat: 'È uno studio. Si annota che cosa si dice qui e quali risposte sceglie.', consentFree: 'Può dire di no: tutto funziona lo stesso. Può cambiare idea quando vuole. Questo schermo non registra né voci né immagini.',
-  consentYes: 'Sì, va bene', consentNo: 'No, grazie', noted: 'Si prendono appunti.', consentStop: 'Non più', declined: 'Va bene: di lei non si annota nulla.',
+  consentTitle: 'Possiamo registrare?', consentWhat: 'È uno studio. Si annota che cosa si dice qui e quali risposte sceglie. Quando il microfono è acceso si ascolta anche la sua voce, e il suono può essere conservato.', consentFree: 'Può dire di no: tutto funziona lo stesso. Può cambiare idea quando vuole: ciò che è stato registrato viene cancellato. Non si fanno immagini.',
+  consentYes: 'Sì, va bene', consentNo: 'No, grazie', noted: 'Si sta registrando.', consentStop: 'Fermare e cancellare', declined: 'Va bene: di lei non si annota nulla.',
   talk: 'Tenere premuto per parlare', talking: 'Si può parlare…', handsFree: 'A mani libere', microphoneOn: 'Il microfono è acceso',
-  earsTitle: 'Può ascoltare?', earsWhat: 'Finché il microfono è acceso, ciò che si dice va a questo server, diventa parole ed è mostrato a chi si occupa di questa stanza. Il suono non viene conservato. Si può spegnere in ogni momento.',
+  earsTitle: 'Può ascoltare?', earsWhat: 'Finché il microfono è acceso, ciò che si dice va a questo server, diventa parole ed è mostrato a chi si occupa di questa stanza. Il suono non viene conservato, salvo consenso a uno studio. Si può spegnere in ogni momento.',
   earsYes: 'Sì, accendere', earsNo: 'Non ora', youSaid: 'Sentito: {text}', notUnderstood: 'Non si è capito. Ripetere, per favore.', noMicrophone: 'Non c’è un microfono, o questa pagina non può usarlo.',
+  manner: 'Come parla', speed: 'Velocità', volume: 'Volume', pitch: 'Tono', less: 'Meno', more: 'Più', distance: 'Sottotitoli, da leggere da', usualSize: 'grandezza normale', close: 'Chiudi', reply: 'La risposta',
+  send: 'Invia', studyOver: 'Lo studio è finito.', deleteAll: 'Cancella la registrazione', earsBrowser: 'Le parole sono riconosciute da questo browser, che può mandare il suono fuori casa, a chi lo produce.',
 };
 
 export const voices = {

@@ -229,6 +229,8 @@ export const operator = {
   study: 'Estudo', askFirst: 'Pedir o consentimento', consentText: 'O que se anota, e para quem', consentHint: 'Quem ouve lê isto antes de responder. Sem texto, há uma explicação pronta.', askConsent: 'Pedir consentimento', endStudy: 'Fim do estudo',
   consent: 'Consentimento:', 'consent-none': 'Nenhum estudo em curso.', 'consent-asked': 'Pedido, sem resposta: de quem ouve nada se anota.', 'consent-given': 'Dado: o registro é mantido.', 'consent-declined': 'Negado: de quem ouve nada se anota.',
   sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Não dito, ou não até o fim:', heard: 'Ouvido:',
+  overhear: 'Ouvir a sala', hearAgain: 'O último minuto de novo', overhearHint: 'Só com o consentimento de quem ouve, e com o microfone de lá ligado.', backdrop: 'Imagem ou filme atrás dela (endereço)', showBackdrop: 'Mostrar',
+  questions: 'Questionário', noQuestions: 'Nenhum questionário aberto.', askQuestions: 'Perguntar', stopQuestions: 'Parar', questionsHint: 'JSON: title, lang, items com id, text e uma escala (até 8 respostas) ou nenhuma. Abra também respostas salvas, para contá-las juntas.', questionOf: 'Pergunta {n} de {of}', savePlots: 'Salvar os gráficos', badQuestions: 'O questionário tem um erro: {place}',
   sampleScene: [
     ['1', 'Bom dia! Como vai hoje?', 'Bom dia! Dormiu bem?', 'joy 0.5', 'Bem > 2 | Nem tanto > 3'],
     ['2', 'Fico feliz em saber.', '', 'joy 0.7', ''],
@@ -256,11 +258,13 @@ export const room = {
   title: 'O rosto da sala', full: 'Tela cheia', answers: 'Respostas', wake: 'Dormindo. Toque para acordar', stopHint: 'Toque na tela para parar',
   offline: 'Sem conexão', idle: 'Pronta', listening: 'Ouvindo', thinking: 'Pensando', speaking: 'Falando', muted: 'Microfone desligado', error: 'Algo deu errado', asleep: 'Dormindo',
   blocked: 'Toque na tela para ouvir a voz', chosen: 'Resposta: {text}', noRoom: 'O endereço deve nomear uma sala: room.html?room=cozinha',
-  consentTitle: 'Podemos tomar notas?', consentWhat: 'É um estudo. Anotamos o que se diz aqui e as respostas que você escolhe.', consentFree: 'Você pode dizer não: tudo funciona igual. Pode mudar de ideia quando quiser. Esta tela não grava voz nem imagem.',
-  consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Estão sendo tomadas notas.', consentStop: 'Parar de anotar', declined: 'Tudo bem: nada sobre você é anotado.',
+  consentTitle: 'Podemos gravar?', consentWhat: 'Isto é um estudo. Anotamos o que se diz aqui e as respostas que escolhe. Com o microfone ligado, ouvimos também a sua voz, e o som pode ser guardado.', consentFree: 'Pode dizer que não: tudo funciona da mesma forma. Pode mudar de ideia quando quiser; o que foi gravado é então apagado. Não se tiram imagens.',
+  consentYes: 'Sim, concordo', consentNo: 'Não, obrigado', noted: 'Está sendo gravado.', consentStop: 'Parar e apagar', declined: 'Tudo bem: nada sobre você é anotado.',
   talk: 'Segure para falar', talking: 'Pode falar…', handsFree: 'Mãos livres', microphoneOn: 'O microfone está ligado',
-  earsTitle: 'Ela pode ouvir?', earsWhat: 'Enquanto o microfone está ligado, o que você diz vai para este servidor, vira palavras e é mostrado a quem cuida desta sala. O som não é guardado. Você pode desligá-lo a qualquer momento.',
+  earsTitle: 'Ela pode ouvir?', earsWhat: 'Enquanto o microfone está ligado, o que você diz vai para este servidor, vira palavras e é mostrado a quem cuida desta sala. O som não é guardado, a menos que você aceite um estudo. Você pode desligá-lo a qualquer momento.',
   earsYes: 'Sim, ligar', earsNo: 'Agora não', youSaid: 'Ouvido: {text}', notUnderstood: 'Não deu para entender. Diga de novo, por favor.', noMicrophone: 'Não há microfone, ou esta página não pode usá-lo.',
+  manner: 'Como ela fala', speed: 'Velocidade', volume: 'Volume', pitch: 'Tom', less: 'Menos', more: 'Mais', distance: 'Legendas, para ler a', usualSize: 'tamanho normal', close: 'Fechar', reply: 'A sua resposta',
+  send: 'Enviar', studyOver: 'O estudo terminou.', deleteAll: 'Apagar a gravação', earsBrowser: 'As palavras são reconhecidas por este navegador, que pode enviar o som para fora de casa, a quem o produz.',
 };
 
 export const voices = {

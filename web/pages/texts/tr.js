@@ -229,6 +229,8 @@ export const operator = {
   study: 'Araştırma', askFirst: 'Onay isteme', consentText: 'Ne yazılıyor, kimin için', consentHint: 'Dinleyen kişi yanıtlamadan önce bunu okur. Metin yoksa hazır bir açıklama gösterilir.', askConsent: 'Onay iste', endStudy: 'Araştırmayı bitir',
   consent: 'Onay:', 'consent-none': 'Süren bir araştırma yok.', 'consent-asked': 'Soruldu, yanıt yok: dinleyenle ilgili hiçbir şey yazılmıyor.', 'consent-given': 'Verildi: kayıt tutuluyor.', 'consent-declined': 'Verilmedi: dinleyenle ilgili hiçbir şey yazılmıyor.',
   sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Söylenmedi ya da yarım kaldı:', heard: 'Duyulan:',
+  overhear: 'Odayı dinle', hearAgain: 'Son dakikayı yeniden dinle', overhearHint: 'Yalnızca dinleyici izin verdiğinde ve oradaki mikrofon açıkken.', backdrop: 'Arkasındaki resim ya da film (adres)', showBackdrop: 'Göster',
+  questions: 'Anket', noQuestions: 'Açık anket yok.', askQuestions: 'Soruları sor', stopQuestions: 'Durdur', questionsHint: 'JSON: title, lang, items; her birinde id, text ve en çok 8 yanıtlı bir scale ya da hiçbiri. Kaydedilmiş yanıtları da açın: birlikte sayılırlar.', questionOf: 'Soru {n} / {of}', savePlots: 'Grafikleri kaydet', badQuestions: 'Ankette hata var: {place}',
   sampleScene: [
     ['1', 'Günaydın! Bugün nasılsınız?', 'Günaydın! İyi uyudunuz mu?', 'joy 0.5', 'İyiyim > 2 | Pek değil > 3'],
     ['2', 'Bunu duyduğuma sevindim.', '', 'joy 0.7', ''],
@@ -256,11 +258,13 @@ export const room = {
   title: 'Odanın yüzü', full: 'Tam ekran', answers: 'Yanıtlar', wake: 'Uyuyor. Uyandırmak için dokunun', stopHint: 'Durdurmak için ekrana dokunun',
   offline: 'Bağlantı yok', idle: 'Hazır', listening: 'Dinliyor', thinking: 'Düşünüyor', speaking: 'Konuşuyor', muted: 'Mikrofon kapalı', error: 'Bir sorun oldu', asleep: 'Uyuyor',
   blocked: 'Sesi duymak için ekrana dokunun', chosen: 'Yanıt: {text}', noRoom: 'Adres bir oda söylemelidir: room.html?room=mutfak',
-  consentTitle: 'Not alabilir miyiz?', consentWhat: 'Bu bir araştırma. Burada söylenenler ve seçtiğiniz yanıtlar yazılır.', consentFree: 'Hayır diyebilirsiniz: her şey aynı şekilde çalışır. Fikrinizi istediğiniz zaman değiştirebilirsiniz. Bu ekran ses ya da görüntü kaydetmez.',
-  consentYes: 'Evet, olur', consentNo: 'Hayır, teşekkürler', noted: 'Not alınıyor.', consentStop: 'Artık alınmasın', declined: 'Peki: sizinle ilgili hiçbir şey yazılmıyor.',
+  consentTitle: 'Kaydedebilir miyiz?', consentWhat: 'Bu bir araştırma. Burada söylenenleri ve seçtiğiniz yanıtları not ediyoruz. Mikrofon açıkken sesinizi de duyuyoruz; ses saklanabilir.', consentFree: 'Hayır diyebilirsiniz: her şey aynı şekilde çalışır. Fikrinizi istediğiniz an değiştirebilirsiniz; kaydedilen o zaman silinir. Görüntü alınmaz.',
+  consentYes: 'Evet, olur', consentNo: 'Hayır, teşekkürler', noted: 'Kaydediliyor.', consentStop: 'Dur ve sil', declined: 'Peki: sizinle ilgili hiçbir şey yazılmıyor.',
   talk: 'Konuşmak için basılı tutun', talking: 'Şimdi konuşun…', handsFree: 'Eller serbest', microphoneOn: 'Mikrofon açık',
-  earsTitle: 'Dinleyebilir mi?', earsWhat: 'Mikrofon açıkken söyledikleriniz bu sunucuya gider, sözcüklere çevrilir ve bu odayla ilgilenenlere gösterilir. Ses saklanmaz. Mikrofonu istediğiniz zaman kapatabilirsiniz.',
+  earsTitle: 'Dinleyebilir mi?', earsWhat: 'Mikrofon açıkken söyledikleriniz bu sunucuya gider, sözcüklere çevrilir ve bu odayla ilgilenenlere gösterilir. Bir araştırmaya izin vermedikçe ses saklanmaz. Mikrofonu istediğiniz zaman kapatabilirsiniz.',
   earsYes: 'Evet, açın', earsNo: 'Şimdi değil', youSaid: 'Duyulan: {text}', notUnderstood: 'Anlaşılamadı. Lütfen yeniden söyleyin.', noMicrophone: 'Mikrofon yok ya da bu sayfa onu kullanamıyor.',
+  manner: 'Nasıl konuşsun', speed: 'Hız', volume: 'Ses düzeyi', pitch: 'Perde', less: 'Daha az', more: 'Daha çok', distance: 'Alt yazılar şu uzaklıktan okunsun', usualSize: 'normal boy', close: 'Kapat', reply: 'Yanıtınız',
+  send: 'Gönder', studyOver: 'Çalışma bitti.', deleteAll: 'Kaydı sil', earsBrowser: 'Sözlerinizi bu tarayıcı tanır; sesi evin dışına, üreticisine gönderebilir.',
 };
 
 export const voices = {
