@@ -27,8 +27,8 @@ struct session {
     SNDFILE *sound;
     uint64_t samples;  /* written */
     unsigned speaking; /* utterances being heard */
-    FILE *journal;     /* what is left if the daemon is killed */
-    json_t *events;
+    FILE *journal;     /* the events, a line each: what is left if the daemon is killed */
+    unsigned events;
     bool full; /* a limit was reached */
 };
 
@@ -78,20 +78,16 @@ void session_sound(struct session *s, const int16_t *samples, size_t count) {
 /* ---- the events ---- */
 
 static void append(struct session *s, json_t *event) {
-    if (json_array_size(s->events) >= SESSION_EVENTS || now(s) > SESSION_SECONDS) {
+    if (s->events >= SESSION_EVENTS || now(s) > SESSION_SECONDS) {
         if (!s->full)
             log_warn("session %s is full: later events are not recorded", s->folder);
         s->full = true;
-        json_decref(event);
-        return;
-    }
-    char *line = json_dumps(event, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    if (s->journal && line) {
-        fprintf(s->journal, "%s\n", line);
+    } else if (s->journal && !json_dumpf(event, s->journal, JSON_COMPACT | JSON_REAL_PRECISION(9))) {
+        fputc('\n', s->journal);
         fflush(s->journal);
+        s->events++;
     }
-    free(line);
-    json_array_append_new(s->events, event);
+    json_decref(event);
 }
 
 /* The event begins with its time; `time` of a word or a sentence, in its utterance, becomes `at`. */
@@ -172,7 +168,7 @@ struct session *session_open(uv_loop_t *loop, const char *folder, const char *ro
         return NULL;
     }
     struct session *s = mem_alloc(sizeof *s);
-    *s = (struct session){.loop = loop, .folder = own, .from = uv_now(loop), .events = json_array()};
+    *s = (struct session){.loop = loop, .folder = own, .from = uv_now(loop)};
     snprintf(s->room, sizeof s->room, "%s", room);
     stamp(s->began, sizeof s->began, "%Y-%m-%dT%H:%M:%SZ");
     open_files(s);
@@ -200,13 +196,32 @@ static bool save(const char *folder, const char *name, const void *data, size_t 
     return good;
 }
 
+/* Reads the journal. */
+static json_t *read_events(const struct session *s) {
+    char *path = in(s->folder, JOURNAL), *line = NULL;
+    FILE *file = fopen(path, "re");
+    json_t *events = json_array();
+    size_t room = 0;
+    while (file && getline(&line, &room, file) > 0) {
+        json_t *event = json_loads(line, 0, NULL);
+        if (event)
+            json_array_append_new(events, event);
+    }
+    if (file)
+        fclose(file);
+    free(line);
+    free(path);
+    return events;
+}
+
 static void export(const struct session *s, double seconds) {
     struct buf grid = {0}, table = {0};
-    json_t *whole = json_pack("{ss ss sf ss sO}", "room", s->room, "began", s->began, "seconds", seconds,
-                              "sound", SOUND, "events", s->events);
+    json_t *events = read_events(s);
+    json_t *whole = json_pack("{ss ss sf ss so}", "room", s->room, "began", s->began, "seconds", seconds,
+                              "sound", SOUND, "events", events);
     char *text = json_dumps(whole, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    session_grid(&grid, s->events, seconds);
-    session_table(&table, s->events);
+    session_grid(&grid, events, seconds);
+    session_table(&table, events);
     save(s->folder, GRID, grid.data, grid.size);
     save(s->folder, TABLE, table.data, table.size);
     if (text && save(s->folder, WHOLE, text, strlen(text))) {
@@ -230,7 +245,6 @@ char *session_close(struct session *s) {
         fclose(s->journal);
     export(s, (double)s->samples / SESSION_RATE);
     log_info("session recorded in %s", folder);
-    json_decref(s->events);
     free(s);
     return folder;
 }
