@@ -57,6 +57,7 @@ export const benchmarks = {
   'library-ahead': { packages: lp, moment: ['espeak:it', '2'], long: 'speaks a work ahead' },
   'library-load': { moment: ['4', '20', '1', '1'], long: 'searches for some seconds a turn' },
   lighthouse: { packages: browser, moment: ['voices'], long: 'audits a page twice' },
+  'listening-picture': { packages: [...browser, 'pocketsphinx', 'pocketsphinx-en-us', 'flite', 'ffmpeg'], moment: [picture('listening.webp')], long: 'draws two pages' },
   live: { moment: ['2'] },
   'looks-picture': { packages: browser, moment: [picture('looks'), '--heads', 'mara', '--looks', 'rest', '--size', '200'], long: 'draws a head' },
   loudness: { packages: ['ffmpeg'], moment: ['tr'], long: 'speaks with every affect' },
