@@ -2,7 +2,7 @@
 /* Speech recognition for a WebSocket client: after `hear`, binary messages carry sound until `close`. Sends
  * the words to the client, and to observers with the right to speak. */
 #include "server/api/client_internal.h"
-#include "server/api/words.h"
+#include "server/api/listener_words.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/live/ear.h"
@@ -82,9 +82,9 @@ static void tell(const struct client_ear *one, const struct heard_words *words) 
                                          .final = words->final,
                                          .confidence = words->confidence};
     if (!channel_is_room(channel) || !follower_hears(&c->follower))
-        client_say(c, words_message(channel, &heard));
+        client_say(c, listener_words_message(channel, &heard));
     if (!is_away(c))
-        words_take(c->api, channel, &heard);
+        listener_words_take(c->api, channel, &heard);
     else if (words->final)
         forward(one, words);
 }

@@ -2,7 +2,7 @@
 #include "server/api/commands.h"
 #include "server/api/api_internal.h"
 #include "server/api/client_internal.h"
-#include "server/api/words.h"
+#include "server/api/listener_words.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/rooms/notices.h"
@@ -162,13 +162,14 @@ static int take_words(struct command_call *call, struct error *e) {
     const json_t *final = json_object_get(call->message, "final"),
                  *confidence = json_object_get(call->message, "confidence");
     (void)e;
-    words_take(call->api, call->channel,
-               &(struct listener_words){.id = string_of(call, "id"),
-                                        .text = string_of(call, "text"),
-                                        .lang = string_of(call, "lang"),
-                                        .by = call->by,
-                                        .final = !json_is_false(final),
-                                        .confidence = confidence ? json_number_value(confidence) : -1});
+    listener_words_take(
+        call->api, call->channel,
+        &(struct listener_words){.id = string_of(call, "id"),
+                                 .text = string_of(call, "text"),
+                                 .lang = string_of(call, "lang"),
+                                 .by = call->by,
+                                 .final = !json_is_false(final),
+                                 .confidence = confidence ? json_number_value(confidence) : -1});
     return accepted(call);
 }
 

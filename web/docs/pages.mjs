@@ -39,7 +39,7 @@ export const included = {
   'protocol/messages': { from: 'protocol/messages.md' },
   'protocol/control': { from: protocol, sections: ['Control', 'Text as it is written'], title: 'Control, and text as it is written' },
   'protocol/live-voice': { from: protocol, sections: ['Live voice', 'Hearing'], title: 'Live voice' },
-  'protocol/rooms': { from: protocol, sections: ['Rooms', 'Choices and states', 'Questions', 'Consent', 'Scenes', 'Who speaks', 'Lexicons', 'Another head', 'Calibration', 'Recordings'], title: 'Rooms' },
+  'protocol/rooms': { from: protocol, sections: ['Rooms', 'Choices and states', 'Questions', 'Consent', 'Manner and backdrop', 'Scenes', 'Who speaks', 'Lexicons', 'Another head', 'Calibration', 'Recordings'], title: 'Rooms' },
   'protocol/plain-text': { from: protocol, sections: ['Plain text'], title: 'Plain text' },
   'protocol/access': { from: protocol, sections: ['Tokens and rights'], title: 'Tokens and rights' },
   'protocol/face': { from: protocol, sections: ['The living face'], title: 'The living face' },

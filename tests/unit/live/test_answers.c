@@ -84,6 +84,32 @@ static void test_cases(void **state) {
     }
 }
 
+static void test_again(void **state) {
+    static const struct {
+        const char *lang, *said;
+        bool again;
+    } words[] = {
+        {"it", "Come?", true},
+        {"it", "Come, scusi?", true},
+        {"it", "Può ripetere, per favore?", true},
+        {"it", "Non ho capito.", true},
+        {"it", "Come sta Anna?", false},
+        {"it", "Ripeto: no", false},
+        {"en-GB", "Could you repeat that, please?", true},
+        {"en", "What?", true},
+        {"en", "What a day", false},
+        {"pt-BR", "Não entendi", true},
+        {"tr", "Efendim?", true},
+        {"tr", "Bir daha söyler misiniz, lütfen?", true},
+        {"xx", "Come?", false},
+        {"it", "", false},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (answers_asks_again(*state, words[i].lang, words[i].said) != words[i].again)
+            fail_msg("%s", words[i].said);
+    assert_false(answers_asks_again(NULL, "it", "Come?"));
+}
+
 static void test_without_words(void **state) {
     (void)state;
     assert_int_equal(choose(NULL, "it", "Sì|No", "sì"), 0);
@@ -120,6 +146,7 @@ static void test_bad_file(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_cases, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_again, setup, teardown),
         cmocka_unit_test(test_without_words),
         cmocka_unit_test_setup_teardown(test_long_texts, setup, teardown),
         cmocka_unit_test(test_bad_file),

@@ -98,7 +98,8 @@ test('a room’s page reads its hours of sleep and its options from the address'
   assert.deepEqual([1319, 1320, 1439, 0, 419, 420].map((minute) => isWithin([1320, 420], minute)), [false, true, true, true, true, false]);
   assert.deepEqual([809, 810, 844, 845].map((minute) => isWithin([810, 845], minute)), [false, true, true, false]);
   const wish = readWish('http://h/room.html?room=cucina&clock&sleep=22-7&lang=it');
-  assert.deepEqual(wish, { room: 'cucina', lang: 'it', head: null, view: 'face', clock: true, sleep: [1320, 420] });
+  assert.deepEqual(wish, { room: 'cucina', lang: 'it', head: null, view: 'face', clock: true, sleep: [1320, 420], distance: null, recogniser: null });
+  assert.equal(readWish('http://h/room.html?distance=3').distance, 3);
   assert.equal(readWish('http://h/room.html?clock=0').clock, false);
 });
 

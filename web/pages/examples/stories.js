@@ -285,6 +285,44 @@ const roomStories = [
     },
   },
   {
+    id: 'ask', group: rooms, title: 'A question',
+    about: 'She asks, offers answers, and waits. An answer is a touch, words that the page has recognised itself, or words that are typed.',
+    shows: ['ask()', 'said()', '@asked', '@answered'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      ask: ['Ask', (head) => head.ask('Tea or coffee?', { choices: ['Tea', 'Coffee'], seconds: 30 })],
+      said: ['“The second one”', (head) => head.said('the second one', { lang: 'en' })],
+    },
+  },
+  {
+    id: 'overhear', group: rooms, title: 'To hear the room',
+    about: 'An observer who may speak hears what is said in the room, while its listener consents to a study.',
+    shows: ['overhear()', '@overheard'], attributes: { room: 'examples', lang: 'en', watch: 'Anna' },
+    actions: {
+      hear: ['Hear the room', (head) => head.overhear()],
+      no: ['No more', (head) => head.overhear(false)],
+    },
+  },
+  {
+    id: 'manner', group: rooms, title: 'Slower, please',
+    about: 'The person in the room decides how everything is spoken there.',
+    shows: ['setManner()'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      slower: ['Slower and louder', (head) => head.setManner({ speed: 0.8, volume: 1.2 })],
+      usual: ['As usual', (head) => head.setManner()],
+      speak: ['Speak', (head) => head.speak('Like this?')],
+    },
+  },
+  {
+    id: 'backdrop', group: rooms, title: 'A picture behind her',
+    about: 'A picture or a film, of the page, or shown to everybody in the room.',
+    shows: ['backdrop', 'showBackdrop()', '@backdrop', '::backdrop'], attributes: { room: 'examples', lang: 'en', backdrop: 'icon-512.png' },
+    css: 'talking-head::part(backdrop) { filter: blur(4px); }',
+    actions: {
+      show: ['Show all', (head) => head.showBackdrop('icon-512.png')],
+      none: ['None', (head) => head.showBackdrop('')],
+    },
+  },
+  {
     id: 'state', group: rooms, title: 'What the assistant does',
     about: 'Listening, thinking, muted: sent to everybody in the room, with an expression of the face.',
     shows: ['tell()', '@state'], attributes: { room: 'examples', lang: 'en' },

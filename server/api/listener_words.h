@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words of a listener, wherever they were recognised: tells those who may know them, and acts on them. */
-#ifndef FACCIA_API_WORDS_H
-#define FACCIA_API_WORDS_H
+#ifndef FACCIA_API_LISTENER_WORDS_H
+#define FACCIA_API_LISTENER_WORDS_H
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -18,10 +18,10 @@ struct listener_words {
 };
 
 /* The `heard` message; the caller releases it. */
-json_t *words_message(const struct channel *channel, const struct listener_words *words);
+json_t *listener_words_message(const struct channel *channel, const struct listener_words *words);
 
 /* Tells the room's observers who may know them. Final words may choose one of the answers on offer, have the
  * last utterance said again, or answer a question. */
-void words_take(const struct api *api, struct channel *channel, const struct listener_words *words);
+void listener_words_take(const struct api *api, struct channel *channel, const struct listener_words *words);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/api/words.h"
+#include "server/api/listener_words.h"
 #include "server/api/api_internal.h"
 #include "server/live/answers.h"
 #include "server/live/ear.h"
@@ -8,7 +8,7 @@
 #include "server/rooms/repeat.h"
 #include "server/synthesis/pipeline.h"
 
-json_t *words_message(const struct channel *channel, const struct listener_words *words) {
+json_t *listener_words_message(const struct channel *channel, const struct listener_words *words) {
     json_t *heard = json_pack("{ss ss ss ss sb ss}", "type", "heard", "stream", channel_name(channel), "id",
                               words->id, "text", words->text, "final", words->final, "by", words->by);
     if (words->confidence >= 0)
@@ -54,10 +54,10 @@ static bool repeat(const struct api *api, struct channel *channel, const struct 
 }
 #endif
 
-void words_take(const struct api *api, struct channel *channel, const struct listener_words *words) {
+void listener_words_take(const struct api *api, struct channel *channel, const struct listener_words *words) {
     const char *lang = words->lang ? words->lang : api->pipeline->default_lang;
     if (channel_is_room(channel)) {
-        json_t *heard = words_message(channel, words);
+        json_t *heard = listener_words_message(channel, words);
         notice_heard(channel, heard);
         json_decref(heard);
     }
