@@ -116,7 +116,7 @@ void expression_begin(struct expression *x, const char *kind) {
                              .curve = {.attack = 0.3, .sustain = 1, .settle = 1, .decay = 0.4},
                              .mouth = {0.3, 0.7},
                              .articulation = 1,
-                             .voice = {1, 1, 1, 1},
+                             .voice = {.rate = 1, .pitch = 1, .range = 1, .volume = 1},
                              .life = {1, 1, 1}};
 }
 
@@ -125,7 +125,7 @@ void expression_begin(struct expression *x, const char *kind) {
 static int entry_read(const struct json_place *at, struct expression *x) {
     static const char *const allowed[] = {"aliases", "basic",     "activation", "evaluation", "mix",
                                           "pose",    "asymmetry", "curve",      "mouth",      "articulation",
-                                          "voice",   "life",      "gesture",    NULL};
+                                          "voice",   "quality",   "life",       "gesture",    NULL};
     const struct number curve[] = {
         {"attack", SECONDS_MIN, SECONDS_MAX, &x->curve.attack}, {"hold", 0, SECONDS_MAX, &x->curve.hold},
         {"settle", SECONDS_MIN, SECONDS_MAX, &x->curve.settle}, {"sustain", 0, 1, &x->curve.sustain},
@@ -136,6 +136,14 @@ static int entry_read(const struct json_place *at, struct expression *x) {
                                    {"range", 0.2, 3, &x->voice.range},
                                    {"volume", 0.2, 2, &x->voice.volume},
                                    {0}};
+    struct score_quality *q = &x->voice.quality;
+    const struct number quality[] = {{"tilt", -QUALITY_TILT_MAX, QUALITY_TILT_MAX, &q->tilt},
+                                     {"aspiration", 0, 1, &q->aspiration},
+                                     {"jitter", 0, QUALITY_JITTER_MAX, &q->jitter},
+                                     {"shimmer", 0, QUALITY_SHIMMER_MAX, &q->shimmer},
+                                     {"flutter", 0, QUALITY_FLUTTER_MAX, &q->flutter},
+                                     {"tremor", 0, QUALITY_TREMOR_MAX, &q->tremor},
+                                     {0}};
     const struct number life[] = {{"blink_rate", 0.1, 4, &x->life.blink_rate},
                                   {"blink_length", 0.5, 3, &x->life.blink_length},
                                   {"motion", 0, 3, &x->life.motion},
@@ -149,7 +157,7 @@ static int entry_read(const struct json_place *at, struct expression *x) {
         read_number(at, "evaluation", -1, 1, &x->evaluation) ||
         read_number(at, "articulation", 0.5, 1.5, &x->articulation) || read_numbers(at, "curve", curve) ||
         read_numbers(at, "mouth", mouth) || read_numbers(at, "voice", voice) ||
-        read_numbers(at, "life", life))
+        read_numbers(at, "quality", quality) || read_numbers(at, "life", life))
         return -1;
     return mix.json && x->basic ? json_place_fail(&mix, "a basic emotion cannot be a mixture") : 0;
 }

@@ -9,7 +9,8 @@
 #include <string.h>
 
 /* Limits that keep a voice intelligible when cues overlap. */
-static const struct voice_factors lowest = {0.6, 0.6, 0.3, 0.4}, highest = {1.6, 1.7, 2.5, 1.8};
+static const struct voice_factors lowest = {.rate = 0.6, .pitch = 0.6, .range = 0.3, .volume = 0.4},
+                                  highest = {.rate = 1.6, .pitch = 1.7, .range = 2.5, .volume = 1.8};
 
 /* Effect of the cues over some items. */
 struct voice_change {
@@ -27,14 +28,16 @@ static double factor(double at_full, double intensity) {
 static struct voice_change change_of(const struct expression *x, const struct score_cue *cue, size_t order) {
     double i = fmin(1, fmax(0, cue->intensity));
     bool is_affect = !strcmp(x->kind, "affect");
-    return (struct voice_change){.voice = {.rate = factor(x->voice.rate, i),
-                                           .pitch = factor(x->voice.pitch, i),
-                                           .range = factor(x->voice.range, i),
-                                           .volume = factor(x->voice.volume, i)},
-                                 .emotion = is_affect ? x->name : NULL,
-                                 .intensity = i,
-                                 .order = is_affect ? order : 0,
-                                 .changes = true};
+    struct voice_change change = {.voice = {.rate = factor(x->voice.rate, i),
+                                            .pitch = factor(x->voice.pitch, i),
+                                            .range = factor(x->voice.range, i),
+                                            .volume = factor(x->voice.volume, i)},
+                                  .emotion = is_affect ? x->name : NULL,
+                                  .intensity = i,
+                                  .order = is_affect ? order : 0,
+                                  .changes = true};
+    score_quality_add(&change.voice.quality, &x->voice.quality, i);
+    return change;
 }
 
 static void apply(const struct voice_change *more, struct voice_change *change) {
@@ -44,6 +47,7 @@ static void apply(const struct voice_change *more, struct voice_change *change) 
     change->voice.pitch *= more->voice.pitch;
     change->voice.range *= more->voice.range;
     change->voice.volume *= more->voice.volume;
+    score_quality_add(&change->voice.quality, &more->voice.quality, 1);
     change->changes = true;
     if (more->order > change->order) {
         change->emotion = more->emotion;
@@ -62,6 +66,7 @@ static void style_item(struct score *score, struct score_item *item, const struc
     style.pitch *= bounded(change->voice.pitch, lowest.pitch, highest.pitch);
     style.range *= bounded(change->voice.range, lowest.range, highest.range);
     style.volume *= bounded(change->voice.volume, lowest.volume, highest.volume);
+    score_quality_add(&style.quality, &change->voice.quality, 1);
     if (change->emotion)
         style.emotion = (struct score_emotion){score_strndup(score, change->emotion, strlen(change->emotion)),
                                                change->intensity};
@@ -103,7 +108,7 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
     size_t kept = 0, count = score->item_count;
     struct voice_change *tree = mem_alloc((2 * count + 1) * sizeof *tree);
     for (size_t i = 0; i < 2 * count; i++)
-        tree[i].voice = (struct voice_factors){1, 1, 1, 1};
+        tree[i].voice = (struct voice_factors){.rate = 1, .pitch = 1, .range = 1, .volume = 1};
     for (size_t c = 0; c < score->cue_count; c++) {
         const struct score_cue *cue = &score->cues[c];
         int found = find(expressions, score, cue);

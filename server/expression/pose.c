@@ -124,7 +124,9 @@ static const struct expression *affect_named(const struct expressions *all, cons
 
 /* Applies an ingredient's factors in proportion to its weight. */
 static void season(struct expression *x, const struct expression *from, double weight, bool voice,
-                   bool life) {
+                   bool quality, bool life) {
+    if (quality)
+        score_quality_add(&x->voice.quality, &from->voice.quality, weight);
     if (voice) {
         x->voice.rate *= pow(from->voice.rate, weight);
         x->voice.pitch *= pow(from->voice.pitch, weight);
@@ -164,7 +166,7 @@ int mix_read(const struct json_place *entry, const struct expressions *all, stru
         for (int b = 1; b <= BASIC_COUNT; b++)
             x->basics[b] = fmin(1, x->basics[b] + weight * from->basics[b]);
         season(x, from, weight, !json_object_get(entry->json, "voice"),
-               !json_object_get(entry->json, "life"));
+               !json_object_get(entry->json, "quality"), !json_object_get(entry->json, "life"));
     }
     return 0;
 }

@@ -5,6 +5,7 @@
 #define FACCIA_EXPRESSION_RECIPE_H
 
 #include "protocol/fap.h"
+#include "server/markup/score.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -44,6 +45,7 @@ struct life_factors {
 
 struct voice_factors {
     double rate, pitch, range, volume; /* at intensity 1 */
+    struct score_quality quality;      /* added, at intensity 1 */
 };
 
 /* A gesture: poses with their times, s from the anchor. The first and last are neutral. */

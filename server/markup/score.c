@@ -8,6 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+void score_quality_add(struct score_quality *quality, const struct score_quality *more, double share) {
+    quality->tilt = fmax(-QUALITY_TILT_MAX, fmin(QUALITY_TILT_MAX, quality->tilt + share * more->tilt));
+    quality->aspiration = fmin(1, quality->aspiration + share * more->aspiration);
+    quality->jitter = fmin(QUALITY_JITTER_MAX, quality->jitter + share * more->jitter);
+    quality->shimmer = fmin(QUALITY_SHIMMER_MAX, quality->shimmer + share * more->shimmer);
+    quality->flutter = fmin(QUALITY_FLUTTER_MAX, quality->flutter + share * more->flutter);
+    quality->tremor = fmin(QUALITY_TREMOR_MAX, quality->tremor + share * more->tremor);
+}
+
+bool score_quality_equal(const struct score_quality *a, const struct score_quality *b) {
+    return a->tilt == b->tilt && a->aspiration == b->aspiration && a->jitter == b->jitter &&
+           a->shimmer == b->shimmer && a->flutter == b->flutter && a->tremor == b->tremor;
+}
+
 const struct score_style score_plain_style = {.rate = 1, .pitch = 1, .range = 1, .volume = 1};
 
 /* Arena for the strings and styles of a score, freed as a whole. */

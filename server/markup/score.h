@@ -27,6 +27,27 @@ struct score_emotion {
     double intensity; /* 0..1 */
 };
 
+/* Departure of a voice from its own quality, imposed on its samples (voice/voice_quality.h); all 0 = none. */
+struct score_quality {
+    double tilt;       /* dB per octave; negative: softer, positive: tenser */
+    double aspiration; /* 0..1: share of breath in the energy of voiced sounds; 1 = a whisper */
+    double jitter;     /* mean difference of successive periods, as a share of a period */
+    double shimmer;    /* mean difference of successive peaks, dB */
+    double flutter;    /* slow movement of the pitch, as a share of it */
+    double tremor;     /* the same of the amplitude */
+};
+
+/* Greatest values that a text or an expression may ask for. */
+#define QUALITY_TILT_MAX 6
+#define QUALITY_JITTER_MAX 0.05
+#define QUALITY_SHIMMER_MAX 3
+#define QUALITY_FLUTTER_MAX 0.08
+#define QUALITY_TREMOR_MAX 0.5
+
+/* Adds share times more to *quality, within these limits. */
+void score_quality_add(struct score_quality *quality, const struct score_quality *more, double share);
+bool score_quality_equal(const struct score_quality *a, const struct score_quality *b);
+
 /* How to say a stretch. Factors multiply the voice's own values; 1 = unchanged.
  *
  * say_as has one form for all markups, CLASS or CLASS:FORMAT:
@@ -50,6 +71,7 @@ struct score_style {
     const char *lexicons; /* names of lexicons to look words up in first (SSML's lookup), each followed by a
                              line end, by precedence; NULL = none */
     struct score_emotion emotion;
+    struct score_quality quality;
 };
 
 /* Something to show, and hear in the voice, over a stretch: an affect, a performative, an emphasis... The

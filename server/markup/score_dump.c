@@ -17,6 +17,15 @@ static void add_style(const struct score_style *s, struct buf *out) {
     for (size_t i = 0; i < sizeof factors / sizeof *factors; i++)
         if (factors[i].value != 1)
             buf_printf(out, " %s=%.3g", factors[i].name, factors[i].value);
+    const struct {
+        const char *name;
+        double value;
+    } quality[] = {{"tilt", s->quality.tilt},       {"aspiration", s->quality.aspiration},
+                   {"jitter", s->quality.jitter},   {"shimmer", s->quality.shimmer},
+                   {"flutter", s->quality.flutter}, {"tremor", s->quality.tremor}};
+    for (size_t i = 0; i < sizeof quality / sizeof *quality; i++)
+        if (quality[i].value != 0)
+            buf_printf(out, " %s=%.3g", quality[i].name, quality[i].value);
     if (s->emphasis != EMPHASIS_NONE)
         buf_printf(out, " emphasis=%s", levels[s->emphasis]);
 }

@@ -12,7 +12,7 @@ static const char blocks[] = " address article aside blockquote body center dd d
                              "form h1 h2 h3 h4 h5 h6 head header hgroup hr html legend li main nav ol p para "
                              "pre s section sent sentence "
                              "speak summary table tbody tfoot thead title tr ul apml jsml emotionml bml fml "
-                             "performative turnallocation ";
+                             "performative turnallocation vsml ";
 static const char lines[] = " br td th option break audio img mark wbr input button ";
 static const char inlines[] =
     " a abbr acronym b bdi bdo big cite code data del dfn em font i ins kbd label q ruby rt rp samp small "

@@ -61,7 +61,7 @@ static bool same_style(const struct score_style *a, const struct score_style *b)
     return same(a->lang, b->lang) && same(a->voice, b->voice) && same(a->gender, b->gender) &&
            a->rate == b->rate && a->pitch == b->pitch && a->range == b->range && a->volume == b->volume &&
            a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes) &&
-           same(a->lexicons, b->lexicons);
+           same(a->lexicons, b->lexicons) && score_quality_equal(&a->quality, &b->quality);
 }
 
 static void take_common(struct markup_reader *r, struct tag *tag) {

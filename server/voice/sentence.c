@@ -7,6 +7,7 @@
 #include "server/voice/assembly.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/sound_reader.h"
+#include "server/voice/voice_quality.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -336,6 +337,26 @@ static struct sentence_audio *sentence_silence(struct sentence *s, const struct 
     return u;
 }
 
+/* Changes the samples of words whose style asks for another quality of the voice. */
+static void change_quality(const struct sentence *s, struct sentence_audio *u) {
+    const struct score_sentence *whole = &s->request.score->sentences[s->request.sentence];
+    for (size_t i = whole->first, next; i < whole->first + whole->count; i = next) {
+        const struct score_quality *quality = &sentence_item(s, i)->style->quality;
+        uint32_t from = UINT32_MAX, to = 0;
+        for (next = i + 1; next < whole->first + whole->count; next++)
+            if (!score_quality_equal(&sentence_item(s, next)->style->quality, quality))
+                break;
+        for (size_t w = 0; w < u->word_count; w++)
+            if (u->words[w].to > sentence_item(s, i)->start &&
+                u->words[w].from < sentence_item(s, next - 1)->end) {
+                from = u->words[w].start < from ? u->words[w].start : from;
+                to = u->words[w].end > to ? u->words[w].end : to;
+            }
+        if (u->pcm && from < to)
+            voice_quality_apply(u->pcm, u->samples, u->sample_rate, from, to, quality);
+    }
+}
+
 /* Joins the audio of all parts, which it takes over. */
 static struct sentence_audio *sentence_gather(struct sentence *s) {
     struct join_piece *pieces = mem_alloc(s->count * sizeof *pieces);
@@ -360,6 +381,7 @@ static struct sentence_audio *sentence_gather(struct sentence *s) {
     u->from = s->cues.from;
     u->to = s->cues.to;
     cue_times_set(u, &s->cues);
+    change_quality(s, u);
     return u;
 }
 

@@ -3,6 +3,7 @@
  * generation", in Prendinger and Ishizuka (eds.), Life-like Characters, Springer 2004, and its public DTD.
  * Documents that violate the DTD are read as far as possible. */
 #include "server/markup/languages/bml.h"
+#include "server/markup/languages/voqual.h"
 #include "server/markup/styles.h"
 #include <stdio.h>
 #include <string.h>
@@ -136,6 +137,18 @@ static void begin_part(struct markup_reader *r, struct tag *tag) {
     take_mind(tag, &t);
 }
 
+/* The APML of Festival's Italian voices (festlex-ifd, apml.dtd) has affects as elements. */
+static void begin_affective(struct markup_reader *r, struct tag *tag) {
+    struct timing t = take_timing(tag);
+    const char *type = tag_take(tag, "type"), *level = tag_take(tag, "level");
+    if (level && !quantity_plain(level, 0, 1, &t.intensity))
+        tag_bad(tag, "level", "is not from 0 to 1");
+    if (!type || !*type)
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "an affective needs a type");
+    else
+        cue(tag, "affect", type, &t, 1);
+}
+
 static void begin_performative(struct markup_reader *r, struct tag *tag) {
     (void)r;
     struct timing t = take_timing(tag);
@@ -240,6 +253,7 @@ static void begin_pause(struct markup_reader *r, struct tag *tag) {
 }
 
 static const struct element elements[] = {
+    {.name = "affective", .begin = begin_affective},
     {.name = "apml", .flags = ELEMENT_BOUNDARY},
     {.name = "backchannel", .flags = ELEMENT_BOUNDARY, .begin = begin_backchannel, .ignored = " type "},
     {.name = "boundary", .begin = begin_boundary},
@@ -249,10 +263,13 @@ static const struct element elements[] = {
     {.name = "performative", .flags = ELEMENT_BOUNDARY, .begin = begin_performative},
     {.name = "pitchaccent", .begin = bml_begin_accent},
     {.name = "rheme", .begin = begin_part},
+    {.name = "signalctrl", .begin = voqual_begin_signal},
     {.name = "simpleSignal", .flags = ELEMENT_SILENT, .begin = bml_begin_other},
     {.name = "theme", .begin = begin_part},
     {.name = "tm", .begin = bml_begin_point},
     {.name = "turnallocation", .flags = ELEMENT_BOUNDARY, .begin = begin_turn},
+    {.name = "voqual", .begin = voqual_begin},
+    {.name = "vsml", .flags = ELEMENT_BOUNDARY},
 };
 
 const struct vocabulary apml_vocabulary = {.root = "apml",
