@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia anova: tests whether the conditions of a listening test differ. */
+#include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/research/listening/results.h"
+#include "server/research/listening/results_plot.h"
+#include <errno.h>
 #include <getopt.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char usage[] = "Usage: faccia anova (--csv FILE... | --means FILE)\n"
                             "Analyses the variance of a listening test (one-way): at each signal-to-noise "
@@ -16,6 +21,10 @@ static const char usage[] = "Usage: faccia anova (--csv FILE... | --means FILE)\
                             "                     may be repeated, one file for each listener\n"
                             "  -m, --means FILE   instead: CSV with the columns snr, mode, mean, variance, n "
                             "of the listeners' proportions correct\n"
+                            "  -p, --plot FOLDER  draw correct.svg there: the share of correct answers by "
+                            "ratio, with standard errors; and, from\n"
+                            "                     answers, listeners.svg: least, quartiles, median and "
+                            "greatest of the listeners' shares\n"
                             "  -h, --help         print this and exit\n"
                             "FILE - is standard input. Exit status: 0 analysed, 1 failed, 2 wrong usage.\n";
 
@@ -79,6 +88,35 @@ static void print_results(const struct results *r) {
     }
 }
 
+static int write_plot(const char *folder, const char *name, const struct results *results,
+                      void (*draw)(const struct results *results, struct buf *out)) {
+    char *path = mem_alloc(strlen(folder) + strlen(name) + 2);
+    struct buf svg = {0};
+    struct cli_file out;
+    sprintf(path, "%s/%s", folder, name);
+    int failed = cli_create(&out, path);
+    if (!failed) {
+        draw(results, &svg);
+        fwrite(svg.data, 1, svg.size, out.file);
+        failed = cli_finish(&out, true);
+    }
+    buf_free(&svg);
+    free(path);
+    return failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+static int draw(const char *folder, const struct results *results) {
+    struct stat info;
+    if (mkdir(folder, 0777) && (errno != EEXIST || stat(folder, &info) || !S_ISDIR(info.st_mode))) {
+        cli_complain("--plot: cannot make the folder %s", folder);
+        return EXIT_FAILED;
+    }
+    int status = write_plot(folder, "correct.svg", results, results_plot_correct);
+    return status || !results->cells[0].shares
+               ? status
+               : write_plot(folder, "listeners.svg", results, results_plot_listeners);
+}
+
 static int wrong(const char *why) {
     if (why)
         cli_complain("%s", why);
@@ -89,14 +127,19 @@ static int wrong(const char *why) {
 int anova_main(int argc, char **argv, const struct settings *settings) {
     (void)settings;
     static const struct option options[] = {
-        {"csv", 1, NULL, 'c'}, {"means", 1, NULL, 'm'}, {"help", 0, NULL, 'h'}, {0}};
+        {"csv", 1, NULL, 'c'}, {"means", 1, NULL, 'm'}, {"plot", 1, NULL, 'p'}, {"help", 0, NULL, 'h'}, {0}};
     struct votes votes = {0};
     struct results results = {0};
+    const char *plot = NULL;
     int status = EXIT_DONE, csv = 0, means = 0;
-    for (int c; !status && (c = getopt_long(argc, argv, "c:m:h", options, NULL)) != -1;) {
+    for (int c; !status && (c = getopt_long(argc, argv, "c:m:p:h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             goto end;
+        }
+        if (c == 'p') {
+            plot = optarg;
+            continue;
         }
         csv += c == 'c';
         means += c == 'm';
@@ -118,6 +161,7 @@ int anova_main(int argc, char **argv, const struct settings *settings) {
             results_from_votes(&votes, &results);
         if (results.count) {
             print_results(&results);
+            status = plot ? draw(plot, &results) : EXIT_DONE;
         } else {
             cli_complain("it contains no results");
             status = EXIT_FAILED;

@@ -175,6 +175,9 @@ static int read_name(const struct csv *csv, size_t column, const char *what, cha
     if (!*text || strlen(text) >= RESULTS_NAME_BYTES)
         return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "%s must have 1 to %d bytes", what,
                              RESULTS_NAME_BYTES - 1);
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 127)
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "%s contains a control character", what);
     memcpy(out, text, strlen(text) + 1);
     return 0;
 }
@@ -244,6 +247,11 @@ static struct result_cell *add_cell(struct results *r, double snr, const char *m
     return &r->cells[at];
 }
 
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 void results_from_votes(const struct votes *votes, struct results *out) {
     double *shares = mem_alloc((votes->count + 1) * sizeof *shares);
     for (size_t i = 0; i < votes->count; i++) {
@@ -256,7 +264,11 @@ void results_from_votes(const struct votes *votes, struct results *out) {
             if (other->snr == v->snr && !strcmp(other->mode, v->mode))
                 shares[n++] = (double)other->right / other->answers;
         }
-        add_cell(out, v->snr, v->mode)->group = anova_group(shares, n);
+        struct result_cell *cell = add_cell(out, v->snr, v->mode);
+        qsort(shares, n, sizeof *shares, compare);
+        cell->group = anova_group(shares, n);
+        cell->shares = mem_alloc(n * sizeof *shares);
+        memcpy(cell->shares, shares, n * sizeof *shares);
     }
     free(shares);
 }
@@ -290,6 +302,8 @@ int results_read_means(const char *text, size_t size, struct results *out, struc
 }
 
 void results_free(struct results *results) {
+    for (size_t i = 0; i < results->count; i++)
+        free(results->cells[i].shares);
     free(results->cells);
     *results = (struct results){0};
 }

@@ -38,6 +38,7 @@ struct result_cell {
     double snr; /* dB */
     char mode[RESULTS_NAME_BYTES];
     struct anova_group group; /* proportions correct by listener */
+    double *shares;           /* those proportions, ascending; NULL if only their mean is known */
 };
 
 /* Sorted by descending ratio; modes in order of first appearance. Begins zeroed. */

@@ -97,6 +97,9 @@ test('runs a listener through all blocks and analyses the answers', async () => 
   await page.goto(`file://${kit}/index.html?quality=low`);
   await page.fill('[name="listener"]', 'Anna, 1');
   await page.click('#welcome button');
+  assert.equal(await page.isVisible('#welcome'), true, 'not without consent');
+  await page.check('#consent input');
+  await page.click('#welcome button');
   const watched = [];
   for (let block = 0; block < 5; block++) {
     await page.waitForSelector('#pause button', { timeout: 90000 });
@@ -108,7 +111,13 @@ test('runs a listener through all blocks and analyses the answers', async () => 
         fs.mkdirSync(artefacts, { recursive: true });
         await page.screenshot({ path: path.join(artefacts, `stimuli-${block}.png`) });
       }
-      await page.click('#answer button');
+      await page.focus('#answer button');
+      await page.keyboard.type('lal');
+      assert.equal(await page.inputValue('[name=word]:checked'), 'lala', 'its first letters choose a word');
+      await page.waitForTimeout(1100);
+      await page.keyboard.type('p');
+      assert.equal(await page.inputValue('[name=word]:checked'), 'papa');
+      await page.keyboard.press('Enter');
     }
   }
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#done button')]);
@@ -151,6 +160,7 @@ test('repeats a word whose sound or film stalls, then skips it', async () => {
   try {
     await visitor.goto(`${server.url}/?patience=3`);
     await visitor.fill('[name="listener"]', 'Anna');
+    await visitor.check('#consent input');
     await visitor.click('#welcome button');
     for (let state; state !== 'done'; ) {
       state = await visitor.waitForFunction(() => {

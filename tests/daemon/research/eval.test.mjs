@@ -188,6 +188,36 @@ test('analyses answers', () => {
   assert.match(stdout, /-18 +audio = face +1 +6 +96\.0000 +<0\.001/);
 });
 
+test('draws the shares of correct answers, and of each listener', () => {
+  const shares = { '-12': { audio: [0.1, 0.2, 0.3, 0.4, 0.5], face: [0.5, 0.6, 0.7, 0.8, 0.9] }, '-24': { audio: [0, 0, 0, 0.1, 0.1], face: [0.2, 0.2, 0.3, 0.3, 0.4] } };
+  const lines = ['listener,mode,snr,correct'];
+  for (const [snr, modes] of Object.entries(shares))
+    for (const [mode, list] of Object.entries(modes))
+      for (const [listener, share] of list.entries()) for (let i = 0; i < 10; i++) lines.push(`l${listener},${mode},${snr},${Number(i < Math.round(10 * share))}`);
+  const { status, stderr } = faccia(['anova', '--csv', '-', '--plot', file('charts')], { input: lines.join('\n') });
+  assert.equal(status, 0, stderr);
+  const correct = fs.readFileSync(file('charts/correct.svg'), 'utf8'), listeners = fs.readFileSync(file('charts/listeners.svg'), 'utf8');
+  for (const name of ['correct.svg', 'listeners.svg']) fs.copyFileSync(file(`charts/${name}`), path.join(artefacts, `anova-${name}`));
+  assert.equal(correct.match(/V[\d.]+M[\d.]+ [\d.]+h10/g).length, 4, 'four means with their errors');
+  const boxes = [...listeners.matchAll(/<path d="M[\d.]+ ([\d.]+)h[\d.]+M[\d.]+ [\d.]+V([\d.]+)M[\d.]+ ([\d.]+)V([\d.]+)M.*\n<rect .*\n<path d="M[\d.]+ ([\d.]+)h/g)].map((m) => m.slice(1).map(Number));
+  assert.equal(boxes.length, 4);
+  // heights in the chart, back into shares: 300 pixels for 105 %
+  const share = (y) => (1 - (y - 66) / 300) * 1.05;
+  const seen = boxes.map((box) => box.map((y) => Math.round(1000 * share(y)) / 1000)); // least, lower quartile, upper quartile, greatest, median
+  for (const [i, wanted] of [[0.1, 0.2, 0.4, 0.5, 0.3], [0.5, 0.6, 0.8, 0.9, 0.7], [0, 0, 0.1, 0.1, 0], [0.2, 0.2, 0.3, 0.4, 0.3]].entries())
+    for (const [k, value] of wanted.entries()) assert.ok(Math.abs(seen[i][k] - value) < 0.002, `${seen[i]} for ${wanted}`);
+  const table = faccia(['anova', '--means', '-', '--plot', file('table')], { input: means });
+  assert.equal(table.status, 0, table.stderr);
+  assert.deepEqual(fs.readdirSync(file('table')), ['correct.svg']);
+  assert.match(faccia(['anova', '--means', '-', '--plot', '/dev/null'], { input: means }).stderr, /cannot make the folder/);
+});
+
+test('refuses names that cannot be drawn', () => {
+  const { status, stderr } = faccia(['anova', '--csv', '-'], { input: 'listener,mode,snr,correct\nl,"a\tb",0,1\n' });
+  assert.equal(status, 1);
+  assert.match(stderr, /mode contains a control character/);
+});
+
 const wrong = [
   [['eval'], 2, /no text/],
   [['eval', '--rates', '80,', 'a'], 2, /--rates: must be/],
