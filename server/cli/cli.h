@@ -109,6 +109,7 @@ int eval_main(int argc, char **argv, const struct settings *settings);
 int stimuli_main(int argc, char **argv, const struct settings *settings);
 int anova_main(int argc, char **argv, const struct settings *settings);
 int speaker_main(int argc, char **argv, const struct settings *settings);
+int session_main(int argc, char **argv, const struct settings *settings);
 int corpus_main(int argc, char **argv, const struct settings *settings);
 int visemes_main(int argc, char **argv, const struct settings *settings);
 int fit_main(int argc, char **argv, const struct settings *settings);

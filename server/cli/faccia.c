@@ -27,6 +27,7 @@ static const struct {
     {"fit", fit_main, "create a speech pack from recordings of a speaker"},
     {"corpus", corpus_main, "choose sentences that cover a language's sounds, to be recorded"},
     {"visemes", visemes_main, "group the phones of a recorded speaker by the look of the lips"},
+    {"session", session_main, "record a speaker: the page that prompts, and the cutting of its takes"},
     {"speaker", speaker_main, "create a speech pack from a film of a speaker"},
 #endif
 #ifdef HAVE_LIBRARY

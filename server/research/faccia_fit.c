@@ -374,20 +374,3 @@ int fit_main(int argc, char **argv, const struct settings *settings) {
     free(f);
     return status;
 }
-
-/* faccia speaker: aligns, measures and fits films. The Node.js tool starts this program with its models. */
-int speaker_main(int argc, char **argv, const struct settings *settings) {
-    enum { ADDED = 4 };
-    char self[4096] = {0}, faccia[] = "--faccia", models[] = "--models",
-         *folder = mem_strdup(settings->models);
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    char **words = mem_alloc(((size_t)argc + ADDED) * sizeof *words);
-    if (length <= 0)
-        snprintf(self, sizeof self, "%s", "faccia");
-    memcpy(words, (char *[ADDED]){faccia, self, models, folder}, ADDED * sizeof *words);
-    memcpy(words + ADDED, argv + 1, (size_t)(argc - 1) * sizeof *words);
-    int status = cli_run_tool(settings, "lips/faccia-speaker", argv[0], argc - 1 + ADDED, words);
-    free(words);
-    free(folder);
-    return status;
-}

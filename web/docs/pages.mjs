@@ -56,6 +56,7 @@ export const included = {
   'research/benchmarks': { from: 'tests/bench/README.md' },
   'research/hearing': { from: 'models/hear/README.md' },
   'research/faults': { from: 'tests/chaos/README.md' },
+  'research/recording-sessions': { from: 'models/sessions/README.md' },
   'research/listening-tests': { from: 'models/stimuli/README.md' },
   changes: { from: 'CHANGELOG.md' },
 };

@@ -23,7 +23,7 @@ const USAGE = `Usage: make-set.mjs FOLDER -o SET.json [OPTION]...
        make-set.mjs VIDEO --times TIMES.json -o SET.json [OPTION]...
 Makes a set of pictures, which speaks where no head can be drawn, from photographs of a person. FOLDER has a photograph for each mouth, called as
 below: p1.jpg, sh1.png, a.webp; another try is p1-2.jpg, and the first one that is fit is taken. TIMES.json says when each is seen in a video, in
-seconds: {"rest": 0.4, "p1": [1.24, 7.9], "sh1": 3.1}; videos are read by ffmpeg.
+seconds: {"rest": 0.4, "p1": [1.24, 7.9], "sh1": 3.1}, or TIMES.TextGrid has intervals or points of these names; videos are read by ffmpeg.
 
       -o, --output FILE     what is written
           --times FILE      of a video

@@ -39,7 +39,38 @@ function frameAt(video, seconds) {
   return bytes.length ? bytes : null;
 }
 
+function readGrid(file) {
+  try {
+    const bytes = fs.readFileSync(file);
+    return bytes[0] === 0xfe && bytes[1] === 0xff ? bytes.swap16().toString('utf16le') : bytes[0] === 0xff && bytes[1] === 0xfe ? bytes.toString('utf16le') : bytes.toString();
+  } catch (error) {
+    throw new SourceError(`${file}: ${error.message}`);
+  }
+}
+
+/** Times of a PRAAT TextGrid (long or short form): the middle of each interval, and each point, that is named after a viseme. Others are ignored. */
+function timesOfGrid(file, text, nameOf) {
+  if (!/^\ufeff?\s*File type\s*=\s*"ooTextFile/.test(text)) throw new SourceError(`${file}: no TextGrid`);
+  const tokens = [...text.matchAll(/"((?:[^"]|"")*)"|(?<![\w\[])(-?\d+(?:\.\d+)?(?:e-?\d+)?)(?![\w\]])/g)].map(([, word, number]) => (word === undefined ? Number(number) : word.replaceAll('""', '"')));
+  const times = [];
+  let tier = null;
+  let numbers = [];
+  for (const token of tokens) {
+    if (typeof token === 'number') numbers.push(token);
+    else {
+      const name = nameOf(token);
+      if (name && tier === 'IntervalTier' && numbers.length >= 2) times.push({ name, seconds: (numbers.at(-2) + numbers.at(-1)) / 2 });
+      else if (name && tier === 'TextTier' && numbers.length) times.push({ name, seconds: numbers.at(-1) });
+      if (token === 'IntervalTier' || token === 'TextTier') tier = token;
+      numbers = [];
+    }
+  }
+  if (!times.length) throw new SourceError(`${file}: no interval is named after a viseme or pose`);
+  return times;
+}
+
 function timesOf(file, nameOf) {
+  if (/\.textgrid$/i.test(file)) return timesOfGrid(file, readGrid(file), nameOf);
   let times;
   try {
     times = JSON.parse(fs.readFileSync(file, 'utf8'));
