@@ -27,7 +27,7 @@ const turns = new Turns(); // of all heads in the page
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
     ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'pictures', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
-    'rate', 'polite', 'for', 'backdrop',
+    'rate', 'polite', 'for', 'backdrop', 'partner', 'persona',
   ];
 
   #opened = false;
@@ -146,6 +146,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     if (MODEL_ATTRIBUTES.includes(name)) this.#session.modelChanged();
     if (name === 'captions') this.#showCaptions();
     if (name === 'still' || name === 'turn') this.#presentation.motionChanged();
+    if (name === 'partner' || name === 'persona') this.#presentation.seat.changed();
     if (name === 'life') this.#presentation.idleChanged();
     if (name === 'expression') this.#express();
     if (name === 'rate' && this.rate) this.#speech.setRate(this.rate);
@@ -455,6 +456,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       const { recital } = this.#session;
       this.#controls.offerPlay(Boolean(recital?.recording), this.#speech.busy && !this.#speech.paused);
     }
+    if (type === 'sentence') this.#presentation.seat.sentence(detail.text, performance.now());
+    if (type === 'end' && !this.#speech.busy) this.#presentation.seat.sentence('', performance.now());
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 

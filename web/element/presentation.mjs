@@ -2,8 +2,10 @@
 import { CaptionView } from './captions/view.mjs';
 import { Attention } from './face/attention.mjs';
 import { FaceMixer, faceValues } from './face/face-mixer.mjs';
+import { FAP_VALUES } from './face/face-track.mjs';
 import { IdleController } from './face/idle.mjs';
 import { Orbit } from './orbit.mjs';
+import { Seat } from './scene.mjs';
 import { Stage } from './stage/stage.mjs';
 import { Visibility } from './visibility.mjs';
 
@@ -16,6 +18,8 @@ export class Presentation {
   #mixer = new FaceMixer();
   #attention = new Attention();
   #shown = this.#mixer.values; // drawn last
+  #values = new Float32Array(FAP_VALUES); // drawn in company
+  #accompanied = false; // whether company moves it
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
   /**
@@ -27,6 +31,7 @@ export class Presentation {
   constructor(element, root, { controls, poster, speech }, { send, trouble, unfit }) {
     this.element = element;
     this.speech = speech;
+    this.seat = new Seat(element, speech, () => this.stage.wake());
     this.idle = new IdleController(send, () => this.idleChanged());
     this.visibility = new Visibility(root.querySelector('.layout'), () => this.#visibilityChanged());
     this.captions = new CaptionView(root.querySelector('.captions'));
@@ -50,11 +55,13 @@ export class Presentation {
     this.motionChanged();
     this.visibility.open();
     this.captions.open();
+    this.seat.open();
     this.#ticking = setInterval(() => this.#tick(performance.now()), TICK_MS);
   }
 
   close() {
     clearInterval(this.#ticking);
+    this.seat.close();
     this.#reducedMotion.removeEventListener('change', this.motionChanged);
     this.visibility.close();
     this.captions.close();
@@ -71,6 +78,7 @@ export class Presentation {
   /** Something has changed. */
   wake() {
     this.stage.wake();
+    this.seat.wakePartners();
   }
 
   /** Something has changed that a posed face does not show. */
@@ -133,7 +141,7 @@ export class Presentation {
   }
 
   debug(now) {
-    const heard = this.speech.heard(now);
+    const { heard } = this.seat.heard(now);
     return {
       ...this.stage.debug,
       running: heard?.running ?? false,
@@ -160,25 +168,35 @@ export class Presentation {
   /** @returns {boolean} whether the captions have changed */
   #hear(now) {
     this.speech.tick(now);
-    const { captions, options, speaker } = this.speech.heard(now)?.utterance ?? {};
+    const { captions, options, speaker } = this.seat.heard(now).heard?.utterance ?? {};
     return this.captions.show(captions?.lineOf(this.captions.size) ?? null, options?.lang, speaker?.name);
   }
 
   #frame(now, ahead) {
-    const heard = this.speech.heard(now, ahead / 1000);
+    const { heard, listens } = this.seat.heard(now, ahead / 1000);
     const { face } = this.idle;
-    if (heard?.running) face.leave();
-    const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
+    const rests = heard?.running || (listens && this.speech.busy); // idle movement pauses during the head's own utterances
+    if (rests) face.leave();
+    const idle = rests ? null : face.at(now / 1000, ahead / 1000);
     const changed = this.#mixer.update(now, heard && { ...heard, still: heard.utterance.options?.still === true }, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
     const changing = this.#mixer.changing(now);
     const turning = this.orbit.update(now / 1000);
-    const speaks = this.speech.busy || changing;
+    const values = this.#inCompany(now, Boolean(idle));
+    const speaks = this.seat.busy || changing;
     const held = this.#mixer.pose && !changing; // overrides speech
     const attends = !heard?.running && !this.#mixer.pose && this.#attention.active(now);
-    const values = attends ? this.#attention.apply(this.#mixer.values, now) : this.#mixer.values;
-    const more = attends || changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
-    this.#shown = values;
-    return { values, turned: this.orbit.turned, more, calm: !speaks && !turning };
+    this.#shown = attends ? this.#attention.apply(values, now) : values;
+    const more = attends || changed || turning || this.#accompanied || (!held && (speaks || (idle && !this.#mixer.still)));
+    return { values: this.#shown, turned: this.orbit.turned, more, calm: !speaks && !turning };
+  }
+
+  /** The face with what its company adds to it, unless it is posed or keeps still. */
+  #inCompany(now, idles) {
+    this.#accompanied = false;
+    if (this.seat.alone || this.#mixer.still || this.#mixer.pose) return this.#mixer.values;
+    this.#values.set(this.#mixer.values);
+    this.#accompanied = this.seat.add(now, this.#values, idles);
+    return this.#values;
   }
 }

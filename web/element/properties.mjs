@@ -44,7 +44,7 @@ const onOff = (name, without) => ({
 });
 
 const PROPERTIES = {
-  ...Object.fromEntries(['src', 'audio', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'label', 'poster', 'backdrop', 'view'].map((name) => [name, string(name)])),
+  ...Object.fromEntries(['src', 'audio', 'for', 'model', 'avatar', 'pictures', 'quality', 'room', 'token', 'label', 'poster', 'backdrop', 'view', 'partner', 'persona'].map((name) => [name, string(name)])),
   ...Object.fromEntries(Object.entries(SPEAK_ATTRIBUTES).filter(([name]) => name !== 'lang').map(([name, { type }]) =>
     [name, type === Number ? number(name, (value) => value >= 0) : string(name)])),
   rate: number('rate', (value) => value > 0),

@@ -717,6 +717,10 @@ export interface TalkingHeadAttributes {
   backdrop?: string | null;
   view?: 'face' | 'bust' | 'mouth' | null;
   quality?: 'auto' | 'high' | 'low' | 'pictures' | null;
+  /** The id of the head whose speech it shares. */
+  partner?: string | null;
+  /** The ids of the speakers that it shows. */
+  persona?: string | null;
   room?: string | null;
   /** Only looks on; a text that is neither on nor off is the name by which others who look on know it. */
   watch?: boolean | string | null;
@@ -771,6 +775,10 @@ export class TalkingHead extends HTMLElement {
   poster: string | null;
   view: 'face' | 'bust' | 'mouth' | null;
   quality: 'auto' | 'high' | 'low' | 'pictures' | null;
+  /** The id of the head whose speech it shares, see `persona`. */
+  partner: string | null;
+  /** The ids of the speakers that it shows, separated by spaces, in a scene with partners. */
+  persona: string | null;
   room: string | null;
   /** Only to look on in the room: one does not count as a listener. */
   watch: boolean;

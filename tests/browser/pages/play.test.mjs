@@ -82,3 +82,44 @@ test('stage directions and names are read by a narrator when that is chosen', as
   await page.uncheck('#faces');
   assert.equal(await page.evaluate(() => document.getElementById('head').getAttribute('model')), null);
 });
+
+test('two who talk are shown side by side: each says its own words, and the other looks at it', async () => {
+  const scene = await browser.newPage({ viewport: { width: 1200, height: 800 }, locale: 'it-IT', serviceWorkers: 'block', reducedMotion: 'no-preference' });
+  scene.setDefaultTimeout(90000);
+  await scene.addInitScript(() => localStorage.setItem('faccia.roles', JSON.stringify({ faces: true, pair: true, directions: false, names: false })));
+  await scene.goto(`${daemon.url}/library.html#la-chiave:2`);
+  await scene.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#portrait talking-head').length === 2);
+  const cast = Object.fromEntries((await (await daemon.get('/v1/library/works/la-chiave/cast')).json()).cast.map((member) => [member.id, member]));
+  const seats = () => scene.$$eval('#portrait talking-head', (heads) => heads.map(({ persona, model }) => [persona, model]));
+  assert.deepEqual(await seats(), ['lisetta', 'anselmo'].map((id) => [id, cast[id].head])); // before anybody speaks
+  assert.deepEqual(await scene.$$eval('#portrait > .who', (names) => names.map(({ textContent }) => textContent)), ['Lisetta', 'Anselmo']);
+  await scene.waitForFunction(() => document.getElementById('head-partner').debug?.().connection === 'open');
+  await scene.evaluate(() => {
+    globalThis.seen = { lisetta: [], anselmo: [] };
+    let who = null;
+    const heads = document.querySelectorAll('#portrait talking-head');
+    heads[0].addEventListener('speaker', ({ detail }) => (who = detail.speaker));
+    heads[0].addEventListener('word', () => globalThis.seen[who]?.push({ faps: [...heads].map((head) => head.debug().fapValues), captions: [...heads].map((head) => head.shadowRoot.querySelector('.captions').textContent) }));
+  });
+  await scene.click('#play');
+  await scene.waitForFunction(() => document.querySelector('#portrait > .who:last-child').classList.contains('speaks'));
+  await scene.screenshot({ path: path.join(artefacts, 'scene.png') });
+  await scene.waitForFunction(() => globalThis.seen.anselmo.length > 8);
+  await scene.keyboard.press('Escape');
+  const { lisetta, anselmo } = await scene.evaluate(() => globalThis.seen);
+  const most = (list, of, faps) => Math.max(...list.flatMap((at) => faps.map((n) => Math.abs(at.faps[of][n]))));
+  for (const [list, speaks] of [[lisetta, 0], [anselmo, 1]]) {
+    const tail = list.slice(3); // after the change
+    assert.ok(most(tail, speaks, [3, 4, 5, 8, 9]) > 60, 'the lips of who speaks move');
+    assert.ok(most(tail, 1 - speaks, [3, 4, 5, 8, 9]) < 60, `those of the other do not: ${most(tail, 1 - speaks, [3, 4, 5, 8, 9])}`);
+    const { captions } = tail.at(-1); // the other's last words have gone by then
+    assert.ok(captions[speaks] && !captions[1 - speaks], JSON.stringify(captions));
+  }
+  const yaw = anselmo.at(-1).faps.map((faps) => faps[49] / 1745);
+  assert.ok(yaw[0] > 4 && yaw[0] < 16, `Lisetta, on the left, has turned right: ${yaw}`);
+  assert.ok(anselmo.at(-1).faps[0][23] > 0, 'and looks there');
+  await scene.click('#roles summary');
+  await scene.uncheck('#pair');
+  assert.deepEqual(await scene.$$eval('#portrait talking-head', (heads) => heads.map(({ persona }) => persona)), [null]);
+  await scene.close();
+});

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 // A play: who speaks, with which face, and whether stage directions and names are spoken.
 import { forGood } from '../shared/storage.js';
+import { Pair } from './pair.js';
 
 const KEY = 'faccia.roles';
-const OPTIONS = ['faces', 'directions', 'names'];
+const OPTIONS = ['faces', 'pair', 'directions', 'names'];
 const $ = (id) => document.getElementById(id);
 
 /** Whether loading several heads asks too much of this device or its connection. */
 const isWeak = () => navigator.connection?.saveData || (navigator.deviceMemory ?? 8) <= 2;
+
+/** Whether drawing two heads at once does, or there is no room for them. */
+const isSlow = () => isWeak() || (navigator.hardwareConcurrency ?? 8) <= 2 || matchMedia('(max-width: 52rem)').matches;
 
 function keptOptions() {
   try {
@@ -23,6 +27,8 @@ export class Roles {
   #voices = new Map();
   #work = null;
   #who = null;
+  #section = null;
+  #pair;
 
   /**
    * @param {import('../shared/frame.js').Frame} frame @param {HTMLElement} passage
@@ -30,7 +36,8 @@ export class Roles {
    */
   constructor(frame, passage, load) {
     Object.assign(this, { frame, head: frame.head, passage, load });
-    const kept = { faces: !isWeak(), ...keptOptions() };
+    this.#pair = new Pair(this.head);
+    const kept = { faces: !isWeak(), pair: !isSlow(), ...keptOptions() };
     for (const name of OPTIONS) {
       $(name).checked = Boolean(kept[name]);
       $(name).addEventListener('change', () => this.#chosen());
@@ -54,6 +61,17 @@ export class Roles {
     if (section.work.id !== this.#work || !plays) this.#leave();
     if (plays && section.work.id !== this.#work) await this.#enter(section.work.id);
     $('roles').hidden = !plays;
+    this.#section = plays ? section : null;
+    this.#seat();
+  }
+
+  /** Shows the first two who speak in the section, where two are shown. */
+  #seat() {
+    $('pair').disabled = !$('faces').checked;
+    this.#pair.show(Boolean(this.#section && this.#cast.size && $('faces').checked && $('pair').checked));
+    if (!this.#pair.on) return;
+    const ids = new Set(this.#section.blocks.flatMap(({ who }) => who?.split('+') ?? []));
+    this.#pair.seat([...ids].map((id) => this.#cast.get(id)).filter(Boolean));
   }
 
   async #enter(work) {
@@ -70,12 +88,13 @@ export class Roles {
     this.#cast.clear();
     this.#list();
     this.#name('');
-    this.head.model = null;
+    this.head.removeAttribute('model'); // its property would outlast what is set before the element's script has come
   }
 
   #chosen() {
     forGood.set(KEY, JSON.stringify(Object.fromEntries(OPTIONS.map((name) => [name, $(name).checked]))));
-    if (!$('faces').checked) this.head.model = null;
+    if (!$('faces').checked) this.head.removeAttribute('model');
+    this.#seat();
     this.#mark();
   }
 
@@ -90,14 +109,19 @@ export class Roles {
 
   #speaks(id, name = '') {
     const member = this.#cast.get(id) ?? (id ? null : this.#narrator);
-    this.#name(name);
     this.#who = id;
     for (const item of $('persons').children) item.toggleAttribute('aria-current', item.dataset.who === id);
+    if (this.#pair.on) {
+      const alone = this.#cast.get(id);
+      this.#pair.speak(id ? id.split('+').map((one) => this.#cast.get(one) ?? (alone && { ...alone, id: one })).filter(Boolean) : []);
+      return;
+    }
+    this.#name(name);
     if ($('faces').checked && this.#cast.size && member?.head && this.head.model !== member.head) this.head.model = member.head;
   }
 
   #name(name) {
-    $('who').textContent = name;
+    if (!this.#pair.on) $('who').textContent = name;
   }
 
   #list() {

@@ -202,7 +202,7 @@ export const library = {
   problems: 'Files with errors: {n}. List them with: faccia library.',
   alignWaits: 'The recording is waiting to be aligned with the text.', aligning: 'The recording is being aligned with the text.', alignFailed: 'The recording cannot be aligned with the text: {why}', differs: 'Where text and recording differ',
   unheard: 'not in the recording', perhapsUnheard: 'perhaps not in the recording', unwritten: '{n} s of the recording are not in the text', hearIt: 'Hear it in another voice',
-  roles: 'Characters', faces: 'A face for each', directions: 'Read stage directions', names: 'Read names',
+  roles: 'Characters', faces: 'A face for each', pair: 'The two who talk, side by side', directions: 'Read stage directions', names: 'Read names',
 };
 
 export const operator = {

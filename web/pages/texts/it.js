@@ -209,7 +209,7 @@ export const library = {
   problems: 'File non letti per intero: {n}. Li elenca: faccia library.',
   alignWaits: 'La registrazione attende di essere accostata al testo.', aligning: 'La registrazione viene accostata al testo.', alignFailed: 'La registrazione non si può accostare al testo: {why}', differs: 'Dove testo e registrazione differiscono',
   unheard: 'manca nella registrazione', perhapsUnheard: 'forse manca nella registrazione', unwritten: '{n} s della registrazione non sono nel testo', hearIt: 'Ascolta con un’altra voce',
-  roles: 'Personaggi', faces: 'Un volto per ciascuno', directions: 'Leggi le didascalie', names: 'Leggi i nomi',
+  roles: 'Personaggi', faces: 'Un volto per ciascuno', pair: 'I due che parlano, fianco a fianco', directions: 'Leggi le didascalie', names: 'Leggi i nomi',
 };
 
 export const operator = {

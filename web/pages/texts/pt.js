@@ -209,7 +209,7 @@ export const library = {
   problems: 'Arquivos não lidos por inteiro: {n}. Veja-os com: faccia library.',
   alignWaits: 'A gravação espera para ser alinhada ao texto.', aligning: 'A gravação está sendo alinhada ao texto.', alignFailed: 'A gravação não pode ser alinhada ao texto: {why}', differs: 'Onde texto e gravação diferem',
   unheard: 'falta na gravação', perhapsUnheard: 'talvez falte na gravação', unwritten: '{n} s da gravação não estão no texto', hearIt: 'Ouvir com outra voz',
-  roles: 'Personagens', faces: 'Um rosto para cada um', directions: 'Ler as rubricas', names: 'Ler os nomes',
+  roles: 'Personagens', faces: 'Um rosto para cada um', pair: 'Os dois que falam, lado a lado', directions: 'Ler as rubricas', names: 'Ler os nomes',
 };
 
 export const operator = {

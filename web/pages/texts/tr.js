@@ -209,7 +209,7 @@ export const library = {
   problems: '{n} dosya bütünüyle okunamadı: faccia library listeler.',
   alignWaits: 'Kayıt, metne yerleştirilmeyi bekliyor.', aligning: 'Kayıt metne yerleştiriliyor.', alignFailed: 'Kayıt metne yerleştirilemiyor: {why}', differs: 'Metinle kaydın ayrıldığı yerler',
   unheard: 'kayıtta yok', perhapsUnheard: 'belki kayıtta yok', unwritten: 'Kaydın {n} saniyesi metinde yok', hearIt: 'Başka bir sesle dinle',
-  roles: 'Kişiler', faces: 'Her birine bir yüz', directions: 'Sahne yönergelerini oku', names: 'Adları oku',
+  roles: 'Kişiler', faces: 'Her birine bir yüz', pair: 'Konuşan iki kişi yan yana', directions: 'Sahne yönergelerini oku', names: 'Adları oku',
 };
 
 export const operator = {
