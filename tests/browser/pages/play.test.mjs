@@ -14,7 +14,7 @@ let daemon, browser, page;
 before(async () => {
   fs.mkdirSync(path.join(folder, 'works'));
   fs.copyFileSync(path.join(root, 'models/library/la-chiave.xml'), path.join(folder, 'works/la-chiave.xml'));
-  daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index')]);
+  daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
   browser = await launch({ webgl: false });
   page = await browser.newPage({ viewport: { width: 1100, height: 800 }, locale: 'it-IT', serviceWorkers: 'block', reducedMotion: 'reduce' });
@@ -27,7 +27,7 @@ before(async () => {
     });
   });
   await page.goto(`${daemon.url}/library.html#la-chiave:2`);
-  await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 5);
+  await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 6);
 });
 after(async () => {
   await browser?.close();
@@ -122,4 +122,61 @@ test('two who talk are shown side by side: each says its own words, and the othe
   await scene.uncheck('#pair');
   assert.deepEqual(await scene.$$eval('#portrait talking-head', (heads) => heads.map(({ persona }) => persona)), [null]);
   await scene.close();
+});
+
+test('an editor decides how a person speaks, hears it, and saves it beside the work', async () => {
+  const edit = await browser.newPage({ viewport: { width: 1200, height: 900 }, locale: 'it-IT', serviceWorkers: 'block' });
+  edit.setDefaultTimeout(90000);
+  const file = path.join(folder, 'works/la-chiave.cast.json');
+  const saved = async (check) => {
+    await edit.click('#role button[type=submit]');
+    await edit.waitForFunction(() => document.getElementById('role-news').textContent.includes('la-chiave.cast.json'));
+    check(JSON.parse(fs.readFileSync(file, 'utf8')));
+    await edit.evaluate(() => (document.getElementById('role-news').textContent = ''));
+  };
+  const castNow = async () => (await daemon.get('/v1/library/works/la-chiave/cast')).json();
+  await edit.goto(`${daemon.url}/library.html#la-chiave:2`);
+  await edit.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 6);
+  await edit.waitForFunction(() => document.getElementById('voice').options.length > 2);
+  await edit.click('#roles summary');
+  const before = (await castNow()).cast.find(({ id }) => id === 'anselmo');
+  await edit.click('#persons li[data-who=anselmo] button');
+  await edit.waitForSelector('#role:not([hidden])');
+  assert.deepEqual(await edit.$eval('#role', ({ elements }) => [elements['role-voice'].value, elements['role-head'].value, elements['role-age'].value, Number(elements['role-rate'].value)]), [before.voice, before.head, 'old', before.rate]);
+  assert.deepEqual(await violations(edit), []);
+  await edit.screenshot({ path: path.join(artefacts, 'cast-editor.png') });
+  await edit.fill('#role-pitch', '0.7');
+  await edit.selectOption('#role-affect', 'sadness');
+  await edit.selectOption('#role-head', 'ettore');
+  await edit.evaluate(() => document.getElementById('head').addEventListener('speaker', ({ detail }) => (globalThis.tried = detail.speaker)));
+  await edit.click('#role-hear');
+  await edit.waitForFunction(() => globalThis.tried === 'anselmo');
+  await saved((text) => assert.deepEqual(text, { cast: { anselmo: { affect: 'sadness', head: 'ettore', pitch: 0.7 } } })); // only what was changed
+  let after = (await castNow()).cast.find(({ id }) => id === 'anselmo');
+  assert.deepEqual([after.pitch, after.affect, after.head, after.voice], [0.7, 'sadness', 'ettore', before.voice]);
+
+  await edit.click('#persons li:last-child button');
+  await edit.waitForFunction(() => document.querySelector('#role legend').textContent === 'Narratore');
+  await edit.fill('#role-rate', '0.9');
+  await saved((text) => assert.deepEqual([text.narrator, Object.keys(text.cast)], [{ rate: 0.9 }, ['anselmo']]));
+
+  await edit.click('#persons li[data-who=anselmo] button');
+  await edit.waitForFunction(() => document.getElementById('role-pitch').value === '0.7');
+  await edit.click('#role-reset');
+  await edit.waitForFunction(() => document.getElementById('role-news').textContent.includes('la-chiave.cast.json'));
+  assert.deepEqual(JSON.parse(fs.readFileSync(file, 'utf8')), { narrator: { rate: 0.9 } });
+  after = (await castNow()).cast.find(({ id }) => id === 'anselmo');
+  assert.deepEqual([after.pitch, after.head], [before.pitch, before.head]);
+  assert.equal(await edit.$eval('#role-head', ({ value }) => value), before.head);
+
+  fs.writeFileSync(file, '{"narrator":{"rate":0.8}}'); // another editor
+  await edit.evaluate(() => {
+    const ask = globalThis.fetch;
+    globalThis.fetch = (address, options) => (options?.method === 'PUT' ? Promise.resolve(new Response('{"type":"error","code":"forbidden","message":"no"}', { status: 403 })) : ask(address, options));
+  });
+  await edit.fill('#role-pitch', '0.8');
+  await edit.click('#role button[type=submit]');
+  await edit.waitForSelector('#problem *');
+  assert.deepEqual(JSON.parse(fs.readFileSync(file, 'utf8')), { narrator: { rate: 0.8 } });
+  await edit.close();
 });

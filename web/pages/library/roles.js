@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A play: who speaks, with which face, and whether stage directions and names are spoken.
+import { CastEditor } from './cast-editor.js';
 import { forGood } from '../shared/storage.js';
 import { Pair } from './pair.js';
 
@@ -26,23 +27,32 @@ export class Roles {
   #narrator = null;
   #voices = new Map();
   #work = null;
-  #who = null;
+  #who = undefined; // null: the narrator
   #section = null;
   #pair;
+  #editor;
 
   /**
    * @param {import('../shared/frame.js').Frame} frame @param {HTMLElement} passage
    * @param {(address: string) => Promise<object>} load
+   * @param {{file: () => string|null, quiet: () => void}} ports file(): of the work; quiet(): stops what is being read
    */
-  constructor(frame, passage, load) {
+  constructor(frame, passage, load, { file, quiet }) {
     Object.assign(this, { frame, head: frame.head, passage, load });
     this.#pair = new Pair(this.head);
+    this.#editor = new CastEditor(frame, passage, {
+      file,
+      quiet,
+      lang: () => this.#section?.work.lang ?? frame.lang,
+      voices: () => [...this.#voices.values()],
+      saved: (id) => this.#reload(id),
+    });
     const kept = { faces: !isWeak(), pair: !isSlow(), ...keptOptions() };
     for (const name of OPTIONS) {
       $(name).checked = Boolean(kept[name]);
       $(name).addEventListener('change', () => this.#chosen());
     }
-    this.head.addEventListener('begin', () => this.#speaks(null));
+    this.head.addEventListener('begin', () => this.#speaks(null, null));
     this.head.addEventListener('speaker', ({ detail }) => this.#speaks(detail.speaker || null, detail.name));
     for (const type of ['end', 'read']) this.head.addEventListener(type, () => this.#name(''));
     frame.onTranslate(() => this.#list());
@@ -74,6 +84,18 @@ export class Roles {
     this.#pair.seat([...ids].map((id) => this.#cast.get(id)).filter(Boolean));
   }
 
+  /** The cast has changed. @returns {Promise<object|undefined>} the member of that id */
+  async #reload(id) {
+    const work = this.#work;
+    if (work) await this.#enter(work);
+    this.#seat();
+    return id === null ? this.#narratorShown : this.#cast.get(id);
+  }
+
+  get #narratorShown() {
+    return { ...this.#narrator, id: null, name: this.frame.say('narrator') };
+  }
+
   async #enter(work) {
     this.#work = work;
     const cast = await this.load(`v1/library/works/${work}/cast`).catch(() => null);
@@ -86,6 +108,7 @@ export class Roles {
   #leave() {
     this.#work = null;
     this.#cast.clear();
+    this.#editor.close();
     this.#list();
     this.#name('');
     this.head.removeAttribute('model'); // its property would outlast what is set before the element's script has come
@@ -107,16 +130,17 @@ export class Roles {
     for (const element of this.passage.querySelectorAll('span.stage')) element.toggleAttribute('data-aside', !directions);
   }
 
-  #speaks(id, name = '') {
+  /** @param {string|null} id null: the narrator @param {string|null} name null: it is not known yet who speaks */
+  #speaks(id, name) {
     const member = this.#cast.get(id) ?? (id ? null : this.#narrator);
-    this.#who = id;
-    for (const item of $('persons').children) item.toggleAttribute('aria-current', item.dataset.who === id);
+    this.#who = name === null ? undefined : id;
+    for (const item of $('persons').children) item.toggleAttribute('aria-current', name !== null && item.dataset.who === (id ?? ''));
     if (this.#pair.on) {
       const alone = this.#cast.get(id);
       this.#pair.speak(id ? id.split('+').map((one) => this.#cast.get(one) ?? (alone && { ...alone, id: one })).filter(Boolean) : []);
       return;
     }
-    this.#name(name);
+    this.#name(name ?? '');
     if ($('faces').checked && this.#cast.size && member?.head && this.head.model !== member.head) this.head.model = member.head;
   }
 
@@ -127,13 +151,20 @@ export class Roles {
   #list() {
     const { say } = this.frame;
     const sex = { male: say('male'), female: say('female') };
-    $('persons').replaceChildren(...[...this.#cast.values()].map(({ id, name, about, voice, sex: is }) => {
+    const members = this.#cast.size ? [...this.#cast.values(), this.#narratorShown] : [];
+    $('persons').replaceChildren(...members.map((member) => {
+      const { id, name, about, voice, sex: is } = member;
       const item = document.createElement('li');
+      const button = document.createElement('button');
       const small = document.createElement('small');
-      item.dataset.who = id;
+      item.dataset.who = id ?? '';
       item.toggleAttribute('aria-current', id === this.#who);
+      button.type = 'button';
+      button.textContent = name;
+      button.title = say('editRole', { name });
+      button.addEventListener('click', () => this.#editor.open(member));
       small.textContent = [about, sex[is], this.#voices.get(voice)?.name].filter(Boolean).join(' · ');
-      item.append(name, ' ', small);
+      item.append(button, ' ', small);
       return item;
     }));
   }

@@ -203,6 +203,9 @@ export const library = {
   alignWaits: 'The recording is waiting to be aligned with the text.', aligning: 'The recording is being aligned with the text.', alignFailed: 'The recording cannot be aligned with the text: {why}', differs: 'Where text and recording differ',
   unheard: 'not in the recording', perhapsUnheard: 'perhaps not in the recording', unwritten: '{n} s of the recording are not in the text', hearIt: 'Hear it in another voice',
   roles: 'Characters', faces: 'A face for each', pair: 'The two who talk, side by side', directions: 'Read stage directions', names: 'Read names',
+  narrator: 'Narrator', editRole: 'How {name} speaks', roleHead: 'Face', rolePitch: 'Pitch', roleAffect: 'Mood', roleSex: 'Sex', roleAge: 'Age', age_child: 'child', age_adult: 'adult', age_old: 'old',
+  roleHear: 'Hear it', roleSave: 'Save', roleReset: 'Choose automatically', roleClose: 'Close', roleSaved: '{name} speaks like this from now on: {file}.', roleBroken: 'The file {file} cannot be read.',
+  roleDownloaded: 'The file {file} was downloaded. Put it beside the work.',
 };
 
 export const operator = {

@@ -210,6 +210,9 @@ export const library = {
   alignWaits: 'La registrazione attende di essere accostata al testo.', aligning: 'La registrazione viene accostata al testo.', alignFailed: 'La registrazione non si può accostare al testo: {why}', differs: 'Dove testo e registrazione differiscono',
   unheard: 'manca nella registrazione', perhapsUnheard: 'forse manca nella registrazione', unwritten: '{n} s della registrazione non sono nel testo', hearIt: 'Ascolta con un’altra voce',
   roles: 'Personaggi', faces: 'Un volto per ciascuno', pair: 'I due che parlano, fianco a fianco', directions: 'Leggi le didascalie', names: 'Leggi i nomi',
+  narrator: 'Narratore', editRole: 'Come parla {name}', roleHead: 'Volto', rolePitch: 'Altezza', roleAffect: 'Umore', roleSex: 'Sesso', roleAge: 'Età', age_child: 'infanzia', age_adult: 'età adulta', age_old: 'vecchiaia',
+  roleHear: 'Ascolta', roleSave: 'Salva', roleReset: 'Scegli da sé', roleClose: 'Chiudi', roleSaved: '{name} parla così da adesso: {file}.', roleBroken: 'Il file {file} non si può leggere.',
+  roleDownloaded: 'Il file {file} è stato scaricato. Mettilo accanto all’opera.',
 };
 
 export const operator = {

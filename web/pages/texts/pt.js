@@ -210,6 +210,9 @@ export const library = {
   alignWaits: 'A gravação espera para ser alinhada ao texto.', aligning: 'A gravação está sendo alinhada ao texto.', alignFailed: 'A gravação não pode ser alinhada ao texto: {why}', differs: 'Onde texto e gravação diferem',
   unheard: 'falta na gravação', perhapsUnheard: 'talvez falte na gravação', unwritten: '{n} s da gravação não estão no texto', hearIt: 'Ouvir com outra voz',
   roles: 'Personagens', faces: 'Um rosto para cada um', pair: 'Os dois que falam, lado a lado', directions: 'Ler as rubricas', names: 'Ler os nomes',
+  narrator: 'Narrador', editRole: 'Como fala {name}', roleHead: 'Rosto', rolePitch: 'Altura', roleAffect: 'Humor', roleSex: 'Sexo', roleAge: 'Idade', age_child: 'criança', age_adult: 'adulto', age_old: 'idoso',
+  roleHear: 'Ouvir', roleSave: 'Salvar', roleReset: 'Escolher automaticamente', roleClose: 'Fechar', roleSaved: '{name} fala assim de agora em diante: {file}.', roleBroken: 'Não se consegue ler o arquivo {file}.',
+  roleDownloaded: 'O arquivo {file} foi baixado. Coloque-o ao lado da obra.',
 };
 
 export const operator = {

@@ -210,6 +210,9 @@ export const library = {
   alignWaits: 'Kayıt, metne yerleştirilmeyi bekliyor.', aligning: 'Kayıt metne yerleştiriliyor.', alignFailed: 'Kayıt metne yerleştirilemiyor: {why}', differs: 'Metinle kaydın ayrıldığı yerler',
   unheard: 'kayıtta yok', perhapsUnheard: 'belki kayıtta yok', unwritten: 'Kaydın {n} saniyesi metinde yok', hearIt: 'Başka bir sesle dinle',
   roles: 'Kişiler', faces: 'Her birine bir yüz', pair: 'Konuşan iki kişi yan yana', directions: 'Sahne yönergelerini oku', names: 'Adları oku',
+  narrator: 'Anlatıcı', editRole: '{name} nasıl konuşur', roleHead: 'Yüz', rolePitch: 'Ses perdesi', roleAffect: 'Ruh hâli', roleSex: 'Cinsiyet', roleAge: 'Yaş', age_child: 'çocuk', age_adult: 'yetişkin', age_old: 'yaşlı',
+  roleHear: 'Dinle', roleSave: 'Kaydet', roleReset: 'Otomatik seç', roleClose: 'Kapat', roleSaved: '{name} bundan böyle böyle konuşur: {file}.', roleBroken: '{file} dosyası okunamıyor.',
+  roleDownloaded: '{file} dosyası indirildi. Eserin yanına koyun.',
 };
 
 export const operator = {
