@@ -10,7 +10,7 @@ Installs what is missing (Debian packages, npm packages), builds, and starts fac
 
   --build-only    stop after the build
   --with kokoro   installs Kokoro's neural voices and ONNX Runtime too: a download of 540 MB; 370 MB stay
-  --with film     installs what 'faccia film' needs: chromium-headless-shell and ffmpeg
+  --with film     installs what 'faccia film' needs, and audiobooks: chromium-headless-shell and ffmpeg
   -h, --help      print this and exit
 
 Options of facciad: build/server/daemon/facciad --help. For example: sh server/run.sh --port 9000

@@ -264,7 +264,9 @@ static int read_search(struct asking *a, const struct http_request *request, str
     q->form = member(a, request, "form");
     q->century = member(a, request, "century");
     q->kinds = member(a, request, "kind");
-    q->facets = a->form == LIBRARY_AS_JSON ? member(a, request, "facets") : "true";
+    if (query_flag(http_query(request, "facets"), "facets", &q->facets, e))
+        return -1;
+    q->facets = q->facets || a->form != LIBRARY_AS_JSON;
     q->width = member(a, request, "width");
     for (const char *at = q->century; at && *at; at += *at == ',') {
         char *end;
@@ -297,12 +299,12 @@ int library_get(struct exchange *x) {
         return exchange_error(x, &e);
     }
     struct library_question *q = &a->question;
-    if ((q->kind == LIBRARY_SEARCH || q->kind == LIBRARY_CONCORDANCE) && read_search(a, request, &e)) {
+    if (query_flag(http_query(request, "names"), "names", &q->names, &e) ||
+        ((q->kind == LIBRARY_SEARCH || q->kind == LIBRARY_CONCORDANCE) && read_search(a, request, &e))) {
         free_asking(a);
         return exchange_error(x, &e);
     }
     q->directions = member(a, request, "directions");
-    q->names = member(a, request, "names");
     q->limit = member(a, request, "limit");
     q->after = member(a, request, "after");
     a->x = x;

@@ -317,7 +317,8 @@ static const char usage[] =
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
     "      --marks FILE     sentences, words, visemes and marks, as the speech marks of Amazon Polly\n"
-    "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
+    "      --vtt FILE       captions with word times (WebVTT); --srt FILE without them (SubRip)\n"
+    "      --textgrid FILE  sentences, words, phones for Praat\n"
     "      --bundle FILE    all in one file, for <talking-head src=FILE> on pages without a daemon\n"
     "      --model NAME     put this head into the bundle; its voice speaks\n"
     "      --model-url URL  where the bundle's head is, from the bundle's own address\n"
@@ -348,6 +349,7 @@ enum {
     FLAC,
     MARKS,
     BUNDLE,
+    SRT,
     OUTPUTS
 };
 enum { OUTPUT_OPTION = 256 }; /* value of the first output's option */
@@ -436,9 +438,9 @@ static int open_outputs(struct say *s) {
     source.model = s->model_url;
     source.head = s->head.data;
     source.head_size = s->head.size;
-    static const char *const names[OUTPUTS] = {"wav",      "fap",   "json",         "ogg",     "ndjson",
-                                               "fapc",     "arkit", "arkit-ndjson", "visemes", "vtt",
-                                               "textgrid", "mp3",   "flac",         "marks",   "bundle"};
+    static const char *const names[OUTPUTS] = {"wav",   "fap",          "json",    "ogg", "ndjson",   "fapc",
+                                               "arkit", "arkit-ndjson", "visemes", "vtt", "textgrid", "mp3",
+                                               "flac",  "marks",        "bundle",  "srt"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -491,6 +493,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"flac", 1, NULL, OUTPUT_OPTION + FLAC},
         {"marks", 1, NULL, OUTPUT_OPTION + MARKS},
         {"bundle", 1, NULL, OUTPUT_OPTION + BUNDLE},
+        {"srt", 1, NULL, OUTPUT_OPTION + SRT},
         {"model", 1, NULL, 'M'},
         {"model-url", 1, NULL, 'U'},
         {"osc", 1, NULL, 'P'},

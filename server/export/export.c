@@ -405,6 +405,8 @@ const struct export_format export_formats[] = {
     {"marks", "application/x-json-stream", true, export_marks_piece, export_marks_end, NULL, NULL, NULL, true,
      NULL},
     {"vtt", "text/vtt; charset=utf-8", true, export_vtt_piece, export_vtt_end, NULL, NULL, NULL, false, NULL},
+    {"srt", "application/x-subrip; charset=utf-8", true, export_srt_piece, export_srt_end, NULL, NULL, NULL,
+     false, NULL},
     {"textgrid", "text/plain; charset=utf-8", false, export_textgrid_piece, export_textgrid_end, NULL,
      export_textgrid_free, NULL, false, NULL},
     {0},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Exports a whole speech or recording: sound (WAV, Opus in Ogg, MP3, FLAC), face animation (.fap, .fapc),
- * curves for other engines (ARKit, visemes), timings (JSON, WebVTT, TextGrid; speech only), or all events
- * (NDJSON). For files and HTTP responses. */
+ * curves for other engines (ARKit, visemes), timings (JSON, WebVTT, SubRip, TextGrid; speech only), or all
+ * events (NDJSON). For files and HTTP responses. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -41,6 +41,7 @@ struct export {
     uint32_t samples, sample_rate, frames; /* so far */
     uint32_t at;                           /* samples of the current segment written */
     size_t segments;                       /* number written */
+    size_t cues;                           /* of captions so far, where they are counted */
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
     struct buf speakers;                   /* likewise, if the request says who speaks */
@@ -128,6 +129,8 @@ void export_sound_free(struct export *x);
 
 void export_vtt_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_vtt_end(struct export *x);
+void export_srt_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_srt_end(struct export *x);
 
 void export_textgrid_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_textgrid_end(struct export *x);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Moods of stage directions (models/directions). */
+#include "server/library/directions.h"
 #include "server/base/etag.h"
 #include "server/base/json/json_place.h"
 #include "server/base/mem.h"
@@ -104,4 +104,29 @@ const char *directions_affect(const struct directions *d, const char *lang, cons
                 return entry->affect;
         }
     return NULL;
+}
+
+void direction_mood_follow(struct direction_mood *m, const struct directions *directions,
+                           const struct block *b) {
+    const char *lang = b->lang ? b->lang : m->lang, *text = b->text.size ? (const char *)b->text.data : "",
+               *found;
+    m->who[0] = '\0';
+    if (b->kind == BLOCK_SPEAKER || b->kind == BLOCK_HEAD) {
+        m->affect = NULL;
+        m->speaks[0] = '\0';
+    } else if (b->kind == BLOCK_STAGE) {
+        found = directions_affect(directions, lang, text, b->text.size);
+        m->affect = found ? found : m->affect;
+    } else if (cast_id_of_block(b, m->who)) {
+        if (*m->speaks && strcmp(m->speaks, m->who) != 0)
+            m->affect = NULL;
+        memcpy(m->speaks, m->who, sizeof m->speaks);
+        for (size_t i = 0; i < b->mark_count; i++)
+            if (b->marks[i].kind == MARK_STAGE && b->marks[i].end <= b->text.size &&
+                (found = directions_affect(directions, lang, text + b->marks[i].start,
+                                           b->marks[i].end - b->marks[i].start))) {
+                m->affect = found;
+                break;
+            }
+    }
 }

@@ -4,8 +4,10 @@
 #include "server/cli/cli.h"
 #include "server/daemon/library_setup.h"
 #include "server/export/export.h"
+#include "server/library/directions.h"
 #include "server/library/faccia_cast.h"
 #include "server/library/library_files.h"
+#include "server/library/publish/audiobook.h"
 #include "server/library/publish/epub_book.h"
 #include "server/library/work_lexicons.h"
 #include "server/library/works/work.h"
@@ -17,7 +19,8 @@
 
 /* ---- faccia library export: output files, written in one pass ---- */
 
-enum { EXPORT_WAV, EXPORT_OGG, EXPORT_FAP, EXPORT_VTT, EXPORT_TEXTGRID, EXPORT_OUTPUTS };
+enum { EXPORT_WAV, EXPORT_OGG, EXPORT_FAP, EXPORT_VTT, EXPORT_SRT, EXPORT_TEXTGRID, EXPORT_OUTPUTS };
+enum { AUDIOBOOKS = AUDIOBOOK_MP3 + 1 };
 
 /* The caller sets the paths. */
 struct library_export_files {
@@ -28,12 +31,19 @@ struct library_export_files {
         struct cli_file file;
         struct export export;
     } outputs[EXPORT_OUTPUTS];
+    struct audiobook *audio; /* of all forms; NULL = not requested */
+    struct {
+        const char *path; /* NULL = not requested */
+        struct cli_file file;
+    } audiobooks[AUDIOBOOKS];
 };
 
 static bool library_export_wanted(const struct library_export_files *files) {
     bool wanted = files->epub != NULL;
     for (size_t i = 0; i < EXPORT_OUTPUTS; i++)
         wanted |= files->outputs[i].path != NULL;
+    for (size_t i = 0; i < AUDIOBOOKS; i++)
+        wanted |= files->audiobooks[i].path != NULL;
     return wanted;
 }
 
@@ -45,7 +55,7 @@ static int complain(const char *path) {
 /* This and the functions below return nonzero after a message. */
 static int library_export_open(struct library_export_files *files, const struct work_meta *meta,
                                const char *hash, double fps) {
-    static const char *const names[EXPORT_OUTPUTS] = {"wav", "ogg", "fap", "vtt", "textgrid"};
+    static const char *const names[EXPORT_OUTPUTS] = {"wav", "ogg", "fap", "vtt", "srt", "textgrid"};
     const struct export_source source = {.lang = meta->lang, .fps = fps};
     if (files->epub && !(files->book = epub_book_open(files->epub, meta, hash)))
         return complain(files->epub);
@@ -55,6 +65,18 @@ static int library_export_open(struct library_export_files *files, const struct 
             return -1;
         if (o->path)
             export_begin(&o->export, export_by_name(names[i]), &source);
+    }
+    for (size_t i = 0; i < AUDIOBOOKS; i++) {
+        const char *path = files->audiobooks[i].path;
+        if (path && !files->audio && !audiobook_possible()) {
+            cli_complain("library export: no ffmpeg in PATH: install Debian's ffmpeg (apt-get install, or sh "
+                         "server/run.sh --with film)");
+            return -1;
+        }
+        if (path && !files->audio && !(files->audio = audiobook_open(path)))
+            return complain(path);
+        if (path && cli_create(&files->audiobooks[i].file, path))
+            return -1;
     }
     return 0;
 }
@@ -74,6 +96,8 @@ static int library_export_segment(struct library_export_files *files, const stru
     }
     if (files->book && epub_book_sound(files->book, segment->audio))
         return complain(files->epub);
+    if (files->audio && audiobook_sound(files->audio, segment->audio))
+        return complain("the sound");
     for (size_t i = 0; i < EXPORT_OUTPUTS; i++) {
         struct library_export_output *o = &files->outputs[i];
         if (!o->path)
@@ -90,6 +114,8 @@ static int library_export_segment(struct library_export_files *files, const stru
 
 static int library_export_section(struct library_export_files *files, const struct section *section,
                                   const struct narration_part *part, uint32_t rate) {
+    if (files->audio)
+        audiobook_chapter(files->audio, section->title);
     return files->book && epub_book_section(files->book, section, part, rate) ? complain(files->epub) : 0;
 }
 
@@ -104,7 +130,7 @@ static void finish_wav(struct library_export_output *o) {
 
 /* Completes the files, or discards them unless `well`. */
 static int library_export_close(struct library_export_files *files, const struct narration *narration,
-                                bool well) {
+                                const struct work_meta *meta, bool well) {
     char why[200];
     int result = well ? 0 : -1;
     for (size_t i = 0; i < EXPORT_OUTPUTS; i++) {
@@ -120,6 +146,20 @@ static int library_export_close(struct library_export_files *files, const struct
             result = -1;
         export_free(&o->export);
     }
+    for (size_t i = 0; i < AUDIOBOOKS; i++) {
+        struct cli_file *file = &files->audiobooks[i].file;
+        bool coded = well && file->file;
+        int failed =
+            coded ? audiobook_write(files->audio, (enum audiobook_form)i, meta, fileno(file->file)) : 0;
+        if (failed < 0)
+            complain(files->audiobooks[i].path);
+        else if (failed)
+            cli_complain("%s: ffmpeg could not write it", files->audiobooks[i].path);
+        if (failed || (cli_finish(file, coded) && well))
+            result = -1;
+    }
+    audiobook_free(files->audio);
+    files->audio = NULL;
     if (!well) {
         epub_book_free(files->book);
     } else if (files->book && epub_book_close(files->book, narration->voice, why)) {
@@ -137,10 +177,12 @@ static const char usage[] =
     "\n"
     "      --epub FILE      a read-aloud book (EPUB 3 with media overlays)\n"
     "      --vtt FILE       captions with word times (WebVTT)\n"
+    "      --srt FILE       captions without word times (SubRip)\n"
     "      --textgrid FILE  sentences, words and phones, for Praat\n"
     "      --fap FILE       the face, as MPEG-4 FAPs (text, version 2.1)\n"
     "      --wav FILE       the sound, mono, 16 bits\n"
     "      --ogg FILE       the sound, as Opus in Ogg\n"
+    "      --m4b FILE       an audiobook with chapters (AAC); --mp3 FILE as MP3; both need ffmpeg\n"
     "  -v, --voice ID       a voice listed by 'faccia voices', or 'recording': the one beside the work (of "
     "a\n"
     "                       play: the voices that 'faccia library cast' shows)\n"
@@ -274,7 +316,8 @@ static int speak(struct exporting *x, const struct settings *settings) {
     struct error e;
     struct lexicons lexicons = {0};
     struct cast cast = {0};
-    char *config = NULL, voice[80];
+    struct directions *directions = NULL;
+    char *config = NULL, voice[80], moods[4200];
     bool recorded = x->voice && !strcmp(x->voice, "recording");
     if (recorded && !(config = with_recording(x, settings)))
         return EXIT_FAILED;
@@ -293,6 +336,11 @@ static int speak(struct exporting *x, const struct settings *settings) {
         cli_complain_of(&e);
         x->failed = true;
     }
+    snprintf(moods, sizeof moods, "%s/directions", settings->models);
+    if (!x->failed && !x->silent && !(directions = directions_load(moods, &e))) {
+        cli_complain_of(&e);
+        x->failed = true;
+    }
     if (!x->failed && !library_export_open(&x->files, &x->meta, x->hash, x->request.fps)) {
         x->narration = (struct narration){.pipeline = &cli.components.pipeline,
                                           .request = &x->request,
@@ -300,6 +348,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
                                           .lang = x->meta.lang,
                                           .cast = &cast,
                                           .cast_voices = !x->voice,
+                                          .directions = directions,
                                           .any_lang = recorded,
                                           .sentences = x->narration.sentences,
                                           .segment = on_segment,
@@ -313,14 +362,16 @@ static int speak(struct exporting *x, const struct settings *settings) {
             cli_complain("%s: nothing of it could be spoken", x->file);
             x->failed = true;
         }
-        x->failed |= library_export_close(&x->files, &x->narration, x->silent || x->narration.samples) != 0;
+        x->failed |=
+            library_export_close(&x->files, &x->narration, &x->meta, x->silent || x->narration.samples) != 0;
     } else {
         x->failed = true;
-        library_export_close(&x->files, &x->narration, false);
+        library_export_close(&x->files, &x->narration, &x->meta, false);
     }
     if (!x->silent)
         cli_close(&cli);
     cast_free(&cast);
+    directions_free(directions);
     lexicons_free(&lexicons);
     free(config);
     return x->failed ? EXIT_FAILED : EXIT_DONE;
@@ -333,6 +384,9 @@ static int library_export_main(int argc, char **argv, const struct settings *set
     const struct cli_option options[] = {
         {.name = "epub", .kind = CLI_TEXT, .out = &x.files.epub},
         {.name = "vtt", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_VTT].path},
+        {.name = "srt", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_SRT].path},
+        {.name = "m4b", .kind = CLI_TEXT, .out = &x.files.audiobooks[AUDIOBOOK_M4B].path},
+        {.name = "mp3", .kind = CLI_TEXT, .out = &x.files.audiobooks[AUDIOBOOK_MP3].path},
         {.name = "textgrid", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_TEXTGRID].path},
         {.name = "fap", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_FAP].path},
         {.name = "wav", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_WAV].path},

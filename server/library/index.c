@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/cast.h"
+#include "server/library/directions.h"
 #include "server/library/library_internal.h"
 #include <jansson.h>
 #include <sqlite3.h>
@@ -583,45 +584,13 @@ static int add_block(struct index_writer *w, const char *work, unsigned section,
     return 0;
 }
 
-/* The mood that stage directions give to a speech. */
-struct mood {
-    const char *lang, *affect;  /* affect NULL: none */
-    char who[CAST_ID_BYTES];    /* of the block; "": nobody, or a name or direction alone */
-    char speaks[CAST_ID_BYTES]; /* whose speech is open */
-};
-
-/* Reads the next block of a section: a direction, or a speech with directions inside. */
-static void mood_follow(struct mood *m, const struct directions *directions, const struct block *b) {
-    const char *lang = b->lang ? b->lang : m->lang, *text = b->text.size ? (const char *)b->text.data : "",
-               *found;
-    m->who[0] = '\0';
-    if (b->kind == BLOCK_SPEAKER || b->kind == BLOCK_HEAD) {
-        m->affect = NULL;
-        m->speaks[0] = '\0';
-    } else if (b->kind == BLOCK_STAGE) {
-        found = directions_affect(directions, lang, text, b->text.size);
-        m->affect = found ? found : m->affect;
-    } else if (cast_id_of_block(b, m->who)) {
-        if (*m->speaks && strcmp(m->speaks, m->who) != 0)
-            m->affect = NULL;
-        memcpy(m->speaks, m->who, sizeof m->speaks);
-        for (size_t i = 0; i < b->mark_count; i++)
-            if (b->marks[i].kind == MARK_STAGE && b->marks[i].end <= b->text.size &&
-                (found = directions_affect(directions, lang, text + b->marks[i].start,
-                                           b->marks[i].end - b->marks[i].start))) {
-                m->affect = found;
-                break;
-            }
-    }
-}
-
 int index_add_section(struct index_writer *w, const char *work, const char *lang,
                       const struct section *section, struct error *e) {
     int64_t first = w->next;
-    struct mood mood = {.lang = lang};
+    struct direction_mood mood = {.lang = lang};
     for (size_t i = 0; i < section->count; i++) {
         const struct block *b = &section->blocks[i];
-        mood_follow(&mood, w->rules->directions, b);
+        direction_mood_follow(&mood, w->rules->directions, b);
         if (add_block(w, work, section->number, lang, b, *mood.who ? mood.affect : NULL, e))
             return -1;
     }

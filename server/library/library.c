@@ -2,6 +2,7 @@
 #include "server/library/library.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/library/directions.h"
 #include "server/library/library_internal.h"
 #include "server/library/work_lexicons.h"
 #include <errno.h>

@@ -50,9 +50,10 @@ struct library_question {
     const char *query, *lang, *author, *limit, *after;
     const char *form, *century, *kinds; /* of a search: lists separated by commas */
     const char *prefer;                 /* languages whose places come first */
-    const char *facets;                 /* "true": counts by author, language and so on */
+    bool facets;                        /* counts by author, language and so on, too */
     const char *width;                  /* of a concordance: characters on each side */
-    const char *directions, *names;     /* of a passage, as in a request: "spoken", "true" */
+    const char *directions;             /* of a passage, as in a request: "spoken" */
+    bool names;                         /* of a passage: of those who speak, too */
     unsigned most;                      /* number of works */
     const struct cast_offer *offer;
     const atomic_bool *given_up; /* becomes true when the client is gone; NULL: never */

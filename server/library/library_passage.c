@@ -390,9 +390,8 @@ static int read_choice(const char *field, const char *text, const char *no, cons
 
 json_t *library_passage_json(struct index_reader *r, const struct library_question *q, struct error *e) {
     const char *id = q->passage;
-    struct library_reading how = {.most = SIZE_MAX};
-    if (read_choice("directions", q->directions, "silent", "spoken", &how.directions, e) ||
-        read_choice("names", q->names, "false", "true", &how.names, e))
+    struct library_reading how = {.most = SIZE_MAX, .names = q->names};
+    if (read_choice("directions", q->directions, "silent", "spoken", &how.directions, e))
         return NULL;
     struct found_passage p;
     if (find_passage(r, id, &how, &p, e))

@@ -159,7 +159,7 @@ static json_t *run(struct searching *s, struct error *e) {
                            places.ranked == places.count);
     if (answer && places.count > end && end <= AFTER_MOST)
         json_object_set_new(answer, "next", json_sprintf("%zu", end));
-    if (answer && s->question->facets && !strcmp(s->question->facets, "true")) {
+    if (answer && s->question->facets) {
         json_object_set_new(answer, "query", json_string(s->question->query));
         json_object_set_new(answer, "facets", search_facets(&shelf));
         json_object_set_new(answer, "titles", search_titles(&shelf, &s->query, s->reader->stems));

@@ -42,19 +42,6 @@ uint64_t spellings_hash(const struct spellings *spellings);
 bool spellings_modern(const struct spellings *spellings, size_t language, const char *lower,
                       char out[WORD_BYTES_MAX]);
 
-/* Moods of stage directions by language: "piangendo" is sadness. */
-
-struct directions;
-
-/* folder: of LANG.json; NULL: none. Returns NULL with *e ("bad-expressions"). */
-struct directions *directions_load(const char *folder, struct error *e);
-void directions_free(struct directions *directions);
-uint64_t directions_hash(const struct directions *directions); /* differs when the words differ */
-
-/* Returns the affect that the first known word of a direction names, or NULL. directions may be NULL. */
-const char *directions_affect(const struct directions *directions, const char *lang, const char *text,
-                              size_t size);
-
 /* Stems of words, by libstemmer's Snowball stemmers (M. F. Porter, 2001). Not thread-safe. */
 
 struct stems;

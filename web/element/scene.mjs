@@ -105,7 +105,8 @@ export class Seat {
    */
   sentence(text, now) {
     const { shown } = this.#last;
-    if (this.#said && shown) for (const partner of this.#all) if (partner !== shown) partner.#company.heardSentence(now / 1000, this.#said);
+    const listeners = this.#said && shown ? this.#all.filter((seat) => seat !== shown) : [];
+    for (const listener of listeners) listener.#company.heardSentence(now / 1000, this.#said);
     this.#said = text;
     this.#wakeAll();
   }
@@ -145,7 +146,8 @@ export class Seat {
     lead.#note(shown);
     const speaks = shown.includes(this);
     if (speaks) this.#turnTo(lead.#last.before ?? lead.#all.find((seat) => seat !== this));
-    else if (shown.length || speaker !== undefined || !lead.speech.busy) this.#turnTo(shown[0] ?? null); // between utterances it stays turned
+    // between utterances it stays turned
+    else if (shown.length || speaker !== undefined || !lead.speech.busy) this.#turnTo(shown[0] ?? null);
     this.#company.add(now / 1000, values, { side: this.#side, speaks, blinks: !idles && !speaks && Boolean(this.#other) });
     return this.#company.moving;
   }

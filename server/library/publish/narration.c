@@ -2,6 +2,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/cast.h"
+#include "server/library/directions.h"
 #include "server/library/publish/publish_internal.h"
 #include "server/synthesis/media_segment.h"
 #include "server/voice/sentence_audio.h"
@@ -82,18 +83,20 @@ static void add_language(struct narration_places *p, const struct block *block, 
                utf16_offset(&p->units, (char *)p->joined.data, start + m->end), m->value);
 }
 
-static void add_speech(struct narration_places *p, const struct block *block) {
+static void add_speech(struct narration_places *p, const struct block *block, const char *affect) {
     char who[CAST_ID_BYTES];
     if (block->source || !cast_id_of_block(block, who))
         return;
     size_t start = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size - block->text.size);
     size_t end = utf16_offset(&p->speech_units, (char *)p->joined.data, p->joined.size);
     p->speeches = mem_grow(p->speeches, &p->speech_cap, p->speech_count + 1, sizeof *p->speeches);
-    p->speeches[p->speech_count++] = (struct cast_speech){start, end, mem_strdup(who), NULL};
+    p->speeches[p->speech_count++] =
+        (struct cast_speech){start, end, mem_strdup(who), affect ? mem_strdup(affect) : NULL};
 }
 
 /* An empty line separates blocks. A block with its own source stands alone. */
-static void narration_places_add(struct narration_places *p, const struct block *block, size_t number) {
+static void narration_places_add(struct narration_places *p, const struct block *block, size_t number,
+                                 const char *affect) {
     if (p->count)
         buf_add(&p->joined, "\n\n", 2);
     p->blocks = mem_grow(p->blocks, &p->cap, p->count + 1, sizeof *p->blocks);
@@ -108,7 +111,7 @@ static void narration_places_add(struct narration_places *p, const struct block 
         block_spoken(block, &p->joined);
     for (size_t i = 0; i < block->mark_count && !block->source; i++)
         add_language(p, block, &block->marks[i]);
-    add_speech(p, block);
+    add_speech(p, block, affect);
 }
 
 static void narration_places_end(struct narration_places *p) {
@@ -121,7 +124,7 @@ static void narration_places_free(struct narration_places *p) {
     free(p->numbers);
     free(p->starts);
     for (size_t i = 0; i < p->speech_count; i++)
-        free(p->speeches[i].who);
+        free(p->speeches[i].who), free(p->speeches[i].affect);
     free(p->speeches);
     buf_free(&p->joined);
     buf_free(&p->languages);
@@ -317,6 +320,7 @@ static bool goes_on(const struct narration *r, const struct block *a, const stru
 }
 
 void narration_section(struct narration *r, const struct section *section, struct narration_part *part) {
+    struct direction_mood mood = {.lang = r->lang};
     *part = (struct narration_part){0};
     for (size_t i = 0; i < section->count && !r->stopped;) {
         struct run run = {.part = part};
@@ -325,9 +329,10 @@ void narration_section(struct narration *r, const struct section *section, struc
             const struct block *b = &section->blocks[i];
             if (is_spoken(b) && run.places.count && !goes_on(r, first, b))
                 break;
+            direction_mood_follow(&mood, r->directions, b);
             if (is_spoken(b)) {
                 first = run.places.count ? first : b;
-                narration_places_add(&run.places, b, i);
+                narration_places_add(&run.places, b, i, *mood.who ? mood.affect : NULL);
             }
         }
         if (run.places.count)

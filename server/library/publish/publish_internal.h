@@ -26,13 +26,14 @@ struct narration_part {
 
 struct narration {
     const struct pipeline *pipeline;
-    struct speech_request *request;  /* voice: for text in `lang`; borrowed */
-    const struct lexicons *lexicons; /* of the work; NULL = none; borrowed */
-    const char *lang;                /* of the work */
-    const struct cast *cast;         /* voices of those who speak; NULL = nobody is told; borrowed */
-    bool cast_voices;                /* they have voices of their own */
-    bool any_lang;                   /* the voice speaks every language, as a recording does */
-    bool sentences;                  /* units are sentences instead of words */
+    struct speech_request *request;      /* voice: for text in `lang`; borrowed */
+    const struct lexicons *lexicons;     /* of the work; NULL = none; borrowed */
+    const char *lang;                    /* of the work */
+    const struct cast *cast;             /* voices of those who speak; NULL = nobody is told; borrowed */
+    bool cast_voices;                    /* they have voices of their own */
+    const struct directions *directions; /* their moods; NULL = none; borrowed */
+    bool any_lang;                       /* the voice speaks every language, as a recording does */
+    bool sentences;                      /* units are sentences instead of words */
     /* Receives a sentence, with its start in samples of the work. Byte offsets refer to the text of speech,
      * which is in its markup. All segments have the same rate. Nonzero: stop. */
     int (*segment)(void *ctx, const struct media_segment *segment, const struct synthesis *speech);

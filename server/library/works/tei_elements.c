@@ -43,7 +43,7 @@ static const struct {
                "eg val att tag gi undo mod link linkGrp substJoin damageSpan addSpan delSpan alt altGrp "
                "join joinGrp pause shift"},
     {ACT_APART, "group list table row bibl opener closer epigraph floatingText titlePage docTitle label "
-                "address street postCode postscript castList castGroup argument role roleDesc actor "
+                "spGrp address street postCode postscript castList castGroup argument role roleDesc actor "
                 "listPerson listPlace listOrg set desc publisher pubPlace editor biblScope imprint "
                 "listBibl biblStruct email age sex birth death occupation math mi mn mo mtext"},
     {ACT_SKIP, "del fw metamark figDesc graphic media binaryObject standOff facsimile sourceDoc "

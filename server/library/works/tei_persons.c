@@ -110,6 +110,7 @@ void tei_persons_start(struct tei_persons *o, unsigned depth, const char *name, 
     if (item) {
         set_id(p, xml_attribute(attributes, "id"));
         set_id(p, xml_attribute(attributes, "corresp"));
+        set_id(p, xml_attribute(attributes, "sameAs"));
         set_sex(p, xml_attribute(attributes, "sex"));
         set_sex(p, xml_attribute(attributes, "gender"));
         set_age(p, xml_attribute(attributes, "age"));

@@ -39,6 +39,7 @@ before(async () => {
   fs.copyFileSync(PLAY, path.join(works, 'la-chiave.xml'));
   put('parole.xml', tei('', '<castList><castItem><role>Donna Elvira</role>, <roleDesc>vedova</roleDesc></castItem><castItem><role>Momolo</role>, <roleDesc>servo di Donna Elvira</roleDesc></castItem><castItem><role>Il Notaio</role></castItem><castItem><role>Andrea</role></castItem></castList><sp><speaker>ELV.</speaker><p>Chi è là, a quest\'ora?</p></sp><sp><speaker>Momolo.</speaker><p>Sono io.</p></sp><sp><speaker>NOTAIO</speaker><p>E io.</p></sp><sp><speaker>Andrea</speaker><p>Anche.</p></sp><sp><speaker>Voce</speaker><p>No.</p></sp>'));
   put('due.xml', tei('<person xml:id="a" sex="2"><persName>Uno</persName></person><person xml:id="b"><sex value="M"/><persName>Ada</persName><age value="80"/></person><personGrp xml:id="c" sex="FEMALE"><name>Coro</name></personGrp>', '<sp who="#a"><p>Uno.</p></sp><sp who="#b"><p>Due, due.</p></sp><sp who="#a #c"><p>T.</p></sp>'));
+  put('gruppo.xml', tei('<person xml:id="k"><persName>Kim</persName></person>', '<castList><castItem sameAs="#k"><role>Kim</role>, <roleDesc>regina</roleDesc></castItem></castList><spGrp><sp who="#k"><p>Uno.</p></sp><sp who="#l"><p>Due.</p></sp></spGrp>'));
   put('coro.xml', tei(Array.from({ length: 700 }, (_, i) => `<person xml:id="p${i}" sex="FEMALE"/>`).join(''), Array.from({ length: 700 }, (_, i) => `<sp who="#p${i}"><p>Parola ${'x'.repeat(i % 50)}.</p></sp>`).join('')));
   daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
   await eventually(async () => (await ask('/v1/library')).state === 'ready', 'the library');
@@ -85,6 +86,12 @@ test('sex in numbers, elements and groups; several who speak at once', async () 
   assert.deepEqual([cast.a.sex, cast.b.sex, cast.b.age, cast['a+c'].sex], ['female', 'male', 'old', 'female']);
   const { blocks } = await ask('/v1/library/works/due/sections/1');
   assert.deepEqual(blocks.map(({ who, speaker }) => [who, speaker]), [['a', 'Uno'], ['b', 'Ada'], ['a+c', 'Uno, Coro']]);
+});
+
+test('a person of the cast list may be named by sameAs; a group of speeches is read without a warning', async () => {
+  const cast = byId(await castOf('gruppo'));
+  assert.deepEqual([cast.k.sex, cast.k.about, cast.l.passages], ['female', 'regina', 1]);
+  assert.ok(!(await ask('/v1/library')).problems.some(({ file }) => file === 'gruppo.xml'));
 });
 
 test('a cast has at most 500 members: those who say most', async () => {

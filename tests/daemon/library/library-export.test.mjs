@@ -16,10 +16,11 @@ const file = (name) => path.join(made, name);
 const program = path.join(build, 'server/cli/faccia');
 const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
 const faccia = (...args) => spawnSync(program, args, { encoding: 'utf8', env: { ...process.env, XDG_CACHE_HOME: folder } });
-const written = (work, ...options) => {
-  const done = faccia('library', 'export', ...options, works, work);
+const exported = (from, work, ...options) => {
+  const done = faccia('library', 'export', ...options, from, work);
   assert.deepEqual([done.status, done.stderr], [0, ''], done.stderr);
 };
+const written = (...rest) => exported(works, ...rest);
 const python = (script, ...args) => JSON.parse(execFileSync('/usr/bin/python3', ['-c', script, ...args], { encoding: 'utf8', maxBuffer: 1 << 24 }));
 
 /** Reads a book as a reading system does: for each section its text, ids with their contents, clips, and lines of verse. */
@@ -127,6 +128,48 @@ test('uses the recording next to the work', () => {
   assert.equal(none.status, 1);
   assert.match(none.stderr, /there is no recording beside it/);
   assert.ok(!fs.existsSync(file('none.epub')));
+});
+
+test('audiobooks have a chapter for each section, in MP4 and MP3', () => {
+  fs.mkdirSync(path.join(folder, 'more'));
+  fs.writeFileSync(path.join(folder, 'more/capitoli.md'), '---\ntitle: Capitoli; "=" e #\nauthor: A. Rossi\nlang: it\ndate: 1999\n---\nSenza titolo.\n\n# Uno; con = segni #1\n\nLa luna sale.\n\n# Vuoto\n\n# Due\n\nIl gatto dorme.\n');
+  exported(path.join(folder, 'more'), 'capitoli', '--m4b', file('capitoli.m4b'), '--mp3', file('capitoli.mp3'), '--wav', file('capitoli.wav'));
+  const seconds = (fs.statSync(file('capitoli.wav')).size - 44) / 2 / 22050;
+  for (const [name, codec] of [['capitoli.m4b', 'aac'], ['capitoli.mp3', 'mp3']]) {
+    const { chapters, format, streams } = JSON.parse(execFileSync('ffprobe', ['-v', 'error', '-of', 'json', '-show_chapters', '-show_format', '-show_streams', file(name)], { encoding: 'utf8' }));
+    assert.equal(streams[0].codec_name, codec);
+    assert.deepEqual([format.tags.title, format.tags.artist, format.tags.date], ['Capitoli; "=" e #', 'A. Rossi', '1999']);
+    assert.deepEqual(chapters.map(({ tags }) => tags.title), ['Capitoli; "=" e #', 'Uno; con = segni #1', 'Vuoto', 'Due']);
+    for (const [i, chapter] of chapters.entries()) assert.ok(Math.abs(chapter.start_time - (i ? chapters[i - 1].end_time : 0)) < 0.002);
+    assert.ok(Math.abs(chapters.at(-1).end_time - seconds) < 0.01 && Math.abs(format.duration - seconds) < 0.2, `${format.duration} ${seconds}`);
+  }
+  const bare = path.join(folder, 'bare');
+  fs.mkdirSync(bare);
+  const none = spawnSync(program, ['library', 'export', '--m4b', file('none.m4b'), path.join(folder, 'more'), 'capitoli'], { encoding: 'utf8', env: { ...process.env, PATH: bare, XDG_CACHE_HOME: folder } });
+  assert.equal(none.status, 1);
+  assert.match(none.stderr, /no ffmpeg in PATH/);
+  assert.ok(!fs.existsSync(file('none.m4b')));
+});
+
+test('a play: captions say who speaks, and stage directions give moods', () => {
+  written('la-chiave', '--srt', file('chiave.srt'), '--vtt', file('chiave.vtt'));
+  const srt = fs.readFileSync(file('chiave.srt'), 'utf8');
+  const cues = [...srt.matchAll(/(\d+)\n(\d\d:\d\d:\d\d,\d{3}) --> (\d\d:\d\d:\d\d,\d{3})\n([^]*?)\n\n/g)];
+  assert.equal(cues.map(([all]) => all).join(''), srt);
+  assert.deepEqual(cues.map(([, n]) => Number(n)), cues.map((_, i) => i + 1));
+  const vtt = [...fs.readFileSync(file('chiave.vtt'), 'utf8').matchAll(/(\S+) --> (\S+)\n([^]*?)\n\n/g)];
+  const plain = (text) => text.replace(/^<v ([^>]*)>/, '$1: ').replace(/<[^>]*>/g, '');
+  assert.deepEqual(cues.map(([, , from, to, text]) => [from.replace(',', '.'), to.replace(',', '.'), text]), vtt.map(([, from, to, text]) => [from, to, plain(text)]));
+  assert.ok(cues.some(([, , , , text]) => /^Lisetta e Tullio: Alla barca!$/.test(text)), srt);
+
+  const scene = (direction) => `<TEI xml:lang="it"><text><body><div><sp><speaker>Ada</speaker><stage>(${direction})</stage><p>Il pane è caldo.</p></sp></div></body></text></TEI>`;
+  const faces = ['bevendo', 'piangendo', 'leggendo'].map((direction) => {
+    fs.writeFileSync(path.join(folder, `more/${direction}.xml`), scene(direction));
+    exported(path.join(folder, 'more'), direction, '--fap', file(`${direction}.fap`));
+    return fs.readFileSync(file(`${direction}.fap`), 'utf8');
+  });
+  assert.equal(faces[0], faces[2]);
+  assert.notEqual(faces[0], faces[1]);
 });
 
 test('exports captions, TextGrid and face of a whole work together', () => {

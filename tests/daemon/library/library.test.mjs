@@ -218,7 +218,11 @@ test('counts by author, language, form and century, and searches titles, speaker
   assert.deepEqual((await page({ q: 'corallina', kind: 'speaker' })).results.map(({ passage, kind, snippet }) => [passage, kind, snippet.text]), [['recita:1:p2', 'speaker', 'Corallina']]);
   assert.deepEqual((await page({ q: 'zoppicare', kind: 'stage' })).results.map(({ passage }) => passage), ['recita:1:p2']);
   assert.equal((await page({ q: 'corallina' })).total, 0, 'names of speakers are searched only on request');
-  for (const [name, value] of [['form', 'opera'], ['kind', 'stage,head'], ['century', '19,x'], ['century', '0'], ['prefer', 'it,?']])
+  for (const facets of [1, 'true']) assert.ok((await page({ q: 'zibibbo', facets })).facets);
+  for (const facets of [0, 'false']) assert.ok(!(await page({ q: 'zibibbo', facets })).facets);
+  assert.equal((await ask('/v1/library/passages/recita:1?names=maybe', 400)).field, 'names');
+  assert.equal((await ask('/v1/library/passages/recita:1?names=1')).text, (await ask('/v1/library/passages/recita:1?names=true')).text);
+  for (const [name, value] of [['facets', 'maybe'], ['form', 'opera'], ['kind', 'stage,head'], ['century', '19,x'], ['century', '0'], ['prefer', 'it,?']])
     assert.equal((await ask(`/v1/library/search?${new URLSearchParams({ q: 'zibibbo', [name]: value })}`, 400)).field, name, `${name}=${value}`);
   put('vinho.pt-BR.txt', 'Bebe zibibbo, zibibbo e zibibbo.\n');
   await eventually(async () => (await page({ q: 'zibibbo' })).total === 4, 'the Portuguese one');

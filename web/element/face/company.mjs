@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What company adds to a face, in FAP units: it turns to whom it speaks or listens to, nods and raises its brows when a sentence
-// has been heard, and blinks while its own idle movement rests.
+// What company adds to a face, in FAP units: it turns to whom it speaks or listens to, nods and raises its brows when a
+// sentence has been heard, and blinks while its own idle movement rests.
 
 const DEGREE = 1745.33; // of the FAPs for angles
 const TURN_S = 0.22; // time constant of each of two filters
@@ -15,7 +15,8 @@ const NOD_SHARE = 0.65; // of the sentences
 const TWICE_SHARE = 0.35; // of the nods; the second one is smaller
 const BROWS = { faps: [31, 32, 33, 34, 35, 36], amount: 70, seconds: 1.1 };
 
-const BLINK = { upper: 940, lower: 84, closing: 0.085, closed: 0.025, opening: 0.165, every: [2.2, 5.5] }; // as server/face/life
+/** As in server/face/life. */
+const BLINK = { upper: 940, lower: 84, closing: 0.085, closed: 0.025, opening: 0.165, every: [2.2, 5.5] };
 
 const smooth = (x) => x * x * (3 - 2 * x);
 
@@ -94,7 +95,8 @@ export class Company {
     if (into > closing + closed + opening + 10) this.#blink = now + this.#random() * every[0]; // it begins to listen
     else if (into > closing + closed + opening) this.#blink = now + this.#between(every);
     if (into <= 0) return;
-    const shut = into < closing ? smooth(into / closing) : into < closing + closed ? 1 : 1 - smooth(Math.min(1, (into - closing - closed) / opening));
+    const after = into - closing - closed;
+    const shut = into < closing ? smooth(into / closing) : after < 0 ? 1 : 1 - smooth(Math.min(1, after / opening));
     for (const n of [19, 20]) values[n] += shut * upper;
     for (const n of [21, 22]) values[n] += shut * lower;
   }

@@ -12,7 +12,8 @@ const $ = (name) => document.getElementById(`role-${name}`);
 
 /**
  * What the file says of a person after an edit: what was changed, and what it said before.
- * @param {object} before of the file @param {object} shown when the edit began @param {object} now empty: to be chosen by the server
+ * @param {object} before of the file @param {object} shown when the edit began
+ * @param {object} now empty: to be chosen by the server
  */
 export function entryOf(before, shown, now) {
   const entry = { ...before };
@@ -45,8 +46,8 @@ export class CastEditor {
 
   /**
    * @param {import('../shared/frame.js').Frame} frame @param {HTMLElement} passage
-   * @param {object} ports file(): of the work, in the library's folder; lang(): of the work; voices(): of the server; quiet(): stops what is being
-   *   read; saved(): a new cast is there
+   * @param {object} ports file(): of the work, in the library's folder; lang(): of the work; voices(): of the server;
+   *   quiet(): stops what is being read; saved(id): a new cast is there, of which it returns the member
    */
   constructor(frame, passage, ports) {
     Object.assign(this, { frame, passage, ports, form: document.getElementById('role') });

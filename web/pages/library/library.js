@@ -24,7 +24,10 @@ const passage = $('passage');
 const spoken = new KeptSpeech();
 const state = { section: null, titles: new Map(), going: null };
 const choices = new Choices(frame, passage, spoken);
-const roles = new Roles(frame, passage, (address) => frame.access.load(address), { file: () => state.file, quiet: () => listening.stop() });
+const roles = new Roles(frame, passage, (address) => frame.access.load(address), {
+  file: () => state.file,
+  quiet: () => listening.stop(),
+});
 const listening = new Listening(frame, passage, {
   spoken,
   async next() {

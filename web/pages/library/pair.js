@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scene: the two persons who talk, side by side. The page's head speaks; a second one, made when it is needed, shows its part.
+// A scene: the two persons who talk, side by side. The page's head speaks; a second one shows its part.
 
 const $ = (id) => document.getElementById(id);
 /** Attributes of the first head that the second one shares. */
@@ -68,7 +68,8 @@ export class Pair {
     const here = [];
     this.#turn++;
     for (const member of members.slice(0, this.#places.length)) {
-      const free = this.#places.filter((place) => !here.includes(place) && !members.some(({ id }) => id === place.id && id !== member.id));
+      const others = members.filter((other) => other !== member).map(({ id }) => id);
+      const free = this.#places.filter((place) => !here.includes(place) && !others.includes(place.id));
       const place = free.find(({ id }) => id === member.id) ?? [...free].sort((a, b) => a.turn - b.turn)[0];
       if (!place) continue;
       if (place.id !== member.id) this.#give(place, member);
