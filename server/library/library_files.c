@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -215,11 +216,30 @@ bool library_file_beside(const char *folder, const char *path, const char *endin
     return found;
 }
 
+bool library_file_speaks(const char *folder, const char *path) {
+    enum { DIRECTORY_BYTES = 256 << 10 }; /* names are at the end of an archive, uncompressed */
+    static const char sign[] = ".smil";
+    const char *dot = strrchr(path, '.');
+    struct stat info;
+    int fd = dot && !strcasecmp(dot, ".epub") ? open_below(folder, path, O_RDONLY) : -1;
+    bool found = false;
+    if (fd >= 0 && !fstat(fd, &info) && S_ISREG(info.st_mode)) {
+        char *end = mem_alloc(DIRECTORY_BYTES);
+        off_t from = info.st_size > DIRECTORY_BYTES ? info.st_size - DIRECTORY_BYTES : 0;
+        ssize_t size = pread(fd, end, DIRECTORY_BYTES, from);
+        found = size > 0 && memmem(end, (size_t)size, sign, sizeof sign - 1);
+        free(end);
+    }
+    if (fd >= 0)
+        close(fd);
+    return found;
+}
+
 bool library_file_sound(const char *folder, const char *path, char out[PATH_MAX]) {
     for (const char *const *ending = sound_endings; *ending; ending++)
         if (library_file_beside(folder, path, *ending, out))
             return true;
-    return false;
+    return library_file_speaks(folder, path) && library_file_beside(folder, path, strrchr(path, '.'), out);
 }
 
 bool library_file_has_sound(const char *folder, const char *path) {

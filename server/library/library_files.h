@@ -50,7 +50,11 @@ void library_file_name(const char *path, bool with_ending, char out[64]);
 /* Finds the file with that ending beside a work, as an absolute path. False: none. */
 bool library_file_beside(const char *folder, const char *path, const char *ending, char out[PATH_MAX]);
 
-/* Finds the recording beside a work, as an absolute path. False: none. */
+/* True for a book that brings its own recording (EPUB with media overlays), by the names in the archive. */
+bool library_file_speaks(const char *folder, const char *path);
+
+/* Finds the recording beside a work, or the book that is its own recording, as an absolute path. False: none.
+ */
 bool library_file_sound(const char *folder, const char *path, char out[PATH_MAX]);
 bool library_file_has_sound(const char *folder, const char *path);
 

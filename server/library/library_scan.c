@@ -88,6 +88,8 @@ static int library_recorded(struct library *l, struct index_writer *w, const str
         const char *path = (const char *)sqlite3_column_text(s, 1);
         const struct library_file *file = name && path ? file_of(files, path) : NULL;
         const struct library_file *sound = file ? library_files_sound(files, path) : NULL;
+        if (file && !sound && library_file_speaks(l->folder, path))
+            sound = file; /* the book has its own recording */
         if (sound)
             add(&works, name, file, sound);
         if (file && !sound == !!sqlite3_column_int(s, 2))

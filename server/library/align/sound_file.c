@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/base/sound/mixdown.h"
 #include "server/base/sound/wav_file.h"
+#include "server/library/align/book_sound.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@ enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE
 #define CODE ERROR_BAD_SOUND
 
 struct sound_file {
+    struct book_sound *book; /* instead of the following */
     SNDFILE *file;
     unsigned channels;
     struct mixdown mixdown;
@@ -46,6 +48,15 @@ static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) 
 struct sound_file *sound_open(const char *path, struct error *e) {
     struct sound_file *s = mem_alloc(sizeof *s);
     SF_INFO info = {0};
+    if (book_sound_is(path)) {
+        s->book = book_sound_open(path, e);
+        if (s->book) {
+            s->source = book_sound_source(s->book);
+            return s;
+        }
+        sound_close(s);
+        return NULL;
+    }
     s->file = wav_file_open(path, &info);
     if (!s->file)
         error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
@@ -68,6 +79,8 @@ struct sound_file *sound_open(const char *path, struct error *e) {
 void sound_close(struct sound_file *s) {
     if (s && s->file)
         sf_close(s->file);
+    if (s)
+        book_sound_close(s->book);
     free(s);
 }
 

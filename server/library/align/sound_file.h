@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads sound files of any length and any format of libsndfile (WAV, FLAC, Ogg, MP3 if built in) as 16-bit
- * mono. */
+/* Reads sound files of any length and any format of libsndfile (WAV, FLAC, Ogg, MP3 if built in), and
+ * read-aloud books (book_sound.h), as 16-bit mono. */
 #ifndef FACCIA_LIBRARY_ALIGN_SOUND_FILE_H
 #define FACCIA_LIBRARY_ALIGN_SOUND_FILE_H
 

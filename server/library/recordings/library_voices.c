@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -203,7 +204,9 @@ int library_voice_prepare(const char *library, const char *file, const char *wor
         close(fd);
     if (!there)
         return 0;
-    if (set_link(folder, work, strrchr(sound, '.'), sound, e) || link_times(library, file, work, folder, e))
+    bool book = !strcasecmp(strrchr(sound, '.'), ".epub");
+    if ((!book && set_link(folder, work, ".epub", NULL, e)) ||
+        set_link(folder, work, strrchr(sound, '.'), sound, e) || link_times(library, file, work, folder, e))
         return -1;
     return is_current(folder, work, lang, &info)
                ? 1

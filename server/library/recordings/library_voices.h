@@ -21,10 +21,11 @@ json_t *kept_json(const char *folder, const char *work, const char *ending);
 /* Modification time in ns since the epoch. */
 int64_t kept_time(const struct stat *file);
 
-/* Works with a recording beside them (NAME.flac, .wav, .ogg or .mp3 beside NAME.xml) become a folder of
- * recordings with their texts, in the layout of the voice plugin `recording`: WORK.wav (.flac...), a link
- * to the sound; WORK.TextGrid (.lab...), a link to its times if they exist; WORK.txt, the spoken text,
- * rewritten only when it changes; WORK.json, name and language; WORK.places, the passages of the text:
+/* Works with a recording beside them (NAME.flac, .wav, .ogg or .mp3 beside NAME.xml), and EPUBs with media
+ * overlays, become a folder of recordings with their texts, in the layout of the voice plugin `recording`:
+ * WORK.wav (.flac...), a link to the sound; WORK.TextGrid (.lab...), a link to its times if they exist;
+ * WORK.txt, the spoken text, rewritten only when it changes; WORK.json, name and language; WORK.places, the
+ * passages of the text:
  * {"size", "modified": of the work's file, "lang", "places": [[byte, "SECTION:NAME"]...]}. Other code adds
  * WORK.timing.json (aligned times) and WORK.alignment.json (alignments.h). */
 

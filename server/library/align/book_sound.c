@@ -1,0 +1,441 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/align/book_sound.h"
+#include "server/base/buf.h"
+#include "server/base/mem.h"
+#include "server/base/sound/mixdown.h"
+#include <expat.h>
+#include <math.h>
+#include <sndfile.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <zip.h>
+
+#define CODE ERROR_BAD_SOUND
+
+enum {
+    DOCUMENT_BYTES = 64 << 20, /* of a package or SMIL document */
+    SOUND_BYTES = 256 << 20,   /* of one file of sound, unpacked */
+    ITEMS_MAX = 10000,
+    CLIPS_MAX = 200000,
+    HOURS_MAX = 100,
+    FRAMES = 4096,
+    RATE_MIN = 8000,
+    RATE_MAX = 192000,
+};
+
+struct item {
+    char *id, *path, *overlay;
+};
+
+/* A clip: contiguous ones are joined. */
+struct clip {
+    size_t file;
+    double begin, end;    /* seconds; end < 0: of the file */
+    uint64_t from, start; /* samples: of its file, and of the book */
+    uint64_t samples;
+};
+
+struct sound_part {
+    char *path;
+    uint64_t samples;
+};
+
+struct book_sound {
+    struct zip *zip;
+    struct item *items;
+    size_t item_count, item_cap;
+    char **spine;
+    size_t spine_count, spine_cap;
+    struct clip *clips;
+    size_t clip_count, clip_cap;
+    struct sound_part *files;
+    size_t file_count, file_cap;
+    uint64_t samples;
+    uint32_t rate;
+    /* the file that is open */
+    size_t open; /* index + 1; 0: none */
+    struct buf data;
+    sf_count_t at;
+    SNDFILE *file;
+    int channels;
+    uint64_t next; /* its next frame */
+    struct mixdown mixdown;
+    float frames[FRAMES * MIXDOWN_CHANNELS_MAX];
+};
+
+/* ---- documents ---- */
+
+struct reading {
+    struct book_sound *book;
+    const char *path; /* of the document */
+    char *found;      /* of the container: path of the package */
+};
+
+static char *resolve(const char *document, const char *href) {
+    const char *slash = strrchr(document, '/');
+    struct buf joined = {0}, out = {0};
+    if (slash)
+        buf_add(&joined, document, (size_t)(slash - document) + 1);
+    for (; *href && *href != '#'; href++) {
+        char hex[3] = {href[0] == '%' ? href[1] : 0, 0, 0}, *end = NULL, c = *href;
+        hex[1] = hex[0] ? href[2] : 0;
+        long code = hex[0] ? strtol(hex, &end, 16) : 0;
+        if (code > 0 && end == hex + 2)
+            c = (char)code, href += 2;
+        buf_add(&joined, &c, 1);
+    }
+    buf_add(&joined, "", 1);
+    for (const char *at = (char *)joined.data; *at;) {
+        size_t length = strcspn(at, "/");
+        if (length == 2 && !memcmp(at, "..", 2)) {
+            while (out.size && out.data[--out.size] != '/')
+                ;
+        } else if (length && !(length == 1 && *at == '.')) {
+            buf_add(&out, "/", out.size > 0);
+            buf_add(&out, at, length);
+        }
+        at += length + (at[length] == '/');
+    }
+    buf_free(&joined);
+    buf_add(&out, "", 1);
+    return (char *)out.data;
+}
+
+/* The local name of an element or attribute. */
+static const char *local(const char *name) {
+    const char *colon = strrchr(name, ':');
+    return colon ? colon + 1 : name;
+}
+
+static const char *attribute(const char **attributes, const char *name) {
+    for (; *attributes; attributes += 2)
+        if (!strcmp(local(attributes[0]), name))
+            return attributes[1];
+    return NULL;
+}
+
+static void container_start(void *ctx, const char *name, const char **attributes) {
+    struct reading *r = ctx;
+    const char *path = strcmp(local(name), "rootfile") ? NULL : attribute(attributes, "full-path");
+    if (path && !r->found)
+        r->found = mem_strdup(path);
+}
+
+static void package_start(void *ctx, const char *name, const char **attributes) {
+    struct reading *r = ctx;
+    struct book_sound *b = r->book;
+    const char *id = attribute(attributes, "id"), *href = attribute(attributes, "href"),
+               *overlay = attribute(attributes, "media-overlay"), *ref = attribute(attributes, "idref");
+    if (!strcmp(local(name), "item") && id && href && b->item_count < ITEMS_MAX) {
+        b->items = mem_grow(b->items, &b->item_cap, b->item_count + 1, sizeof *b->items);
+        b->items[b->item_count++] =
+            (struct item){mem_strdup(id), resolve(r->path, href), overlay ? mem_strdup(overlay) : NULL};
+    } else if (!strcmp(local(name), "itemref") && ref && b->spine_count < ITEMS_MAX) {
+        b->spine = mem_grow(b->spine, &b->spine_cap, b->spine_count + 1, sizeof *b->spine);
+        b->spine[b->spine_count++] = mem_strdup(ref);
+    }
+}
+
+/* Reads a clock value of SMIL 3.0: "1:02:03.5", "02:03.5", "3.5s", "5min", "1h", "350ms". -1: none. */
+static double clock_of(const char *text) {
+    static const struct {
+        const char *name;
+        double seconds;
+    } units[] = {{"h", 3600}, {"min", 60}, {"s", 1}, {"ms", 0.001}, {"", 1}};
+    double sum = 0;
+    char *end;
+    if (!text)
+        return -1;
+    for (;; text = end + 1) {
+        double value = strtod(text, &end);
+        if (end == text || !(value >= 0))
+            return -1;
+        sum = 60 * sum + value;
+        if (*end != ':')
+            break;
+    }
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (!strcmp(end, units[i].name))
+            return sum * units[i].seconds;
+    return -1;
+}
+
+static size_t file_of(struct book_sound *b, char *path) {
+    for (size_t i = b->file_count; i--;)
+        if (!strcmp(b->files[i].path, path)) {
+            free(path);
+            return i;
+        }
+    b->files = mem_grow(b->files, &b->file_cap, b->file_count + 1, sizeof *b->files);
+    b->files[b->file_count] = (struct sound_part){.path = path};
+    return b->file_count++;
+}
+
+static void smil_start(void *ctx, const char *name, const char **attributes) {
+    struct reading *r = ctx;
+    struct book_sound *b = r->book;
+    const char *source = strcmp(local(name), "audio") ? NULL : attribute(attributes, "src");
+    double begin = clock_of(attribute(attributes, "clipBegin")),
+           end = clock_of(attribute(attributes, "clipEnd"));
+    if (!source || b->file_count == ITEMS_MAX || b->clip_count == CLIPS_MAX)
+        return;
+    begin = begin < 0 ? 0 : begin;
+    size_t file = file_of(b, resolve(r->path, source));
+    struct clip *last = b->clip_count ? &b->clips[b->clip_count - 1] : NULL;
+    if (last && last->file == file && last->end >= 0 && fabs(last->end - begin) < 0.002) {
+        last->end = end;
+        return;
+    }
+    b->clips = mem_grow(b->clips, &b->clip_cap, b->clip_count + 1, sizeof *b->clips);
+    b->clips[b->clip_count++] = (struct clip){.file = file, .begin = begin, .end = end};
+}
+
+/* Unpacks a file of the archive. -1 with *e. */
+static int get(struct book_sound *b, const char *path, size_t most, struct buf *out, struct error *e) {
+    struct zip_file *file = zip_fopen(b->zip, path, 0);
+    zip_int64_t got = 1;
+    if (!file)
+        return error_set(e, CODE, "the book has no '%.100s'", path);
+    while (got > 0 && out->size <= most) {
+        got = zip_fread(file, buf_reserve(out, 65536), 65536);
+        out->size += got > 0 ? (size_t)got : 0;
+    }
+    zip_fclose(file);
+    return got < 0            ? error_set(e, CODE, "'%.100s' cannot be unpacked", path)
+           : out->size > most ? error_set(e, CODE, "'%.100s' is too large", path)
+                              : 0;
+}
+
+static int read_document(struct book_sound *b, const char *path,
+                         void (*start)(void *ctx, const char *name, const char **attributes),
+                         struct reading *r, struct error *e) {
+    struct buf data = {0};
+    int result = get(b, path, DOCUMENT_BYTES, &data, e);
+    XML_Parser parser = result ? NULL : XML_ParserCreate(NULL);
+    r->book = b;
+    r->path = path;
+    if (parser) {
+        XML_SetUserData(parser, r);
+        XML_SetStartElementHandler(parser, start);
+        if (XML_Parse(parser, data.size ? (char *)data.data : "", (int)data.size, 1) != XML_STATUS_OK)
+            result = error_set(e, CODE, "'%.100s', line %lu: %.60s", path, XML_GetCurrentLineNumber(parser),
+                               XML_ErrorString(XML_GetErrorCode(parser)));
+        XML_ParserFree(parser);
+    }
+    buf_free(&data);
+    return result;
+}
+
+static const struct item *item_of(const struct book_sound *b, const char *id) {
+    for (size_t i = 0; id && i < b->item_count; i++)
+        if (!strcmp(b->items[i].id, id))
+            return &b->items[i];
+    return NULL;
+}
+
+static int read_clips(struct book_sound *b, struct error *e) {
+    struct reading r = {0};
+    if (read_document(b, "META-INF/container.xml", container_start, &r, e))
+        return -1;
+    if (!r.found)
+        return error_set(e, CODE, "the book names no package");
+    int result = read_document(b, r.found, package_start, &r, e);
+    for (size_t i = 0; !result && i < b->spine_count; i++) {
+        const struct item *page = item_of(b, b->spine[i]), *overlay = page ? item_of(b, page->overlay) : NULL;
+        if (overlay)
+            result = read_document(b, overlay->path, smil_start, &r, e);
+    }
+    free(r.found);
+    return result || b->clip_count ? result
+                                   : error_set(e, CODE, "the book has no recording (media overlays)");
+}
+
+/* ---- sound ---- */
+
+static sf_count_t length_of(void *ctx) {
+    return (sf_count_t)((struct book_sound *)ctx)->data.size;
+}
+
+static sf_count_t seek_to(sf_count_t offset, int whence, void *ctx) {
+    struct book_sound *b = ctx;
+    sf_count_t from = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? b->at : length_of(b);
+    sf_count_t to = from + offset;
+    b->at = to < 0 ? 0 : to > length_of(b) ? length_of(b) : to;
+    return b->at;
+}
+
+static sf_count_t read_some(void *out, sf_count_t count, void *ctx) {
+    struct book_sound *b = ctx;
+    sf_count_t left = length_of(b) - b->at;
+    count = count < left ? count : left;
+    if (count > 0)
+        memcpy(out, b->data.data + b->at, (size_t)count);
+    b->at += count;
+    return count;
+}
+
+static sf_count_t write_none(const void *data, sf_count_t count, void *ctx) {
+    (void)data, (void)count, (void)ctx;
+    return 0;
+}
+
+static sf_count_t where(void *ctx) {
+    return ((struct book_sound *)ctx)->at;
+}
+
+static void close_file(struct book_sound *b) {
+    if (b->file)
+        sf_close(b->file);
+    b->file = NULL;
+    b->open = 0;
+    buf_free(&b->data);
+}
+
+/* Opens one of the files, unless it is open. */
+static int open_file(struct book_sound *b, size_t i, struct error *e) {
+    static SF_VIRTUAL_IO io = {length_of, seek_to, read_some, write_none, where};
+    SF_INFO info = {0};
+    if (b->open == i + 1)
+        return 0;
+    close_file(b);
+    b->at = 0;
+    if (get(b, b->files[i].path, SOUND_BYTES, &b->data, e))
+        return -1;
+    b->file = sf_open_virtual(&io, SFM_READ, &info, b);
+    if (!b->file)
+        return error_set(e, CODE, "'%.100s': %.80s", b->files[i].path, sf_strerror(NULL));
+    if (info.channels < 1 || info.channels > MIXDOWN_CHANNELS_MAX || info.samplerate < RATE_MIN ||
+        info.samplerate > RATE_MAX || info.frames < 1 || !info.seekable)
+        return error_set(e, CODE, "'%.100s': %d channels of %d samples per second cannot be read",
+                         b->files[i].path, info.channels, info.samplerate);
+    if (b->rate && b->rate != (uint32_t)info.samplerate)
+        return error_set(e, CODE, "'%.100s' has another sample rate than the files before it",
+                         b->files[i].path);
+    b->rate = (uint32_t)info.samplerate;
+    b->channels = info.channels;
+    b->mixdown = (struct mixdown){0};
+    b->next = 0;
+    b->files[i].samples = (uint64_t)info.frames;
+    b->open = i + 1;
+    return 0;
+}
+
+/* Finds the length of each file, and where each clip lies. */
+static int place_clips(struct book_sound *b, struct error *e) {
+    for (size_t i = 0; i < b->file_count; i++)
+        if (open_file(b, i, e))
+            return -1;
+    for (size_t i = 0; i < b->clip_count; i++) {
+        struct clip *c = &b->clips[i];
+        const double length = (double)b->files[c->file].samples;
+        double from = fmin(c->begin * b->rate, length),
+               to = c->end < 0 ? length : fmin(c->end * b->rate, length);
+        c->from = (uint64_t)from;
+        c->start = b->samples;
+        c->samples = to > from ? (uint64_t)to - c->from : 0;
+        b->samples += c->samples;
+    }
+    if (!b->samples || b->samples / b->rate > HOURS_MAX * 3600ULL)
+        return error_set(e, CODE, "the clips of the book have %s",
+                         b->samples ? "more than 100 hours" : "no sound");
+    return 0;
+}
+
+/* Reads frames of the open file as one channel. */
+static size_t read_file(struct book_sound *b, uint64_t from, int16_t *out, size_t count) {
+    size_t done = 0;
+    if (from != b->next && sf_seek(b->file, (sf_count_t)from, SEEK_SET) < 0)
+        return 0;
+    b->next = from;
+    while (done < count) {
+        size_t want = count - done < FRAMES ? count - done : FRAMES;
+        sf_count_t got = sf_readf_float(b->file, b->frames, (sf_count_t)want);
+        for (sf_count_t i = 0; i < got; i++) {
+            const float *frame = b->frames + (size_t)i * (size_t)b->channels;
+            double mono = 32768 * mixdown_frame(&b->mixdown, frame, (unsigned)b->channels);
+            out[done++] = (int16_t)lrint(fmax(-32768, fmin(32767, mono)));
+        }
+        b->next += got > 0 ? (uint64_t)got : 0;
+        if (got < (sf_count_t)want)
+            break;
+    }
+    return done;
+}
+
+static size_t clip_at(const struct book_sound *b, uint64_t sample) {
+    size_t low = 0, high = b->clip_count;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (b->clips[middle].start <= sample)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static size_t read_book(void *ctx, uint64_t from, int16_t *out, size_t count) {
+    struct book_sound *b = ctx;
+    size_t done = 0;
+    struct error e;
+    for (size_t i = clip_at(b, from); i < b->clip_count && done < count; i++) {
+        const struct clip *c = &b->clips[i];
+        uint64_t into = from + done - c->start;
+        if (into >= c->samples)
+            continue;
+        size_t left = (size_t)(c->samples - into), want = count - done < left ? count - done : left;
+        size_t got = open_file(b, c->file, &e) ? 0 : read_file(b, c->from + into, out + done, want);
+        memset(out + done + got, 0,
+               (want - got) * sizeof *out); /* a damaged end: later clips keep their place */
+        done += want;
+    }
+    return done;
+}
+
+bool book_sound_is(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && !strcasecmp(dot, ".epub");
+}
+
+struct book_sound *book_sound_open(const char *path, struct error *e) {
+    struct book_sound *b = mem_alloc(sizeof *b);
+    int why = 0;
+    b->zip = zip_open(path, ZIP_RDONLY, &why);
+    if (!b->zip) {
+        zip_error_t text;
+        zip_error_init_with_code(&text, why);
+        error_set(e, CODE, "%.160s: %.80s", path, zip_error_strerror(&text));
+        zip_error_fini(&text);
+    } else if (!read_clips(b, e) && !place_clips(b, e)) {
+        return b;
+    }
+    book_sound_close(b);
+    return NULL;
+}
+
+void book_sound_close(struct book_sound *b) {
+    if (!b)
+        return;
+    close_file(b);
+    if (b->zip)
+        zip_discard(b->zip);
+    for (size_t i = 0; i < b->item_count; i++) {
+        free(b->items[i].id);
+        free(b->items[i].path);
+        free(b->items[i].overlay);
+    }
+    for (size_t i = 0; i < b->spine_count; i++)
+        free(b->spine[i]);
+    for (size_t i = 0; i < b->file_count; i++)
+        free(b->files[i].path);
+    free(b->items);
+    free(b->spine);
+    free(b->clips);
+    free(b->files);
+    free(b);
+}
+
+struct sound_source book_sound_source(struct book_sound *b) {
+    return (struct sound_source){read_book, b, b->rate, b->samples};
+}

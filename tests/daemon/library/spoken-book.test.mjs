@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A read-aloud book (EPUB 3 with media overlays) brings its own recording: faccia's own export comes back whole.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Daemon, build, eventually, ordinary } from '../../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(fs.realpathSync(build), 'spoken-book-')); // not in /tmp, which the aligner may always read
+const works = path.join(folder, 'works');
+const sources = path.join(folder, 'sources');
+const program = path.join(ordinary, 'server/cli/faccia');
+const TEXT = `---
+title: Il porto
+author: A. Rossi
+lang: it
+---
+# Mattina
+
+La barca torna al porto. Il pescatore conta le reti e guarda il mare.
+
+# Sera
+
+Domani partono tutti. La luna sale piano sopra il monte, e il gatto dorme.
+`;
+
+let daemon;
+const ask = async (address) => (await daemon.get(`/v1/library${address}`)).json();
+const recording = async (work) => (await ask(`/works/${work}`)).recordings?.[0];
+const finished = (work) => eventually(async () => { const one = await recording(work); return ['aligned', 'failed'].includes(one?.state) && one; }, `${work} aligned`, 240000);
+
+/** Changes a book: files by name, or null to leave one out. */
+function rebuilt(from, to, files) {
+  const script = `
+import json, sys, zipfile
+a, b = zipfile.ZipFile(sys.argv[1]), zipfile.ZipFile(sys.argv[2], 'w')
+files = json.load(sys.stdin)
+for i in a.infolist():
+    new = files.get(i.filename, False)
+    if new is None: continue
+    b.writestr(i, a.read(i.filename) if new is False else new)
+b.close()`;
+  execFileSync('python3', ['-c', script, from, to], { input: JSON.stringify(files) });
+}
+
+before(async () => {
+  for (const name of [works, sources]) fs.mkdirSync(name);
+  fs.writeFileSync(path.join(sources, 'porto.md'), TEXT);
+  execFileSync(program, ['library', 'export', '--epub', path.join(works, 'porto.epub'), '--wav', path.join(folder, 'porto.wav'), '--vtt', path.join(folder, 'porto.vtt'), sources, 'porto']);
+  const book = path.join(works, 'porto.epub');
+  const read = (name) => execFileSync('unzip', ['-p', book, `EPUB/${name}`], { encoding: 'utf8' });
+  const smil = read('s2.smil');
+  // only the second section is recorded, in hours, minutes and seconds, with a clip to the end of the file, by a path with signs
+  const ends = [...smil.matchAll(/clipEnd="([^"]+)"/g)].map(([, time]) => time);
+  rebuilt(book, path.join(works, 'meta.epub'), { 'EPUB/s1.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>', 'EPUB/s2.smil': smil.replaceAll('src="s2.mp3"', 'src="./x/../s%32.mp3"').replace(`clipEnd="${ends.at(-1)}"`, '') });
+  rebuilt(book, path.join(works, 'senza.epub'), { 'EPUB/s1.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>', 'EPUB/s2.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>' });
+  rebuilt(book, path.join(works, 'rotto.epub'), { 'EPUB/s1.mp3': 'this is no sound' });
+  rebuilt(book, path.join(works, 'perso.epub'), { 'EPUB/s1.mp3': null });
+  rebuilt(book, path.join(works, 'storto.epub'), { 'EPUB/s1.smil': '<smil><body>' });
+  daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--library-align', '100']);
+  await eventually(async () => (await ask('')).state === 'ready', 'the library');
+});
+after(async () => {
+  assert.equal((await daemon.stop()).code, 0, daemon.log);
+  fs.rmSync(folder, { recursive: true });
+});
+
+test('the recording of an exported book is the one that was exported, and its words are found in it', async () => {
+  const one = await finished('porto');
+  assert.deepEqual([one.state, one.file, one.missing, one.unread, one.unwritten], ['aligned', 'porto.epub', 0, [], []], JSON.stringify(one));
+  const times = [...fs.readFileSync(path.join(folder, 'porto.vtt'), 'utf8').matchAll(/<(\d\d):(\d\d):(\d\d\.\d{3})>(\p{L}+)/gu)].map(([, h, m, s, word]) => [word, h * 3600 + m * 60 + Number(s)]);
+  const said = await (await daemon.get('/v1/speech?passage=porto:1&voice=recording&format=json')).json();
+  assert.equal(said.voice, 'recording:porto');
+  assert.deepEqual(said.words.map(({ text }) => text).slice(0, 4), ['Mattina', 'La', 'barca', 'torna']);
+  const first = said.words.map(({ text, start }) => [text, start, times.find(([word]) => word === text)?.[1]]).filter(([, , time]) => time);
+  assert.ok(first.length > 8);
+  for (const [word, start, time] of first) assert.ok(Math.abs(start - time) < 0.15, `${word}: ${start} instead of ${time}`);
+  const sound = Buffer.from(await (await daemon.get('/v1/speech?passage=porto:2:p1&voice=recording&format=wav')).arrayBuffer());
+  const loud = (buffer) => Math.sqrt(new Int16Array(buffer.buffer, buffer.byteOffset + 44, (buffer.length - 44) >> 1).reduce((sum, x) => sum + x * x, 0) / (buffer.length / 2));
+  const whole = fs.readFileSync(path.join(folder, 'porto.wav'));
+  assert.ok(loud(sound) > loud(whole) / 2, 'it is heard');
+  assert.ok(sound.length < whole.length);
+});
+
+test('only a part of a book may be recorded; clips may go to the end of a file', async () => {
+  const one = await finished('meta');
+  assert.equal(one.state, 'aligned', JSON.stringify(one));
+  assert.ok(one.unread.length && one.unread.every(({ passage }) => passage.startsWith('meta:1:')), JSON.stringify(one.unread));
+  const said = await (await daemon.get('/v1/speech?passage=meta:2:p1&voice=recording&format=json')).json();
+  assert.deepEqual(said.words.map(({ text }) => text).slice(0, 3), ['Domani', 'partono', 'tutti']);
+});
+
+test('a book whose sound cannot be read says why, and is read all the same', async () => {
+  for (const [work, why] of [['senza', /no recording/], ['rotto', /s1\.mp3/], ['perso', /has no 'EPUB\/s1\.mp3'/], ['storto', /s1\.smil', line 1/]]) {
+    const one = await finished(work);
+    assert.equal(one.state, 'failed', work);
+    assert.match(one.why, why, work);
+    assert.equal((await ask(`/works/${work}`)).passages, 4);
+  }
+  assert.equal(spawnSync(program, ['library', works]).status, 0);
+});
