@@ -15,8 +15,8 @@ static const char *const turn_names[TURNS] = {"HeadYaw", "HeadPitch", "HeadRoll"
 /* Below: rows of another day, which begins at midnight. */
 #define MIDNIGHT (-DAY / 2)
 
-/* Below this slope of an eye's pitch over its eyeLookDown, which is 0.6 rad in the app, turns are fractions
- * of half a turn. */
+/* Below this slope of an eye's pitch over its eyeLookDown, which is 0.6 in the app, turns are fractions of
+ * half a turn. */
 #define RADIANS_LEAST 0.25
 /* Sum of squares of the gaze from which on the slope is known. */
 #define GAZE_LEAST 0.01
@@ -201,9 +201,9 @@ static int set_times(struct capture *c, double rate) {
     return 0;
 }
 
-/* Converts the turns of the head to those of arkit_turns. The app writes radians, downwards; faccia, and
- * programs that do as Unreal's, fractions of half a turn, upwards. The eyes, whose gaze shapes tell as well,
- * show which. */
+/* Converts the turns of the head to those of arkit_turns. The app writes radians to the right, down, and to
+ * the left shoulder; other programs write fractions of half a turn to the left, up, and to the left shoulder.
+ * The eyes, whose gaze shapes tell as well, show which. */
 static void set_turns(struct capture *c) {
     static const int down = 1, up = 4; /* eyeLookDownLeft, eyeLookUpLeft */
     double product = 0, squares = 0;
@@ -212,13 +212,13 @@ static void set_turns(struct capture *c) {
         product += gaze * c->marks[i].eye_pitch;
         squares += gaze * gaze;
     }
-    double slope = squares > GAZE_LEAST ? product / squares : -RADIANS_LEAST / 2;
-    double unit = fabs(slope) < RADIANS_LEAST ? acos(-1) : 1, sign = slope < 0 ? -1 : 1;
+    double slope = squares > GAZE_LEAST ? product / squares : 1;
+    double unit = fabs(slope) < RADIANS_LEAST ? acos(-1) : 1, down_sign = slope < 0 ? -1 : 1;
     for (size_t i = 0; i < c->count; i++) {
         struct arkit_turns *head = &c->rows[i].head;
-        *head = (struct arkit_turns){.head_yaw = unit * head->head_yaw,
-                                     .head_pitch = sign * unit * head->head_pitch,
-                                     .head_roll = sign * unit * head->head_roll};
+        *head = (struct arkit_turns){.head_yaw = -down_sign * unit * head->head_yaw,
+                                     .head_pitch = down_sign * unit * head->head_pitch,
+                                     .head_roll = -unit * head->head_roll};
     }
 }
 

@@ -264,9 +264,6 @@ void export_ndjson_warning(struct export *x, const struct error *e) {
 /* Smaller weights count as 0: about a hundredth of a millimetre. */
 #define WEIGHT_LEAST 0.00005
 
-/* Live Link Face scales -180..180 degrees to -1..1. */
-#define HALF_TURN 3.14159265358979323846
-
 enum { TURNS = 9, WHOLE = 63 /* FAP 1: weight of its first viseme */ };
 
 const char *const export_viseme_names[] = {"sil", "PP", "FF", "TH", "DD", "kk", "CH", "SS",
@@ -304,14 +301,15 @@ static void put_time(struct export *x, uint32_t k) {
                thousandths / 1000, thousandths % 1000);
 }
 
-/* Live Link Face counts turns to the left, up, and towards the left shoulder as positive. */
+/* As in takes of Live Link Face: radians, positive to the right, down, and towards the left shoulder; the
+ * columns of an eye belong to the eye whose shapes have the other name (protocol/arkit.md). */
 static void put_turns(struct export *x, const struct fap_frame *frame) {
     struct arkit_turns t = arkit_turns_of(frame);
-    const double turns[TURNS] = {t.head_yaw,   -t.head_pitch,   -t.head_roll,
-                                 t.eye_yaw[0], -t.eye_pitch[0], 0,
-                                 t.eye_yaw[1], -t.eye_pitch[1], 0};
+    const double turns[TURNS] = {-t.head_yaw,   t.head_pitch,   -t.head_roll,
+                                 -t.eye_yaw[1], t.eye_pitch[1], 0,
+                                 -t.eye_yaw[0], t.eye_pitch[0], 0};
     for (int i = 0; i < TURNS; i++)
-        buf_printf(&x->out, ",%.6f", turns[i] / HALF_TURN + 0.0);
+        buf_printf(&x->out, ",%.6f", turns[i] + 0.0);
 }
 
 static void put_row(struct export *x, const struct fap_frame *frame, uint32_t k) {

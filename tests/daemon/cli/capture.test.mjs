@@ -92,7 +92,7 @@ test('turns of the head, in the units of the app and of this program', () => {
   const looks = (k) => ({ EyeLookDownLeft: k % 2 ? 0.3 : 0, EyeLookUpLeft: k % 2 ? 0 : 0.2, HeadYaw: 0.2, HeadPitch: 0.1, HeadRoll: -0.05 });
   const gaze = (k) => (k % 2 ? 0.3 : -0.2);
   const radians = captured(csv(rows(60, (k) => ({ ...looks(k), LeftEyePitch: 0.61 * gaze(k) })), columns));
-  assert.deepEqual([49, 48, 50].map((n) => radians.frames[5][n]), [20000, 10000, -5000]);
+  assert.deepEqual([49, 48, 50].map((n) => radians.frames[5][n]), [-20000, 10000, 5000]);
   const halves = captured(csv(rows(60, (k) => ({ ...looks(k), LeftEyePitch: -0.14 * gaze(k) })), columns));
   assert.deepEqual([49, 48, 50].map((n) => halves.frames[5][n]), [0.2, -0.1, 0.05].map((turn) => Math.round(turn * Math.PI * 1e5)));
 });
