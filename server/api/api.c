@@ -6,6 +6,7 @@
 #include "server/api/shared_limits.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/film/film_jobs.h"
 #include <malloc.h>
 #include <stdlib.h>
 
@@ -59,6 +60,9 @@ struct api *api_open(const struct pipeline *pipeline, const struct offer_source 
     api->pipeline = pipeline;
     api->offer = *offer;
     complete(&api->options);
+    const struct film_jobs_options films = {options->film_program, options->models, options->web,
+                                            options->films, options->film_seconds};
+    api->films = film_jobs_new(pipeline, &films);
     api->rooms = rooms_open(pipeline, &api->options.rooms, commands_run_packed, api);
     rooms_record(api->rooms, api->options.sessions);
     if (!heads_load(&api->heads, options->web, options->models, e))
@@ -143,11 +147,13 @@ void api_close(struct api *api) {
     search_queue_close(&api->saves);
     search_queue_close(&api->reads);
     rooms_close(api->rooms);
+    film_jobs_close(api->films);
 }
 
 void api_free(struct api *api) {
     http_server_free(api->http);
     rooms_free(api->rooms);
+    film_jobs_free(api->films);
     heads_free(&api->heads);
     quota_free(&api->quota);
     secrets_free(&api->secrets);

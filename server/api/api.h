@@ -48,6 +48,9 @@ struct api_options {
     unsigned open;             /* unfinished texts per client */
     unsigned open_seconds;     /* closes an unfinished text that is idle for this long; 0: never */
     unsigned address_requests; /* utterances and POSTs a minute per address or token subject; 0: no limit */
+    const char *film_program;  /* path of faccia; "": no films */
+    unsigned films;            /* jobs of films, finished ones included; 0: none */
+    unsigned film_seconds;     /* longest film */
     unsigned lag_seconds;      /* in a room, drops a client's media that have been queued for longer */
 };
 

@@ -156,6 +156,7 @@ struct api {
     struct secrets_revoked revoked;
     struct revocations revocations;
     uint64_t trim_at;             /* loop time before which malloc_trim is not called again, ms */
+    struct film_jobs *films;
     struct events *events;        /* clients that follow a room over HTTP */
     struct search_queue searches; /* library searches */
     struct search_queue saves;    /* document saves; speech does not wait for them */
@@ -260,6 +261,10 @@ struct speech_answer {
 int speech_answer_open(struct speech_answer *a, const struct speech_request *request, struct error *e);
 void speech_answer_sent(void *answer); /* `sent` of the exchange's work, whose self begins with the answer */
 
+/* film_routes.c: /v1/films and below */
+int films_serve(struct exchange *x);
+extern const struct members film_members; /* members that POST accepts */
+
 /* openai_speech.c: POST /v1/audio/speech */
 int openai_speech(struct exchange *x);
 
@@ -279,6 +284,11 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
 
 /* Builds the request once the body is complete. Body members override those of the query. -1 with *e. */
 int post_text_request(struct post_text *p, struct speech_request *request, struct error *e);
+
+/* Reads a member that is not a request field, from the body or else the query. Sets *found if it is present.
+ * `cap` must exceed the longest valid value. -1 with *e if it is not a string. */
+int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
+                     struct error *e);
 void post_text_free(struct post_text *p);
 
 /* media_routes.c */

@@ -72,6 +72,7 @@ static const struct route {
     bool below;                    /* also serves all addresses below */
     bool kept;                     /* `get` also handles PUT (without `post`) and DELETE, which require the
                                       operate right */
+    bool own;                      /* DELETE requires no more than `right` */
 } routes[] = {
     {.path = "/healthz", .document = message_health, .members = &none},
     {.path = "/v1/voices", .document = voices, .members = &none},
@@ -82,6 +83,13 @@ static const struct route {
      .right = RIGHT_SPEAK,
      .members = &speech_members},
     {.path = "/v1/audio/speech", .post = openai_speech, .right = RIGHT_SPEAK, .members = &none},
+    {.path = "/v1/films",
+     .get = films_serve,
+     .post = films_serve,
+     .right = RIGHT_SPEAK,
+     .below = true,
+     .kept = true,
+     .own = true},
     {.path = "/v1/expressions", .document = expressions, .members = &none},
     {.path = rooms_path, .get = rooms, .right = RIGHT_LISTEN, .scope = SCOPE_OWN, .members = &none},
     {.path = "/v1/gestures",
@@ -249,7 +257,7 @@ static int serve_route(struct exchange *x, const struct route *route, enum http_
                                                    : NULL;
     enum right right = route->command ? client_message_right(route->command) : route->right;
     int refusal;
-    if (!exchange_permits(x, change ? RIGHT_OPERATE : right, room, &refusal))
+    if (!exchange_permits(x, change && !route->own ? RIGHT_OPERATE : right, room, &refusal))
         return refusal;
     if (route->members)
         query_check(request, route->members, get && route->post, exchange_warn, x);

@@ -90,9 +90,7 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     return 0;
 }
 
-/* Reads a member that is not a request field, from the body or else the query. Sets *found if it is present.
- * `cap` must exceed the longest valid value. -1 with *e if it is not a string. */
-static int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
+int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
                             struct error *e) {
     const json_t *member = json_object_get(p->object, name);
     const char *text = member ? json_string_value(member) : http_query(exchange_request(p->x), name);

@@ -11,7 +11,7 @@
 
 /* Locations of the files in a build tree and below a prefix. A moved tree, or one staged for a package
  * (DESTDIR), is found from its programs. */
-enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, READER, RECOGNISER, PLACES };
+enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, READER, RECOGNISER, COMMANDS, PLACES };
 
 static const struct layout {
     const char *programs[3]; /* folders of programs; NULL = no more */
@@ -19,11 +19,11 @@ static const struct layout {
 } layouts[] = {
     {{"server/daemon", "server/cli", "server/voice"},
      {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/library/faccia-align",
-      "server/daemon/faccia-reader", "server/live/faccia-recogniser"}},
+      "server/daemon/faccia-reader", "server/live/faccia-recogniser", "server/cli/faccia"}},
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",
       FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align",
-      FACCIA_LIBDIR "/faccia/faccia-reader", FACCIA_LIBDIR "/faccia/faccia-recogniser"}},
+      FACCIA_LIBDIR "/faccia/faccia-reader", FACCIA_LIBDIR "/faccia/faccia-recogniser", FACCIA_BINDIR "/faccia"}},
 };
 
 enum { INSTALLED = 1 };
@@ -69,6 +69,7 @@ void paths_find(struct paths *paths) {
     paths->aligner = find(root, layout->places[ALIGNER]);
     paths->reader = find(root, layout->places[READER]);
     paths->recogniser = find(root, layout->places[RECOGNISER]);
+    paths->commands = find(root, layout->places[COMMANDS]);
 }
 
 void paths_free(struct paths *paths) {
@@ -79,5 +80,6 @@ void paths_free(struct paths *paths) {
     free(paths->aligner);
     free(paths->reader);
     free(paths->recogniser);
+    free(paths->commands);
     *paths = (struct paths){0};
 }

@@ -13,6 +13,7 @@ struct paths {
     char *aligner;    /* the faccia-align program */
     char *reader;     /* the faccia-reader program */
     char *recogniser; /* the faccia-recogniser program */
+    char *commands;   /* the faccia program */
 };
 
 void paths_find(struct paths *paths);

@@ -136,7 +136,7 @@ static int read_recording(struct film *f) {
     film_media_end(&f->media);
     recording_free(f->recording);
     f->recording = NULL;
-    return EXIT_DONE;
+    return f->o.words && cli_read(f->o.words, &f->media.captions.out) ? EXIT_FAILED : EXIT_DONE;
 }
 
 /* A face for each viseme of FAP 1 that the language has, and the filter that labels and arranges them. */

@@ -32,6 +32,7 @@ static const char usage[] =
     "      --audio FILE     its sound (default: a file of the same name beside it, or silence); for a text, "
     "the\n"
     "                       folder of sound files that it may refer to\n"
+    "      --words FILE     its words (WebVTT), for --captions\n"
     "  -f, --file FILE      the text\n"
     "      --lexicon FILE   pronunciation lexicon (W3C PLS); may be repeated\n" SPEAK_HELP
     "  -h, --help           print this and exit\n"
@@ -138,6 +139,7 @@ enum {
     VISEMES,
     FROM,
     AUDIO,
+    WORDS,
     LEXICON
 };
 
@@ -175,6 +177,9 @@ static int take_own(struct film_options *f, int option, char *text) {
     case AUDIO:
         f->audio = text;
         return -1;
+    case WORDS:
+        f->words = text;
+        return -1;
     default:
         cli_lexicons_add(&f->lexicons, text);
         return -1;
@@ -204,8 +209,10 @@ static int check(const struct film_options *f, const struct speech_request *requ
     if (f->captions == FILM_CAPTIONS_TRACK && !track)
         return refuse(
             "--captions: only .mp4 and .webm have a track of captions; burn puts them in the picture");
-    if (f->captions && f->from)
-        return refuse("--captions: a recorded face has no words");
+    if (f->captions && f->from && !f->words)
+        return refuse("--captions: a recorded face has no words; give them with --words FILE.vtt");
+    if (f->words && !f->from)
+        return refuse("--words: a text has its own words");
     if (f->lossless && f->format != FILM_MP4)
         return refuse("--lossless is for .mp4; .png is lossless anyway");
     if (track && !f->lossless && (f->width % 2 || f->height % 2))
@@ -231,6 +238,7 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
         {"visemes", 1, NULL, VISEMES},
         {"from", 1, NULL, FROM},
         {"audio", 1, NULL, AUDIO},
+        {"words", 1, NULL, WORDS},
         {"lexicon", 1, NULL, LEXICON},
         {"help", 0, NULL, 'h'},
         {0},

@@ -8,7 +8,7 @@
 
 struct film_options {
     /* NULL = not given */
-    const char *output, *model, *background, *view, *level, *from, *audio, *visemes;
+    const char *output, *model, *background, *view, *level, *from, *audio, *words, *visemes;
     unsigned width, height; /* pixels; 0 = not given */
     double at;              /* negative: the whole */
     bool lossless, transparent;

@@ -357,6 +357,7 @@ static void set_defaults(struct settings *s, const struct paths *paths) {
     s->api.web = mem_strdup(paths->web);
     s->voices.plugin_dir = mem_strdup(paths->plugins);
     s->voices.worker = mem_strdup(paths->worker);
+    s->api.film_program = mem_strdup(paths->commands);
 }
 
 /* Returns FACCIA_MAX_TEXT for --max-text. */

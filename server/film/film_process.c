@@ -175,6 +175,11 @@ const char *film_process_said(const struct film_process *p) {
     return p->said;
 }
 
+void film_process_interrupt(struct film_process *p) {
+    if (p->running)
+        uv_kill(p->child.pid, SIGTERM);
+}
+
 void film_process_close(struct film_process *p) {
     if (!p)
         return;

@@ -37,6 +37,9 @@ void film_process_end_input(struct film_process *process);
 /* The end of what it has printed on standard error, on one line; "" if nothing. */
 const char *film_process_said(const struct film_process *process);
 
+/* Asks the program to end (SIGTERM); `ended` follows. */
+void film_process_interrupt(struct film_process *process);
+
 /* Kills the whole group if it runs, and frees the process once the loop has run. NULL is allowed. */
 void film_process_close(struct film_process *process);
 

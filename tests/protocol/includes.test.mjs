@@ -23,7 +23,7 @@ const BELOW = {
   export: ['codec', 'normalize', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
   rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],
-  api: ['rooms', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
+  api: ['rooms', 'film', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   // beside the core
   live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
   library: ['normalize', 'base'],

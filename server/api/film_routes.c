@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* /v1/films: POST orders a film of a text. GET and DELETE of /v1/films/ID tell how far it is and remove it;
+ * /v1/films/ID/film.mp4 (or .webm...) is the film. */
+#include "server/api/api_internal.h"
+#include "server/api/commands.h"
+#include "server/base/mem.h"
+#include "server/film/film_jobs.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char films_path[] = "/v1/films";
+
+enum { SIDE_MIN = 16, WIDTH_MAX = 1920, HEIGHT_MAX = 1920, VALUE_BYTES = 100 };
+
+static const struct {
+    const char *name, *type;
+} formats[] = {{"mp4", "video/mp4"}, {"webm", "video/webm"}, {"gif", "image/gif"}, {"webp", "image/webp"}};
+
+enum { FORMATS = sizeof formats / sizeof *formats };
+
+static const char *const views[] = {"portrait", "face", "bust", "mouth", NULL};
+static const char *const qualities[] = {"low", "fine", "high", NULL};
+static const char *const captions[] = {"burn", "track", NULL};
+
+/* The members of an order beside those of the speech. */
+enum { FORMAT, MODEL, SIZE, BACKGROUND, VIEW, QUALITY, CAPTIONS, MEMBERS };
+
+static const char *const more_members[] = {"format", "model",   "size",     "background",
+                                           "view",   "quality", "captions", NULL};
+const struct members film_members = {.speech = true, .more = more_members};
+
+struct order {
+    struct exchange *x;
+    struct post_text text;
+    char values[MEMBERS][VALUE_BYTES + 1];
+    const char *given[MEMBERS]; /* NULL: not given */
+};
+
+/* Answers */
+
+static json_t *describe(const struct film_job *job) {
+    static const char *const stages[] = {[FILM_WAITING] = "waiting",
+                                         [FILM_SPEAKING] = "speaking",
+                                         [FILM_DRAWING] = "drawing",
+                                         [FILM_DONE] = "done",
+                                         [FILM_STOPPED] = "failed"};
+    enum film_stage stage = film_job_stage(job);
+    json_t *answer = json_pack("{ss ss sf}", "id", film_job_id(job), "state", stages[stage], "progress",
+                               film_job_share(job));
+    if (stage == FILM_DONE) {
+        json_object_set_new(answer, "bytes", json_integer((json_int_t)film_job_bytes(job)));
+        json_object_set_new(answer, "film",
+                            json_sprintf("%s/%s/film.%s", films_path, film_job_id(job), film_job_suffix(job)));
+    }
+    if (stage == FILM_STOPPED)
+        json_object_set_new(answer, "error", error_json(film_job_error(job)));
+    return answer;
+}
+
+static int not_found(struct exchange *x) {
+    struct error e;
+    error_plain(&e, ERROR_NOT_FOUND);
+    return exchange_error(x, &e);
+}
+
+/* The film, sent piece by piece. */
+
+enum { PIECE_BYTES = 256 << 10 };
+
+struct sending {
+    struct exchange *x;
+    int fd;
+    uint8_t piece[PIECE_BYTES];
+};
+
+static void send_more(void *self) {
+    struct sending *s = self;
+    while (exchange_unsent(s->x) < PIECE_BYTES) {
+        ssize_t size = read(s->fd, s->piece, sizeof s->piece);
+        if (size < 0 && errno == EINTR)
+            continue;
+        if (size <= 0) {
+            exchange_end(s->x);
+            return;
+        }
+        exchange_add(s->x, s->piece, (size_t)size);
+    }
+}
+
+static void free_sending(void *self) {
+    struct sending *s = self;
+    close(s->fd);
+    free(s);
+}
+
+static int send_film(struct exchange *x, const struct film_job *job, const char *name) {
+    char own[16];
+    int i = 0;
+    snprintf(own, sizeof own, "film.%s", film_job_suffix(job));
+    int fd = film_job_stage(job) == FILM_DONE && !strcmp(name, own) ? film_job_open(job) : -1;
+    if (fd < 0)
+        return not_found(x);
+    while (strcmp(formats[i].name, film_job_suffix(job)) != 0)
+        i++;
+    struct sending *s = mem_alloc(sizeof *s);
+    s->x = x;
+    s->fd = fd;
+    exchange_set_work(x, (struct exchange_work){.sent = send_more, .free = free_sending, .self = s});
+    exchange_begin(x, formats[i].type);
+    send_more(s);
+    return 0;
+}
+
+/* Orders */
+
+static int one_of(const char *name, const char *value, const char *const *words, struct error *e) {
+    for (int i = 0; value && words[i]; i++)
+        if (!strcmp(words[i], value))
+            return 0;
+    if (!value)
+        return 0;
+    struct buf list = {0};
+    for (int i = 0; words[i]; i++)
+        buf_printf(&list, "%s%s", i ? ", " : "", words[i]);
+    buf_add(&list, "", 1);
+    error_in_field(e, ERROR_BAD_FIELD, name, "must be one of %s", (char *)list.data);
+    buf_free(&list);
+    return -1;
+}
+
+static int check_size(const char *value, struct error *e) {
+    unsigned width, height;
+    int used = 0;
+    bool well = !value || (sscanf(value, "%4ux%4u%n", &width, &height, &used) == 2 && !value[used]);
+    if (!well || (value && (width < SIDE_MIN || height < SIDE_MIN || width > WIDTH_MAX ||
+                            height > HEIGHT_MAX || width % 2 || height % 2)))
+        return error_in_field(e, ERROR_BAD_FIELD, "size", "must be WxH, even numbers from %d to %d", SIDE_MIN,
+                              WIDTH_MAX);
+    return 0;
+}
+
+/* A colour as in CSS, or "transparent": never the name of a file on this machine. */
+static int check_background(const char *value, const char *format, struct error *e) {
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789#(),% ";
+    if (value && (!*value || value[strspn(value, allowed)]))
+        return error_in_field(e, ERROR_BAD_FIELD, "background", "must be a colour as in CSS, or transparent");
+    if (value && !strcmp(value, "transparent") && !strcmp(format, "mp4"))
+        return error_in_field(e, ERROR_BAD_FIELD, "background", "MP4 cannot be transparent; WebM can");
+    return 0;
+}
+
+static int read_members(struct order *o, struct error *e) {
+    bool found;
+    for (int i = 0; i < MEMBERS; i++) {
+        if (post_text_member(&o->text, more_members[i], o->values[i], sizeof o->values[i], &found, e))
+            return -1;
+        o->given[i] = found ? o->values[i] : NULL;
+    }
+    const char *names[FORMATS + 1] = {0};
+    for (int i = 0; i < FORMATS; i++)
+        names[i] = formats[i].name;
+    if (!o->given[FORMAT])
+        o->given[FORMAT] = formats[0].name;
+    return one_of("format", o->given[FORMAT], names, e) || one_of("view", o->given[VIEW], views, e) ||
+                   one_of("quality", o->given[QUALITY], qualities, e) ||
+                   one_of("captions", o->given[CAPTIONS], captions, e) || check_size(o->given[SIZE], e) ||
+                   check_background(o->given[BACKGROUND], o->given[FORMAT], e)
+               ? -1
+               : 0;
+}
+
+/* The voice that suits the head, unless one is given. */
+static int suit_voice(const struct api *api, struct speech_request *request, const char *name,
+                      struct error *e) {
+    const struct model *model = name ? heads_find(&api->heads, name) : api->heads.list;
+    if (name && !model)
+        return error_in_field(e, ERROR_UNKNOWN_MODEL, "model", "no head '%.60s'", name);
+    if (!model || !model->voice || request->voice || request->gender != GENDER_ANY)
+        return 0;
+    json_t *voice = json_loads(model->voice, 0, NULL);
+    json_t *given = request_to_json(request);
+    const char *member;
+    json_t *value;
+    int failed = 0;
+    json_object_foreach(voice, member, value) {
+        if (!strcmp(member, "gender") || !json_object_get(given, member))
+            failed |= request_set(request, member, value_from_json(value), e) < 0;
+    }
+    json_decref(given);
+    json_decref(voice);
+    return failed ? -1 : 0;
+}
+
+static int read_order(struct order *o, struct speech_request *request, struct error *e) {
+    struct api *api = exchange_api(o->x);
+    struct command_call call = {.api = api, .request = request};
+    if (post_text_request(&o->text, request, e) || read_members(o, e) ||
+        suit_voice(api, request, o->given[MODEL], e) || command_admit(&call, exchange_principal(o->x), e))
+        return -1;
+    return request->open ? error_in_field(e, ERROR_BAD_FIELD, "open", "a film is made of a whole text") : 0;
+}
+
+static int on_body_end(void *self) {
+    struct order *o = self;
+    struct exchange *x = o->x;
+    struct speech_request request;
+    struct film_job *job = NULL;
+    struct error e;
+    request_init(&request);
+    if (!read_order(o, &request, &e)) {
+        const struct film_order order = {.speech = &request,
+                                         .suffix = o->given[FORMAT],
+                                         .model = o->given[MODEL],
+                                         .size = o->given[SIZE],
+                                         .background = o->given[BACKGROUND],
+                                         .view = o->given[VIEW],
+                                         .quality = o->given[QUALITY],
+                                         .captions = o->given[CAPTIONS]};
+        job = film_jobs_add(exchange_api(x)->films, &order, &e);
+    }
+    request_free(&request);
+    post_text_free(&o->text);
+    if (!job)
+        return exchange_error(x, &e);
+    char address[sizeof films_path + FILM_ID_BYTES];
+    snprintf(address, sizeof address, "%s/%s", films_path, film_job_id(job));
+    exchange_header(x, "location", address);
+    return exchange_json(x, 202, describe(job));
+}
+
+static void free_order(void *self) {
+    struct order *o = self;
+    post_text_free(&o->text);
+    free(o);
+}
+
+static int order_film(struct exchange *x) {
+    struct order *o = mem_alloc(sizeof *o);
+    int result = 0;
+    o->x = x;
+    exchange_set_work(x, (struct exchange_work){.body_end = on_body_end, .free = free_order, .self = o});
+    query_check(exchange_request(x), &film_members, false, exchange_warn, x);
+    post_text_begin(&o->text, x, &film_members, &result);
+    return result;
+}
+
+int films_serve(struct exchange *x) {
+    static const struct members none = {.speech = false};
+    const struct http_request *request = exchange_request(x);
+    const char *rest = request->path + strlen(films_path);
+    char id[FILM_ID_BYTES];
+    if (request->method == HTTP_POST && !*rest)
+        return order_film(x);
+    query_check(request, &none, false, exchange_warn, x);
+    const char *slash = *rest ? strchr(rest + 1, '/') : NULL;
+    int length = slash ? (int)(slash - rest - 1) : *rest ? (int)strlen(rest + 1) : 0;
+    snprintf(id, sizeof id, "%.*s", length, *rest ? rest + 1 : "");
+    struct film_job *job = length == FILM_ID_BYTES - 1 ? film_jobs_find(exchange_api(x)->films, id) : NULL;
+    if (!job || request->method == HTTP_POST || (slash && request->method == HTTP_DELETE))
+        return not_found(x);
+    if (slash)
+        return send_film(x, job, slash + 1);
+    if (request->method != HTTP_DELETE)
+        return exchange_json(x, 200, describe(job));
+    film_job_remove(job);
+    return exchange_allow(x, 204, "GET, HEAD, DELETE, OPTIONS");
+}
