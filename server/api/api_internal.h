@@ -155,7 +155,7 @@ struct api {
     struct secrets secrets;              /* secrets of options.secrets that are not revoked */
     struct secrets_revoked revoked;
     struct revocations revocations;
-    uint64_t trim_at;             /* loop time before which malloc_trim is not called again, ms */
+    uint64_t trim_at; /* loop time before which malloc_trim is not called again, ms */
     struct film_jobs *films;
     struct events *events;        /* clients that follow a room over HTTP */
     struct search_queue searches; /* library searches */

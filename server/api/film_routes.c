@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* /v1/films: POST orders a film of a text. GET and DELETE of /v1/films/ID tell how far it is and remove it;
- * /v1/films/ID/film.mp4 (or .webm...) is the film. */
+/* /v1/films: GET tells whether films are made, POST orders one of a text. GET and DELETE of /v1/films/ID tell
+ * how far it is and remove it; /v1/films/ID/film.mp4 (or .webm...) is the film. */
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
 #include "server/base/mem.h"
@@ -51,8 +51,9 @@ static json_t *describe(const struct film_job *job) {
                                film_job_share(job));
     if (stage == FILM_DONE) {
         json_object_set_new(answer, "bytes", json_integer((json_int_t)film_job_bytes(job)));
-        json_object_set_new(answer, "film",
-                            json_sprintf("%s/%s/film.%s", films_path, film_job_id(job), film_job_suffix(job)));
+        json_object_set_new(
+            answer, "film",
+            json_sprintf("%s/%s/film.%s", films_path, film_job_id(job), film_job_suffix(job)));
     }
     if (stage == FILM_STOPPED)
         json_object_set_new(answer, "error", error_json(film_job_error(job)));
@@ -246,6 +247,16 @@ static int order_film(struct exchange *x) {
     return result;
 }
 
+/* Tells whether there can be orders. */
+static int tell_whether(struct exchange *x) {
+    struct error e;
+    bool available = !film_jobs_check(exchange_api(x)->films, &e);
+    json_t *answer = json_pack("{sb}", "available", available);
+    if (!available)
+        json_object_set_new(answer, "why", json_string(e.message));
+    return exchange_json(x, 200, answer);
+}
+
 int films_serve(struct exchange *x) {
     static const struct members none = {.speech = false};
     const struct http_request *request = exchange_request(x);
@@ -254,6 +265,8 @@ int films_serve(struct exchange *x) {
     if (request->method == HTTP_POST && !*rest)
         return order_film(x);
     query_check(request, &none, false, exchange_warn, x);
+    if (!*rest && request->method != HTTP_DELETE)
+        return tell_whether(x);
     const char *slash = *rest ? strchr(rest + 1, '/') : NULL;
     int length = slash ? (int)(slash - rest - 1) : *rest ? (int)strlen(rest + 1) : 0;
     snprintf(id, sizeof id, "%.*s", length, *rest ? rest + 1 : "");

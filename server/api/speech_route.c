@@ -91,7 +91,7 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
 }
 
 int post_text_member(const struct post_text *p, const char *name, char *value, size_t cap, bool *found,
-                            struct error *e) {
+                     struct error *e) {
     const json_t *member = json_object_get(p->object, name);
     const char *text = member ? json_string_value(member) : http_query(exchange_request(p->x), name);
     *found = text;

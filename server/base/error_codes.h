@@ -152,7 +152,7 @@
     X(CANNOT_LISTEN, "cannot-listen", 0, "cannot listen on the address") \
     X(MISALIGNED, "misaligned", 0, "the text and the recording do not match") \
     X(NO_REFERENCE, "no-reference", 0, "there is no voice to align with") \
-    X(FILM_FAILED, "film-failed", 0, "the film cannot be made")
+    X(FILM_FAILED, "film-failed", 503, "the film cannot be made")
 /* clang-format on */
 
 #endif

@@ -23,7 +23,8 @@ static const struct layout {
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",
       FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align",
-      FACCIA_LIBDIR "/faccia/faccia-reader", FACCIA_LIBDIR "/faccia/faccia-recogniser", FACCIA_BINDIR "/faccia"}},
+      FACCIA_LIBDIR "/faccia/faccia-reader", FACCIA_LIBDIR "/faccia/faccia-recogniser",
+      FACCIA_BINDIR "/faccia"}},
 };
 
 enum { INSTALLED = 1 };

@@ -16,7 +16,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FOLDER_BYTES = 64, NAME_BYTES = FILM_ID_BYTES + 8, ARGUMENTS = 28, ID_BYTES = (FILM_ID_BYTES - 1) / 2 };
+enum {
+    FOLDER_BYTES = 64,
+    NAME_BYTES = FILM_ID_BYTES + 8,
+    ARGUMENTS = 28,
+    ID_BYTES = (FILM_ID_BYTES - 1) / 2
+};
 
 /* Files of a job, in the jobs' folder: ID.fap and so on. */
 static const char *const kinds[] = {"fap", "wav", "vtt"};
@@ -144,7 +149,12 @@ static void take_message(struct film_job *job, const char *said) {
         message = at + strlen(before);
     if (message && !strncmp(message, film, strlen(film)))
         message += strlen(film);
-    error_set(&job->error, ERROR_FILM_FAILED, "%s", message ? message : "the film cannot be made");
+    if (!message)
+        message = "the film cannot be made";
+    int length = (int)strlen(message);
+    while (length && message[length - 1] == ' ')
+        length--;
+    error_set(&job->error, ERROR_FILM_FAILED, "%.*s", length, message);
 }
 
 static void on_drawn(void *ctx, bool well) {
@@ -273,7 +283,7 @@ static int make_folder(struct film_jobs *jobs, struct error *e) {
     return -1;
 }
 
-static int check_programs(const struct film_jobs *jobs, struct error *e) {
+int film_jobs_check(const struct film_jobs *jobs, struct error *e) {
     if (!jobs->options.most)
         return error_set(e, ERROR_FILM_FAILED, "this server makes no films (--max-films 0)");
     if (!*jobs->options.program || access(jobs->options.program, X_OK))
@@ -343,7 +353,7 @@ static int make_id(char out[FILM_ID_BYTES], struct error *e) {
 
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e) {
     char id[FILM_ID_BYTES];
-    if (check_programs(jobs, e) || make_folder(jobs, e) || make_id(id, e))
+    if (film_jobs_check(jobs, e) || make_folder(jobs, e) || make_id(id, e))
         return NULL;
     struct film_job *job = mem_alloc(sizeof *job);
     job->jobs = jobs;

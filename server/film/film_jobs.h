@@ -34,6 +34,9 @@ struct film_jobs;
 
 struct film_jobs *film_jobs_new(const struct pipeline *pipeline, const struct film_jobs_options *options);
 
+/* Whether films can be made here; -1 with *e ("film-failed"), which says what is missing. */
+int film_jobs_check(const struct film_jobs *jobs, struct error *e);
+
 /* Adds a job. Returns NULL with *e: "film-failed" if films cannot be made here, "queue-full" if all jobs are
  * unfinished, or as synthesis_open. The oldest finished job makes room for it. */
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e);
@@ -46,11 +49,11 @@ void film_job_remove(struct film_job *job);
 
 const char *film_job_id(const struct film_job *job);
 enum film_stage film_job_stage(const struct film_job *job);
-double film_job_share(const struct film_job *job);               /* of its pictures that are drawn, 0 to 1 */
-const struct error *film_job_error(const struct film_job *job);  /* of FILM_STOPPED */
+double film_job_share(const struct film_job *job);              /* of its pictures that are drawn, 0 to 1 */
+const struct error *film_job_error(const struct film_job *job); /* of FILM_STOPPED */
 const char *film_job_suffix(const struct film_job *job);
-uint64_t film_job_bytes(const struct film_job *job);             /* of FILM_DONE */
-int film_job_open(const struct film_job *job);                   /* descriptor of its film; -1 with errno */
+uint64_t film_job_bytes(const struct film_job *job); /* of FILM_DONE */
+int film_job_open(const struct film_job *job);       /* descriptor of its film; -1 with errno */
 
 /* Stops all jobs. Then run the loop until it is empty and free them. NULL is allowed. */
 void film_jobs_close(struct film_jobs *jobs);

@@ -46,7 +46,7 @@ export const included = {
   'protocol/media': { from: protocol, sections: ['Media chunks', 'Choosing a form', 'Compact chunks', 'Packed events'], title: 'Media' },
   'protocol/fapc': { from: 'protocol/fapc.md' },
   'protocol/bundle': { from: 'protocol/bundle.md' },
-  'protocol/http': { from: protocol, sections: ['HTTP', 'Health and metrics', 'Lists', 'Heads over HTTP', 'A text over HTTP', 'OpenAI speech API', 'A text in a room', 'Commands to a room', 'Revoking tokens', 'Errors and connections'], title: 'HTTP' },
+  'protocol/http': { from: protocol, sections: ['HTTP', 'Health and metrics', 'Lists', 'Heads over HTTP', 'A text over HTTP', 'Films', 'OpenAI speech API', 'A text in a room', 'Commands to a room', 'Revoking tokens', 'Errors and connections'], title: 'HTTP' },
   'protocol/engines': { from: protocol, sections: ['Engines'], title: 'Engines' },
   'protocol/errors': { from: protocol, sections: ['Error codes'], title: 'Error codes' },
   'protocol/limits': { from: protocol, sections: ['Limits'], title: 'Limits' },

@@ -34,6 +34,12 @@ export class Daemon {
     this.token = token;
   }
 
+  /** Stops or removes what is at the address; what is gone already counts as removed. @param {string} path */
+  async remove(path) {
+    const answer = await this.#fetch(path, { method: 'DELETE', signal: AbortSignal.timeout(PATIENCE_MS) });
+    if (!answer.ok && answer.status !== 404) throw await this.#refusal(answer);
+  }
+
   async #fetch(path, { method = 'GET', json, signal } = {}) {
     const headers = {
       ...(this.token ? { authorization: `Bearer ${this.token}` } : {}),

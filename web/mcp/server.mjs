@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The tools and resources of faccia for the Model Context Protocol.
 import { randomUUID } from 'node:crypto';
+import { setTimeout as sleep } from 'node:timers/promises';
 import { McpServer, ResourceTemplate } from '@modelcontextprotocol/sdk/server/mcp.js';
 import { z } from 'zod';
 import { DaemonError } from './daemon.mjs';
 
 const WAIT_SECONDS = 600; // most, for a text to be heard
+const FILM_SECONDS = 1800; // most, for a film to be made
+const FILM_LOOK_MS = 500;
 const READ_CHARACTERS = 20000; // most, of a section that is returned
 
 const text = z.string().min(1).max(65536);
@@ -194,6 +197,39 @@ export function makeServer(daemon, { room: usual, version }) {
     const found = await daemon.ask(`/v1/library/passages/${encodeURIComponent(passage)}`);
     const cut = found.text.length > READ_CHARACTERS;
     return say(`${found.text.slice(0, READ_CHARACTERS)}${cut ? '\n[…]' : ''}`, { passage: found.id, work: found.work.title, lang: found.lang, cut });
+  });
+
+  tool('film', {
+    title: 'Film',
+    description: 'Makes a film (MP4 or WebM) of the head as it speaks a text or a passage of the library, and returns its address. It takes about as long as the film lasts, or longer.',
+    inputSchema: {
+      text: text.optional().describe('What to say: plain text, Markdown, or SSML.'),
+      passage: z.string().max(128).optional().describe('Id of a passage or section of the library, instead of a text.'),
+      ...speaking,
+      format: z.enum(['mp4', 'webm']).optional(),
+      model: z.string().max(100).optional().describe('A head of faccia://heads.'),
+      size: z.string().regex(/^\d+x\d+$/).optional().describe('Width and height in pixels, such as 640x480.'),
+      background: z.string().max(100).optional().describe('A colour as in CSS; transparent for webm.'),
+      view: z.enum(['portrait', 'face', 'bust', 'mouth']).optional(),
+      captions: z.enum(['burn', 'track']).optional(),
+    },
+    annotations: { openWorldHint: true },
+  }, async ({ room: _, ...order }, { signal, sendNotification, _meta }) => {
+    if ((order.text === undefined) === (order.passage === undefined)) throw new DaemonError('Give either text or passage.', 'bad-field');
+    const { id } = await daemon.ask('/v1/films', order);
+    const address = `/v1/films/${id}`;
+    const end = Date.now() + FILM_SECONDS * 1000;
+    for (let told = 0; Date.now() < end && !signal.aborted; await sleep(FILM_LOOK_MS)) {
+      const { state, progress, film, bytes, error } = await daemon.ask(address);
+      if (state === 'failed') throw new DaemonError(error.message, error.code);
+      if (state === 'done') return say(`The film is at ${daemon.url}${film}: ${bytes} bytes.`, { film: daemon.url + film, bytes });
+      if (_meta?.progressToken !== undefined && progress > told) {
+        told = progress;
+        await sendNotification({ method: 'notifications/progress', params: { progressToken: _meta.progressToken, progress, total: 1 } });
+      }
+    }
+    await daemon.remove(address);
+    throw new DaemonError('The film was not ready in half an hour.', 'too-long');
   });
 
   const json = (uri, value) => ({ contents: [{ uri: uri.href, mimeType: 'application/json', text: JSON.stringify(value) }] });

@@ -27,8 +27,10 @@ before(async () => {
   fs.mkdirSync(path.join(folder, 'gestures'));
   fs.mkdirSync(path.join(folder, 'reports'));
   fs.writeFileSync(path.join(folder, 'reports/0123456789abcdef.json'), '{"word":"mare","lang":"it"}');
+  // films are drawn in tests/browser: here a program writes its file at once
+  fs.writeFileSync(path.join(folder, 'filmer'), '#!/bin/sh\nwhile [ "$1" != --output ]; do shift; done\necho film >"$2"\n', { mode: 0o755 });
   fs.copyFileSync(path.join(root, 'models/gestures/wink.json'), path.join(folder, 'gestures/wink.json'));
-  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index'), '--reports', path.join(folder, 'reports')]);
+  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index'), '--reports', path.join(folder, 'reports'), '--film-program', path.join(folder, 'filmer'), '--max-films', '1000']);
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
 });
 after(async () => {
@@ -36,7 +38,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md', '{report}': '0123456789abcdef' };
+const PLACES = { '{room}': 'api', '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md', '{report}': '0123456789abcdef', '{suffix}': 'mp4' };
 
 /** Resolves a reference within the document. */
 const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
@@ -97,6 +99,11 @@ for (const { address, method, operation } of operations) {
     await room.wait({ type: 'joined' });
     const { models } = await room.wait({ type: 'hello' });
     const name = address.includes('schema') ? 'server.json' : models[0].name;
+    if (address.includes('{film}')) {
+      const { id } = await (await daemon.get('/v1/films?lang=it&text=x', { method: 'POST', body: 'Sì.' })).json();
+      PLACES['{film}'] = id;
+      await eventually(async () => (await (await daemon.get(`/v1/films/${id}`)).json()).state === 'done', 'a film');
+    }
     const url = address.replace('{name}', name).replace(/\{\w+\}/g, (place) => PLACES[place]);
     const wants = (name) => parameters(operation).some((p) => p.name === name && p.in === 'query');
     const wantsRoom = wants('room');

@@ -27,7 +27,9 @@ let daemon, kiosk;
 before(async () => {
   fs.mkdirSync(path.join(folder, 'works'));
   fs.writeFileSync(path.join(folder, 'works/mare.txt'), poem);
-  daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index')]);
+  // films are drawn in tests/browser: here a program writes its file at once, and fails for one that is red
+  fs.writeFileSync(path.join(folder, 'filmer'), '#!/bin/sh\ncase $* in *red*) echo "faccia: film: no red" >&2; exit 1 ;; esac\necho "  50 %: picture 1 of 2" >&2\nsleep 1\nwhile [ "$1" != --output ]; do shift; done\necho film >"$2"\n', { mode: 0o755 });
+  daemon = await Daemon.start(['--film-program', path.join(folder, 'filmer'), '--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index')]);
   kiosk = await daemon.stream('?lang=it&room=home');
   await kiosk.wait({ type: 'joined' });
 });
@@ -67,7 +69,7 @@ const call = (client, name, args = {}) => client.callTool({ name, arguments: arg
 async function tryAll(client) {
   kiosk.messages.length = 0;
   const { tools } = await client.listTools();
-  assert.deepEqual(tools.map(({ name }) => name).sort(), ['ask', 'choices', 'express', 'library_read', 'library_search', 'rooms', 'say', 'stop']);
+  assert.deepEqual(tools.map(({ name }) => name).sort(), ['ask', 'choices', 'express', 'film', 'library_read', 'library_search', 'rooms', 'say', 'stop']);
   for (const { description, inputSchema } of tools) assert.ok(description.length > 20 && inputSchema.type === 'object');
 
   assert.equal(said(await call(client, 'say', { text: 'Buongiorno.', lang: 'it' })), 'Said to 1 listener.');
@@ -127,6 +129,18 @@ async function tryAll(client) {
   await wrong('choices', { choices: Array(9).fill('x') }, /choices/);
   assert.match(said(await call(client, 'say', { text: 'Ciao.', room: 'cellar', wait: true })), /Nobody listens/);
 }
+
+test('makes a film, and tells how far it is', async () => {
+  const client = await stdio(daemon.url);
+  const shares = [];
+  const { structuredContent: made } = await client.callTool({ name: 'film', arguments: { text: 'Ciao.', lang: 'it', format: 'webm' } }, undefined, { onprogress: ({ progress }) => shares.push(progress), timeout: 120000 });
+  assert.match(made.film, /^http:.*\/v1\/films\/[0-9a-f]{32}\/film\.webm$/);
+  assert.deepEqual(shares, [0.5]);
+  assert.equal(await (await fetch(made.film)).text(), 'film\n');
+  const failed = await client.callTool({ name: 'film', arguments: { text: 'Ciao.', lang: 'it', background: 'red' } });
+  assert.deepEqual([failed.isError, failed.content[0].text], [true, 'no red']);
+  await client.close();
+});
 
 test('every tool and resource, over standard input and output', async () => {
   const client = await stdio(daemon.url);

@@ -53,7 +53,7 @@ test('every error that a page can show has a text', () => {
     bad-form unknown-command unknown-codec skipped unknown-member method-not-allowed unsupported-media-type upgrade-required bad-request bad-header bad-host
     bad-length bad-chunk bad-target bad-escape request-timeout uri-too-long headers-too-large unknown-method unknown-coding unknown-version
     unknown-expectation bad-handshake unknown-protocol unknown-element unknown-attribute missing-attribute ignored inside-word entity
-    more-warnings bad-value voice-warning no-sound cancelled bad-option cannot-listen misaligned no-reference film-failed`.split(/\s+/);
+    more-warnings bad-value voice-warning no-sound cancelled bad-option cannot-listen misaligned no-reference`.split(/\s+/);
   const codes = [...rows.matchAll(/`([a-z0-9-]+)`/g)].map(([, code]) => code).filter((code) => !others.includes(code));
   assert.ok(codes.length >= 30, `${codes.length}`);
   for (const code of ['token-needed', 'expired-token', 'voice-crashed', 'bad-xml', 'connection-lost', 'no-connection'])

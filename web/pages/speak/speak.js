@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The first page: speaks what is typed, or what a link holds.
 import { copy } from '../shared/copy.js';
+import { makeFilm, makesFilms, saveFilm } from '../shared/film.js';
 import { Frame } from '../shared/frame.js';
 import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
@@ -80,13 +81,18 @@ async function perform(what, options) {
   showButtons();
 }
 
-function speak() {
-  if (!transcript) return; // the head is still on its way
-  const options = { lang: lang.value, rate: Number(rate.value), id: transcript.newId(), phones: true };
+/** What the fields say about the voice. */
+function manner() {
+  const options = { lang: lang.value, rate: Number(rate.value) };
   const { voice: id, lang: tag } = voices.find((each) => each.id === voice.value) ?? {};
   if (id) Object.assign(options, { voice: id, lang: tag });
   if (markup.value !== 'auto') options.markup = markup.value;
-  perform(text.value, options);
+  return options;
+}
+
+function speak() {
+  if (!transcript) return; // the head is still on its way
+  perform(text.value, { ...manner(), id: transcript.newId(), phones: true });
 }
 
 function repeat() {
@@ -234,7 +240,42 @@ function choose() {
   else if (wish.lang && primary(wish.lang) !== primary(lang.value)) frame.problem.show({ code: 'unknown-language', field: 'lang' });
 }
 
+// The film
+
+let filming = null; // AbortController of the film that is being made
+
+function showFilm() {
+  $('film').textContent = say(filming ? 'filmStop' : 'film');
+  $('film-progress').hidden = !filming;
+}
+
+async function film() {
+  if (filming) {
+    filming.abort();
+    return;
+  }
+  filming = new AbortController();
+  frame.problem.clear();
+  frame.tell('filming');
+  $('film-progress').removeAttribute('value');
+  showFilm();
+  try {
+    const order = { text: text.value, model: head.model ?? undefined, ...manner() };
+    const made = await makeFilm(order, frame.access.token, (share) => share && ($('film-progress').value = share), filming.signal);
+    if (made) saveFilm(made, 'faccia.mp4');
+    frame.tell(made ? 'filmed' : null);
+  } catch (error) {
+    frame.tell(null);
+    frame.problem.show(error);
+  }
+  filming = null;
+  showFilm();
+}
+
+$('film').addEventListener('click', film);
+
 frame.onTranslate(() => {
+  showFilm();
   fill(lang, offered, { page: frame.lang, others: say('otherLanguages'), chosen: lang.value });
   showVoices();
   showRate();
@@ -249,4 +290,5 @@ openTranscript(PlainText);
 showVoices();
 await greeted;
 choose();
+$('film').hidden = !(await makesFilms(frame.access.token));
 if (wish.text && document.activeElement === document.body) $('speak').focus(); // it was hidden until now

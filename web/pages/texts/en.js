@@ -69,6 +69,7 @@ export const errors = {
   'queue-full': 'Too many texts are waiting. Try again when some have been spoken.',
   'voice-failed': 'The voice could not speak a sentence. Try again, or choose another voice.',
   'recogniser-failed': 'The words could not be recognised. Say it again, or tell whoever runs the server.',
+  'film-failed': 'The server could not make the film.',
   'no-recogniser': 'This server does not recognise speech.',
   'voice-crashed': 'The voice broke off in a sentence. Try again, or choose another voice.',
   'voice-timeout': 'The voice took too long. Try again, or choose another voice.',
@@ -132,6 +133,7 @@ export const speak = {
   linkCopied: 'The link was copied.', linkHere: 'The link',
   transcript: 'Transcript', transcriptHint: 'What was said stays here. Press a sentence to hear it again.', toPlayer: 'Open in the Face Player', copyText: 'Copy the text', save: 'Download', clear: 'Clear',
   who: 'Who speaks', male: 'man', female: 'woman',
+  film: 'Download a film', filmStop: 'Stop the film', filming: 'The film is being made.', filmed: 'The film is in your downloads.',
   notHandedOn: 'This browser keeps nothing for this page: give the Face Player the text.',
   sample: 'Shall I compare thee to a summer’s day? Thou art more lovely and more temperate.',
 };

@@ -69,6 +69,7 @@ export const errors = {
   'queue-full': 'Troppi testi aspettano già. Riprovare quando alcuni sono stati detti.',
   'voice-failed': 'La voce non è riuscita a dire una frase. Riprovare, o scegliere un’altra voce.',
   'recogniser-failed': 'Non è stato possibile riconoscere le parole. Ripetere, o avvisare chi gestisce il server.',
+  'film-failed': 'Il server non è riuscito a fare il filmato.',
   'no-recogniser': 'Questo server non riconosce il parlato.',
   'voice-crashed': 'La voce si è interrotta durante una frase. Riprovare, o scegliere un’altra voce.',
   'voice-timeout': 'La voce ha impiegato troppo tempo. Riprovare, o scegliere un’altra voce.',
@@ -132,6 +133,7 @@ export const speak = {
   linkCopied: 'Il link è stato copiato.', linkHere: 'Il link',
   transcript: 'Trascrizione', transcriptHint: 'Qui resta ciò che è stato detto. Premi una frase per riascoltarla.', toPlayer: 'Apri nel Face Player', copyText: 'Copia il testo', save: 'Scarica', clear: 'Svuota',
   who: 'Chi parla', male: 'uomo', female: 'donna',
+  film: 'Scarica un filmato', filmStop: 'Interrompi il filmato', filming: 'Il filmato è in preparazione.', filmed: 'Il filmato è tra i download.',
   notHandedOn: 'Questo browser non conserva nulla per questa pagina: si può usare il Face Player con il testo.',
   sample: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
 };

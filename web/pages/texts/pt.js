@@ -69,6 +69,7 @@ export const errors = {
   'queue-full': 'Já há textos demais à espera. Tente quando alguns tiverem sido ditos.',
   'voice-failed': 'A voz não conseguiu dizer uma frase. Tente de novo, ou escolha outra voz.',
   'recogniser-failed': 'As palavras não puderam ser reconhecidas. Diga de novo, ou avise quem cuida do servidor.',
+  'film-failed': 'O servidor não conseguiu fazer o filme.',
   'no-recogniser': 'Este servidor não reconhece a fala.',
   'voice-crashed': 'A voz parou durante uma frase. Tente de novo, ou escolha outra voz.',
   'voice-timeout': 'A voz demorou demais. Tente de novo, ou escolha outra voz.',
@@ -132,6 +133,7 @@ export const speak = {
   linkCopied: 'O link foi copiado.', linkHere: 'O link',
   transcript: 'Transcrição', transcriptHint: 'Aqui fica o que foi dito. Pressione uma frase para ouvi-la de novo.', toPlayer: 'Abrir no Face Player', copyText: 'Copiar o texto', save: 'Baixar', clear: 'Limpar',
   who: 'Quem fala', male: 'homem', female: 'mulher',
+  film: 'Baixar um filme', filmStop: 'Parar o filme', filming: 'O filme está sendo feito.', filmed: 'O filme está nos downloads.',
   notHandedOn: 'Este navegador não guarda nada para esta página: use o Face Player com o texto.',
   sample: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente; é um contentamento descontente.',
 };

@@ -69,6 +69,7 @@ export const errors = {
   'queue-full': 'Zaten çok fazla metin bekliyor. Bazıları söylendikten sonra deneyin.',
   'voice-failed': 'Ses bir cümleyi söyleyemedi. Yeniden deneyin ya da başka bir ses seçin.',
   'recogniser-failed': 'Sözcükler tanınamadı. Yeniden söyleyin ya da sunucuya bakan kişiye haber verin.',
+  'film-failed': 'Sunucu filmi yapamadı.',
   'no-recogniser': 'Bu sunucu konuşma tanımıyor.',
   'voice-crashed': 'Ses bir cümlede durdu. Yeniden deneyin ya da başka bir ses seçin.',
   'voice-timeout': 'Ses çok uzun sürdü. Yeniden deneyin ya da başka bir ses seçin.',
@@ -132,6 +133,7 @@ export const speak = {
   linkCopied: 'Bağlantı kopyalandı.', linkHere: 'Bağlantı',
   transcript: 'Döküm', transcriptHint: 'Söylenenler burada kalır. Yeniden duymak için bir cümleye basın.', toPlayer: 'Face Player’da aç', copyText: 'Metni kopyala', save: 'İndir', clear: 'Temizle',
   who: 'Kim konuşsun', male: 'erkek', female: 'kadın',
+  film: 'Filmi indir', filmStop: 'Filmi durdur', filming: 'Film hazırlanıyor.', filmed: 'Film indirilenlerde.',
   notHandedOn: 'Bu tarayıcı bu sayfa için bir şey saklamıyor: Face Player metinle kullanılabilir.',
   sample: 'Gelin tanış olalım, işi kolay kılalım, sevelim sevilelim, dünya kimseye kalmaz.',
 };

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Films ordered from the daemon: they are those of `faccia film`, their progress is told, and nothing of them is left behind.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { faccia } from '../lib/command.mjs';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'film-jobs-'));
+fs.mkdirSync(path.join(folder, 'works'));
+fs.writeFileSync(path.join(folder, 'works/mare.txt'), 'Il mare\n\nIl mare è calmo.\n');
+let daemon;
+before(async () => {
+  daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index'), '--max-films', '3', '--film-seconds', '20']);
+  await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
+});
+after(async () => {
+  fs.rmSync(folder, { recursive: true });
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+const TEXT = '<speak>La mamma va. <break time="500ms"/> Il papà beve.</speak>';
+const SAID = { lang: 'it', voice: 'espeak:it', markup: 'ssml', still: true, seed: 3 };
+const SMALL = { size: '160x120', view: 'mouth', model: 'mara' };
+
+const post = (order) => daemon.get('/v1/films', { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(order) });
+async function order(members) {
+  const answer = await post({ text: TEXT, ...SAID, ...SMALL, ...members });
+  assert.equal(answer.status, 202);
+  const job = await answer.json();
+  assert.equal(answer.headers.get('location'), `/v1/films/${job.id}`);
+  return job;
+}
+const look = async ({ id }) => (await daemon.get(`/v1/films/${id}`)).json();
+const remove = ({ id }) => daemon.get(`/v1/films/${id}`, { method: 'DELETE' });
+async function finish(job, seen = () => {}) {
+  return eventually(async () => {
+    const now = await look(job);
+    seen(now);
+    return (now.state === 'done' || now.state === 'failed') && now;
+  }, 'the film', 400000);
+}
+async function download({ film }, name) {
+  const answer = await daemon.get(film);
+  assert.equal(answer.status, 200);
+  fs.writeFileSync(path.join(folder, name), Buffer.from(await answer.arrayBuffer()));
+  return { file: path.join(folder, name), type: answer.headers.get('content-type') };
+}
+const ffmpeg = (args) => {
+  const { status, stdout, stderr } = spawnSync('ffmpeg', ['-v', 'error', ...args], { maxBuffer: 1 << 30 });
+  assert.equal(status, 0, String(stderr));
+  return stdout;
+};
+const decode = (file) => ffmpeg(['-i', file, '-fps_mode', 'passthrough', '-f', 'rawvideo', '-pix_fmt', 'rgb24', '-']);
+
+test('a film over HTTP has the pictures and the sound of faccia film', async () => {
+  const shares = [];
+  const done = await finish(await order({}), ({ progress }) => shares.push(progress));
+  assert.equal(done.state, 'done', JSON.stringify(done));
+  assert.ok(shares.every((share, k) => share >= (shares[k - 1] ?? 0)) && shares.some((share) => share > 0 && share < 1), `${shares}`);
+  const { file, type } = await download(done, 'http.mp4');
+  assert.equal(type, 'video/mp4');
+  assert.equal(fs.statSync(file).size, done.bytes);
+  const own = path.join(folder, 'own.mp4');
+  const { status, stderr } = faccia(['film', '-o', own, '--lang', 'it', '--voice', 'espeak:it', '--markup', 'ssml', '--still', '--seed', '3', '--size', '160x120', '--view', 'mouth', '--model', 'mara', TEXT]);
+  assert.equal(status, 0, stderr);
+  const [http, mine] = [file, own].map(decode);
+  assert.ok(http.length > 0 && http.equals(mine));
+  const said = parseFap(String(faccia(['say', '--lang', 'it', '--voice', 'espeak:it', '--markup', 'ssml', '--still', '--seed', '3', '--fap', '-', TEXT]).bytes));
+  assert.equal(http.length, said.frames.length * 160 * 120 * 3);
+  const [sound, own_] = [file, own].map((name) => ffmpeg(['-i', name, '-f', 's16le', '-c:a', 'pcm_s16le', '-']));
+  assert.ok(sound.equals(own_));
+  assert.equal((await remove(done)).status, 204);
+  assert.equal((await daemon.get(done.film)).status, 404);
+});
+
+test('a passage of the library, transparent, with captions', async () => {
+  const done = await finish(await order({ text: undefined, markup: undefined, passage: 'mare:1', format: 'webm', background: 'transparent', captions: 'track' }));
+  assert.equal(done.state, 'done', JSON.stringify(done));
+  const { file, type } = await download(done, 'passage.webm');
+  assert.equal(type, 'video/webm');
+  assert.match(String(ffmpeg(['-i', file, '-map', '0:s', '-f', 'webvtt', '-'])), /Il mare è calmo/);
+  const [alpha] = ffmpeg(['-c:v', 'libvpx-vp9', '-i', file, '-frames:v', '1', '-f', 'rawvideo', '-pix_fmt', 'rgba', '-']).subarray(3);
+  assert.ok(alpha < 8, `${alpha}`);
+  await remove(done);
+});
+
+test('only so many are kept, one that is stopped leaves nothing, and too long a text fails', async () => {
+  const jobs = [await order({}), await order({}), await order({})];
+  const full = await post({ text: 'Ciao.', lang: 'it' });
+  assert.deepEqual([full.status, (await full.json()).code], [503, 'queue-full']);
+  await eventually(async () => (await look(jobs[0])).state === 'drawing', 'a film that is drawn');
+  assert.equal((await remove(jobs[0])).status, 204);
+  await eventually(async () => (await look(jobs[1])).state === 'drawing', 'the next one');
+  const long = await order({ text: 'Ciao. '.repeat(200), markup: 'plain' });
+  for (const job of jobs.slice(1)) await remove(job);
+  const failed = await finish(long);
+  assert.deepEqual([failed.state, failed.error.code, failed.error.message], ['failed', 'text-too-long', 'a film may take at most 20 seconds']);
+  const others = [await order({}), await order({}), await order({})]; // the last in place of the one that failed
+  assert.equal((await daemon.get(`/v1/films/${long.id}`)).status, 404);
+  for (const job of others) await remove(job);
+});
+
+for (const [what, members, code, field] of [
+  ['a format', { format: 'avi' }, 'bad-field', 'format'],
+  ['a file as background', { background: '/etc/passwd' }, 'bad-field', 'background'],
+  ['a transparent MP4', { background: 'transparent' }, 'bad-field', 'background'],
+  ['odd sides', { size: '161x120' }, 'bad-field', 'size'],
+  ['a view', { view: 'back' }, 'bad-field', 'view'],
+  ['a head', { model: '../mara' }, 'unknown-model', 'model'],
+  ['a voice', { voice: 'nobody' }, 'unknown-voice', 'voice'],
+  ['an unfinished text', { open: true }, 'bad-field', 'open'],
+])
+  test(`refuses ${what}`, async () => {
+    const answer = await post({ text: TEXT, ...SAID, ...SMALL, ...members });
+    const error = await answer.json();
+    assert.deepEqual([error.code, error.field], [code, field], JSON.stringify(error));
+  });
+
+test('says what is missing, and leaves no folder when it ends', async () => {
+  const other = await Daemon.start(['--film-program', '/nowhere']);
+  assert.deepEqual(await (await other.get('/v1/films')).json(), { available: false, why: "the server has no program 'faccia', which makes films" });
+  const refused = await other.get('/v1/films', { method: 'POST', body: 'Ciao.' });
+  assert.deepEqual([refused.status, (await refused.json()).code], [503, 'film-failed']);
+  await other.stop();
+  const folders = () => fs.readdirSync('/tmp').filter((name) => name.startsWith('faccia-films-'));
+  const one = await Daemon.start();
+  const before = folders();
+  await one.get('/v1/films?lang=it&size=160x120', { method: 'POST', body: 'Ciao.' });
+  const [made] = folders().filter((name) => !before.includes(name));
+  assert.ok(made);
+  assert.deepEqual(await one.stop(), { code: 0, signal: null });
+  assert.ok(!folders().includes(made));
+});
