@@ -4,7 +4,9 @@
 // Needs ffmpeg and Debian's asterisk-core-sounds-it, -it-wav, -it-g722 (Italian, a man, 8 and 16 kHz), -en, -es, -fr, -ru with -g722 (English and Spanish: the same woman; French and
 // Russian: one other speaker each), pocketsphinx-testdata (English, five sentences) and festvox-kallpc16k (a voice with known phone times).
 // Joins the recordings of each speaker with half a second of silence between.
-// node tests/bench/run.mjs hear [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER]
+// node tests/bench/run.mjs hear [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER] [--truth FOLDER]
+// `faccia align` hears with the same network; independent are KAL, and with --truth the people of tests/bench/align-truth-people.py (its output), whose phones
+// were labelled (`truth`).
 // FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; also measures these packages. Rhubarb takes twice real time.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -67,7 +69,18 @@ function kal() {
   });
 }
 
-const { values: { others, only }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' }, only: { type: 'string' } }, allowPositionals: true });
+const { values: { others, only, truth }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' }, only: { type: 'string' }, truth: { type: 'string' } }, allowPositionals: true });
+
+/** People with labelled phones, as 16 kHz. Without the Russian, whom the network learnt from. */
+function labelled(place) {
+  return fs.readdirSync(place).filter((name) => name.endsWith('.truth.json')).map((name) => ({ name: name.slice(0, -'.truth.json'.length), ...JSON.parse(fs.readFileSync(path.join(place, name))) }))
+    .filter(({ phones, lang }) => phones.length && lang !== 'ru')
+    .map(({ name, phones }) => {
+      execFileSync('ffmpeg', ['-v', 'error', '-y', '-i', path.join(place, `${name}.wav`), '-ar', '16000', '-ac', '1', '-bitexact', file(`truth-${name}.wav`)]);
+      return { sound: file(`truth-${name}.wav`), phones };
+    });
+}
+
 const wanted = Number(count ?? 40);
 const people = {
   it8: ['Italian, a man, 8 kHz (asterisk-core-sounds-it-wav)', 'it', () => reader('it', 'wav')],
@@ -78,6 +91,7 @@ const people = {
   fr: ['French, a woman (asterisk-core-sounds-fr-g722)', 'fr', () => reader('fr', 'g722')],
   ru: ['Russian, a woman (asterisk-core-sounds-ru-g722)', 'ru', () => reader('ru', 'g722')],
   kal: ["English, Festival's KAL, by its own times", 'en', kal],
+  ...(truth ? { truth: ['English, and a Czech: eight people by labels that no aligner of ours made', 'en', () => labelled(truth)] } : {}),
 };
 const chosen = only ? only.split(',') : Object.keys(people);
 

@@ -15,13 +15,13 @@
 #define SIDE_OPENING 0.8
 
 /* Rounded lips protrude and touch each other from the corners inwards, leaving a hole of about a quarter of
- * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion. With
- * a raised upper lip or closed teeth (/S/) the lips form a funnel instead, whose square opening shows the
- * teeth: it is short, but as high at the sides as in the middle. */
+ * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion, and
+ * needs parted teeth. With a raised upper lip (/S/) the lips form a funnel instead, whose square opening
+ * shows the teeth: it is short, but as high at the sides as in the middle. */
 #define ROUND_NARROW 2.0     /* mm of AR, and */
 #define ROUND_PUSH 1.2       /* mm of protrusion at which lips are fully rounded */
-#define FLARE_FROM 2.0       /* mm of LS at which rounding starts to decrease */
-#define FLARE_FULL 2.8       /* and no longer rounded */
+#define FLARE_FROM 1.7       /* mm of LS at which a funnel starts */
+#define FLARE_FULL 2.3       /* and is complete */
 #define TEETH_MET 1.0        /* mm of EM at which rounding starts, because it needs parted teeth, */
 #define TEETH_APART 2.5      /* and at which it is complete */
 #define ROUND_SHARE 0.4      /* the sides open less by this share of the opening */
@@ -85,7 +85,7 @@ static double positive(double x) {
     return x > 0 ? x : 0;
 }
 
-/* How far the lips are a round hole, and how far a funnel, 0 to 1 each, together at most 1. */
+/* How far the lips are a round hole, and how far a funnel, 0 to 1. */
 struct pursing {
     double round, funnel;
 };
@@ -94,12 +94,17 @@ static double pursed(double narrow, double width, double push) {
     return smoothstep(-width / narrow) * smoothstep(push / ROUND_PUSH);
 }
 
-static struct pursing pursing(const double mm[PARAM_COUNT]) {
-    double push = (mm[PARAM_PI] + mm[PARAM_PS]) / 2;
-    double round = pursed(ROUND_NARROW, mm[PARAM_AR], push) *
-                   smoothstep((FLARE_FULL - mm[PARAM_LS]) / (FLARE_FULL - FLARE_FROM)) *
-                   smoothstep((mm[PARAM_EM] - TEETH_MET) / (TEETH_APART - TEETH_MET));
-    return (struct pursing){round, pursed(FUNNEL_NARROW, mm[PARAM_AR], push) - round};
+/* flare: 0 to 1, how far the upper lip is raised. */
+static struct pursing pursing(double width, double push, double jaw, double flare) {
+    double apart = smoothstep((jaw - TEETH_MET) / (TEETH_APART - TEETH_MET));
+    flare *= 1 - apart;
+    return (struct pursing){pursed(ROUND_NARROW, width, push) * apart * (1 - flare),
+                            pursed(FUNNEL_NARROW, width, push) * flare};
+}
+
+static struct pursing pursing_from(const double mm[PARAM_COUNT]) {
+    return pursing(mm[PARAM_AR], (mm[PARAM_PI] + mm[PARAM_PS]) / 2, mm[PARAM_EM],
+                   1 - smoothstep((FLARE_FULL - mm[PARAM_LS]) / (FLARE_FULL - FLARE_FROM)));
 }
 
 /* mm that each inner corner goes in beyond the outer one. */
@@ -107,16 +112,19 @@ static double inset(struct pursing p) {
     return ROUND_INNER_CORNER * p.round + FUNNEL_CORNER * p.funnel;
 }
 
-/* The same of a face, given as FAPs: inner and outer corners (6 + 7, 53 + 54), lips pushed (16 + 17). */
-static struct pursing pursing_of(const struct speech_fapu *fapu, double inner, double outer, double pushed) {
-    double in = fmin(fmax((outer - inner) * fapu->mw / 1024 / 2, 0), FUNNEL_CORNER);
-    double all = pursed(FUNNEL_NARROW, outer * fapu->mw / 1024, pushed / 2 * fapu->mns / 1024);
-    /* Poses between others, and other layers, may show less narrow or pushed lips than the inner corners do:
-     * then they are rounded. */
-    double least = in / FUNNEL_CORNER, most = fmin(in / ROUND_INNER_CORNER, 1);
-    all = fmin(fmax(all, least) + (most - least) * smoothstep((least - all) / 0.2), most);
-    double round = fmax((FUNNEL_CORNER * all - in) / (FUNNEL_CORNER - ROUND_INNER_CORNER), 0);
-    return (struct pursing){round, fmax(all - round, 0)};
+/* The same of a face: its inner corners tell whether the upper lip is raised. */
+static struct pursing pursing_of(const struct speech_fapu *fapu, const double faps[FAP_COUNT + 1]) {
+    double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
+    double width = (faps[53] + faps[54]) * mw, push = (faps[16] + faps[17]) / 2 * mns;
+    double in = fmin(fmax(width / 2 - (faps[6] + faps[7]) / 2 * mw, 0), FUNNEL_CORNER);
+    double round = inset(pursing(width, push, faps[3] * mns, 0)),
+           funnel = inset(pursing(width, push, faps[3] * mns, 1));
+    struct pursing p = pursing(width, push, faps[3] * mns,
+                               funnel - round > 0.1 ? fmin(fmax((in - round) / (funnel - round), 0), 1) : 0);
+    /* Poses between others, and other layers, may be less narrow or pushed than their inner corners are: they
+     * count as rounded. */
+    p.round = fmin(p.round + fmax(in - inset(p), 0) / ROUND_INNER_CORNER, 1);
+    return p;
 }
 
 /* Returns how far both lips are lowered beyond their parameters, mm. */
@@ -136,7 +144,7 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
     double spread = mm[PARAM_AR] / 2; /* per corner */
     double press = positive(-mm[PARAM_LI]), push = positive((mm[PARAM_PI] + mm[PARAM_PS]) / 2),
            jaw = positive(mm[PARAM_EM]), open = mm[PARAM_LI] + mm[PARAM_LS];
-    struct pursing purse = pursing(mm);
+    struct pursing purse = pursing_from(mm);
     double round = purse.round, turned = purse.funnel * fmin(positive(open) / FUNNEL_OPEN, 1);
     double corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
     double side = open > 0 ? side_opening(open, purse) / open : SIDE_OPENING;
@@ -176,7 +184,7 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
 
 void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]) {
     double mns = 1024 / fapu->mns;
-    struct pursing purse = pursing_of(fapu, faps[6] + faps[7], faps[53] + faps[54], faps[16] + faps[17]);
+    struct pursing purse = pursing_of(fapu, faps);
     for (int i = 0; i < PAIRS; i++) {
         double wanted = (i == MIDDLE ? gap : side_opening(gap, purse)) * mns;
         if (wanted <= 0) /* rounded lips meet here */
@@ -237,8 +245,10 @@ void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]
 void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
     double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
     const int32_t *v = frame->value;
-    double jaw = v[3] * mns;
-    struct pursing purse = pursing_of(fapu, v[6] + v[7], v[53] + v[54], v[16] + v[17]);
+    double jaw = v[3] * mns, faps[FAP_COUNT + 1] = {0};
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] = v[n];
+    struct pursing purse = pursing_of(fapu, faps);
     double round = purse.round;
     mm[PARAM_AR] = (v[53] + v[54]) * mw;
     double open = -(v[4] + v[5]) * mns - ROUND_DROP * round;
