@@ -13,6 +13,7 @@ import { drawPoster } from '../../models/tools/lib/poster.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { flat, textures } from '../../models/tools/portrait/images.mjs';
 import { align, upright } from '../../web/portrait/align.mjs';
+import { hairOf, lab } from '../../web/portrait/hair.mjs';
 import { lipLine, partedLips } from '../../web/portrait/fit.mjs';
 import { STEADY, withMoved } from '../../web/portrait/landmarks.mjs';
 import { toneOf } from '../../web/portrait/skin.mjs';
@@ -136,6 +137,41 @@ test('skin keeps its tone on a base with another: light on dark, dark on light, 
     console.log(`${name} on ${base}: red, green and blue of the drawn skin are ${off.map((x) => x.toFixed(2))} stops from the picture's`);
     assert.ok(off.every((x) => Math.abs(x) < 0.3), `${name} on ${base}: ${off}`);
   }
+});
+
+test('recognises the colour of hair, where there is some, and gives it to a head', async () => {
+  const seen = {};
+  for (const name of ['ettore', 'samuel', 'luca', 'mara']) {
+    const picture = await flat(poster(name));
+    seen[name] = hairOf(picture, await eye(picture));
+    assert.equal(seen[name].kind, 'hair', name);
+  }
+  const [grey, black, blond] = ['ettore', 'samuel', 'luca'].map((name) => lab(seen[name].colour));
+  assert.ok(grey[0] > 55 && Math.hypot(grey[1], grey[2]) < 20, `grey: ${grey}`);
+  assert.ok(black[0] < 20, `black: ${black}`);
+  assert.ok(blond[2] > 25 && blond[0] > 40, `blond: ${blond}`);
+  const brown = hairOf(person.picture, person.landmarks);
+  assert.ok(brown.kind === 'hair' && lab(brown.colour)[2] > 10, `the person's: ${JSON.stringify(brown)}`);
+
+  const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/mara.json'), 'utf8'));
+  const alphaOf = async (head) => (await textures.read(head.textures.hair)).data.filter((_, i) => i % 4 === 3 && _ > 127).length;
+  const made = async (options) => {
+    const { head } = await makeHead(base, table.mara, [person], textures, options);
+    const picture = await flat(await drawPoster(head, false));
+    const landmarks = await eye(picture);
+    return { head, hair: hairOf(picture, landmarks), tone: toneOf(picture, landmarks) };
+  };
+  const dyed = await made({ hair: seen.ettore.colour });
+  const off = Math.hypot(...lab(dyed.hair.colour).map((x, k) => x - grey[k]));
+  console.log(`Ettore's colour on Mara's hair: ${off.toFixed(1)} CIELAB apart`);
+  assert.ok(dyed.hair.kind === 'hair' && off < 20, `${off}`);
+  assert.ok(Math.abs((await alphaOf(dyed.head)) / (await alphaOf(base)) - 1) < 0.05, 'strands keep their ends');
+  const bald = await made({ hair: 'none', light: -1 });
+  assert.equal(bald.hair.kind, 'none');
+  assert.ok(bald.head.parts.every(({ name }) => !name.startsWith('hair')));
+  const darker = Math.log2(bald.tone[1] / dyed.tone[1]);
+  console.log(`a stop darker: ${darker.toFixed(2)} stops`);
+  assert.ok(darker < -0.6 && darker > -1.4, `${darker}`);
 });
 
 test('does not paint the teeth of parted lips onto their closing edge', async () => {

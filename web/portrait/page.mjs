@@ -3,6 +3,7 @@
 // nets lie.
 // Pictures stay in the page: nothing here sends anything.
 import { closeUp, detectorSettings, findFace } from './detect.mjs';
+import { hairOf } from './hair.mjs';
 import { base64 } from './pack.mjs';
 import { asProfile, inOrder, makeHead, nearest } from './portrait.mjs';
 import { pictureSize, pictureTrouble } from '../element/head/model/picture-size.mjs';
@@ -13,7 +14,7 @@ export { LEFT_OUT, nameOf, POSES } from './actions/poses.mjs';
 export { HANDLES, withMoved } from './landmarks.mjs';
 export { landmarksOf } from './look.mjs';
 export { TurnPicker } from './turn.mjs';
-export { asProfile, inOrder, makeHead, nearest, PortraitError };
+export { asProfile, hairOf, inOrder, makeHead, nearest, PortraitError };
 
 const LONGEST = 3000; // pixels: more is not needed for a texture
 const MOST_PIXELS = 100e6;
@@ -67,12 +68,12 @@ export const textures = {
     context.drawImage(image, 0, 0);
     return context.getImageData(0, 0, image.width, image.height);
   },
-  async write({ data, width, height }) {
+  async write({ data, width, height }, { alpha = false } = {}) {
     const { canvas, context } = canvasOf(width, height);
     context.putImageData(new ImageData(data, width, height), 0, 0);
     const encode = (type) => new Promise((resolve) => canvas.toBlob(resolve, type, QUALITY));
     let blob = await encode('image/webp');
-    if (blob.type !== 'image/webp') blob = await encode('image/jpeg'); // a browser that writes no WebP would give PNG
+    if (blob.type !== 'image/webp') blob = await encode(alpha ? 'image/png' : 'image/jpeg'); // a browser that writes no WebP would give PNG
     return { type: blob.type, width, height, data: base64(new Uint8Array(await blob.arrayBuffer())) };
   },
 };

@@ -2,11 +2,12 @@
 // A head out of pictures of a face, in a page and in Node alike: reading and writing images is the caller's.
 import { readModel } from '../element/head/model/model.mjs';
 import { fitShape, isFront, laid, tooTurned, unlikeness } from './fit.mjs';
+import { dye, underHair } from './hair.mjs';
 import { morph } from './morph.mjs';
 import { packPositions } from './pack.mjs';
 import { PortraitError } from './problem.mjs';
 import { layProfile, outlinesOf, withProfiles } from './profile.mjs';
-import { paintSkin, toneOf } from './skin.mjs';
+import { coded, linear, paintSkin, toneOf } from './skin.mjs';
 
 const WORN_MM = 2; // what a beard or glasses cost there: their roots and shadows stay on the skin
 const TONE_MM = 5; // how many mm of shape a doubling of the skin's brightness is worth in the choice of a base
@@ -64,8 +65,9 @@ export function nearest({ picture, landmarks }, table) {
  * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of
  *   a head as
  *   RGBA; write: RGBA as a texture
- * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null}} [options]
- *   keep: of what the base wears (beard, glasses); eyes: the head that they are taken from
+ * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null, hair?: 'none'|number[]|null, light?: number}}
+ *   [options] keep: of what the base wears (beard, glasses); eyes: the head that they are taken from; hair: none, or its linear
+ *   colour (of hairOf; otherwise the base's); light: stops by which the skin is lighter than in the picture
  * @returns {Promise<{head: object, parted: boolean, sides: number, profiles: number, bearded: boolean}>} parted: the lips
  *   are, so the mouth is less the face's own; bearded: the face is, and its beard is not in the skin
  */
@@ -78,10 +80,13 @@ export async function makeHead(json, base, views, images, options = {}) {
   const part = model.parts.find(({ name }) => name === 'skin');
   const eyes = model.parts.filter(({ name }) => name.startsWith('eye'));
   const texture = json.textures[model.materials[part.material].texture];
-  const gone = WORN.filter((name) => !(options.keep ?? []).includes(name));
+  const { hair = null, light = 0 } = options;
+  const gone = [...WORN.filter((name) => !(options.keep ?? []).includes(name)), ...(hair === 'none' ? ['hair'] : [])];
   const worn = gone.includes('glasses') ? model.parts.filter(({ name }) => name.startsWith('glasses')) : [];
   const isLid = (turn) => model.turns[turn].name.startsWith('lid');
-  const about = { part, texture: await images.read(texture), eyes, worn, base, isLid };
+  const hairs = model.parts.filter(({ name }) => name.startsWith('hair')).map(({ position }) => position);
+  const scalp = hair && { share: underHair(part.position, earsOf(json.fdp), hair === 'none' ? hairs : []), colour: hair === 'none' ? null : hair.map((x) => x * ROOTS) };
+  const about = { part, texture: await images.read(texture), eyes, worn, base, isLid, scalp, light };
   const skin = paintSkin(about, ordered, fitted.views);
   const changed = morph(model, base, target);
   const head = {
@@ -101,9 +106,29 @@ export async function makeHead(json, base, views, images, options = {}) {
       !gone.some((word) => name.startsWith(word))),
   };
   delete head.rank;
+  if (Array.isArray(hair)) await dyeHair(head, hair, images);
   if (options.eyes) swapEyes(head, options.eyes);
   dropUnused(head);
   return { head, parted: fitted.parted, sides: ordered.length - 1, profiles: profiles.length, bearded: skin.bearded };
+}
+
+const LIT = 0.55; // of a colour as it is seen: hair is drawn in a brighter light
+const ROOTS = 0.35; // the scalp beneath it
+const BROWS = 0.3; // and brows, which are mostly darker
+
+const earsOf = (fdp) => [['10.1', '10.5'], ['10.2', '10.6']].filter(([top]) => fdp[top]).map(([top, lobe]) => fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2));
+
+/** Hair, beard and brows in another colour. */
+async function dyeHair(head, colour, images) {
+  const done = new Set();
+  for (const { name, material } of head.parts) {
+    const { texture } = head.materials[material];
+    if (!/^(hair|beard|brows)/.test(name) || !texture || done.has(texture)) continue;
+    done.add(texture);
+    const image = await images.read(head.textures[texture]);
+    dye(image, colour.map((x) => x * (name.startsWith('brows') ? BROWS : LIT)), { linear, coded });
+    head.textures = { ...head.textures, [texture]: await images.write(image, { alpha: true }) };
+  }
 }
 
 /** Another head's irises: all eyes are painted alike. */

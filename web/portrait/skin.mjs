@@ -24,8 +24,8 @@ const SHINE = [1.15, 0.35]; // factor over the surroundings from which skin is s
 
 const SHEEN = 0.018; // linear: the sheen of skin in the portrait's light, independent of its colour
 
-const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
-const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+export const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
+export const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 const FAINT = 0.004; // darkness at which no colour can be measured
 const redness = ([r, g, b]) => Math.log((r + FAINT) / (0.7 * g + 0.3 * b + FAINT));
@@ -195,11 +195,12 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
  * @param {{part: object, texture: object, eyes: object[], worn: object[], base:
  *   import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
  *   RGBA; eyes: parts that hide skin behind them; worn: glasses that the new head has not; isLid: whether
- *   a turn of the model closes an eye
+ *   a turn of the model closes an eye; scalp: the share of each vertex that lies under hair, and the hair's colour there (none:
+ *   it is bare); light: by how many stops the skin is lighter than in the picture
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
  * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}, bearded: boolean}}
  */
-export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, views) {
+export function paintSkin({ part, texture, eyes, worn, base, isLid, scalp = null, light = 0 }, pictures, views) {
   const { position, uv, index } = part;
   const size = [texture.width, texture.height];
   let own = new Float32Array(position.length);
@@ -215,7 +216,7 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
     layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
     look: eyes }));
   // The base's drawn skin is known by the same measure: light adds to its texture.
-  const ratio = toneRatio(tone.is, base.tone);
+  const ratio = toneRatio(tone.is.map((x) => Math.min(0.95, x * 2 ** light)), base.tone);
   // The picture shows its own light, too: this much of its colour belongs to the texture.
   const unlit = tone.was.map((x, k) => (x * ratio[k]) / (tone.is[k] + 1e-4));
   const slowOwn = slowly(position, own, mask, layers[0].chosen);
@@ -236,6 +237,10 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
   if (share) paintBare(part, { share, bare: own }, size, data, coded);
   const table = ratio.map((r) => Uint8ClampedArray.from({ length: 256 }, (_, i) => coded(linear[i] * r)));
   for (let i = 0; i < data.length; i += 4) for (let k = 0; k < 3; k++) data[i + k] = table[k][data[i + k]];
+  if (scalp) {
+    const under = scalp.colour ?? tone.was.map((x, k) => x * ratio[k]);
+    paintBare(part, { share: scalp.share, bare: Float32Array.from(position, (_, i) => under[i % 3]) }, size, data, coded);
+  }
   paint(layers, { uv, index, size }, data);
   return { width: size[0], height: size[1], data, tone, bearded: layers.some((one) => one.bearded) };
 }

@@ -31,9 +31,9 @@ export const textures = {
     const { data: pixels, info } = await openTexture(data).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
     return { data: pixels, width: info.width, height: info.height };
   },
-  async write({ data, width, height }) {
-    const bytes = await sharp(Buffer.from(data.buffer), { raw: { width, height, channels: 4 } })
-      .removeAlpha()
+  async write({ data, width, height }, { alpha = false } = {}) {
+    const image = sharp(Buffer.from(data.buffer, data.byteOffset, data.length), { raw: { width, height, channels: 4 } });
+    const bytes = await (alpha ? image : image.removeAlpha())
       .webp({ quality: QUALITY, effort: 2, smartSubsample: true })
       .toBuffer();
     return { type: 'image/webp', width, height, data: bytes.toString('base64') };

@@ -133,6 +133,14 @@ function remove(box) {
   $('files').focus();
 }
 
+const BEST = 3; // heads that are offered first
+
+const group = (label, options) => {
+  const out = Object.assign(document.createElement('optgroup'), { label });
+  out.append(...options);
+  return out;
+};
+
 const option = (value, label) => Object.assign(document.createElement('option'), { value, textContent: label });
 
 function show() {
@@ -143,16 +151,29 @@ function show() {
   poses.show(tools);
   if (!front || !tools) return;
   const known = models.filter(({ name }) => tools.table[name]);
-  const nearest = tools.nearest(front.view, tools.table).find(({ name }) =>
-    known.some((model) => model.name === name))?.name;
+  const order = tools.nearest(front.view, tools.table).map(({ name }) => name).filter((name) => known.some((model) => model.name === name));
+  const [nearest] = order;
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
   for (const id of ['like', 'eyes']) {
     const chosen = $(id).value;
     const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('same'));
-    $(id).replaceChildren(first, ...known.map(({ name, title }) => option(name, title)));
+    const all = known.map(({ name, title }) => option(name, title));
+    const [best, others] = [true, false].map((isBest) => all.filter(({ value }) => order.slice(0, BEST).includes(value) === isBest));
+    $(id).replaceChildren(first, ...(id === 'like' ? [group(say('mostSimilar'), best), group(say('others'), others)] : all));
     $(id).value = chosen;
   }
+  showHair(front.view);
   $('like').dataset.nearest = nearest;
+}
+
+/** Offers the hair's colours: what the picture shows comes first, if it is recognised. */
+function showHair({ picture, landmarks }) {
+  const seen = tools.hairOf(picture, landmarks);
+  const chosen = $('hair').value;
+  const offers = [...(seen.colour ? [['photo', say('hairPhoto')]] : []), ['head', say('hairHead')], ['none', say('hairNone')]];
+  $('hair').replaceChildren(...offers.map(([value, label]) => option(value, label)));
+  $('hair').value = offers.some(([value]) => value === chosen) ? chosen : { hair: 'photo', none: 'none', unsure: 'head' }[seen.kind];
+  $('hair').colours = { photo: seen.colour, none: 'none', head: null };
 }
 
 async function headOf(name) {
@@ -174,7 +195,9 @@ async function make() {
     const name = $('like').value;
     const base = await headOf(name);
     const eyes = $('eyes').value ? await headOf($('eyes').value) : null;
-    const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), eyes: eyes?.json });
+    const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, {
+      title: say('title'), eyes: eyes?.json, hair: $('hair').colours[$('hair').value], light: Number($('light').value),
+    });
     made = result.head;
     await head.showHead(made);
     const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 });
@@ -265,6 +288,7 @@ $('take').addEventListener('click', () => doing(() => add($('video'))));
 $('turn').addEventListener('click', () => doing(turn));
 $('camera-off').addEventListener('click', cameraOff);
 $('make').addEventListener('click', () => doing(make));
+for (const id of ['hair', 'light']) $(id).addEventListener('change', () => made && doing(make));
 $('save').addEventListener('click', save);
 form.addEventListener('submit', (event) => {
   event.preventDefault();
