@@ -47,9 +47,8 @@ export function hairOf(picture, landmarks) {
     return { linear, colour: lab(linear) };
   };
   const steps = Array.from({ length: GRID }, (_, j) => (UP * j) / (GRID - 1));
-  const rows = steps.map((_, j) => (Math.max(1, top[1]) * (j + 0.5)) / GRID);
-  const behind = rows.flatMap((y) => [BORDER, 1 - BORDER].map((x) => [x * picture.width, y])).filter(inPicture).map((q) => looked(q).colour);
-  const isBehind = (c) => behind.some((one) => differs(one, c) < BACKDROP);
+  const borders = (y) => [BORDER, 1 - BORDER].map((x) => looked([x * picture.width, y]).colour);
+  const isBehind = ([, y], c) => borders(y).some((one) => differs(one, c) < BACKDROP);
   const found = [];
   let [seen, bare] = [0, 0];
   for (let i = 0; i < GRID; i++) {
@@ -58,8 +57,8 @@ export function hairOf(picture, landmarks) {
     if (column.length < GRID / 3) continue;
     seen++;
     const end = column.findIndex((q) => !isSkin(looked(q).colour));
-    const above = end < 0 ? [] : [0, 0.5, 1].map((t) => at(top, steps[end] + THICK[0] + t * (THICK[1] - THICK[0]), across)).filter(inPicture).map(looked);
-    const hairs = above.filter(({ colour }) => !isSkin(colour) && !isBehind(colour));
+    const above = end < 0 ? [] : [0, 0.5, 1].map((t) => at(top, steps[end] + THICK[0] + t * (THICK[1] - THICK[0]), across)).filter(inPicture);
+    const hairs = above.map((q) => ({ q, ...looked(q) })).filter(({ q, colour }) => !isSkin(colour) && !isBehind(q, colour));
     if (hairs.length) found.push(...hairs);
     else bare++;
   }
