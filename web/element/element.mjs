@@ -403,6 +403,14 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
+   * Has everybody who looks at the room see another head: the event `head` reports it, and the page sets `model`.
+   * @param {string} name a head of the server; empty: each page's own @returns {boolean} as `offer`
+   */
+  showHeadAll(name) {
+    return this.#session.send({ type: 'head', head: name });
+  }
+
+  /**
    * Asks the room's listeners to consent to being recorded in a study, or sends their answer. The event `consent` reports both.
    * @param {'asked'|'given'|'declined'|'none'} consent none: withdraws the question
    * @param {string} [text] the question, which says what is recorded and for whom @returns {boolean} as `offer`

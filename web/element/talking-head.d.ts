@@ -847,6 +847,8 @@ export class TalkingHead extends HTMLElement {
   setManner(manner?: { speed?: number; pitch?: number; volume?: number }): boolean;
   /** A picture or a film behind the face of all in the room; empty: none. */
   showBackdrop(source: string): boolean;
+  /** Another head for all in the room; empty: each listener's own. */
+  showHeadAll(name: string): boolean;
   tell(state: AssistantState, options?: { text?: string; mix?: Expression; ease?: number }): boolean;
 
   addEventListener<K extends keyof AllEvents>(

@@ -333,6 +333,15 @@ const roomStories = [
     },
   },
   {
+    id: 'head', group: rooms, title: 'Another head for everybody',
+    about: 'Names a head to all who look at the room, and who come later. A page that wants to show it sets its model.',
+    shows: ['showHeadAll()', '@head'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      mara: ['Mara', (head) => head.showHeadAll('mara')],
+      own: ['Each its own', (head) => head.showHeadAll('')],
+    },
+  },
+  {
     id: 'consent', group: rooms, title: 'Consent to a study',
     about: 'Asks the listener whether a study may record what happens. The listener can take a yes back.',
     shows: ['consent()', '@consent'], attributes: { room: 'examples', lang: 'en' },
