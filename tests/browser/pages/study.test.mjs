@@ -171,6 +171,45 @@ test('looks at who speaks, and nods where they pause', async () => {
   await shut(page);
 });
 
+/** Visible texts whose contrast with their ground is below 7:1 (WCAG 2.2, level AAA), or that are smaller than 18 px: at arm's length, for old eyes. */
+const faint = (page) => page.evaluate(() => {
+  const parse = (colour) => colour.match(/[\d.]+/g).map(Number);
+  const luminance = ([r, g, b]) => [r, g, b].map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4)).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const ground = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const [r, g, b, a = 1] = parse(getComputedStyle(at).backgroundColor);
+      if (a === 1) return [r, g, b];
+    }
+    return [255, 255, 255];
+  };
+  return [...document.querySelectorAll('main *, dialog[open] *')].filter((element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()) && element.checkVisibility() && !element.closest('.hidden, talking-head, svg')).map((element) => {
+    const style = getComputedStyle(element), [a, b] = [luminance(parse(style.color)), luminance(ground(element))].sort((x, y) => y - x);
+    return { text: element.textContent.trim().slice(0, 30), contrast: (a + 0.05) / (b + 0.05), size: parseFloat(style.fontSize) };
+  }).filter(({ contrast, size }) => contrast < 7 || size < 18).map(({ text, contrast, size }) => `${text}: ${contrast.toFixed(1)}, ${size} px`);
+});
+
+test("everything can be read at arm's length, by day and by night", async () => {
+  const page = await screen();
+  desk.send({ type: 'choices', id: 'arm', question: 'Tea or coffee?', choices: ['Tea', 'Coffee'] });
+  await page.waitForSelector('#question .answers button');
+  for (const colorScheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme });
+    assert.deepEqual(await faint(page), [], colorScheme);
+    await page.click('#manner-open');
+    assert.deepEqual(await faint(page), [], colorScheme);
+    await page.click('#manner-close');
+  }
+  desk.send({ type: 'ask', id: 'arm-2', lang: 'en', text: 'And then?' });
+  await page.waitForSelector('#reply:not([hidden])', { timeout: 60000 });
+  await page.click('#talk');
+  for (const colorScheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme });
+    assert.deepEqual(await faint(page), [], colorScheme);
+  }
+  desk.send({ type: 'choices', choices: [] });
+  await shut(page);
+});
+
 test("uses the browser's recogniser only where the address asks for it, and says so", async () => {
   const page = await browser.newPage({ locale: 'en-GB' });
   page.problems = [];

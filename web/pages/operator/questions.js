@@ -28,7 +28,7 @@ export class Questions {
     parts['stop-questions'].addEventListener('click', () => this.#stop());
     parts['answers-json'].addEventListener('click', () => this.#results.forEach((result, i) => ports.download(`answers-${i + 1}.json`, JSON.stringify({ ...this.#questionnaire, ...result }, null, 2), 'application/json')));
     parts['answers-csv'].addEventListener('click', () => ports.download('answers.csv', answersCsv(this.#questionnaire.items, this.#people), 'text/csv'));
-    parts['answers-svg'].addEventListener('click', () => parts.answers.querySelectorAll('svg').forEach((svg, i) => ports.download(`answers-${i + 1}.svg`, new XMLSerializer().serializeToString(svg), 'image/svg+xml')));
+    parts['answers-svg'].addEventListener('click', () => parts.answers.querySelectorAll('svg').forEach((svg, i) => ports.download(`answers-${i + 1}.svg`, new globalThis.XMLSerializer().serializeToString(svg), 'image/svg+xml')));
     ports.head.addEventListener('answered', ({ detail }) => this.#answered(detail));
     ports.head.addEventListener('asked', ({ detail }) => this.#running && detail.id === this.#running.id && (this.#running.since = performance.now()));
     this.translate();
