@@ -81,10 +81,12 @@ static void tell(const struct client_ear *one, const struct heard_words *words) 
                                          .by = client_called(c),
                                          .final = words->final,
                                          .confidence = words->confidence};
-    if (!channel_is_room(channel) || !follower_hears(&c->follower))
+    if (!is_away(c))
+        listener_words_tell(channel, &heard);
+    if (is_away(c) || !channel_is_room(channel) || !follower_hears(&c->follower))
         client_say(c, listener_words_message(channel, &heard));
     if (!is_away(c))
-        listener_words_take(c->api, channel, &heard);
+        listener_words_act(c->api, channel, &heard);
     else if (words->final)
         forward(one, words);
 }

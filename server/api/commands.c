@@ -162,14 +162,16 @@ static int take_words(struct command_call *call, struct error *e) {
     const json_t *final = json_object_get(call->message, "final"),
                  *confidence = json_object_get(call->message, "confidence");
     (void)e;
-    listener_words_take(
-        call->api, call->channel,
-        &(struct listener_words){.id = string_of(call, "id"),
-                                 .text = string_of(call, "text"),
-                                 .lang = string_of(call, "lang"),
-                                 .by = call->by,
-                                 .final = !json_is_false(final),
-                                 .confidence = confidence ? json_number_value(confidence) : -1});
+    const struct listener_words words = {
+        .id = string_of(call, "id"),
+        .text = string_of(call, "text"),
+        .lang = string_of(call, "lang"),
+        .by = call->by,
+        .final = !json_is_false(final),
+        .confidence = confidence ? json_number_value(confidence) : -1,
+    };
+    listener_words_tell(call->channel, &words);
+    listener_words_act(call->api, call->channel, &words);
     return accepted(call);
 }
 

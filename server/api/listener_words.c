@@ -54,13 +54,16 @@ static bool repeat(const struct api *api, struct channel *channel, const struct 
 }
 #endif
 
-void listener_words_take(const struct api *api, struct channel *channel, const struct listener_words *words) {
+void listener_words_tell(struct channel *channel, const struct listener_words *words) {
+    if (!channel_is_room(channel))
+        return;
+    json_t *heard = listener_words_message(channel, words);
+    notice_heard(channel, heard);
+    json_decref(heard);
+}
+
+void listener_words_act(const struct api *api, struct channel *channel, const struct listener_words *words) {
     const char *lang = words->lang ? words->lang : api->pipeline->default_lang;
-    if (channel_is_room(channel)) {
-        json_t *heard = listener_words_message(channel, words);
-        notice_heard(channel, heard);
-        json_decref(heard);
-    }
     if (words->final && !choose(api, channel, words, lang) && !repeat(api, channel, words, lang))
         question_heard(channel, words->text, words->by);
 }

@@ -20,8 +20,11 @@ struct listener_words {
 /* The `heard` message; the caller releases it. */
 json_t *listener_words_message(const struct channel *channel, const struct listener_words *words);
 
-/* Tells the room's observers who may know them. Final words may choose one of the answers on offer, have the
- * last utterance said again, or answer a question. */
-void listener_words_take(const struct api *api, struct channel *channel, const struct listener_words *words);
+/* Tells the room's observers who may know them. */
+void listener_words_tell(struct channel *channel, const struct listener_words *words);
+
+/* Final words may choose one of the answers on offer, have the last utterance said again, or answer a
+ * question. */
+void listener_words_act(const struct api *api, struct channel *channel, const struct listener_words *words);
 
 #endif

@@ -8,10 +8,9 @@ export class Reply {
   constructor(head, lang, wake) {
     this.form = document.getElementById('reply');
     this.field = document.getElementById('reply-text');
-    let offered = false;
-    head.addEventListener('choices', ({ detail }) => (offered = detail.choices.length > 0));
-    head.addEventListener('chosen', () => (offered = false));
-    head.addEventListener('asked', ({ detail }) => !offered && this.#open(detail));
+    let offered = null; // id of what is on offer
+    head.addEventListener('choices', ({ detail }) => (offered = detail.choices.length > 0 ? detail.id : null));
+    head.addEventListener('asked', ({ detail }) => offered !== detail.id && this.#open(detail));
     head.addEventListener('answered', ({ detail }) => detail.id === this.#id && this.close());
     head.addEventListener('begin', () => this.close());
     this.form.addEventListener('submit', (event) => {
