@@ -13,7 +13,7 @@ const refused = schema('protocol/schema/client.json');
 
 /** A valid message of each type. */
 const messages = [
-  { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true, gender: 'female', contacts: 'on', priority: 'chat', topic: 't', again: true },
+  { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true, gender: 'female', contacts: 'on', priority: 'chat', topic: 't', bell: true, again: true },
   { type: 'stop' },
   { type: 'pause' },
   { type: 'resume' },
@@ -38,6 +38,10 @@ const messages = [
   { type: 'choices', id: 'q', question: 'Sì?', choices: ['Sì', 'No'] },
   { type: 'state', state: 'thinking', text: 'x', mix: [{ name: 'hope', intensity: 0.3 }], ease: 1 },
   { type: 'ask', id: 'a', text: 'Sì?', choices: ['Sì'], seconds: 5, wait: false, lang: 'it', rate: 120, mode: 'queue' },
+  { type: 'backdrop', source: 'x.png' },
+  { type: 'manner', speed: 0.8, pitch: 1, volume: 1.2 },
+  { type: 'said', id: 'w', text: 'Sì', final: true, confidence: 0.5, lang: 'it' },
+  { type: 'overhear', on: true },
   { type: 'hear', id: 'h', codec: 'pcm_s16le', rate: 16000, channels: 1, lang: 'it' },
   { type: 'voice', id: 'v', codec: 'pcm_s16le', rate: 16000, channels: 1, lookahead: 80, lang: 'it', engine: 'network', fps: 25, life: 1, still: false, mode: 'queue', priority: 'chat', topic: 't' },
 ];

@@ -55,7 +55,7 @@ async function alone() {
   await ask('{"type":', { type: 'error', code: 'bad-json', byte: '...' });
   await ask({ type: 'rate', id: 'r', rate: 'fast' }, { type: 'error', field: 'rate', id: 'r' });
   await ask({ type: 'model' }, ({ type, index, count }) => type === 'model' && index === count - 1);
-  await ask({ type: 'speak', id: 'w', markup: 'ssml', phones: true, speaker: 'Anna', text: '<speak>Sì, <mark name="m"/>\n<bark/> no.</speak>' }, { type: 'end', id: 'w', reason: 'done' });
+  await ask({ type: 'speak', id: 'w', markup: 'ssml', phones: true, bell: true, speaker: 'Anna', text: '<speak>Sì, <mark name="m"/>\n<bark/> no.</speak>' }, { type: 'end', id: 'w', reason: 'done' });
   await ask({ type: 'speak', id: 'x', markup: 'ssml', text: '<speak>Sì.' }, { type: 'end', id: 'x', reason: 'failed' });
   stream.send({ type: 'idle' });
   await stream.until(() => stream.chunks.some(({ utterance }) => utterance === 0));
@@ -90,12 +90,22 @@ async function together() {
     [{ type: 'head', head: 'mara' }, { type: 'head', head: 'mara' }],
     [{ type: 'lexicon', lexicon: '' }, { type: 'lexicon', lexicon: '' }],
     [{ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] }, { type: 'expressed' }],
+    [{ type: 'backdrop', source: 'x.png' }, { type: 'backdrop', source: 'x.png' }],
     [{ type: 'consent', consent: 'asked', text: 'Va bene?' }, { type: 'consent', consent: 'asked' }],
+    [{ type: 'consent', consent: 'given' }, { type: 'consent', consent: 'given' }],
   ]) {
     stream.send(message);
     await stream.wait(told);
   }
   await desk.wait({ type: 'observers', observers: [{ name: 'Anna', speaks: true }] });
+  desk.send({ type: 'overhear' });
+  desk.send({ type: 'ping', id: 'p' });
+  await desk.wait({ type: 'pong' });
+  stream.send({ type: 'hear', id: 'o', rate: 16000 });
+  stream.socket.send(Buffer.alloc(640));
+  stream.send({ type: 'close', id: 'o' });
+  await desk.wait({ type: 'overheard', id: 'o', data: Buffer.alloc(640).toString('base64') });
+  await desk.wait({ type: 'heard', id: 'o', final: true });
   stream.send({ type: 'media', blocked: true });
   desk.send({ type: 'speak', id: 'a', text: 'Sì.', again: true }); // of a daemon that does not lead the room
   await stream.wait({ type: 'begin', id: 'a', again: true });
