@@ -68,7 +68,7 @@ export function readTrc(text) {
 }
 
 /** Assigns columns to markers by their headings. */
-function markersIn(headings, line) {
+function markersIn(headings, line, axes) {
   const markers = new Map();
   headings.forEach((heading, column) => {
     const [, name, axis] = /^(.+?)[ _.:]?([xyz])$/i.exec(heading) ?? [];
@@ -76,14 +76,15 @@ function markersIn(headings, line) {
     const columns = markers.get(name) ?? markers.set(name, []).get(name);
     columns['xyz'.indexOf(axis.toLowerCase())] = column;
   });
-  for (const [name, columns] of markers) if (columns.filter((c) => c !== undefined).length < 3) markers.delete(name);
-  if (!markers.size) throw new FileError(`line ${line}`, 'no three columns are named NAME_x, NAME_y and NAME_z');
+  for (const columns of markers.values()) columns.length = Math.min(columns.length, axes);
+  for (const [name, columns] of markers) if (columns.filter((c) => c !== undefined).length < axes) markers.delete(name);
+  if (!markers.size) throw new FileError(`line ${line}`, axes < 3 ? 'no two columns are named NAME_x and NAME_y' : 'no three columns are named NAME_x, NAME_y and NAME_z');
   if (markers.size > MOST_MARKERS) throw new FileError(`line ${line}`, `${markers.size} markers: at most ${MOST_MARKERS}`);
   return markers;
 }
 
-/** @param {string} text @param {{fps?: number, unit?: string}} options @returns {Tracks} @throws {FileError} */
-export function readCsv(text, { fps, unit }) {
+/** @param {string} text @param {{fps?: number, unit?: string, flat?: boolean}} options flat: pixels of one camera @returns {Tracks} @throws {FileError} */
+export function readCsv(text, { fps, unit, flat = false }) {
   let shape = null;
   let frame = 0;
   let last = -Infinity;
@@ -92,15 +93,15 @@ export function readCsv(text, { fps, unit }) {
     const separator = shape?.separator ?? [';', '\t', ','].find((c) => line.includes(c)) ?? ',';
     const fields = line.split(separator).map((field) => field.trim().replace(/^"(.*)"$/, '$1'));
     if (!shape) {
-      shape = { separator, ...shapeOf(fields, number) };
+      shape = { separator, ...shapeOf(fields, number, flat) };
       if (shape.time < 0 && !(fps > 0)) throw new FileError(`line ${number}`, 'there is no column "time": --fps says how many frames a second there are');
-      shape.tracks = new Tracks([...shape.markers.keys()], fps ?? 0, unit);
+      shape.tracks = new Tracks([...shape.markers.keys()], fps ?? 0, flat ? undefined : unit);
       if (shape.named) continue;
     }
     const row = fields.map((field, i) => numberIn(field, number, i + 1));
     last = rising(shape.time < 0 ? frame / fps : (row[shape.time] ?? null), last, number);
     const columns = [...shape.markers.values()];
-    shape.tracks.add(last, (m) => placeIn(row, columns[m]));
+    shape.tracks.add(last, (m) => (flat ? placeIn(row, columns[m])?.concat(0) : placeIn(row, columns[m])) ?? null);
     frame++;
   }
   if (!shape) throw new FileError('', 'the file is empty');
@@ -108,11 +109,12 @@ export function readCsv(text, { fps, unit }) {
 }
 
 /** Finds the columns of time and markers: by the names in the first line or, if it has numbers, in the order of the thesis. */
-function shapeOf(fields, line) {
+function shapeOf(fields, line, flat) {
   if (fields.some((field) => field && !Number.isFinite(Number(field)))) {
     const time = fields.findIndex((field) => ['time', 't'].includes(field.toLowerCase()));
-    return { named: true, time, markers: markersIn(fields, line) };
+    return { named: true, time, markers: markersIn(fields, line, flat ? 2 : 3) };
   }
+  if (flat) throw new FileError(`line ${line}`, 'the first line must name the columns: NAME_x, NAME_y');
   const from = fields.length % 3;
   if (from > 1 || fields.length < 3) throw new FileError(`line ${line}`, `${fields.length} numbers without names: three for each marker are wanted, and a time before them`);
   const names = Array.from({ length: Math.floor(fields.length / 3) }, (_, m) => [`marker ${m + 1}`, [0, 1, 2].map((k) => from + 3 * m + k)]);
