@@ -113,7 +113,7 @@ test('the tracks of two cameras become places, curves and FAPs', (t) => {
   assert.deepEqual([flags[52], flags[53], flags[30]], ['0', '1', '1'], 'what one camera does not see is left out, and nothing else');
   for (let i = 40; i < 43; i++) for (const fap of [53, 59]) frames[i][fap] = parseFap(fs.readFileSync(path.join(folder, 'face.fap'), 'utf8')).frames[i][fap];
   check(frames, 0.12, t);
-  const inSpace = run(put('space.csv', toCsv({ names, rate: RATE, places })), '--markers', map, '--rest', '0-0.25', '--all').stdout.trim().split('\n');
+  const inSpace = run(put('space.csv', toCsv({ names, rate: RATE, places })), '--markers', map, '--rest', '0-0.25', tilt, '--all').stdout.trim().split('\n');
   const curves = fs.readFileSync(path.join(folder, 'two.csv'), 'utf8').trim().split('\n');
   assert.match(curves[0], /^time,LI,LS,AR,PI,PS,EM,AL,AM,EAS,EAD,confidence/);
   const row = (line) => line.split(',').map(Number);
