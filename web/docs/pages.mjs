@@ -89,6 +89,6 @@ export const sidebar = [
     ['Tokens and rights', 'protocol/access'], ['The living face', 'protocol/face'], ['Media', 'protocol/media'], ['FAPC', 'protocol/fapc'], ['Bundles', 'protocol/bundle'], ['HTTP', 'protocol/http'], ['Engines', 'protocol/engines'], ['Error codes', 'protocol/errors'],
     ['Limits', 'protocol/limits'], ['RFC 6455', 'protocol/rfc6455'], ['HTTP reference (OpenAPI)', 'protocol/openapi'], ['Message reference (AsyncAPI)', 'protocol/asyncapi'], ['Command line', 'protocol/cli']),
   group('Architecture', ['The house', 'architecture/'], ['Glossary', 'architecture/glossary'], ['Contributing', 'architecture/contributing'], ['Fuzzing', 'architecture/fuzzing']),
-  group('Research', ['Measurements', 'research/'], ['Benchmarks', 'research/benchmarks'], ['Lips from sound', 'research/hearing'], ['Faults', 'research/faults'], ['Listening tests', 'research/listening-tests'], ['Sources and credits', 'research/credits']),
+  group('Research', ['Measurements', 'research/'], ['Benchmarks', 'research/benchmarks'], ['Lips from sound', 'research/hearing'], ['Faults', 'research/faults'], ['Listening tests', 'research/listening-tests'], ['Recording sessions', 'research/recording-sessions'], ['The theses', 'research/theses'], ['Sources and credits', 'research/credits']),
   { text: 'Changes', link: '/changes' },
 ];
