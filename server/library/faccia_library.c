@@ -188,6 +188,7 @@ static const char usage[] =
     "                       play: the voices that 'faccia library cast' shows)\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
+    "      --dialogue       two persons in turn speak what prose has in quotation marks or after dashes\n"
     "      --sentences      highlight sentences and lines in the book instead of words\n"
     "      --silent         make a book without sound\n"
     "      --progress       report progress on standard error\n"
@@ -381,6 +382,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
 static int library_export_main(int argc, char **argv, const struct settings *settings) {
     struct exporting x = {0};
     double rate = 0, fps = 25;
+    bool dialogue = false;
     const struct cli_option options[] = {
         {.name = "epub", .kind = CLI_TEXT, .out = &x.files.epub},
         {.name = "vtt", .kind = CLI_TEXT, .out = &x.files.outputs[EXPORT_VTT].path},
@@ -394,6 +396,7 @@ static int library_export_main(int argc, char **argv, const struct settings *set
         {.name = "voice", .letter = 'v', .kind = CLI_TEXT, .out = &x.voice},
         {.name = "rate", .letter = 'r', .kind = CLI_NUMBER, .out = &rate, .min = 40, .max = 500},
         {.name = "fps", .kind = CLI_NUMBER, .out = &fps, .min = 1, .max = 120},
+        {.name = "dialogue", .kind = CLI_FLAG, .out = &dialogue},
         {.name = "sentences", .kind = CLI_FLAG, .out = &x.narration.sentences},
         {.name = "silent", .kind = CLI_FLAG, .out = &x.silent},
         {.name = "progress", .kind = CLI_FLAG, .out = &x.progress},
@@ -404,6 +407,7 @@ static int library_export_main(int argc, char **argv, const struct settings *set
     request_init(&x.request);
     x.request.rate = rate;
     x.request.fps = fps;
+    x.request.dialogue = dialogue ? DIALOGUE_VOICES : DIALOGUE_ONE_VOICE;
     x.folder = argc - optind == 2 ? argv[optind] : NULL;
     x.work = x.folder ? argv[optind + 1] : NULL;
     if (!x.folder) {

@@ -422,7 +422,8 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .lang = synthesis_lang(s),
         .sentence_bytes = s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
         .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage &&
-                        !s->request.languages && !s->request.speakers,
+                        !s->request.languages && !s->request.speakers &&
+                        s->request.dialogue != DIALOGUE_VOICES,
         .verse_pauses = s->request.verse == VERSE_PAUSE,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,

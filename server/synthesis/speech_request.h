@@ -48,6 +48,9 @@ enum speech_cast {
     SPEAK_CAST_OFF,
 };
 
+/* Who speaks the dialogue of plain prose. */
+enum speech_dialogue { DIALOGUE_ONE_VOICE, DIALOGUE_VOICES };
+
 enum speech_directions { DIRECTIONS_SILENT, DIRECTIONS_SPOKEN };
 
 struct speech_request {
@@ -60,6 +63,7 @@ struct speech_request {
     char *speakers;  /* who speaks which stretch of a plain text (speaker_runs.h) */
     enum speech_cast cast;
     enum speech_directions directions; /* of a passage */
+    enum speech_dialogue dialogue;     /* if nothing else says who speaks */
     bool names;                        /* of a passage: the speakers' names are spoken */
     char *id;                          /* the client's id for the utterance, at most 64 bytes; NULL = none */
     char *lang, *voice, *engine;       /* NULL = the default */

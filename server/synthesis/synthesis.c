@@ -2,6 +2,7 @@
 /* A synthesis: opening, delivery, seeking and queries. */
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
+#include "server/markup/dialogue.h"
 #include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
@@ -144,6 +145,8 @@ static void read_text(struct synthesis *s) {
         language_runs_free(&runs);
         return;
     }
+    if (!speakers && s->request.dialogue == DIALOGUE_VOICES && !strcmp(s->markup->name, "plain"))
+        dialogue_find(&s->speakers, s->request.text, s->request.text_size);
     rules.runs = &runs;
     rules.speakers = &s->speakers;
     rules.limit = &limit;

@@ -90,6 +90,8 @@ export interface SpeakOptions {
   cast?: 'auto' | 'on' | 'off';
   /** Whether the narrator speaks the stage directions of a passage. */
   directions?: 'silent' | 'spoken';
+  /** How to read the dialogue of plain prose that does not say who speaks. one-voice: one voice speaks everything; voices: what stands in quotation marks or after dashes is spoken by two persons in turn. */
+  dialogue?: 'one-voice' | 'voices';
   /** Whether the narrator speaks the speakers' names in a section of the library. */
   names?: boolean;
   /** The client's name for the utterance; returned in every message about it. At most 64 bytes. */

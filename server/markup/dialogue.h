@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Dialogue in prose: what stands in quotation marks, or after a dash that begins a paragraph, is spoken by
+ * two persons in turn. A paragraph has one of them; after two paragraphs without speech the first one begins
+ * again. */
+#ifndef FACCIA_MARKUP_DIALOGUE_H
+#define FACCIA_MARKUP_DIALOGUE_H
+
+#include "server/markup/speaker_runs.h"
+
+/* Finds the dialogue of text[0..size). Quoted single words without a mark at their end are no speech. */
+void dialogue_find(struct speaker_runs *runs, const char *text, size_t size);
+
+#endif
