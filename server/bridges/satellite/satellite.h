@@ -64,7 +64,7 @@ struct timers {
  * finished; NULL: none. Free it. lang: of the sentence; NULL: English. */
 char *timers_take(struct timers *timers, const char *type, const json_t *data, const char *lang, int64_t now);
 
-/* Writes when the next timers end, by the local clock, for example "⏲ Pasta 18:35". "": none runs. */
+/* Writes when the next timers end, by the local clock, for example "⌛ Pasta 18:35". "": none runs. */
 void timers_text(const struct timers *timers, char *text, size_t cap);
 void timers_free(struct timers *timers);
 

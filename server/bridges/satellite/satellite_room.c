@@ -261,8 +261,8 @@ static void on_lost(void *ctx, const char *why) {
 struct room *room_new(uv_loop_t *loop, const struct daemon_address *place, const struct room_options *options,
                       const struct room_calls *calls, void *ctx) {
     static const struct websocket_calls own = {on_open, on_text, on_lost};
-    const struct remote_member members[] = {{"room", options->name}, {"watch", "1"},        {"audio", "none"},
-                                            {"fap", "none"},         {"name", "satellite"}, {NULL, NULL}};
+    const struct remote_member members[] = {
+        {"room", options->name}, {"watch", "1"}, {"audio", "none"}, {"fap", "none"}, {NULL, NULL}};
     struct room *r = mem_alloc(sizeof *r);
     struct buf url = {0};
     *r = (struct room){.options = options, .calls = calls, .ctx = ctx};

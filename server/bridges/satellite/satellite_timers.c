@@ -93,7 +93,7 @@ void timers_text(const struct timers *t, char *text, size_t cap) {
         if (!one->end || !localtime_r(&end, &local))
             continue;
         strftime(clock, sizeof clock, "%H:%M", &local);
-        snprintf(text + at, cap - at, "%s⏲ %s%s%s", shown++ ? " · " : "", one->name ? one->name : "",
+        snprintf(text + at, cap - at, "%s⌛ %s%s%s", shown++ ? " · " : "", one->name ? one->name : "",
                  one->name ? " " : "", clock);
     }
     utf8_mend(text); /* it may be cut within a character */

@@ -84,7 +84,7 @@ test('shows errors, timers, and that it is switched off', async () => {
   await picture('error');
   await shows('idle'); // after a while
   assistant.send('timer-started', { id: 't', total_seconds: 600, name: 'pasta' });
-  await page.waitForFunction(() => /^⏲ pasta \d\d:\d\d$/.test(document.querySelector('#sign .more').textContent), null, { timeout: 60000 });
+  await page.waitForFunction(() => /^⌛ pasta \d\d:\d\d$/.test(document.querySelector('#sign .more').textContent), null, { timeout: 60000 });
   await picture('timer');
   assistant.send('timer-cancelled', { id: 't' });
   assistant.send('pause-satellite');

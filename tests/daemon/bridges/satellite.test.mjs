@@ -123,6 +123,23 @@ test('an announcement, which has no text, moves the face to its sound, in real t
   await assistant.heard('played', { from: before });
 });
 
+test('an answer that somebody stops has been played, and the next words are heard', async () => {
+  for (const answers of [() => reply('Una risposta lunga, che nessuno vuole sentire fino alla fine, perché è tardi.', 5), () => playSound(10)]) {
+    const from = kiosk.messages.length, before = assistant.events.length;
+    answers();
+    await kiosk.wait({ type: 'begin' }, { from });
+    kiosk.send({ type: 'stop' });
+    await kiosk.wait({ type: 'end', reason: 'stopped' }, { from });
+    await assistant.heard('played', { from: before });
+    const id = speak(0.5);
+    await assistant.heard('run-pipeline', { from: before });
+    recognise('Basta così.');
+    await kiosk.wait({ type: 'heard', id, text: 'Basta così.', final: true }, { from });
+    assistant.send('error', { text: '', code: 'duplicate_wake_up_detected' });
+    await idle(from);
+  }
+});
+
 test('the assistant begins a conversation: the face asks, and the next words go to the pipeline', async () => {
   const from = kiosk.messages.length, before = assistant.events.length;
   assistant.send('run-pipeline', { start_stage: 'asr', end_stage: 'tts', announce_text: 'Vuoi la luce?' });
@@ -131,7 +148,7 @@ test('the assistant begins a conversation: the face asks, and the next words go 
   speak();
   assert.equal((await assistant.heard('run-pipeline', { from: before })).data.end_stage, 'tts');
   recognise('Sì, grazie.');
-  await kiosk.wait({ type: 'heard', text: 'Sì, grazie.' }, { from });
+  await kiosk.wait({ type: 'heard', text: 'Sì, grazie.', final: true }, { from });
   reply('Ecco la luce.');
   await kiosk.wait({ type: 'sentence', text: 'Ecco la luce.' }, { from });
   await assistant.heard('played', { from: before, is: (e) => assistant.events.indexOf(e) > assistant.events.findLastIndex((o) => o.type === 'run-pipeline') });
@@ -175,9 +192,9 @@ test('shows what went wrong; silence is nobody’s trouble', async () => {
 test('shows when timers end, and says so', async () => {
   const from = kiosk.messages.length;
   assistant.send('timer-started', { id: 'p', total_seconds: 300, name: 'pasta' });
-  assert.match((await kiosk.wait({ type: 'state', state: 'idle' }, { from })).text, /^⏲ pasta \d\d:\d\d$/);
+  assert.match((await kiosk.wait({ type: 'state', state: 'idle' }, { from })).text, /^⌛ pasta \d\d:\d\d$/);
   assistant.send('timer-started', { id: 'q', total_seconds: 30, name: null });
-  await eventually(() => kiosk.messages.slice(from).some((m) => /^⏲ \d\d:\d\d · ⏲ pasta/.test(m.text)), 'both, in order');
+  await eventually(() => kiosk.messages.slice(from).some((m) => /^⌛ \d\d:\d\d · ⌛ pasta/.test(m.text)), 'both, in order');
   assistant.send('timer-updated', { id: 'q', is_active: false, total_seconds: 20 });
   assistant.send('timer-cancelled', { id: 'q' });
   assistant.send('timer-finished', { id: 'p' });
@@ -221,7 +238,7 @@ test('an assistant that restarts takes over from its former connection', async (
   speak();
   await assistant.heard('audio-stop');
   recognise('Eccomi.');
-  await kiosk.wait({ type: 'heard', text: 'Eccomi.' }, { from });
+  await kiosk.wait({ type: 'heard', text: 'Eccomi.', final: true }, { from });
   assistant.send('error', { text: '', code: 'duplicate_wake_up_detected' });
   await idle(from);
 });
@@ -256,7 +273,7 @@ async function works({ stream, peer }) {
   speak(0.5, stream);
   await peer.heard('audio-stop', { from: before });
   recognise('Ci sei?', peer);
-  await stream.wait({ type: 'heard', text: 'Ci sei?' }, { from });
+  await stream.wait({ type: 'heard', text: 'Ci sei?', final: true }, { from });
   reply('Ci sono.', 0.2, peer);
   await stream.wait({ type: 'sentence', text: 'Ci sono.' }, { from });
   await peer.heard('played', { from: before });
@@ -342,7 +359,7 @@ test('with a wake word service, only what follows the wake word is sent', async 
   const sound = Buffer.concat(peer.events.slice(before).filter((e) => e.type === 'audio-chunk').map((e) => e.payload));
   assert.ok(sound.equals(tone(2).subarray(2 * 6400)), `${sound.length} bytes`);
   recognise('Accendi la luce.', peer);
-  await stream.wait({ type: 'heard', text: 'Accendi la luce.' });
+  await stream.wait({ type: 'heard', text: 'Accendi la luce.', final: true });
   peer.send('error', { text: '', code: 'duplicate_wake_up_detected' });
   // the wake word alone: the next utterance needs none
   wakes.answer = ({ type }, one) => type === 'audio-stop' && one.send('detection', { name: 'ok_faccia', timestamp: 700 });
@@ -357,7 +374,7 @@ test('with a wake word service, only what follows the wake word is sent', async 
   await peer.heard('audio-stop', { from: before });
   assert.equal(service.peers.length, asked);
   recognise('Che ore sono?', peer);
-  await stream.wait({ type: 'heard', text: 'Che ore sono?' }, { from });
+  await stream.wait({ type: 'heard', text: 'Che ore sono?', final: true }, { from });
   peer.send('error', { text: '', code: 'duplicate_wake_up_detected' });
   // a service that ends, or is not there
   wakes.answer = (_, one) => one.socket.destroy();
@@ -382,7 +399,7 @@ test('each room has its satellite: one hands on what is said in other rooms', as
   speak(0.5, hall);
   await peer.heard('audio-stop');
   recognise('Dalla sala.', peer);
-  await hall.wait({ type: 'heard', text: 'Dalla sala.' });
+  await hall.wait({ type: 'heard', text: 'Dalla sala.', final: true });
   reply('Detto in sala.', 0.2, peer);
   await hall.wait({ type: 'sentence', text: 'Detto in sala.' });
   assert.ok(!kitchen.events.some((e) => e.type === 'run-pipeline'));
@@ -437,7 +454,7 @@ test('wrong bytes end a connection, and nobody else’s', async () => {
   speak(0.5);
   await assistant.heard('audio-stop', { from: before });
   recognise('Ancora qui.');
-  await kiosk.wait({ type: 'heard', text: 'Ancora qui.' }, { from });
+  await kiosk.wait({ type: 'heard', text: 'Ancora qui.', final: true }, { from });
 });
 
 test('reports wrong options', async () => {
