@@ -421,6 +421,8 @@ static void on_transcript(struct satellite *s, const json_t *data) {
     const char *text = member(data, "text");
     if (s->current)
         answer(s->current, text, NULL);
+    else
+        log_warn("the assistant recognised an utterance that is over");
     if (s->whole)
         show(s, "thinking", text, ANSWER_MS);
 }

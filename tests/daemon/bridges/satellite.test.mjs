@@ -267,13 +267,15 @@ const stages = {
     await stream.wait({ type: 'begin' });
   },
 };
+let satelliteLog = () => '';
 /** Someone asks, and is answered. */
 async function works({ stream, peer }) {
   const from = stream.messages.length, before = peer.events.length;
-  speak(0.5, stream);
+  const id = speak(0.5, stream);
   await peer.heard('audio-stop', { from: before });
   recognise('Ci sei?', peer);
-  await stream.wait({ type: 'heard', text: 'Ci sei?', final: true }, { from });
+  const { text } = await stream.wait((m) => m.id === id && (m.final || m.type === 'error'), { from });
+  assert.equal(text, 'Ci sei?', `${JSON.stringify(stream.messages.slice(from))} ${peer.events.slice(before).map((e) => e.type)} ${satelliteLog()}`);
   reply('Ci sono.', 0.2, peer);
   await stream.wait({ type: 'sentence', text: 'Ci sono.' }, { from });
   await peer.heard('played', { from: before });
@@ -291,6 +293,7 @@ for (const [name, reach] of Object.entries(stages))
     };
     await join();
     let satellite = await start(ear, all.daemon.url);
+    satelliteLog = () => satellite.text;
     all.peer = await assist(ear);
     await works(all);
     // the assistant
