@@ -122,6 +122,7 @@ test('a late listener gets the current state, at any daemon', async () => {
   const [one, two] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room)];
   await followed(room, 2);
   two.send({ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] });
+  two.send({ type: 'head', head: 'mara' });
   two.send({ type: 'state', state: 'thinking', text: 'un momento' });
   two.send({ type: 'choices', id: 'q', question: 'Vieni?', choices: ['Sì', 'No'] });
   two.send({ type: 'consent', consent: 'asked', text: 'Si registra?' });
@@ -133,6 +134,7 @@ test('a late listener gets the current state, at any daemon', async () => {
   const late = [];
   for (const daemon of daemons) late.push(await Listener.open(daemon, room));
   for (const listener of late) {
+    await listener.heard({ type: 'head', head: 'mara' });
     await eventually(() => listener.media().length > 3, 'media');
     const told = listener.said().filter(({ hex }) => !hex).map(({ type }) => type);
     for (const type of ['begin', 'sentence', 'word', 'expressed', 'consent', 'state', 'choices']) assert.ok(told.includes(type), `${type} of ${told}`);
