@@ -63,7 +63,9 @@ static const char usage[] =
     "moved by a\n"
     "constant; affine, when it may be scaled, too; shift, in ms within 60, the one with the highest r, and "
     "that r. reader:\n"
-    "visemes told by a nearest neighbour that learnt from the people and reads the engine.\n"
+    "visemes told by a nearest neighbour that learnt from the people and reads the engine. seen in N %: in "
+    "the other\n"
+    "frames the film did not show the parameter, and it is an estimate.\n"
     "FILE - is standard input or output. Exit status: 0 measured, 1 failed, 2 wrong usage.\n";
 
 static int compare(const void *a, const void *b) {

@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -136,6 +137,28 @@ static const char *label(const struct recordings *r, size_t line) {
     return line == OTHER ? "another person" : r->variants[line].label;
 }
 
+/* Share of the people's frames in which a parameter was seen, not estimated. */
+static double seen(const struct recordings *r, int param) {
+    size_t frames = 0, estimated = 0;
+    for (size_t i = 0; i < r->options->people; i++) {
+        const struct measured_speech *person = &r->people[i];
+        frames += person->frame_count;
+        for (size_t k = 0; person->unseen[param] && k < person->frame_count; k++)
+            estimated += person->unseen[param][k];
+    }
+    return 1 - (double)estimated / (double)frames;
+}
+
+/* Writes a measure's heading: a film does not show every parameter in all pictures. */
+static const char *heading(const struct recordings *r, int measure, char text[32]) {
+    double share = measure == PERSON_APERTURE ? fmin(seen(r, PARAM_LI), seen(r, PARAM_LS)) : seen(r, measure);
+    if (share == 1)
+        snprintf(text, 32, "%s", person_measures[measure]);
+    else
+        snprintf(text, 32, "%s, seen in %.0f %%", person_measures[measure], 100 * share);
+    return text;
+}
+
 static void print(const struct recordings *r, FILE *out) {
     static const int order[] = {PERSON_APERTURE, PARAM_LI, PARAM_LS, PARAM_AR, PARAM_PI,
                                 PARAM_PS,        PARAM_EM, PARAM_TH, PARAM_TA, PARAM_TB};
@@ -144,12 +167,13 @@ static void print(const struct recordings *r, FILE *out) {
     for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
         int m = order[k];
         bool headed = false;
+        char text[32];
         for (size_t i = 0; i < LINES; i++) {
             const struct line *line = &r->lines[i];
             if (!label(r, i) || !line->count[m])
                 continue;
             if (!headed)
-                fprintf(out, "\n%-33s %6s %7s %7s   %6s %6s %7s\n", person_measures[m], "r", "rms", "affine",
+                fprintf(out, "\n%-33s %6s %7s %7s   %6s %6s %7s\n", heading(r, m, text), "r", "rms", "affine",
                         "shift", "r", "rms");
             headed = true;
             double n = line->count[m];

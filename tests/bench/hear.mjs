@@ -71,11 +71,17 @@ function kal() {
 
 const { values: { others, only, truth }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' }, only: { type: 'string' }, truth: { type: 'string' } }, allowPositionals: true });
 
+// The sounds that are compared; all others count alike.
+const ARPABET = { P: 'p', B: 'b', M: 'm', F: 'f', V: 'v', W: 'w', UW: 'u', UH: 'ʊ', OW: 'oʊ', AO: 'ɔ', OY: 'ɔɪ', SH: 'ʃ', ZH: 'ʒ', CH: 'tʃ', JH: 'dʒ' };
+const SAMPA = { O: 'ɔ', 'O:': 'ɔ', OI: 'ɔ', U: 'ʊ', S: 'ʃ', Z: 'ʒ', tS: 'tʃ', dZ: 'dʒ', 't_S': 'tʃ', 'P\\': 'v' };
+
 /** People with labelled phones, as 16 kHz. Without the Russian, whom the network learnt from. */
 function labelled(place) {
   return fs.readdirSync(place).filter((name) => name.endsWith('.truth.json')).map((name) => ({ name: name.slice(0, -'.truth.json'.length), ...JSON.parse(fs.readFileSync(path.join(place, name))) }))
     .filter(({ phones, lang }) => phones.length && lang !== 'ru')
-    .map(({ name, phones }) => {
+    .map(({ name, phones: labels }) => {
+      const arpabet = labels.every(({ label }) => !/[a-z]/.test(label));
+      const phones = labels.map(({ label, ...times }) => ({ ...times, ipa: arpabet ? (ARPABET[label.replace(/\d/, '')] ?? 'ə') : (SAMPA[label] ?? (/^[pbmfvwuo]/.test(label) ? label : 'ə')) }));
       execFileSync('ffmpeg', ['-v', 'error', '-y', '-i', path.join(place, `${name}.wav`), '-ar', '16000', '-ac', '1', '-bitexact', file(`truth-${name}.wav`)]);
       return { sound: file(`truth-${name}.wav`), phones };
     });
@@ -91,7 +97,7 @@ const people = {
   fr: ['French, a woman (asterisk-core-sounds-fr-g722)', 'fr', () => reader('fr', 'g722')],
   ru: ['Russian, a woman (asterisk-core-sounds-ru-g722)', 'ru', () => reader('ru', 'g722')],
   kal: ["English, Festival's KAL, by its own times", 'en', kal],
-  ...(truth ? { truth: ['English, and a Czech: eight people by labels that no aligner of ours made', 'en', () => labelled(truth)] } : {}),
+  ...(truth ? { truth: ['English, and a Czech: nine people by labels that no aligner of ours made', 'en', () => labelled(truth)] } : {}),
 };
 const chosen = only ? only.split(',') : Object.keys(people);
 

@@ -18,7 +18,7 @@
  * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion, and
  * needs parted teeth. With a raised upper lip (/S/) the lips form a funnel instead, whose square opening
  * shows the teeth: it is short, but as high at the sides as in the middle. */
-#define ROUND_NARROW 2.0     /* mm of AR, and */
+#define ROUND_NARROW 1.7     /* mm of AR, and */
 #define ROUND_PUSH 1.2       /* mm of protrusion at which lips are fully rounded */
 #define FLARE_FROM 1.7       /* mm of LS at which a funnel starts */
 #define FLARE_FULL 2.3       /* and is complete */
@@ -28,7 +28,7 @@
 #define ROUND_SIDE 2.5       /* and these mm */
 #define ROUND_INNER_CORNER 3 /* mm that each inner corner goes in beyond the outer one */
 /* mm that the middle of the lower lip gives way: pushed lips roll into the opening */
-#define ROUND_DROP 1.5
+#define ROUND_DROP 1.8
 #define ROUND_LOW 0.9      /* mm that both lips hang lower before the teeth, */
 #define ROUND_LOW_SIDE 2.0 /* and half-way to the corners, under which the hole is arched */
 #define ROUND_BULGE 0.7    /* mm that the red of each lip becomes wider */
