@@ -28,7 +28,7 @@
 #define ROUND_SIDE 2.5       /* and these mm */
 #define ROUND_INNER_CORNER 3 /* mm that each inner corner goes in beyond the outer one */
 /* mm that the middle of the lower lip gives way: pushed lips roll into the opening */
-#define ROUND_DROP 1.8
+#define ROUND_DROP 1.5
 #define ROUND_LOW 0.9      /* mm that both lips hang lower before the teeth, */
 #define ROUND_LOW_SIDE 2.0 /* and half-way to the corners, under which the hole is arched */
 #define ROUND_BULGE 0.7    /* mm that the red of each lip becomes wider */
