@@ -36,6 +36,21 @@ const checks = [
 ];
 for (const [name, run] of checks) test(name, () => assert.deepEqual(run(head), []));
 
+test('an opening that is higher in the middle than at the sides is round below', () => {
+  const skin = head.parts.find(({ name }) => name === 'skin');
+  const open = pose(head, skin, { 5: -400, 10: -150, 11: -150 });
+  /** mm by which the lower lip's inner contour sinks between two distances from the middle. */
+  const sunk = (from, to) => {
+    let most = 0;
+    for (let v = 0; v < open.length; v += 3)
+      if (Math.abs(skin.position[v]) >= from && Math.abs(skin.position[v]) <= to) most = Math.max(most, skin.position[v + 1] - open[v + 1]);
+    return most;
+  };
+  const middle = sunk(0, 0.1);
+  assert.ok(sunk(2, 3.2) > 0.9 * middle, `${sunk(2, 3.2)} beside ${middle}`);
+  assert.ok(sunk(4.5, 6) > 0.72 * middle, `${sunk(4.5, 6)} beside ${middle}`);
+});
+
 test('visible teeth depend on sex and age, unless the recipe overrides them', () => {
   const shown = (name) => {
     const { upperShown, lowerShown } = mouthFigures({ shape: { [`macrodetails/${name}`]: 1 } });
