@@ -39,8 +39,9 @@ test('an engine matches itself, and a baseline matches it less', () => {
   const rows = evaluate('--recording', at('one.csv'), '--phones', at('one.json'));
   assert.deepEqual(rows.map((r) => `${r.engine} ${r.contacts}`), ['dominance on', 'dominance off', 'cohen-massaro off', 'cohen-massaro on', 'table off', 'table on']);
   const own = row(rows, 'dominance', 'on');
-  // Round, spread and tucked lips divide the opening between them by their shape, which the engine's parameters do not know.
-  for (const [name, r, rms] of [['aperture', 0.995, 0.35], ['LI', 0.99, 0.5], ['LS', 0.94, 0.4], ['EM', 0.999, 0.05]]) {
+  // Round, spread and tucked lips divide the opening between them by their shape, which the engine's parameters do not know: the lower lip of round ones
+  // gives way by up to 1.5 mm in the middle.
+  for (const [name, r, rms] of [['aperture', 0.993, 0.45], ['LI', 0.985, 0.55], ['LS', 0.94, 0.4], ['EM', 0.999, 0.05]]) {
     assert.ok(own[name].r > r && own[name].rms < rms, `${name}: ${JSON.stringify(own[name])}`);
     assert.ok(Math.abs(own[name].shift) <= 5);
     assert.ok(row(rows, 'table', 'off')[name].rms > own[name].rms);
@@ -106,7 +107,8 @@ test('the table of frames has each frame as measured and as each engine generate
   assert.ok(rows.every((r) => (r[5] === '') === !['EM', 'LI', 'LS', 'aperture'].includes(r[3])), 'what was not recorded has no value');
   const own = rows.filter((r) => r[1] === 'dominance' && r[3] === 'aperture').map((r) => r.map(Number));
   const offset = own.reduce((sum, r) => sum + r[5] - r[6], 0) / own.length;
-  assert.ok(own.every((r) => Math.abs(r[5] - r[6] - offset) < 1), 'measured on the engine itself, but for the shape of the lips');
+  const off = Math.max(...own.map((r) => Math.abs(r[5] - r[6] - offset)));
+  assert.ok(off < 1.5, `measured on the engine itself, but for the shape of the lips: off by ${off}`);
   assert.ok(own.every((r, i) => !i || Math.abs(r[4] - own[i - 1][4] - 0.01) < 1e-6), 'every frame of 100 a second');
   assert.equal(faccia(['eval', '--curve-table', 'x.csv', 'a']).status, 2);
 });
