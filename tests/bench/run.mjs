@@ -69,6 +69,7 @@ export const benchmarks = {
   people: { without: 'needs recordings of people, which tests/bench/people-fetch.py gets' },
   phones: { packages: [...lp, ...pc, ...slt, ...kal], moment: ['espeak:it'], long: 'speaks 25 sentences' },
   pictures: { packages: browser, moment: [], long: 'draws in software' },
+  portraits: { without: 'needs photographs of people' },
   poses: { packages: browser, moment: ['--only', 'smile'], long: 'draws a head and makes two of it' },
   readings: { moment: ['1', '0.1'] },
   'readings-others': { packages: ['espeak-ng', ...lp, ...kal], moment: ['5'], long: 'takes two packages from npm' },

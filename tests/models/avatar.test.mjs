@@ -31,9 +31,10 @@ for (const name of heads)
   test(`${name} is valid, complete, and openly licensed`, async () => {
     const bytes = fs.readFileSync(file(name, 'glb'));
     const { issues, info } = await validator.validateBytes(new Uint8Array(bytes), { maxIssues: 1000 });
-    assert.deepEqual(issues.messages.filter(({ severity }) => severity < 2), []);
+    // Programs for talking heads look for meshes below Armature, which nothing moves.
+    assert.deepEqual(issues.messages.filter(({ severity, code }) => severity < 2 && code !== 'NODE_SKINNED_MESH_NON_ROOT'), []);
     // VRM's extension the validator does not know: it is looked at below; a body of bones is empty
-    assert.deepEqual([...new Set(issues.messages.map(({ code }) => code))].filter((code) => !['UNSUPPORTED_EXTENSION', 'UNUSED_OBJECT', 'NODE_EMPTY', 'IMAGE_NPOT_DIMENSIONS'].includes(code)), []);
+    assert.deepEqual([...new Set(issues.messages.map(({ code }) => code))].filter((code) => !['UNSUPPORTED_EXTENSION', 'UNUSED_OBJECT', 'NODE_EMPTY', 'NODE_SKINNED_MESH_NON_ROOT', 'IMAGE_NPOT_DIMENSIONS'].includes(code)), []);
     assert.ok(info.hasMorphTargets && info.hasSkins && info.hasTextures);
     assert.ok(bytes.length < 12e6, `${bytes.length} bytes`);
     const { json } = readGlb(bytes);

@@ -18,7 +18,9 @@ const LEAST = { hair: 0.5, bare: 0.6 }; // shares of the columns
 export function lab([r, g, b]) {
   const f = (t) => (t > 0.008856 ? Math.cbrt(t) : 7.787 * t + 16 / 116);
   const [x, y, z] = [
-    f((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505), f(0.2126 * r + 0.7152 * g + 0.0722 * b), f((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089),
+    f((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505),
+    f(0.2126 * r + 0.7152 * g + 0.0722 * b),
+    f((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089),
   ];
   return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
 }
@@ -57,8 +59,10 @@ export function hairOf(picture, landmarks) {
     if (column.length < GRID / 3) continue;
     seen++;
     const end = column.findIndex((q) => !isSkin(looked(q).colour));
-    const above = end < 0 ? [] : [0, 0.5, 1].map((t) => at(top, steps[end] + THICK[0] + t * (THICK[1] - THICK[0]), across)).filter(inPicture);
-    const hairs = above.map((q) => ({ q, ...looked(q) })).filter(({ q, colour }) => !isSkin(colour) && !isBehind(q, colour));
+    const beyond = (t) => at(top, steps[end] + THICK[0] + t * (THICK[1] - THICK[0]), across);
+    const above = end < 0 ? [] : [0, 0.5, 1].map(beyond).filter(inPicture);
+    const hairs = above.map((q) => ({ q, ...looked(q) }))
+      .filter(({ q, colour }) => !isSkin(colour) && !isBehind(q, colour));
     if (hairs.length) found.push(...hairs);
     else bare++;
   }
@@ -81,10 +85,11 @@ const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
  */
 export function dye({ data }, colour, { linear, coded }) {
   const lights = [];
-  for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 127) lights.push(luma([linear[data[i]], linear[data[i + 1]], linear[data[i + 2]]]));
+  const lightAt = (i) => luma([linear[data[i]], linear[data[i + 1]], linear[data[i + 2]]]);
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 127) lights.push(lightAt(i));
   const middle = Math.max(0.002, median(lights) ?? 0);
   for (let i = 0; i < data.length; i += 4) {
-    const share = (luma([linear[data[i]], linear[data[i + 1]], linear[data[i + 2]]]) / middle) ** 0.8;
+    const share = (lightAt(i) / middle) ** 0.8;
     for (let k = 0; k < 3; k++) data[i + k] = coded(Math.min(1, colour[k] * share));
   }
 }
@@ -127,7 +132,8 @@ function nearness(lists) {
     for (const a of [-1, 0, 1])
       for (const b of [-1, 0, 1])
         for (const c of [-1, 0, 1])
-          for (const q of cells.get([i + a, j + b, k + c].join()) ?? []) least = Math.min(least, Math.hypot(x - q[0], y - q[1], z - q[2]));
+          for (const q of cells.get([i + a, j + b, k + c].join()) ?? [])
+            least = Math.min(least, Math.hypot(x - q[0], y - q[1], z - q[2]));
     return (NEAR[1] - least) / (NEAR[1] - NEAR[0]);
   };
 }

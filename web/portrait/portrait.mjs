@@ -85,7 +85,10 @@ export async function makeHead(json, base, views, images, options = {}) {
   const worn = gone.includes('glasses') ? model.parts.filter(({ name }) => name.startsWith('glasses')) : [];
   const isLid = (turn) => model.turns[turn].name.startsWith('lid');
   const hairs = model.parts.filter(({ name }) => name.startsWith('hair')).map(({ position }) => position);
-  const scalp = hair && { share: underHair(part.position, earsOf(json.fdp), hair === 'none' ? hairs : []), colour: hair === 'none' ? null : hair.map((x) => x * ROOTS) };
+  const scalp = hair && {
+    share: underHair(part.position, earsOf(json.fdp), hair === 'none' ? hairs : []),
+    colour: hair === 'none' ? null : hair.map((x) => x * ROOTS),
+  };
   const about = { part, texture: await images.read(texture), eyes, worn, base, isLid, scalp, light };
   const skin = paintSkin(about, ordered, fitted.views);
   const changed = morph(model, base, target);
@@ -116,7 +119,9 @@ const LIT = 0.55; // of a colour as it is seen: hair is drawn in a brighter ligh
 const ROOTS = 0.35; // the scalp beneath it
 const BROWS = 0.3; // and brows, which are mostly darker
 
-const earsOf = (fdp) => [['10.1', '10.5'], ['10.2', '10.6']].filter(([top]) => fdp[top]).map(([top, lobe]) => fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2));
+const EARS = [['10.1', '10.5'], ['10.2', '10.6']]; // top and lobe
+const earsOf = (fdp) => EARS.filter((ear) => ear.every((name) => fdp[name]))
+  .map(([top, lobe]) => fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2));
 
 /** Hair, beard and brows in another colour. */
 async function dyeHair(head, colour, images) {

@@ -24,7 +24,9 @@ const SHINE = [1.15, 0.35]; // factor over the surroundings from which skin is s
 
 const SHEEN = 0.018; // linear: the sheen of skin in the portrait's light, independent of its colour
 
-export const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
+/** The linear value of a byte, and the byte of a linear value. */
+export const linear = Float32Array.from({ length: 256 }, (_, i) =>
+  (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 export const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 const FAINT = 0.004; // darkness at which no colour can be measured

@@ -65,6 +65,9 @@ test('makes a speaking head from a picture, which never leaves the page', async 
   await page.click('#make');
   await state(page, 'whose hair');
   assert.ok(await page.locator('#save').isDisabled(), 'no head is made with hair that nobody chose');
+  assert.equal(await page.locator('#like optgroup').first().locator('option').count(), 3, 'the most similar faces come first');
+  assert.deepEqual(await page.locator('#hair option').evaluateAll((options) => options.map(({ value }) => value)), ['photo', 'head', 'none']);
+  assert.equal(await page.inputValue('#hair'), 'photo');
   await page.selectOption('#like', 'mara');
   await page.selectOption('#eyes', 'bruno');
   await page.click('#make');

@@ -151,15 +151,18 @@ function show() {
   poses.show(tools);
   if (!front || !tools) return;
   const known = models.filter(({ name }) => tools.table[name]);
-  const order = tools.nearest(front.view, tools.table).map(({ name }) => name).filter((name) => known.some((model) => model.name === name));
+  const order = tools.nearest(front.view, tools.table).map(({ name }) => name)
+    .filter((name) => known.some((model) => model.name === name));
   const [nearest] = order;
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
   for (const id of ['like', 'eyes']) {
     const chosen = $(id).value;
     const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('same'));
     const all = known.map(({ name, title }) => option(name, title));
-    const [best, others] = [true, false].map((isBest) => all.filter(({ value }) => order.slice(0, BEST).includes(value) === isBest));
-    $(id).replaceChildren(first, ...(id === 'like' ? [group(say('mostSimilar'), best), group(say('others'), others)] : all));
+    const isBest = ({ value }) => order.slice(0, BEST).includes(value);
+    const [best, others] = [true, false].map((wanted) => all.filter((one) => isBest(one) === wanted));
+    const groups = () => [group(say('mostSimilar'), best), group(say('others'), others)];
+    $(id).replaceChildren(first, ...(id === 'like' ? groups() : all));
     $(id).value = chosen;
   }
   showHair(front.view);
