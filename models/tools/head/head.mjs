@@ -82,7 +82,7 @@ export async function buildHead(assets, given) {
   for (const [i, { name }] of parts.entries()) {
     const { longestEdge, material } = recipe.parts[name];
     if (longestEdge && name !== 'skin') parts[i] = rounded(parts[i], longestEdge);
-    parts[i] = await haired(parts[i], whole, recipe, ctx);
+    parts[i] = await haired(parts[i], parts[0], recipe, ctx);
     if (recipe.textures[recipe.materials[material]?.texture]?.paint === 'cloth') packIslands(parts[i]);
   }
   for (const part of parts) {

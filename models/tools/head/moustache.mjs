@@ -5,6 +5,7 @@ import { along, dice, KINDS, layCard, scatter, unit, withCards } from './cards.m
 
 const SEED = 20260202;
 const RADIUS = 60; // mm, of the face there
+const AHEAD = 0.25; // of normals: skin that is seen from the front
 
 /**
  * @param {object} beard @param {object} skin @param {Record<string, number[]>} fdp
@@ -28,11 +29,12 @@ export function addMoustache(beard, skin, fdp, look) {
     if (!found) throw new Error('there is no skin for a moustache');
     const { q, v } = found;
     const n = [...ns.subarray(3 * v, 3 * v + 3)];
+    if (n[2] < AHEAD) continue; // the inside of the lip
     const out = q[0] / end;
     const direction = unit(along([1.5 * out + 0.25 * Math.sign(out) + 0.3 * (roll() - 0.5), -1, 0], n));
     const room = (q[1] - lip(q[0]) + look.over) / Math.max(0.2, -direction[1]);
     const length = Math.min(look.length[0] + (look.length[1] - look.length[0]) * roll(), room);
-    const form = { length, width: look.width * (0.7 + 0.6 * roll()), radius: RADIUS, twist: (roll() - 0.5) * 0.8, lift: look.lift };
+    const form = { length, width: look.width * (0.7 + 0.6 * roll()), radius: RADIUS, twist: (roll() - 0.5) * 0.5, lift: look.lift };
     cards.push({ ...layCard(q, n, direction, form), refs: skin.refs[v], kind: Math.floor(KINDS * roll()) });
   }
   return withCards(beard, cards);
