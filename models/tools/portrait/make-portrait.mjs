@@ -3,7 +3,7 @@
 /**
  * Makes a head from photographs of a face by adapting a built head: make-portrait.mjs PHOTO... -o HEAD.json --like HEAD [--name NAME] [--title TITLE]
  * [--eyes HEAD] [--hair photo|head|none|#RRGGBB] [--light STOPS] [--keep beard,glasses] [--poses FOLDER|VIDEO [--times FILE]] [--heads FOLDER] [--points FILE]. Prints a summary and the
- * unsuitable pose pictures. Without --like it only prints the head with the most similar face, because hair and clothes are not guessed from a
+ * unsuitable pose pictures. Without --like it only prints the head with the most similar face, because hairstyle and clothes are not guessed from a
  * picture. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
@@ -95,7 +95,7 @@ try {
   if (!seen.length) throw new PortraitError('turned', `${photos[0]}: one picture must show the face from the front`);
   const [front] = inOrder(seen, Object.values(table)[0]);
   const { like } = values;
-  if (!like) wrong(`--like HEAD: whose hair and clothes it is to have is not guessed from the picture. There are ${Object.keys(table).join(', ')}; nearest in face is ${nearest(front, table)[0].name}`);
+  if (!like) wrong(`--like HEAD: whose hairstyle and clothes it is to have is not guessed from the picture. There are ${Object.keys(table).join(', ')}; nearest in face is ${nearest(front, table)[0].name}`);
   const seenHair = hairOf(front.picture, front.landmarks);
   const hair = { photo: seenHair.kind === 'none' ? 'none' : seenHair.colour, head: null, none: 'none' }[hairWanted] ?? (hairWanted.startsWith('#') ? linearOf(hairWanted) : null);
   const made = await makeHead(head(like), table[like], views, textures, {
