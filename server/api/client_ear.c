@@ -93,6 +93,10 @@ static void tell(const struct client_ear *one, const struct heard_words *words) 
 
 static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct client_ear *one = ctx;
+    if (!count) {
+        end_sound(one);
+        return;
+    }
     one->samples += count;
     notice_sound(one->client->follower.channel, samples, count);
 }
@@ -221,10 +225,8 @@ bool client_ear_close(struct client *c, const char *id) {
 }
 
 void client_ear_end(struct client *c) {
-    if (c->ear) {
+    if (c->ear)
         ear_close(c->ear->ear);
-        end_sound(c->ear);
-    }
     c->ear = NULL;
     free(c->hearing);
     c->hearing = NULL;

@@ -57,7 +57,8 @@ static void give(struct ear *ear, const int16_t *samples, size_t count) {
     const uint64_t most = (uint64_t)ear->pipeline->ears->seconds * RECOGNITION_RATE;
     const size_t fits = ear->samples + count < most ? count : (size_t)(most - ear->samples);
     ear->samples += fits;
-    ear->calls->samples(ear->ctx, samples, fits);
+    if (fits)
+        ear->calls->samples(ear->ctx, samples, fits);
     if (ear->recognition)
         recognition_write(ear->recognition, samples, fits);
 }
@@ -88,6 +89,7 @@ static void end_sound(struct ear *ear) {
         soxr_process(ear->resampler, NULL, 0, NULL, block, BLOCK, &made);
         give(ear, block, made);
     }
+    ear->calls->samples(ear->ctx, NULL, 0);
     if (ear->recognition)
         recognition_end(ear->recognition);
 }

@@ -26,7 +26,8 @@ struct ear;
 struct ear_calls {
     void (*words)(void *ctx, const struct heard_words *words); /* a preview */
     void (*warning)(void *ctx, const struct error *e);
-    void (*samples)(void *ctx, const int16_t *samples, size_t count); /* the sound, mono, RECOGNITION_RATE */
+    /* The sound, mono, RECOGNITION_RATE; count 0: it is complete. */
+    void (*samples)(void *ctx, const int16_t *samples, size_t count);
     /* All words, or an error: "recogniser-failed", "bad-sound". Nothing follows; the owner frees the ear. */
     void (*done)(void *ctx, const struct heard_words *words, const struct error *e);
 };

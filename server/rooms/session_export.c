@@ -231,6 +231,8 @@ void session_table(struct buf *out, const json_t *events) {
     const json_t *event;
     buf_printf(out, "time,type,text,by,id\r\n");
     for (size_t i = 0; (event = json_array_get(events, i)); i++) {
+        if (is(event, "heard") && !json_is_true(json_object_get(event, "final")))
+            continue; /* a preview */
         buf_printf(out, "%.3f", number_of(event, "time"));
         write_cell(out, string_of(event, "type"));
         write_cell(out, shown(event));

@@ -10,7 +10,7 @@
  * the other events. seconds: its length. */
 void session_grid(struct buf *out, const json_t *events, double seconds);
 
-/* A table (RFC 4180) of all events: time, type, text, by, id. */
+/* A table (RFC 4180) of all events but previews: time, type, text, by, id. */
 void session_table(struct buf *out, const json_t *events);
 
 #endif

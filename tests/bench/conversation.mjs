@@ -2,12 +2,13 @@
 // A conversation with pocketsphinx: the time from the end of speech to its words and to the answer, in real time; then as many turns as an hour has, at full
 // speed, recorded as a study's session and heard by an operator, with the memory of the daemon, which must stay constant.
 // node tests/bench/run.mjs conversation [--turns 360] [--timed 10]
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { Daemon } from '../lib/daemon.mjs';
-import { opusOf, POCKETSPHINX, spoken } from '../lib/heard-speech.mjs';
+import { opusOf, POCKETSPHINX, samplesOf, spoken } from '../lib/heard-speech.mjs';
 import { kilobytesOf } from './figures.mjs';
 
 const { values } = parseArgs({ options: { turns: { type: 'string', default: '360' }, timed: { type: 'string', default: '10' } } });
@@ -21,12 +22,19 @@ const daemon = await Daemon.start(['--recogniser', POCKETSPHINX, '--sessions', s
 const [screen, desk] = await Promise.all([daemon.stream('?room=kitchen'), daemon.stream('?room=kitchen&watch=1')]);
 await screen.wait({ type: 'joined' });
 await desk.wait({ type: 'joined' });
-const packets = opusOf(spoken('the second one'));
+const wav = spoken('the second one'), packets = opusOf(wav), sound = samplesOf(wav);
 for (const stream of [screen, desk]) stream.send({ type: 'media', audio: 'none', fap: 'none' });
 desk.send({ type: 'overhear' });
 desk.send({ type: 'consent', consent: 'asked' });
 await screen.wait({ type: 'consent', consent: 'asked' });
 screen.send({ type: 'consent', consent: 'given' });
+
+/** The recogniser without the daemon, with all of its input at once, start included. @returns milliseconds */
+function alone() {
+  const from = performance.now();
+  execFileSync('sh', ['-c', `cat | ${POCKETSPHINX}`], { input: sound, stdio: ['pipe', 'pipe', 'ignore'] }); // a pipe: node's own is a socket
+  return performance.now() - from;
+}
 
 /** One turn: asked, heard, answered. @returns milliseconds from the end of speech to the words, and to the answer */
 async function turn(id, paced) {
@@ -55,7 +63,7 @@ for (let i = 0; i < timed; i++) times.push(await turn(`timed-${i}`, true));
 if (timed) {
   const words = times.map((each) => each.words), answers = times.map((each) => each.answer);
   console.log(`${timed} turns in real time: from the close of the utterance to its words ${median(words).toFixed(0)} ms (most ${Math.max(...words).toFixed(0)}), to the answer ${median(answers).toFixed(0)} ms; ` +
-    `hands-free, the page closes it ${SILENCE_MS} ms after the speech`);
+    `pocketsphinx alone, with its start, ${median(Array.from({ length: timed }, alone)).toFixed(0)} ms; hands-free, the page closes it ${SILENCE_MS} ms after the speech`);
 }
 const began = performance.now(), figures = [];
 for (let i = 0; i < turns; i++) {
