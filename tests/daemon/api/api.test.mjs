@@ -170,8 +170,8 @@ test('the daemon accepts each client message and sends each server message', asy
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true, speaker: 'Anna' };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
-    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 }, ask: { text: 'Sì?', id: 'q', choices: ['Sì'] }, hear: { id: 'h', rate: 16000 } };
-  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'hear', 'leave', 'stop', 'ask'];
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, backdrop: { source: 'x.png' }, said: { id: 'said', text: 'Sì' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 }, ask: { text: 'Sì?', id: 'q', choices: ['Sì'] }, hear: { id: 'h', rate: 16000 } };
+  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'backdrop', 'manner', 'said', 'overhear', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'hear', 'leave', 'stop', 'ask'];
   assert.deepEqual([...order].sort(), types('client').sort());
   const desk = await daemon.stream(); // observers are notified of each other (observers)
   desk.send({ type: 'join', room: 'api', watch: true });
@@ -190,8 +190,8 @@ test('the daemon accepts each client message and sends each server message', asy
   await stream.wait({ type: 'pong', id: 'last' });
   const messages = [...stream.messages, ...desk.messages];
   assert.ok(!messages.some((m) => m.code === 'unknown-type' || m.code === 'bad-message'));
-  // authorized is sent only when tokens are required, heard only with a recogniser
-  const heard = new Set([...messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized', 'heard']);
+  // authorized is sent only when tokens are required, overheard only with a recogniser
+  const heard = new Set([...messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized', 'overheard']);
   assert.deepEqual(types('server').filter((type) => !heard.has(type)), []);
   for (const { arrived, ...message } of messages)
     assert.ok(ajv.validate({ $ref: 'schema/server.json' }, message), `${arrived} ${JSON.stringify(message).slice(0, 200)}: ${ajv.errorsText()}`);
