@@ -62,6 +62,13 @@ test('reports an interrupted announcement; --if-quiet does not interrupt other s
   assert.equal((await waits).status, 5);
 });
 
+test('has a bell sound before it', async () => {
+  kiosk.messages.length = 0;
+  assert.equal((await run([...kitchen, '--bell', '--wait', 'È pronto.'])).status, 0);
+  assert.equal((await kiosk.wait({ type: 'begin' })).bell, true);
+  assert.ok((await kiosk.wait({ type: 'word' })).time > 1.4);
+});
+
 test('reports invalid input', async () => {
   assert.equal((await run([])).status, 2);
   assert.equal((await run(['--help'])).status, 0);
