@@ -42,7 +42,7 @@ const logged = (name, on = page) => on.waitForSelector(`#log li[data-event="${na
 const code = (on = page) => on.locator('#source').textContent();
 
 /** Events that do not occur in this browser or daemon; other tests of this file cover them, and those of the room's page. */
-const ELSEWHERE = { token: ['authorized'], calibrate: ['calibrated'], hear: ['asked', 'answered'] };
+const ELSEWHERE = { token: ['authorized'], calibrate: ['calibrated'], hear: ['asked', 'answered'], ask: ['asked'], overhear: ['overheard'] };
 
 for (const story of stories)
   test(`the example ${story.id} opens, every button has an effect, and its events are logged`, async () => {
