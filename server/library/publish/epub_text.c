@@ -82,7 +82,7 @@ static void open_marks(struct stretch *s) {
         if (m->kind == MARK_EMPHASIS) {
             buf_printf(s->out, "<em>");
         } else if (m->kind == MARK_STAGE) {
-            buf_printf(s->out, "<span class=\"stage\">");
+            buf_printf(s->out, "<span class=\"stage\" epub:type=\"z3998:stage-direction\">");
         } else {
             const char *lang = m->value ? m->value : "und";
             buf_printf(s->out, "<i lang=\"");
@@ -238,8 +238,17 @@ static void put_verse(struct page *p, size_t number) {
     buf_printf(p->out, "</p>\n");
 }
 
+/* The id of who says the block after a name. NULL: the source gives none. */
+static const char *who_after(const struct section *section, size_t number) {
+    for (size_t i = number + 1; i < section->count && section->blocks[i].kind != BLOCK_SPEAKER; i++)
+        if (section->blocks[i].who)
+            return section->blocks[i].who;
+    return NULL;
+}
+
 static void put_flowing(struct page *p, size_t number) {
     const struct block *b = &p->section->blocks[number];
+    const char *who;
     char head[4];
     snprintf(head, sizeof head, "h%u", b->level < 1 ? 1 : b->level > 6 ? 6 : b->level);
     const char *name = b->kind == BLOCK_HEAD ? head : b->kind == BLOCK_NOTE ? "aside" : "p";
@@ -250,9 +259,14 @@ static void put_flowing(struct page *p, size_t number) {
         buf_printf(p->out, " epub:type=\"footnote\" role=\"doc-footnote\"");
     else if (b->kind == BLOCK_SPEAKER || b->kind == BLOCK_STAGE || b->item)
         buf_printf(p->out, " class=\"%s\"",
-                   b->kind == BLOCK_SPEAKER ? "speaker"
-                   : b->kind == BLOCK_STAGE ? "stage"
+                   b->kind == BLOCK_SPEAKER ? "speaker\" epub:type=\"z3998:persona"
+                   : b->kind == BLOCK_STAGE ? "stage\" epub:type=\"z3998:stage-direction"
                                             : "item");
+    if (b->kind == BLOCK_SPEAKER && (who = who_after(p->section, number))) {
+        buf_printf(p->out, " data-who=\"");
+        put(p, who);
+        buf_printf(p->out, "\"");
+    }
     put_lang(p, b->lang);
     buf_printf(p->out, ">");
     if (b->kind == BLOCK_NOTE && b->n) {
@@ -282,9 +296,9 @@ static void put_block(struct page *p, size_t number) {
 void epub_xhtml(struct buf *out, const struct section *section, const struct narration_part *part,
                 const char *lang) {
     struct page p = {out, section, part, lang, 0};
-    buf_printf(out,
-               "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE html>\n<html "
-               "xmlns=\"http://www.w3.org/1999/xhtml\" xmlns:epub=\"http://www.idpf.org/2007/ops\" lang=\"");
+    buf_printf(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE html>\n<html "
+                    "xmlns=\"http://www.w3.org/1999/xhtml\" xmlns:epub=\"http://www.idpf.org/2007/ops\" "
+                    "epub:prefix=\"z3998: http://www.daisy.org/z3998/2012/vocab/structure/\" lang=\"");
     put(&p, lang);
     buf_printf(out, "\" xml:lang=\"");
     put(&p, lang);

@@ -21,6 +21,7 @@ enum html_act {
     HTML_NOTES, /* a list of notes */
     HTML_LINE,  /* a line of verse */
     HTML_SPEAKER,
+    HTML_DIRECTION, /* a stage direction of its own */
     HTML_MARK,
     HTML_PAGE,
     HTML_STAGE, /* a stage direction within a block */
@@ -120,6 +121,8 @@ static enum html_act act_of(const struct html *h, const char *name, const char *
         return HTML_SPEAKER;
     if (xml_is_one(name, holders) && xml_has_token(attributes, "class", "line"))
         return HTML_LINE;
+    if (xml_has_token(attributes, "type", "stage-direction") && (!strcmp(name, "p") || !strcmp(name, "div")))
+        return HTML_DIRECTION;
     if (xml_has_token(attributes, "type", "stage-direction") &&
         (xml_is_one(name, marks) || !strcmp(name, "span")))
         return HTML_STAGE;
@@ -233,6 +236,11 @@ static void start_inline(struct html *h, struct html_frame *f, const char *name,
     }
 }
 
+static void end_speech(struct html *h) {
+    build_speaker(h->b, NULL);
+    build_who(h->b, NULL);
+}
+
 static void start_block(struct html *h, struct html_frame *f, const char *name, const char **attributes) {
     struct builder *b = h->b;
     const char *label = xml_attribute(attributes, "title");
@@ -250,7 +258,11 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
     } else if (f->act == HTML_GROUP) {
         build_end(b);
         f->opened = true;
+    } else if (f->act == HTML_DIRECTION) {
+        build_block(b, BLOCK_STAGE);
+        f->opened = true;
     } else if (f->act == HTML_HEAD) {
+        end_speech(h);
         unsigned level = (unsigned)(name[1] - '0');
         if (level <= 3 && b->section.count)
             build_section(b, level);
@@ -258,6 +270,7 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
         build_top(b)->level = level;
         f->opened = true;
     } else if (f->act == HTML_SPEAKER) {
+        build_who(b, xml_attribute(attributes, "data-who"));
         build_block(b, BLOCK_SPEAKER);
         f->opened = true;
     } else if (f->act == HTML_LINE) {
@@ -387,7 +400,7 @@ static void on_end(struct xml_walk *w, const char *name) {
     else if (f->opened || !strcmp(name, "body"))
         build_end(h->b);
     if (!strcmp(name, "tr") || !strcmp(name, "body"))
-        build_speaker(h->b, NULL); /* a row of a play is one speech */
+        end_speech(h); /* a row of a play is one speech */
     if (!strcmp(name, "body") || (svg && w->depth == 1))
         h->body--;
     h->svg -= svg;

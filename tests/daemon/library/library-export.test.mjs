@@ -102,13 +102,20 @@ test('a book: timed words with ids and no gap; verse as verse; epubcheck reports
   assert.ok(!/[<>]/.test(clock.text));
 });
 
-test('reimports an exported book: speakers and stage directions become paragraphs', () => {
+test('an exported book comes back as it was: sections, passages, speakers and stage directions', () => {
   const again = path.join(folder, 'again');
   fs.mkdirSync(again);
-  fs.copyFileSync(file('mare.epub'), path.join(again, 'mare.epub'));
-  const told = spawnSync(program, ['library', again], { encoding: 'utf8' });
+  written('la-chiave', '--epub', file('la-chiave.epub'), '--silent');
+  valid('la-chiave.epub');
+  const measured = (from, ending) => Object.fromEntries([...faccia('library', from).stdout.matchAll(new RegExp(`^(\\S+) +\\S+ +${ending} +(\\d+) sections +(\\d+) passages`, 'gm'))].map(([, id, ...counts]) => [id, counts]));
+  const before = measured(works, 'tei');
+  for (const name of ['mare', 'la-chiave']) fs.copyFileSync(file(`${name}.epub`), path.join(again, `${name}.epub`));
+  const told = faccia('library', 'check', '--words', again);
   assert.deepEqual([told.status, told.stderr], [0, ''], told.stdout);
-  assert.match(told.stdout, / 2 sections +12 passages .* faccia: Il mare d'inverno\n1 works, .* 0 problems/);
+  const after = measured(again, 'epub');
+  for (const name of ['mare', 'la-chiave']) assert.deepEqual(after[name], before[name], name);
+  const cast = (at) => JSON.parse(faccia('library', 'cast', '--json', at).stdout).cast.map(({ id, name, passages, characters }) => [id, name, passages, characters]);
+  assert.deepEqual(cast(path.join(again, 'la-chiave.epub')), cast(path.join(works, 'la-chiave.xml')));
 });
 
 test('book and captions give words the same times', () => {

@@ -91,6 +91,25 @@ function namePages() {
   for (const mark of passage.querySelectorAll('.page')) mark.title = say('editionPage', { n: mark.textContent });
 }
 
+/** The sections as items, each with those of a deeper level in a list of its own. */
+function contentsOf(sections, shown) {
+  const top = [];
+  const open = []; // {level, item}, outermost first
+  for (const { id, title, number, level } of sections) {
+    const item = link(title || `${number}`, `#${id}`);
+    if (id === shown) item.firstChild.setAttribute('aria-current', 'page');
+    while (open.length && open.at(-1).level >= level) open.pop();
+    const above = open.at(-1)?.item;
+    if (!above) top.push(item);
+    else {
+      if (above.lastChild.localName !== 'ol') above.append(document.createElement('ol'));
+      above.lastChild.append(item);
+    }
+    open.push({ level, item });
+  }
+  return top;
+}
+
 async function openSection(work, number) {
   const addresses = addressesOf(work, number);
   const [about, section] = await Promise.all(addresses.map(load));
@@ -103,11 +122,7 @@ async function openSection(work, number) {
   namePages();
   $('work-title').textContent = [about.author, about.title].filter(Boolean).join(': ');
   $('contents').hidden = about.sections.length < 2;
-  $('contents').querySelector('ol').replaceChildren(...about.sections.map(({ id, title, number: n }) => {
-    const item = link(title || `${n}`, `#${id}`);
-    if (id === section.id) item.firstChild.setAttribute('aria-current', 'page');
-    return item;
-  }));
+  $('contents').querySelector('ol').replaceChildren(...contentsOf(about.sections, section.id));
   for (const [id, to] of [['previous', section.previous], ['next', section.next]]) {
     $(id).hidden = !to;
     if (to) $(id).href = `#${section.work.id}:${to}`;
