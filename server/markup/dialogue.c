@@ -114,7 +114,8 @@ static size_t end_of_quote(const struct dialogue *d, size_t at, size_t to, uint3
     return to;
 }
 
-/* True for several words, or one with a mark at its end; a full stop after the quotation is the narrator's. */
+/* True for several words, or one with a mark at its end; a full stop after the quotation is the narrator's.
+ */
 static bool is_speech(const struct dialogue *d, size_t from, size_t to) {
     enum sign last = PLAIN;
     bool letters = false, several = false, gap = false;

@@ -14,6 +14,7 @@ let daemon, browser, page;
 before(async () => {
   fs.mkdirSync(path.join(folder, 'works'));
   fs.copyFileSync(path.join(root, 'models/library/la-chiave.xml'), path.join(folder, 'works/la-chiave.xml'));
+  fs.writeFileSync(path.join(folder, 'works/libro.md'), '---\ntitle: Libro\nlang: it\n---\n# Uno\n\nA.\n\n## Primo\n\nB.\n\n### Inizio\n\nC.\n\n## Secondo\n\nD.\n\n# Due\n\nE.\n');
   daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
   browser = await launch({ webgl: false });
@@ -179,4 +180,20 @@ test('an editor decides how a person speaks, hears it, and saves it beside the w
   await edit.waitForSelector('#problem *');
   assert.deepEqual(JSON.parse(fs.readFileSync(file, 'utf8')), { narrator: { rate: 0.8 } });
   await edit.close();
+});
+
+test('the contents of a work are a tree', async () => {
+  const tree = await browser.newPage({ viewport: { width: 1000, height: 700 }, locale: 'it-IT', serviceWorkers: 'block' });
+  tree.setDefaultTimeout(90000);
+  await tree.goto(`${daemon.url}/library.html#libro:3`);
+  await tree.waitForSelector('#contents:not([hidden])');
+  const read = () => tree.evaluate(() => {
+    const of = (ol) => [...ol.children].map((item) => [item.firstChild.textContent, ...[...item.children].filter(({ localName }) => localName === 'ol').map(of)]);
+    return of(document.querySelector('#contents ol'));
+  });
+  assert.deepEqual(await read(), [['Uno', [['Primo', [['Inizio']]], ['Secondo']]], ['Due']]);
+  await tree.click('#contents summary');
+  assert.equal(await tree.textContent('#contents [aria-current]'), 'Inizio');
+  assert.deepEqual(await violations(tree), []);
+  await tree.close();
 });

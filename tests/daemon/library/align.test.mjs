@@ -125,6 +125,18 @@ test('tolerates noise and silence at the ends, and long pauses between sentences
   assert.ok(last > 38);
 });
 
+test('finds the text after music', () => {
+  const { pcm, rate, json } = recorded('festival:pc', 'it', short);
+  const music = new Int16Array(12 * rate).map((_, i) => {
+    const beat = (i / rate) % 1.5;
+    return Math.exp(-2 * beat) * [262, 330, 392, 523].reduce((sum, f) => sum + 2500 * Math.sin((2 * Math.PI * f * i) / rate), 0);
+  });
+  const found = aligned(wav('music.wav', join(music, pcm), rate), short), starts = wordStarts(found);
+  const pairs = json.words.map((word) => [word.text, word.start + 12, starts[word.byte_start]]).filter(([, , start]) => start !== undefined);
+  assert.ok(pairs.length > 20);
+  for (const [text, expected, start] of pairs) assert.ok(Math.abs(start - expected) < 0.15, `${text} at ${start}, not ${expected}`);
+});
+
 // Sentences of "Sense and Sensibility", read for LibriVox; from Debian's pocketsphinx-testdata.
 const people = '/usr/share/pocketsphinx/test/data/librivox';
 test('human readers: vowels are louder than stops, pauses are silent, and all words are covered', () => {

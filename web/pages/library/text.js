@@ -80,14 +80,15 @@ function verse(block, signs) {
 
 const HEADS = ['h2', 'h3', 'h4', 'h5'];
 
-function element(block, signs) {
+/** @param {number} above levels of headings above the section: on this page its own headings are the first */
+function element(block, signs, above) {
   const { kind } = block;
   if (kind === 'page') return pageMark(block.n);
   if (kind === 'speaker') return unread(make('p', { className: 'speaker' }, block.text));
   if (kind === 'stage') return unread(make('p', { className: 'stage' }, block.text));
   if (kind === 'verse') return verse(block, signs);
   const whole = inline(block, 0, block.text.length, signs);
-  if (kind === 'head') return make(HEADS[Math.min(block.level ?? 1, HEADS.length) - 1], {}, whole);
+  if (kind === 'head') return make(HEADS[Math.min(Math.max(1, (block.level ?? 1) - above), HEADS.length) - 1], {}, whole);
   if (kind === 'note') {
     const back = make('a', { href: `#${block.id}:mark`, className: 'note-sign' }, block.n ?? '*');
     const note = make('p', { className: 'note' }, unread(back), ' ', whole);
@@ -111,8 +112,9 @@ export function showText(passage, section) {
 /** @returns {HTMLElement[]} */
 function setText({ blocks, work }) {
   const signs = new Map(blocks.filter(({ kind }) => kind === 'note').map(({ id, n }, i) => [id, n ?? String(i + 1)]));
+  const above = (blocks.find(({ kind }) => kind === 'head')?.level ?? 1) - 1;
   return blocks.map((block) => {
-    const set = element(block, signs);
+    const set = element(block, signs, above);
     if (block.id) set.id = block.id;
     if (block.id && block.kind !== 'note') set.dataset.passage = block.id;
     if (block.lang && block.lang !== work.lang) set.lang = block.lang;
