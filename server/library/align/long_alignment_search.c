@@ -26,6 +26,12 @@ enum { PIECE_BYTES = 200, TRIES = 3 };
 #define FIRST_APART 1.05
 #define BETTER_START 0.98
 enum { STARTS = 5 };
+/* Music has no pause before the text: starts on a grid are tried, too, if the text took so much longer than
+ * by the reference. A grid is coarse, so such a start must be clearly better. */
+enum { GRID_STARTS = 12 };
+#define GRID_SECONDS 1.5
+#define GRID_PACE 1.25
+#define BETTER_ON_GRID 0.93
 
 /* Length of the first piece: a sentence, or up to a comma or space in a long one. */
 static size_t piece_length(const char *text, size_t size, size_t least) {
@@ -154,11 +160,38 @@ int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
     return 0;
 }
 
+/* Seconds that the text took, as a multiple of the reference's. */
+static double map_pace(const struct long_alignment *c, const struct align_map *map) {
+    double took =
+        (double)(align_end_time(map, c->said.speech.samples) - align_time(map, 0)) / c->window.source->rate;
+    return took / ((double)c->said.speech.samples / c->said.speech.rate);
+}
+
+/* Returns the best start, in samples of the window. */
+static size_t start_on_grid(struct long_alignment *c, double best, size_t start) {
+    best *= BETTER_ON_GRID;
+    for (int i = 1; i <= GRID_STARTS; i++) {
+        struct align_map map;
+        c->skip = (size_t)(i * GRID_SECONDS * c->window.source->rate);
+        if (c->skip >= c->window.samples)
+            break;
+        if (!long_alignment_find(c, &map)) {
+            double all = align_apart(&map, 0, c->said.speech.samples);
+            if (all < best) {
+                best = all;
+                start = c->skip;
+            }
+        }
+        align_free(&map);
+    }
+    return start;
+}
+
 /* The text may begin after other sound, such as noise or another voice, and a pause. Then its first words
  * are more distant than the rest, and closer to what follows the pause. */
 int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
     uint64_t first = (uint64_t)(FIRST_SECONDS * c->said.speech.rate);
-    double best = INFINITY;
+    double best = INFINITY, pace = 0;
     size_t start = 0;
     for (int i = 0; i < STARTS && c->skip != SIZE_MAX; i++) {
         struct align_map map;
@@ -166,6 +199,7 @@ int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
         if (!long_alignment_find(c, &map)) {
             double all = align_apart(&map, 0, c->said.speech.samples), here = align_apart(&map, 0, first);
             good = !i && here < FIRST_APART * all;
+            pace = i ? pace : map_pace(c, &map);
             if (all < BETTER_START * best) {
                 best = all;
                 start = c->skip;
@@ -174,6 +208,8 @@ int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
         align_free(&map);
         c->skip = good ? SIZE_MAX : window_after_pause(&c->window, c->skip);
     }
+    if (pace > GRID_PACE)
+        start = start_on_grid(c, best, start);
     c->skip = 0;
     window_drop(&c->window, start);
     return long_alignment_stopped(c) ? long_alignment_cancelled(e) : 0;
