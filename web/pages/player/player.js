@@ -2,9 +2,11 @@
 // The Face Player: shows FAP files and their sound frame by frame, and edits them.
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, spokenLanguage } from '../shared/languages.js';
+import { Anatomy } from './anatomy.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './curve.js';
 import { emptyFaps, isFapc, readFap, readFapc, wholeWav, writeFap } from './file.js';
 import { FapcDecoder, mono } from './player-kit.js';
+import { FILM, Film } from './film.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
 import { lastTake } from '../shared/take.js';
@@ -17,6 +19,8 @@ const frame = new Frame(words, { captions: { on: false } });
 const { head, say } = frame;
 const draw = (drawn) => reshape(drawnOver(valuesOf(number()), drawn));
 const plots = new Plots($('plots'), { seek: (seconds) => goTo(Math.round(seconds * take.fps)), key: putKey, drop: dropKey, draw });
+const anatomy = new Anatomy(head, $('anatomy'));
+const film = new Film($('film'), $('film-start'));
 const { faps: table } = await (await fetch('faps.json')).json();
 const fapOf = (number) => table[number - 1];
 const sound = { context: null, buffer: null, source: null, began: 0, from: 0 };
@@ -87,7 +91,12 @@ async function openLast() {
 
 async function openFiles(files) {
   const like = (pattern) => [...files].find(({ name }) => pattern.test(name));
-  const [face, audio, times] = [like(/\.fapc?$/i), like(/\.(wav|ogg|opus|mp3|flac)$/i), like(/\.json$/i)];
+  const [face, audio, times, speaker] = [like(/\.fapc?$/i), like(/\.(wav|ogg|opus|mp3|flac)$/i), like(/\.json$/i), like(FILM)];
+  if (speaker) {
+    await film.open(speaker);
+    $('film').hidden = $('film-place').hidden = false;
+    if (!face && take) show();
+  }
   if (!face) return;
   await open({
     bytes: new Uint8Array(await face.arrayBuffer()), name: face.name.replace(/\.fapc?$/i, ''),
@@ -116,6 +125,7 @@ function show(seconds = now / take.fps) {
   const pose = {};
   take.frames[now].forEach((value, n) => n > 2 && value && (pose[n] = value));
   head.pose(pose);
+  film.at(seconds, Boolean(sound.source));
   plots.at(seconds);
   $('scrub').value = now;
   $('where').textContent = `${now} (${seconds.toFixed(2)} s)`;
@@ -153,7 +163,14 @@ function begin(from) {
 function stop() {
   sound.source?.node?.stop();
   sound.source = null;
+  if (take) film.at(now / take.fps, false);
   showPlay();
+}
+
+/** What is drawn over the head; the zone is that of the chosen curve. */
+function showAnatomy() {
+  const [mesh, points, zone] = ['mesh', 'points', 'zone'].map((id) => $(id).checked);
+  anatomy.show({ mesh, points, zone: zone ? number() || 3 : 0 }); // the jaw, before there are curves
 }
 
 const showPlay = () => ($('play').textContent = say(sound.source ? 'pause' : 'play'));
@@ -172,6 +189,7 @@ function fillGroups() {
   $('curve').value = kept;
   if ($('curve').selectedIndex < 0) $('curve').selectedIndex = 0;
   drawCurves();
+  showAnatomy();
 }
 
 function keysNow() {
@@ -274,7 +292,10 @@ on('group', 'change', fillGroups);
 on('curve', 'change', () => {
   drawCurves();
   show();
+  showAnatomy();
 });
+for (const id of ['mesh', 'points', 'zone']) $(id).addEventListener('change', showAnatomy);
+on('film-start', 'input', () => show());
 on('edit', 'submit', (event) => {
   event.preventDefault();
   putKey(now, Number($('value').value));

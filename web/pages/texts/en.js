@@ -239,10 +239,11 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Speak', files: 'Open .fap or .fapc, with sound and times',
+  title: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Speak', files: 'Open .fap or .fapc, with sound, times and film',
   start: 'Let her speak a sentence, or open a .fap or .fapc file. Its sound and the curves of the face appear here, to play, compare and change.',
   empty: 'New, empty', fps: 'Frames a second', seconds: 'Seconds', beginEmpty: 'Begin',
   plots: 'Wave, spectrum, pitch and intensity, sounds and curves', play: 'Play', pause: 'Pause', frameBack: 'One frame back', frameOn: 'One frame forward',
+  views: 'Over the head', mesh: 'Mesh', points: 'Feature points', zone: 'What the curve moves', film: 'Film of a speaker', filmStart: 'Film begins at, s',
   loop: 'Loop', frame: 'Frame', group: 'Group of FAPs', curve: 'Curve to edit', value: 'Value at this frame',
   editHint: 'Drag the points of the curve; double-click to add or delete a point; hold Shift to draw.', setKey: 'Set point', dropKey: 'Delete point',
   smooth: 'Smooth', factor: 'Factor', scale: 'Scale', mirror: 'Mirror', copyCurve: 'Copy the curve', pasteCurve: 'Paste', undo: 'Undo', redo: 'Redo',

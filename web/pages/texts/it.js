@@ -246,10 +246,11 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Parla', files: 'Apri .fap o .fapc, con suono e tempi',
+  title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Parla', files: 'Apri .fap o .fapc, con suono, tempi e filmato',
   start: 'Scrivi una frase e premi Parla, o apri un file .fap o .fapc: qui compaiono il suono e le curve del viso, da ascoltare, confrontare e modificare.',
   empty: 'Nuovo, vuoto', fps: 'Fotogrammi al secondo', seconds: 'Secondi', beginEmpty: 'Comincia',
   plots: 'Onda, spettro, altezza e intensità, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
+  views: 'Sopra la testa', mesh: 'Reticolo', points: 'Punti caratteristici', zone: 'Ciò che la curva muove', film: 'Filmato di chi parla', filmStart: 'Il filmato comincia a, s',
   loop: 'Ripeti', frame: 'Fotogramma', group: 'Gruppo di FAP', curve: 'Curva da modificare', value: 'Valore a questo fotogramma',
   editHint: 'Trascina i punti della curva; un doppio clic ne aggiunge o ne toglie uno; con Maiusc si disegna.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
   smooth: 'Liscia', factor: 'Fattore', scale: 'Scala', mirror: 'Specchia', copyCurve: 'Copia la curva', pasteCurve: 'Incolla', undo: 'Annulla', redo: 'Rifai',

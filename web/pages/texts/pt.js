@@ -246,10 +246,11 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som e tempos',
+  title: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som, tempos e filme',
   start: 'Escreva uma frase e pressione Falar, ou abra um arquivo .fap ou .fapc: aqui aparecem o som e as curvas do rosto, para ouvir, comparar e mudar.',
   empty: 'Novo, vazio', fps: 'Quadros por segundo', seconds: 'Segundos', beginEmpty: 'Começar',
   plots: 'Onda, espectro, altura e intensidade, sons e curvas', play: 'Iniciar', pause: 'Pausar', frameBack: 'Um quadro atrás', frameOn: 'Um quadro adiante',
+  views: 'Sobre a cabeça', mesh: 'Malha', points: 'Pontos característicos', zone: 'O que a curva move', film: 'Filme de quem fala', filmStart: 'O filme começa em, s',
   loop: 'Repetir', frame: 'Quadro', group: 'Grupo de FAPs', curve: 'Curva a editar', value: 'Valor neste quadro',
   editHint: 'Arraste os pontos da curva; um clique duplo põe ou tira um; com Shift desenha-se.', setKey: 'Pôr o ponto', dropKey: 'Tirar o ponto',
   smooth: 'Suavizar', factor: 'Fator', scale: 'Escalar', mirror: 'Espelhar', copyCurve: 'Copiar a curva', pasteCurve: 'Colar', undo: 'Desfazer', redo: 'Refazer',

@@ -246,10 +246,11 @@ export const operator = {
 };
 
 export const player = {
-  title: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Konuş', files: '.fap ya da .fapc aç, ses ve sürelerle',
+  title: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Konuş', files: '.fap ya da .fapc aç, ses, süreler ve filmle',
   start: 'Bir cümle yazıp Konuş’a basın ya da bir .fap veya .fapc dosyası açın: sesi ve yüzün eğrileri burada görünür; dinleyebilir, karşılaştırabilir, değiştirebilirsiniz.',
   empty: 'Yeni, boş', fps: 'Saniyedeki kare', seconds: 'Saniye', beginEmpty: 'Başla',
   plots: 'Dalga, tayf, perde ve şiddet, sesler ve eğriler', play: 'Başlat', pause: 'Duraklat', frameBack: 'Bir kare geri', frameOn: 'Bir kare ileri',
+  views: 'Başın üzerinde', mesh: 'Ağ', points: 'Öznitelik noktaları', zone: 'Eğrinin oynattığı', film: 'Konuşanın filmi', filmStart: 'Filmin başladığı an, sn',
   loop: 'Yinele', frame: 'Kare', group: 'FAP öbeği', curve: 'Düzenlenecek eğri', value: 'Bu karedeki değer',
   editHint: 'Eğrinin noktaları sürüklenir; çift tıklama bir nokta koyar ya da kaldırır; Shift ile eğri çizilir.', setKey: 'Noktayı koy', dropKey: 'Noktayı kaldır',
   smooth: 'Yumuşat', factor: 'Çarpan', scale: 'Ölçekle', mirror: 'Aynala', copyCurve: 'Eğriyi kopyala', pasteCurve: 'Yapıştır', undo: 'Geri al', redo: 'Yinele',
