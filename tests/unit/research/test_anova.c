@@ -132,8 +132,9 @@ static void bad_csv(void **state) {
         {"snr,mode,mean,variance,n\n1,a,0.5,0.1,9\n1,a,0.5,0.1,9\n", "'a' at 1 dB occurs twice", 3},
         {"snr,mode,mean,variance,n\n1,\"a,0.5\n,0.1,9\n", "a quoted field is not closed", 2},
         {"snr,mode,mean,variance,n\n1,\"a\"b,0.5,0.1,9\n", "text follows a quoted field", 2},
-        {"snr,mode,mean,variance,n\n1,\"a\nb\",0.5,0.1,9\n1,c\n", "mean must be a number from 0 to 1, not ''",
-         4},
+        {"snr,mode,mean,variance,n,note\n1,a,0.5,0.1,9,\"a\nb\"\n1,c\n",
+         "mean must be a number from 0 to 1, not ''", 4},
+        {"snr,mode,mean,variance,n\n1,\"a\nb\",0.5,0.1,9\n", "mode contains a control character", 2},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct results r = {0};
