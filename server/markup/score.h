@@ -41,7 +41,7 @@ struct score_quality {
 #define QUALITY_TILT_MAX 6
 #define QUALITY_JITTER_MAX 0.05
 #define QUALITY_SHIMMER_MAX 3
-#define QUALITY_FLUTTER_MAX 0.08
+#define QUALITY_FLUTTER_MAX 0.04
 #define QUALITY_TREMOR_MAX 0.5
 
 /* Adds share times more to *quality, within these limits. */

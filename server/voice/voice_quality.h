@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Changes the quality of a finished voice: spectral tilt, breath, jitter, shimmer and tremor, on the samples,
- * so that any voice can be tense, breathy or harsh. The number of samples and all times stay: a sound moves
- * by less than a millisecond, so the lips need not move. After C. Drioli, P. Cosi, F. Tesser, G. Tisato,
+ * so that any voice can be tense, breathy or harsh. The number of samples and all times stay: no sound
+ * moves by more than 3 ms, so the lips need not move. After C. Drioli, P. Cosi, F. Tesser, G. Tisato,
  * "Emotions and voice quality" (Voqual 2003). */
 #ifndef FACCIA_VOICE_VOICE_QUALITY_H
 #define FACCIA_VOICE_VOICE_QUALITY_H
