@@ -126,7 +126,7 @@ const kit = await build({
   ...common,
   stdin: {
     contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
-      export { FapcDecoder } from '../protocol/fapc/fapc.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
+      export { readFapcFile } from '../protocol/fapc/fapcfile.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
     resolveDir: here,
   },
   outfile: path.join(out, 'player-kit.js'),

@@ -34,7 +34,8 @@ function packetsOf(bytes, view, most) {
 
 /**
  * @param {Uint8Array} bytes @param {number} most frames
- * @returns {{fps: number, frames: Int32Array[]}} values by FAP number; FAPs that are not in a frame's mask are 0
+ * @returns {{fps: number, frames: Int32Array[], high: number[][][]}} values by FAP number, from 3 on; FAPs that are not in a
+ *   frame's mask are 0. high: FAP 1 and 2 of each frame, where they are in its mask
  * @throws {FapcFileError}
  */
 export function readFapcFile(bytes, most) {
@@ -44,14 +45,17 @@ export function readFapcFile(bytes, most) {
   const fps = view.getUint32(4, true) / 100;
   if (!(fps > 0 && fps <= FPS_MAX)) throw new FapcFileError('the frame rate is not over 0 and at most 1000', 4);
   const decoder = new FapcDecoder();
-  const frames = [];
+  const [frames, high] = [[], []];
   for (const { at, count, data } of packetsOf(bytes, view, most)) {
     try {
-      for (const { mask, values } of decoder.decode(data, count)) frames.push(values.map((value, n) => (mask[n] && n > 2 ? value : 0)));
+      for (const { mask, values, viseme, expression } of decoder.decode(data, count)) {
+        frames.push(values.map((value, n) => (mask[n] && n > 2 ? value : 0)));
+        high.push([mask[1] ? [...viseme] : undefined, mask[2] ? [...expression] : undefined]);
+      }
     } catch (error) {
       throw new FapcFileError(error.message, at);
     }
   }
   if (!frames.length) throw new FapcFileError('there are no frames', bytes.length);
-  return { fps, frames };
+  return { fps, frames, high };
 }

@@ -60,8 +60,8 @@ after(async () => {
 });
 
 /** Opens a page, with the events of its head in window.events, and asks for nothing but files of the site. */
-async function open(where, { drawn = true } = {}) {
-  const page = await browser.newPage({ viewport: { width: 500, height: 600 }, locale: 'it-IT' });
+async function open(where, { drawn = true, reducedMotion = 'reduce' } = {}) {
+  const page = await browser.newPage({ viewport: { width: 500, height: 600 }, locale: 'it-IT', reducedMotion });
   page.asked = [];
   page.on('request', (request) => page.asked.push(request.url()));
   page.on('websocket', (socket) => page.asked.push(socket.url()));
@@ -184,6 +184,32 @@ test('brings its own head, begins by itself, and speaks no text', async () => {
   const refused = await page.evaluate(() => document.querySelector('talking-head').speak('Ciao'));
   assert.equal(refused.reason, 'failed');
   assert.equal((await events(page, 'error'))[0].code, 'no-server');
+  await page.close();
+});
+
+test('lives on before and after it speaks: blinks, glances, and moves', async () => {
+  const page = await open('/whole', { reducedMotion: 'no-preference' });
+  await until(page, 'ready');
+  /** The largest values of lids, gaze and head that are drawn until all have moved. */
+  const lives = () => page.evaluate(async () => {
+    const most = { lid: 0, gaze: 0, head: 0 };
+    for (const end = Date.now() + 60000; Date.now() < end && !(most.lid > 500 && most.gaze > 5000 && most.head > 300); ) {
+      await new Promise((resolve) => setTimeout(resolve, 10));
+      const faps = window.log.at(-1)?.fapValues ?? [];
+      most.lid = Math.max(most.lid, faps[19] ?? 0);
+      most.gaze = Math.max(most.gaze, Math.abs(faps[23] ?? 0), Math.abs(faps[25] ?? 0));
+      most.head = Math.max(most.head, Math.abs(faps[48] ?? 0), Math.abs(faps[49] ?? 0));
+    }
+    return most;
+  });
+  const alive = ({ lid, gaze, head }) => lid > 500 && gaze > 5000 && head > 300;
+  await record(page);
+  const before = await lives();
+  assert.ok(alive(before), JSON.stringify(before));
+  await page.mouse.click(5, 590);
+  assert.equal((await page.evaluate(() => document.querySelector('talking-head').play())).reason, 'done');
+  const after_ = await lives();
+  assert.ok(alive(after_), JSON.stringify(after_));
   await page.close();
 });
 

@@ -5,6 +5,7 @@ import { readMix } from '../../../web/element/face/expression.mjs';
 import { FaceMixer } from '../../../web/element/face/face-mixer.mjs';
 import { FAP_VALUES } from '../../../web/element/face/face-track.mjs';
 import { IdleController, IdleFace } from '../../../web/element/face/idle.mjs';
+import { IdleLife } from '../../../web/element/recording/idle-life.mjs';
 
 const RATE = 8000;
 const CHUNK = 0.12;
@@ -141,4 +142,28 @@ test('requests idling and mood once, and again on a new link', () => {
   assert.equal(sent.length, 4, 'no idling is asked for that is not wanted');
   life.express([], { ease: 1 });
   assert.deepEqual(sent.at(-1), { type: 'express', mix: [], ease: 1 });
+});
+
+/** Numbers between 0 and 1, the same in each run. */
+function dice(seed) {
+  let state = seed;
+  return () => (state = (state * 16807) % 2147483647) / 2147483647;
+}
+
+test('a face without a server blinks, glances and moves as people do', () => {
+  const life = new IdleLife(1, dice(7));
+  const frames = Array.from({ length: 25 * 600 }, (_, k) => life.face(k / 25));
+  const begins = (holds) => frames.filter((frame, k) => k && holds(frame) && !holds(frames[k - 1])).length / 10; // a minute
+  const blinks = begins((frame) => frame[19] > 450);
+  assert.ok(blinks > 10 && blinks < 30, `${blinks} blinks a minute`);
+  assert.ok(frames.every((frame) => frame[19] + frame[21] <= 1024 && frame[19] >= 0), 'lids do not cross');
+  const away = (frame) => Math.hypot(frame[23], frame[25]) > 3 * 1745;
+  const share = frames.filter(away).length / frames.length;
+  assert.ok(share > 0.15 && share < 0.45, `${share} of the time away`);
+  assert.ok(begins(away) > 8 && begins(away) < 25, `${begins(away)} glances a minute`);
+  for (const frame of frames) assert.ok(frame[23] === frame[24] && frame[25] === frame[26] && Math.hypot(frame[48], frame[49]) < 8 * 1745);
+  const moved = frames.map((frame, k) => (k ? Math.max(...[48, 49, 50].map((n) => Math.abs(frame[n] - frames[k - 1][n]))) : 0));
+  assert.ok(Math.max(...moved) < 700 && moved.filter((step) => step > 0).length > frames.length / 2, 'the head moves slowly, and is never quite still');
+  const still = new IdleLife(0, dice(7));
+  assert.ok([0, 1, 5, 9].every((time) => still.face(time).every((value) => value === 0)));
 });

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 import { OpusSound } from '../audio/opus.mjs';
 import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/compact.mjs';
+import { IdleLife } from './idle-life.mjs';
 import { fetchRecording } from './source.mjs';
 
 const PIECE_PACKETS = 25; // half a second
 const AHEAD = 3; // seconds of media ahead of what is heard
 const PACE_MS = 200;
 const RESTART_PACKETS = 4; // that a decoder needs before a place where it starts (RFC 7845, 4.6)
+const IDLE_MS = 400; // of idle movement in a piece
+const IDLE_FPS = 25;
 const STATES = ['sentence', 'speaker']; // events that hold until the next of their kind
 
 /**
@@ -27,6 +30,9 @@ export class Recital {
   #run = 0; // counts starts, stops and jumps: what was begun before is void
   #busy = false;
   #timer = 0;
+  #idle = null; // IdleLife; null: none is wanted
+  #idleTimer = 0;
+  #idleFrame = 0; // next one to send
 
   /**
    * @param {object} ports source() -> {src, audio}; onstate, onmessage, ontrouble: see Link; onmedia(chunk): decoded;
@@ -63,6 +69,7 @@ export class Recital {
   close() {
     this.#aborter?.abort();
     this.#halt();
+    this.#setIdle(null);
     this.recording = null;
     this.start = 0;
     if (this.state !== 'closed') this.#setState('closed');
@@ -93,7 +100,28 @@ export class Recital {
     else if (message.type === 'pause' || message.type === 'resume') this.#tell({ type: `${message.type}d`, ...this.#about() });
     else if (message.type === 'seek') this.#seek(message.time, { type: 'seeked' });
     else if (message.type === 'jump') this.#jump(message.mark);
+    else if (message.type === 'idle') this.#setIdle(message.on ? new IdleLife(message.life) : null);
     return true;
+  }
+
+  /** Between utterances the face lives on. */
+  #setIdle(idle) {
+    this.ports.clearInterval(this.#idleTimer);
+    this.#idle = idle;
+    this.#idleFrame = 0;
+    if (!idle) return;
+    this.#idleTimer = this.ports.setInterval(() => this.#liveOn(), IDLE_MS);
+    this.#liveOn();
+  }
+
+  #liveOn() {
+    if (this.speaking) return;
+    const first = this.#idleFrame;
+    const count = (IDLE_FPS * IDLE_MS) / 1000;
+    const frames = Array.from({ length: count }, (_, k) => this.#idle.face((first + k) / IDLE_FPS));
+    const [start, samples] = [first, count].map((n) => (n * OPUS_RATE) / IDLE_FPS);
+    this.ports.onmedia({ utterance: 0, fps: IDLE_FPS, firstFrame: first, frames, start, sampleRate: OPUS_RATE, samples });
+    this.#idleFrame += count;
   }
 
   #speak({ id, recording }) {

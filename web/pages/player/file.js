@@ -64,42 +64,14 @@ export function readFap(text) {
 /** @param {Uint8Array} bytes */
 export const isFapc = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'FPC1';
 
-/** Checks all packet headers before decoding any packet: a frame may take less than a bit. */
-function countFrames(bytes, view) {
-  let frames = 0;
-  for (let at = 8; at < bytes.length; at += 3 + view.getUint16(at + 1, true)) {
-    if (bytes.length - at < 3) throw new FileError('the file ends within the head of a packet', { byte: at });
-    if (!bytes[at] || bytes[at] > 64 || at + 3 + view.getUint16(at + 1, true) > bytes.length) throw new FileError('a damaged packet', { byte: at });
-    frames += bytes[at];
-    if (frames > FRAMES_MAX) throw new FileError('too many frames', { byte: at });
+/** @param {Uint8Array} bytes @param {Function} readFapcFile of protocol/fapc/fapcfile.mjs @returns {Faps} */
+export function readFapc(bytes, readFapcFile) {
+  try {
+    return { name: 'faccia', ...readFapcFile(bytes, FRAMES_MAX) };
+  } catch (error) {
+    if (error.at === undefined) throw error;
+    throw new FileError(error.reason, { byte: error.at });
   }
-}
-
-/** @param {Uint8Array} bytes @param {Function} FapcDecoder of protocol/fapc/fapc.mjs @returns {Faps} */
-export function readFapc(bytes, FapcDecoder) {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  if (bytes.length < 8 || !isFapc(bytes)) throw new FileError('does not begin with FPC1', { byte: 0 });
-  const fps = view.getUint32(4, true) / 100;
-  if (!(fps > 0 && fps <= 1000)) throw new FileError('no frame rate', { byte: 4 });
-  countFrames(bytes, view);
-  const decoder = new FapcDecoder();
-  const [frames, high] = [[], []];
-  for (let at = 8; at < bytes.length; ) {
-    const [count, size] = [bytes[at], view.getUint16(at + 1, true)];
-    let decoded;
-    try {
-      decoded = decoder.decode(bytes.subarray(at + 3, at + 3 + size), count);
-    } catch (error) {
-      throw new FileError(error.message, { byte: at });
-    }
-    for (const { mask, values, viseme, expression } of decoded) {
-      frames.push(values.map((value, n) => (mask[n] && n > 2 ? value : 0)));
-      high.push([mask[1] ? [...viseme] : undefined, mask[2] ? [...expression] : undefined]);
-    }
-    at += 3 + size;
-  }
-  if (!frames.length) throw new FileError('no frames', { byte: bytes.length });
-  return { name: 'faccia', fps, frames, high };
 }
 
 /** Fills in the length, which a streamed WAV lacks. @param {ArrayBuffer} buffer @returns {ArrayBuffer} */

@@ -5,7 +5,7 @@ import { fill, FIRST, spokenLanguage } from '../shared/languages.js';
 import { Anatomy } from './anatomy.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './curve.js';
 import { emptyFaps, isFapc, readFap, readFapc, wholeWav, writeFap } from './file.js';
-import { FapcDecoder, mono } from './player-kit.js';
+import { mono, readFapcFile } from './player-kit.js';
 import { FILM, Film } from './film.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
@@ -37,7 +37,7 @@ const valuesOf = (n) => take.frames.map((values) => values[n]);
 // Opening
 
 async function open({ bytes, name, audio = null, times = null }) {
-  const read = isFapc(bytes) ? readFapc(bytes, FapcDecoder) : readFap(new TextDecoder().decode(bytes));
+  const read = isFapc(bytes) ? readFapc(bytes, readFapcFile) : readFap(new TextDecoder().decode(bytes));
   edit({ ...read, name, ...times }, audio && (await context().decodeAudioData(audio)));
 }
 

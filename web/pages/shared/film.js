@@ -3,7 +3,7 @@
 
 const LOOK_MS = 500; // between questions how far it is
 
-/** @param {string|null} token @returns {(address: string, options?: object) => Promise<Response>} throws errors of the server */
+/** @param {string|null} token @returns {(address: string, options?: object) => Promise<Response>} throws server errors */
 function asker(token) {
   return async (address, options = {}) => {
     const headers = { ...options.headers, ...(token ? { authorization: `Bearer ${token}` } : {}) };
