@@ -6,6 +6,7 @@
 #include "server/base/mem.h"
 #include "server/cli/cli.h"
 #include "server/cli/face_capture.h"
+#include "server/cli/lip_capture.h"
 #include "server/cli/puppet_capture.h"
 #include "server/export/svg.h"
 #include <getopt.h>
@@ -234,8 +235,10 @@ static int capture_file(const char *path, double rate, double fps, struct fapfil
     struct capture_error e;
     int status = EXIT_FAILED;
     if (cli_read(path, &text))
-        ;
-    else if (!capture_read(text.size ? (char *)text.data : "", text.size, rate, fps, face, &e))
+        return EXIT_FAILED;
+    const char *content = text.size ? (char *)text.data : "";
+    if (lip_capture_is(content, text.size) ? !lip_capture_read(content, text.size, fps, face, &e)
+                                           : !capture_read(content, text.size, rate, fps, face, &e))
         status = EXIT_DONE;
     else if (e.column)
         cli_complain("%s:%zu:%zu: %s", path, e.line, e.column, e.message);
@@ -432,7 +435,8 @@ static const char usage[] =
     "  convert  writes version 2.1 with a header, at another rate if wanted (1 to 1000)\n"
     "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5)\n"
     "  decode   writes .fap\n"
-    "  capture  converts a recorded face in Live Link Face's columns (CSV, ARKit's shapes) to .fap; --rate\n"
+    "  capture  converts a recorded face in Live Link Face's columns (CSV, ARKit's shapes), or a person's\n"
+    "           lips as 'faccia head lips' measures them on markers or in a film (CSV), to .fap; --rate\n"
     "           is that of its timecodes, if the file is shorter than a second. --osc records what a "
     "program\n"
     "           sends by the VMC protocol, until Ctrl-C or for N seconds\n"

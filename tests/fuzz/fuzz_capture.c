@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recorded faces: a Live Link Face CSV, or after a zero byte packets of the VMC protocol, each with its size
- * before it (two bytes). */
+/* Recorded faces: a Live Link Face CSV, curves of lips, or after a zero byte packets of the VMC protocol,
+ * each with its size before it (two bytes). */
 #include "protocol/fap.h"
 #include "server/cli/face_capture.h"
+#include "server/cli/lip_capture.h"
 #include "server/cli/puppet_capture.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -65,7 +66,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct fapfile face = {0};
     if (size && !*data)
         packets(data + 1, size - 1);
-    else if (capture_read((const char *)data, size, 0, 5, &face, &error))
+    else if (lip_capture_is((const char *)data, size)
+                 ? lip_capture_read((const char *)data, size, 0, &face, &error)
+                 : capture_read((const char *)data, size, 0, 5, &face, &error))
         FUZZ_CHECK(error.message && *error.message);
     else
         check(&face);

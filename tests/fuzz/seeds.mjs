@@ -129,6 +129,7 @@ const parts = {
     return [
       table('Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft,HeadYaw,HeadPitch,LeftEyePitch', '10:00:00:00.000,61,0.1,0,0.1,0.2,0.3', '10:00:00:30.500,61,0.9,1,-0.1,0,0', '10:00:01:00,61,0,0,0,0,0'),
       table('Timecode,BlendShapeCount,MouthClose', '23:59:59:59,61,0.5', '00:00:00:01,61,0.6', 'x,61,nan'),
+      'time,LI,LS,AR,PI,PS,EM,confidence\n0,0,0,0,0,0,0,1\n0.04,8,2,-3,1,1,10,1\n0.1,-1,0,5,0,0,0,0\n',
       joined(0, sized(message('jawOpen', 0.5)), sized(apply), sized(bundle(message('EyeBlinkLeft', 1), bundle(message('mouthClose', -1e30), apply)))),
       joined(0, sized(bundle(bundle(bundle(bundle(bundle(apply)))))), sized(message('jawOpen', NaN)), 9, 0, '#bundle'),
     ];

@@ -12,6 +12,7 @@ import { readMap } from '../../models/tools/lips/markers.mjs';
 import { readC3d } from '../../models/tools/lips/read-c3d.mjs';
 import { readCsv, readTrc } from '../../models/tools/lips/read-table.mjs';
 import { pose, unitLength, unpack } from '../../models/tools/lib/deform.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
 import { toC3d, toCsv, toTrc } from './lips/write-tracks.mjs';
 
 const built = fileURLToPath(new URL('../../build/', import.meta.url));
@@ -211,4 +212,49 @@ test('reports wrong usage', () => {
     assert.match(stderr, what);
   }
   assert.equal(run(path.join(folder, 'nothing.csv')).status, 1);
+});
+
+test('a head copies the lips of the markers: faccia fap capture', () => {
+  const curves = put('copied.csv', run(put('copied.c3d', toC3d(tracks)), TILT).stdout);
+  const { status, stdout, stderr } = spawnSync(path.join(built, 'server/cli/faccia'), ['fap', 'capture', curves], { encoding: 'utf8' });
+  assert.equal(status, 0, stderr);
+  const { fps, frames } = parseFap(stdout);
+  assert.deepEqual([fps, frames.length], [RATE, COUNT]);
+  const was = at({});
+  const wide = ([, , left, right]) => Math.hypot(...left.map((x, k) => x - right[k]));
+  const copies = frames.map((frame) => {
+    const is = at(Object.fromEntries(Array.from(frame, (value, n) => [n, value]).filter(([n, value]) => n > 2 && value)));
+    return { LI: was[4][1] - is[4][1], LS: is[1][1] - was[1][1], AR: wide(is) - wide(was), EM: was[5][1] - is[5][1] };
+  });
+  const pairs = (name) => copies.map((copied, i) => [copied[name], mm[i][PARAMETERS.indexOf(name)]]);
+  for (const name of ['AR', 'EM']) {
+    const error = Math.max(...pairs(name).map(([is, by]) => Math.abs(is - by)));
+    assert.ok(error < 0.8, `${name}: ${error} mm`);
+  }
+  // lips open as far as the curves say, unless they are rounded; their middle goes its own way with the corners
+  const MNS = 21 / 1024; // mm of the modelled speaker in a unit
+  const rows = curvesIn(fs.readFileSync(curves, 'utf8')).rows;
+  const open = rows.flatMap(([, li, ls, ar], i) => (ar > 0 && li + ls > 0 ? [[-(frames[i][4] + frames[i][5]) * MNS, li + ls]] : []));
+  assert.ok(open.length > 30 && Math.max(...open.map(([, by]) => by)) > 3, `${open.length}`);
+  for (const [is, by] of open) assert.ok(Math.abs(is - by) < 0.1, `${is} mm, not ${by}`);
+  assert.equal(frames.slice(0, 20).every((frame) => frame[3] < 10 && Math.abs(frame[4] + frame[5]) < 40), true, 'at rest');
+});
+
+test('says what is wrong with curves of lips, and where', () => {
+  const head = `time,${PARAMETERS.join(',')},confidence\n`;
+  for (const [text, place, pattern] of [
+    ['time,LI\n0,1\n', ':1: ', /columns time, LI, LS, AR, PI, PS and EM/],
+    [`time,LI,LI,LS,AR,PI,PS,EM\n`, ':1:9: ', /occurs twice/],
+    [head, ':1: ', /no row/],
+    [`${head}0,0,0,0,0,0,x,1\n`, ':2:13: ', /no number/],
+    [`${head}0,0,0,0,0,0,1e9,1\n`, ':2:13: ', /out of range/],
+    [`${head}0,0,0,0,0,0,0,1,2\n`, ':2:17: ', /more fields/],
+    [`${head}0,0,0\n`, ':2: ', /fewer fields/],
+    [`${head}1,0,0,0,0,0,0,1\n1,0,0,0,0,0,0,1\n`, ':3: ', /not after the one before/],
+  ]) {
+    const { status, stdout, stderr } = spawnSync(path.join(built, 'server/cli/faccia'), ['fap', 'capture', put('bad.csv', text)], { encoding: 'utf8' });
+    assert.deepEqual([status, stdout], [1, ''], text);
+    assert.ok(stderr.includes(`bad.csv${place}`), `${stderr} for ${text}`);
+    assert.match(stderr, pattern);
+  }
 });

@@ -2,7 +2,8 @@
 import { FAP_VALUES } from '../face/face-track.mjs';
 
 // Figures and their sources: server/face/life. Seconds, degrees.
-const BLINK = { median: 2.9, deviation: 0.65, shortest: 0.6, closing: 0.085, closed: 0.025, opening: 0.165, upper: 900, lower: 124 };
+const WAIT = { median: 2.9, deviation: 0.65, shortest: 0.6 }; // from blink to blink
+const BLINK = { closing: 0.085, closed: 0.025, opening: 0.165, upper: 900, lower: 124 };
 const STAY = { median: 2.7, deviation: 0.6, shortest: 1.2 }; // at the listener
 const GONE = { median: 1.25, deviation: 0.5, shortest: 0.35, longest: 3 }; // away from the listener
 const AWAY = { smallest: 5, each: 6.9, largest: 20, up: 9, down: 12 };
@@ -84,7 +85,7 @@ export class IdleLife {
   #plan(time) {
     if (time >= this.#next.blink) {
       this.#blink = time;
-      this.#next.blink = time + this.#wait(BLINK);
+      this.#next.blink = time + this.#wait(WAIT);
     }
     if (time >= this.#next.gaze) this.#look(time);
     if (time >= this.#next.pose) {
