@@ -6,6 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import { launch } from '../lib/browser.mjs';
 import { faccia } from '../lib/command.mjs';
 import { Daemon, eventually } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
@@ -103,6 +104,29 @@ test('only so many are kept, one that is stopped leaves nothing, and too long a 
   const others = [await order({}), await order({}), await order({})]; // the last in place of the one that failed
   assert.equal((await daemon.get(`/v1/films/${long.id}`)).status, 404);
   for (const job of others) await remove(job);
+});
+
+test('the first page downloads a film, and stops one', async () => {
+  const browser = await launch({ webgl: false });
+  const page = await browser.newPage({ locale: 'it-IT' });
+  await page.goto(daemon.url);
+  await page.waitForFunction(() => document.querySelector('#voice').options.length > 1);
+  await page.fill('#text', 'Ciao mamma.');
+  await page.click('#film');
+  assert.equal(await page.textContent('#film'), 'Interrompi il filmato');
+  await page.click('#film');
+  await page.waitForFunction(() => document.querySelector('#film').textContent === 'Scarica un filmato');
+  assert.equal(await page.isVisible('#film-progress'), false);
+  const downloaded = page.waitForEvent('download', { timeout: 400000 });
+  await page.click('#film');
+  await page.waitForFunction(() => document.querySelector('#film-progress').value > 0, null, { timeout: 400000 });
+  const download = await downloaded;
+  assert.equal(download.suggestedFilename(), 'faccia.mp4');
+  await download.saveAs(path.join(folder, 'page.mp4'));
+  const length = decode(path.join(folder, 'page.mp4')).length;
+  assert.ok(length > 640 * 480 * 3 * 10 && length % (640 * 480 * 3) === 0, `${length}`);
+  assert.equal(await page.textContent('#news'), 'Il filmato è tra i download.');
+  await browser.close();
 });
 
 for (const [what, members, code, field] of [
