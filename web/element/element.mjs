@@ -6,6 +6,7 @@ import { Hearing } from './speech/hearing.mjs';
 import { VoiceInputs } from './speech/voice-inputs.mjs';
 import { readMix } from './face/expression.mjs';
 import { Player } from './audio/player.mjs';
+import { captureOutput } from './audio/shared-context.mjs';
 import { Poster } from './poster.mjs';
 import { Presentation } from './presentation.mjs';
 import { addProperties, upgradeProperties } from './properties.mjs';
@@ -440,6 +441,16 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
   get faps() {
     return this.#presentation.faps;
+  }
+
+  /**
+   * The picture and the sound as tracks, to be recorded or sent on. The sound is that of all heads of the page; there is none
+   * where the browser has no audio. @param {number} fps at most @returns {MediaStream}
+   */
+  captureStream(fps = 25) {
+    const stream = this.#controls.canvas.captureStream(fps);
+    for (const track of captureOutput()?.getTracks() ?? []) stream.addTrack(track);
+    return stream;
   }
 
   /** Figures for tests and measurements, not for pages: they may change. Times in seconds of the utterance heard. */

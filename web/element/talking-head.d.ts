@@ -835,6 +835,8 @@ export class TalkingHead extends HTMLElement {
   /** For all who hear this stream or room; null: the head's own points. */
   calibrateAll(calibration: Calibration | null): boolean;
   pose(faps: Record<number, number> | null, options?: { ease?: boolean }): void;
+  /** The picture and the sound as tracks; fps: at most (25). */
+  captureStream(fps?: number): MediaStream;
   express(mix: Expression, options?: { ease?: number }): void;
   offer(choices: string[], options?: { id?: string; question?: string }): boolean;
   choose(choice: number, id?: string): boolean;

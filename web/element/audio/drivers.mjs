@@ -2,6 +2,7 @@
 // Drivers that pull samples out of a playout buffer: an audio worklet, a script node of the page, or a clock without a device.
 import { companion } from '../companions.mjs';
 import { PlayoutBuffer } from './playout-buffer.mjs';
+import { outputOf } from './shared-context.mjs';
 
 const WORKLET = 'talking-head-worklet.js'; // a file, since a content security policy may forbid scripts from blob: and data:
 const loaded = new WeakMap(); // context -> promise of its worklet module
@@ -22,7 +23,7 @@ class WorkletDriver {
   constructor(context, report) {
     this.node = new AudioWorkletNode(context, 'faccia-playout', { numberOfInputs: 0, outputChannelCount: [1] });
     this.node.port.onmessage = ({ data }) => report(data);
-    this.node.connect(context.destination);
+    this.node.connect(outputOf(context));
   }
 
   push(block) {
@@ -58,7 +59,7 @@ class ScriptDriver {
     this.node = context.createScriptProcessor(1024, 0, 1);
     this.node.onaudioprocess = ({ outputBuffer, playbackTime }) =>
       this.buffer.render(outputBuffer.getChannelData(0), Math.round(playbackTime * context.sampleRate));
-    this.node.connect(context.destination);
+    this.node.connect(outputOf(context));
   }
 
   push(block) {

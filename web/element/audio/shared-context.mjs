@@ -22,3 +22,24 @@ export function releaseContext() {
     context = null;
   }
 }
+
+const outputs = new WeakMap(); // context -> node
+
+/** Where all heads of the page play, so that it can be captured. @param {AudioContext} to @returns {AudioNode} */
+export function outputOf(to) {
+  if (!outputs.has(to)) {
+    const node = to.createGain();
+    node.connect(to.destination);
+    outputs.set(to, node);
+  }
+  return outputs.get(to);
+}
+
+/** What all heads of the page play. The context stays open for it. @returns {MediaStream|null} null: there is no sound here */
+export function captureOutput() {
+  const from = acquireContext();
+  if (!from) return null;
+  const sink = from.createMediaStreamDestination();
+  outputOf(from).connect(sink);
+  return sink.stream;
+}
