@@ -8,6 +8,7 @@ const MIDDLE = [0, 25, -70]; // of the skull, mm
 const RADIUS = 95; // of what hair lies on
 const TURNS = 48; // cells of directions, round and up
 const UNDER = 5; // mm: what lies so far below other hair shows no wisps
+const STANDING = 2; // mm: a hair whose tip is so much farther from the skull than its root and its lift stands on end
 const SEED = 20260101;
 
 /**
@@ -29,7 +30,9 @@ export function addWisps(part, skin, look, opaque) {
     const turned = unit(direction.map((x, k) => x + aside * side[k]));
     const form = { length, width: look.width * (0.75 + 0.5 * roll()), radius: RADIUS, twist: (roll() - 0.5) * 1.6,
       lift: lift.map((x) => x * (0.4 + 1.2 * roll())) };
-    cards.push({ ...layCard(q, n, turned, form), refs: [], kind: Math.floor(KINDS * roll()) });
+    const card = layCard(q, n, turned, form);
+    const kind = Math.floor(KINDS * roll());
+    if (far(card.spine.at(-1)) - far(q) < form.lift[1] + STANDING) cards.push({ ...card, refs: [], kind });
   };
   const outer = outermost(part.position);
   const place = scatter(part, roll);
@@ -64,6 +67,8 @@ function surfaceOf(part, toward) {
   };
 }
 
+const far = (q) => Math.hypot(...MIDDLE.map((x, k) => q[k] - x));
+
 const MOST_TRIES = 12000;
 const BESIDE = 3; // mm: so far from its border a point still counts as on it
 const AROUND = 8; // directions
@@ -92,7 +97,6 @@ function outermost(p) {
     return Math.floor(((d[1] + 1) / 2) * (TURNS / 2)) * (TURNS + 1) + round;
   };
   const farthest = new Map();
-  const far = (q) => Math.hypot(...MIDDLE.map((x, k) => q[k] - x));
   for (let i = 0; i < p.length; i += 3) {
     const q = [...p.subarray(i, i + 3)];
     farthest.set(cell(q), Math.max(far(q), farthest.get(cell(q)) ?? 0));
