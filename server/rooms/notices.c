@@ -326,40 +326,41 @@ bool consent_is_answer(const json_t *message) {
     return !strcmp(word, "given") || !strcmp(word, "declined");
 }
 
+/* Forgets the last session; delete: and its folder. */
+static void close_recorded(struct channel *c, bool delete) {
+    if (c->recorded)
+        session_close(c->recorded, delete);
+    c->recorded = NULL;
+}
+
 /* Ends the recording of the session; it can still be deleted. */
 static void end_session(struct channel *c) {
     if (!c->session)
         return;
-    free(c->recorded);
-    c->recorded = session_close(c->session);
+    close_recorded(c, false);
+    session_end(c->session);
+    c->recorded = c->session;
     c->session = NULL;
-}
-
-static void delete_session(struct channel *c) {
-    end_session(c);
-    if (c->recorded)
-        session_delete(c->recorded);
-    free(c->recorded);
-    c->recorded = NULL;
 }
 
 void channel_end_session(struct channel *c) {
     end_session(c);
-    free(c->recorded);
-    c->recorded = NULL;
+    close_recorded(c, false);
 }
 
 /* A session is recorded while there is consent. Withdrawn consent deletes it. */
 static void record(struct channel *c, const char *consent) {
     const char *folder = c->rooms->sessions;
     struct error e;
-    if (!strcmp(consent, "declined"))
-        delete_session(c);
-    else if (strcmp(consent, "given") != 0)
+    if (!strcmp(consent, "declined")) {
         end_session(c);
-    else if (!c->session && c->room && folder &&
-             !(c->session = session_open(c->rooms->pipeline->loop, folder, c->name, &e)))
+        close_recorded(c, true);
+    } else if (strcmp(consent, "given") != 0) {
+        end_session(c);
+    } else if (!c->session && c->room && folder &&
+               !(c->session = session_open(c->rooms->pipeline->loop, folder, c->name, &e))) {
         log_warn("%s", e.message);
+    }
 }
 
 static void tell(struct channel *c, json_t *told) {

@@ -166,7 +166,7 @@ struct channel {
     struct speech_request *said;        /* the last text, to be said again; NULL: none */
     uint32_t said_as;                   /* its utterance */
     struct session *session;            /* being recorded; NULL: none */
-    char *recorded;                     /* folder of the last one, until another begins; NULL: none */
+    struct session *recorded;           /* the last one, ended, until another begins; NULL: none */
     struct channel_item *first, **last; /* output queue, oldest first */
     struct late_join late_join;
     struct notice_board notices;

@@ -29,7 +29,10 @@ struct session {
     unsigned speaking; /* utterances being heard */
     FILE *journal;     /* the events, a line each: what is left if the daemon is killed */
     unsigned events;
-    bool full; /* a limit was reached */
+    bool full;      /* a limit was reached */
+    uv_work_t work; /* of another thread, after the end: writes what is made of all events */
+    bool working;
+    bool closed, deleted; /* is to be freed; and its folder deleted */
 };
 
 static double now(const struct session *s) {
@@ -235,21 +238,7 @@ static void export(const struct session *s, double seconds) {
     buf_free(&table);
 }
 
-char *session_close(struct session *s) {
-    char *folder = s->folder;
-    pad(s);
-    uv_close((uv_handle_t *)s->timer, free_timer);
-    if (s->sound)
-        sf_close(s->sound);
-    if (s->journal)
-        fclose(s->journal);
-    export(s, (double)s->samples / SESSION_RATE);
-    log_info("session recorded in %s", folder);
-    free(s);
-    return folder;
-}
-
-void session_delete(const char *folder) {
+static void delete_folder(const char *folder) {
     const char *const names[] = {SOUND, JOURNAL, WHOLE, GRID, TABLE};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char *path = in(folder, names[i]);
@@ -261,4 +250,43 @@ void session_delete(const char *folder) {
         log_warn("cannot delete %s: %s", folder, strerror(errno));
     else
         log_info("session %s was deleted: its consent was withdrawn", folder);
+}
+
+static void free_closed(struct session *s) {
+    if (!s->closed || s->working)
+        return;
+    if (s->deleted)
+        delete_folder(s->folder);
+    free(s->folder);
+    free(s);
+}
+
+static void write_exports(uv_work_t *work) {
+    const struct session *s = work->data;
+    export(s, (double)s->samples / SESSION_RATE);
+}
+
+static void after_exports(uv_work_t *work, int status) {
+    struct session *s = work->data;
+    s->working = false;
+    if (!status)
+        log_info("session recorded in %s", s->folder);
+    free_closed(s);
+}
+
+void session_end(struct session *s) {
+    pad(s);
+    uv_close((uv_handle_t *)s->timer, free_timer);
+    if (s->sound)
+        sf_close(s->sound);
+    if (s->journal)
+        fclose(s->journal);
+    s->work.data = s;
+    s->working = !uv_queue_work(s->loop, &s->work, write_exports, after_exports);
+}
+
+void session_close(struct session *s, bool delete) {
+    s->closed = true;
+    s->deleted = delete;
+    free_closed(s);
 }

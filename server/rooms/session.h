@@ -31,10 +31,10 @@ void session_event(struct session *session, const json_t *message);
 void session_hearing(struct session *session, const char *id, double seconds);
 void session_sound(struct session *session, const int16_t *samples, size_t count);
 
-/* Completes the files, and returns the session's folder, which the caller frees. */
-char *session_close(struct session *session);
+/* Ends the recording. Another thread writes what is made of all events; the session can still be deleted. */
+void session_end(struct session *session);
 
-/* Deletes the folder of a session with all its files. */
-void session_delete(const char *folder);
+/* Frees a session that has ended, also while its files are written. delete: its folder goes, too. */
+void session_close(struct session *session, bool delete);
 
 #endif

@@ -109,11 +109,13 @@ test('records a session while there is consent: sound, events, a TextGrid and a 
   const second = spoken('the second one'), seconds = samplesOf(second).length / 32000;
   await say(screen, [samplesOf(second)], { id: 'h' });
   await desk.wait({ type: 'answered', id: 'q', text: 'Coffee' });
+  await new Promise((done) => setTimeout(done, 1000 * seconds)); // it was sent faster than it is said, and two would overlap
   await say(screen, opusOf(second), { id: 'i', codec: 'opus', rate: 48000 }); // decoded by another process
   desk.send({ type: 'consent', consent: 'none' });
   assert.equal((await screen.wait({ type: 'consent', consent: 'none' })).recorded, true);
   const [name] = daemon.recorded(), at = path.join(daemon.sessions, name), read = (file) => fs.readFileSync(path.join(at, file), 'utf8');
   assert.match(name, /^kitchen-\d{8}T\d{6}Z$/);
+  await eventually(() => !fs.existsSync(path.join(at, 'events.jsonl')), 'the files made of the events');
   assert.equal(fs.statSync(at).mode & 0o777, 0o700);
   assert.deepEqual(fs.readdirSync(at).sort(), ['room.flac', 'session.TextGrid', 'session.csv', 'session.json']);
   const session = JSON.parse(read('session.json')), grid = read('session.TextGrid');
@@ -135,7 +137,7 @@ test('records a session while there is consent: sound, events, a TextGrid and a 
   // she can still have it deleted
   screen.send({ type: 'consent', consent: 'declined' });
   assert.equal((await desk.wait({ type: 'consent', consent: 'declined' })).recorded, false);
-  assert.deepEqual(daemon.recorded(), []);
+  await eventually(() => !daemon.recorded().length, 'its deletion');
   valid(screen, desk);
   await close(daemon);
 });
@@ -147,11 +149,18 @@ test('deletes a session whose consent is withdrawn, and completes that of a room
   assert.equal(daemon.recorded().length, 1);
   screen.send({ type: 'consent', consent: 'declined' });
   await desk.wait({ type: 'consent', consent: 'declined' });
-  assert.deepEqual(daemon.recorded(), []);
+  await eventually(() => !daemon.recorded().length, 'its deletion');
   await consent(desk, screen);
   for (const stream of [screen, desk, other]) stream.socket.close();
   await eventually(() => fs.existsSync(path.join(daemon.sessions, daemon.recorded()[0], 'session.json')), 'the session');
   await close(daemon);
+});
+
+test('completes a session when the daemon stops', async () => {
+  const daemon = await daemonWith('cat >/dev/null; echo yes'), { screen, desk } = await enter(daemon);
+  await consent(desk, screen);
+  await close(daemon);
+  assert.deepEqual(fs.readdirSync(path.join(daemon.sessions, daemon.recorded()[0])).sort(), ['room.flac', 'session.TextGrid', 'session.csv', 'session.json']);
 });
 
 test('takes words that the device of the listener has recognised, also over HTTP', async () => {
