@@ -92,7 +92,7 @@ test('has each picture once, at its time, and the sound sample by sample', () =>
   const closed = sounds(/^[mpb]/).map((phone) => Math.min(...during(phone)));
   const open = sounds(/^a/).map((phone) => Math.max(...during(phone)));
   assert.ok(closed.length >= 6 && open.length >= 6, `${closed} ${open}`);
-  assert.ok(Math.max(...closed) + 20 < Math.min(...open), `closed ${closed}, open ${open}`);
+  assert.ok(Math.max(...closed) + 10 < Math.min(...open), `closed ${closed}, open ${open}`);
 });
 
 test('numbered pictures and one picture are those of the film, with its sound', () => {

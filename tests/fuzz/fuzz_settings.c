@@ -9,7 +9,7 @@
 
 static void defaults(struct settings *s) {
     char *argv[] = {"facciad", NULL};
-    struct paths paths = {.models = "/", .web = "/", .plugins = "/", .worker = "w"};
+    struct paths paths = {.models = "/", .web = "/", .plugins = "/", .worker = "w", .commands = "c"};
     struct settings_request request;
     struct error e;
     FUZZ_CHECK(!settings_read(s, &request, PROGRAM_DAEMON, 1, argv, &paths, &e));

@@ -40,8 +40,8 @@ export async function seen(page, loaded, head, name, faps, yaw) {
 /** [what, min, max]: shares of the opening; area and white in mm²; height and width in mm; flat: width / height. */
 export const MUST = [
   { of: ['p', 'b', 'm'], why: 'the lips are closed: nothing is seen between them', must: [['area', 0, 2]] },
-  { of: ['f', 'v'], why: 'the lower lip is at the edge of the upper incisors, which show above it, and nothing else does',
-    must: [['area', 5, 70], ['upper', 0.8, 1], ['lower', 0, 0.02]] },
+  { of: ['f', 'v'], why: 'the lower lip is at the edge of the upper incisors, which show above it (a moustache may hide some), and nothing else does',
+    must: [['area', 5, 70], ['upper', 0.7, 1], ['lower', 0, 0.02]] },
   { of: ['s', 'ʃ', 'tʃ'], why: 'air goes between edges that are near each other: teeth, and hardly anything behind them',
     must: [['area', 5, 200], ['upper', 0.4, 1], ['dark', 0, 0.25]] },
   { of: ['i'], why: 'spread lips with the jaw high: mostly upper teeth', must: [['area', 40, 300], ['upper', 0.42, 1], ['dark', 0, 0.2]] },
@@ -51,7 +51,7 @@ export const MUST = [
   { of: ['u', 'w', 'o', 'y', 'ø'], why: 'a small round hole, of which teeth are a small part, and dim: people\'s is 0.2 to 0.45 of the lips wide',
     must: [['area', 8, 110], ['flat', 1, 5], ['white', 0, 40]] },
   { of: ['l', 'n', 't', 'ɾ', 'r'], why: 'the tip of the tongue is behind the upper incisors: seen under them as far as the lips are open',
-    must: [['upper', 0.27, 1], ['dark', 0, 0.25]] },
+    must: [['upper', 0.25, 1], ['dark', 0, 0.25]] },
   { of: ['k'], why: 'the back of the tongue does the work, out of sight: teeth, and no hole', must: [['upper', 0.2, 1], ['dark', 0, 0.35]] },
   { of: ['θ'], why: 'the tip of the tongue is between the teeth', must: [['tongue', 0.04, 0.6], ['upper', 0.3, 0.95]] },
   { of: ['joy'], why: 'a full smile shows the upper incisors as good as whole, the lower ones hardly', must: [['upper', 0.6, 1], ['lower', 0, 0.12], ['area', 120, 900]] },

@@ -55,7 +55,7 @@ test('the tool makes a head from a photograph that passes the checks of a head',
   const make = (...more) => spawnSync('node', [tool('portrait/make-portrait.mjs'), astronaut, '-o', out, ...more], { encoding: 'utf8' });
   const asked = make();
   assert.deepEqual([asked.status, fs.existsSync(out)], [2, false], 'no head is made with hair that nobody chose');
-  assert.match(asked.stderr, /--like HEAD: whose hair .* There are .*mara.*; nearest in face is \w+/);
+  assert.match(asked.stderr, /--like HEAD: whose hairstyle .* There are .*mara.*; nearest in face is \w+/);
   const made = make('--like', 'mara');
   assert.equal(made.status, 0, made.stderr);
   assert.match(made.stdout, /like mara; .*lips are parted/);

@@ -65,7 +65,7 @@ test('the manifest describes every attribute, part, event and custom property', 
   const names = (list) => list.map(({ name }) => name).sort();
   const template = fs.readFileSync(path.join(root, 'web/element/template.mjs'), 'utf8');
   const parts = [...template.matchAll(/part: '([^']+)'/g)].map(([, name]) => name);
-  assert.deepEqual(names(element.cssParts), [...parts, 'who', 'said', 'word', 'rest', 'captions-empty'].sort());
+  assert.deepEqual(names(element.cssParts), [...parts, 'backdrop', 'who', 'said', 'word', 'rest', 'captions-empty'].sort());
   assert.deepEqual(names(element.cssProperties), [...new Set(template.match(/--talking-head-[a-z-]+/g))].sort());
   const attributes = names(element.attributes);
   for (const name of TalkingHead.observedAttributes) assert.ok(attributes.includes(name), name);

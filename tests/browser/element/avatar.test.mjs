@@ -49,7 +49,7 @@ window.show = (weights, size, turn = 0) => {
       if (at !== undefined) mesh.morphTargetInfluences[at] = weight;
     }
   }
-  avatar.scene.getObjectByName('head').rotation.y = turn;
+  avatar.scene.getObjectByName('Head').rotation.y = turn;
   avatar.scene.updateMatrixWorld(true);
   renderer.setSize(size, size, false);
   renderer.render(scene, camera);

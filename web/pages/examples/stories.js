@@ -124,6 +124,32 @@ const speechStories = [
     },
   },
   {
+    id: 'scene', group: speaking, title: 'Two who talk',
+    about: 'Two heads show one speech: partner names the head that speaks, persona the speakers whom a head shows. The other one looks at who speaks, and nods.',
+    shows: [], controls: ['partner', 'persona'], attributes: { lang: 'en', partner: 'lead', persona: 'tom', model: 'bruno' },
+    beside: [['talking-head', { id: 'lead', persona: 'ann', lang: 'en', label: 'The head that speaks' }, '']],
+    actions: {
+      scene: ['Play the scene', () => document.querySelector('#lead').speak('Who is there? It is me.', {
+        speakers: JSON.stringify([{ id: 'ann', name: 'Ann', gender: 'female', at: '0-13' }, { id: 'tom', name: 'Tom', gender: 'male', at: '14-23' }]),
+      })],
+    },
+  },
+  {
+    id: 'capture', group: speaking, title: 'Her picture and sound as a stream',
+    about: 'captureStream() gives a MediaStream for a call, a recording or another element. Here a video shows it.',
+    shows: ['captureStream()'], attributes: { lang: 'en' },
+    beside: [['video', { id: 'copy', width: '160', 'aria-hidden': 'true' }, '']],
+    actions: {
+      copy: ['Speak, and show a copy', (head) => {
+        const copy = document.querySelector('#copy');
+        copy.srcObject = head.captureStream(25);
+        copy.muted = true;
+        copy.play();
+        return head.speak('One picture here, and the same one there.');
+      }],
+    },
+  },
+  {
     id: 'read', group: reading, title: 'Read the page',
     about: 'She reads the element that for names. Its words are marked as they are heard, and can be clicked.',
     shows: ['read()', '@reading', '@read'], controls: ['for'], attributes: { for: '#poem', lang: 'it' },
