@@ -168,7 +168,7 @@ test('an editor decides how a person speaks, hears it, and saves it beside the w
   assert.deepEqual(JSON.parse(fs.readFileSync(file, 'utf8')), { narrator: { rate: 0.9 } });
   after = (await castNow()).cast.find(({ id }) => id === 'anselmo');
   assert.deepEqual([after.pitch, after.head], [before.pitch, before.head]);
-  assert.equal(await edit.$eval('#role-head', ({ value }) => value), before.head);
+  await edit.waitForFunction((head) => document.getElementById('role-head').value === head, before.head);
 
   fs.writeFileSync(file, '{"narrator":{"rate":0.8}}'); // another editor
   await edit.evaluate(() => {

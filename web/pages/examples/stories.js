@@ -138,13 +138,12 @@ const speechStories = [
     id: 'capture', group: speaking, title: 'Her picture and sound as a stream',
     about: 'captureStream() gives a MediaStream for a call, a recording or another element. Here a video shows it.',
     shows: ['captureStream()'], attributes: { lang: 'en' },
-    beside: [['video', { id: 'copy', width: '160', 'aria-hidden': 'true' }, '']],
+    beside: [['video', { id: 'copy', width: '160', autoplay: '', 'aria-hidden': 'true' }, '']],
     actions: {
       copy: ['Speak, and show a copy', (head) => {
         const copy = document.querySelector('#copy');
         copy.srcObject = head.captureStream(25);
         copy.muted = true;
-        copy.play();
         return head.speak('One picture here, and the same one there.');
       }],
     },
