@@ -210,9 +210,19 @@ static void after_writing(uv_work_t *work, int status) {
 
 /* Speaking */
 
+/* The voice, and its language, are known from the first segment on. */
+static void begin_media(struct film_job *job) {
+    const struct export_source source = export_source_of(job->synthesis);
+    film_media_begin(&job->media, &source);
+    export_begin(&job->face, export_by_name("fap"), &source);
+    job->begun = true;
+}
+
 static void on_segment(void *ctx, struct media_segment segment) {
     struct film_job *job = ctx;
     const struct sentence_audio *audio = segment.audio;
+    if (!job->begun)
+        begin_media(job);
     uint64_t end = (uint64_t)segment.start + audio->samples;
     job->too_long |= end > (uint64_t)job->jobs->options.seconds * audio->sample_rate;
     job->media.captions.source.text = synthesis_request(job->synthesis)->text;
@@ -255,12 +265,8 @@ static void on_spoken(void *ctx, size_t spoken) {
 static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_spoken};
 
 static void speak(struct film_job *job) {
-    const struct export_source source = export_source_of(job->synthesis);
     job->jobs->current = job;
     job->stage = FILM_SPEAKING;
-    film_media_begin(&job->media, &source);
-    export_begin(&job->face, export_by_name("fap"), &source);
-    job->begun = true;
     synthesis_start(job->synthesis);
 }
 
