@@ -45,7 +45,8 @@ trap 'exit 1' INT TERM
 # What Node.js made, and the tables, wherever this build would be installed.
 meson install -C "$root/build" --no-rebuild --quiet --destdir "$work/data"
 FACCIA_DATA=$(find "$work/data" -type d -path '*/share/faccia' -prune)
-export FACCIA_DATA
+FACCIA_MODELS=$FACCIA_DATA/models # the manual pages have the help of the tools there
+export FACCIA_DATA FACCIA_MODELS
 
 # The same bytes from the same sources: times are those of the last change, and names of folders do not go in.
 version=$(meson introspect "$root/build" --projectinfo | sed -n 's/.*"version": "\([^"]*\)", "descriptive.*/\1/p')
