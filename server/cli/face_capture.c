@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/face_capture.h"
 #include "server/base/mem.h"
+#include "server/cli/capture_text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-enum { COLUMNS_MAX = 256, VALUE_MAX = 63 };
+enum { COLUMNS_MAX = 256 };
 enum { TIME = -1, COUNT = -2, OTHER = -3 }; /* roles of columns that are neither shapes nor turns */
 enum { YAW, PITCH, ROLL, EYE_PITCH, TURNS };
 static const char *const turn_names[TURNS] = {"HeadYaw", "HeadPitch", "HeadRoll", "LeftEyePitch"};
@@ -29,40 +30,14 @@ struct mark {
 };
 
 struct capture {
-    const char *at, *end, *line_start; /* of the text */
-    size_t line;
+    struct capture_text text;
     int roles[COLUMNS_MAX]; /* shape, ARKIT_SHAPES + turn, or one of the above */
     size_t columns, count, cap;
     struct capture_row *rows;
     struct mark *marks;
     size_t mark_cap;
     double most_frame;
-    struct capture_error *error;
 };
-
-static int fail(struct capture *c, const char *at, const char *message) {
-    size_t column = at ? (size_t)(at - c->line_start) + 1 : 0;
-    *c->error = (struct capture_error){c->line, column, message};
-    return -1;
-}
-
-/* Returns the next field of the line and its length, or NULL at the line's end. */
-static const char *next_field(struct capture *c, const char *line_end, size_t *length) {
-    if (c->at > line_end)
-        return NULL;
-    const char *field = c->at, *comma = memchr(field, ',', (size_t)(line_end - field));
-    const char *end = comma ? comma : line_end;
-    c->at = end + 1;
-    while (end > field && (end[-1] == '\r' || end[-1] == ' '))
-        end--;
-    *length = (size_t)(end - field);
-    return field;
-}
-
-static const char *end_of_line(const struct capture *c) {
-    const char *end = memchr(c->at, '\n', (size_t)(c->end - c->at));
-    return end ? end : c->end;
-}
 
 static bool is_name(const char *field, size_t length, const char *name) {
     return strlen(name) == length && !strncasecmp(field, name, length);
@@ -81,23 +56,23 @@ static int role_of(const char *field, size_t length) {
 }
 
 static int read_header(struct capture *c) {
-    const char *end = end_of_line(c), *field;
+    const char *field;
     bool timed = false, shaped = false;
     size_t length;
-    while ((field = next_field(c, end, &length))) {
+    while ((field = capture_text_field(&c->text, &length))) {
         if (c->columns == COLUMNS_MAX)
-            return fail(c, field, "more than 256 columns");
+            return capture_text_fail(&c->text, field, "more than 256 columns");
         int role = role_of(field, length);
         for (size_t i = 0; role != OTHER && i < c->columns; i++)
             if (c->roles[i] == role)
-                return fail(c, field, "a column occurs twice");
+                return capture_text_fail(&c->text, field, "a column occurs twice");
         c->roles[c->columns++] = role;
         timed |= role == TIME;
         shaped |= role >= 0 && role < ARKIT_SHAPES;
     }
     if (!timed)
-        return fail(c, NULL, "there is no column Timecode");
-    return shaped ? 0 : fail(c, NULL, "no column is a shape of ARKit");
+        return capture_text_fail(&c->text, NULL, "there is no column Timecode");
+    return shaped ? 0 : capture_text_fail(&c->text, NULL, "no column is a shape of ARKit");
 }
 
 /* Reads digits before that sign, which is skipped. */
@@ -119,7 +94,7 @@ static int read_time(struct capture *c, const char *field, size_t length, double
         !digits(&at, end, ':', &seconds) || !digits(&at, end, 0, frame) ||
         (at < end && (*at++ != '.' || !digits(&at, end, 0, &part))) || at != end || hours > 23 ||
         minutes > 59 || seconds > 59)
-        return fail(c, field, "this is no timecode, such as 00:32:09:07.867");
+        return capture_text_fail(&c->text, field, "this is no timecode, such as 00:32:09:07.867");
     if (*frame > c->most_frame)
         c->most_frame = *frame;
     *time = hours * 3600 + minutes * 60 + seconds;
@@ -127,31 +102,21 @@ static int read_time(struct capture *c, const char *field, size_t length, double
     return 0;
 }
 
-static int read_value(struct capture *c, const char *field, size_t length, double *out) {
-    char word[VALUE_MAX + 1], *end;
-    if (length > VALUE_MAX)
-        return fail(c, field, "this is no number");
-    memcpy(word, field, length);
-    word[length] = '\0';
-    *out = strtod(word, &end);
-    return length && !*end && isfinite(*out) ? 0 : fail(c, field, "this is no number");
-}
-
 /* Rows without values, of moments in which no face was seen, are left out. */
 static int read_row(struct capture *c) {
-    const char *start = c->at, *end = end_of_line(c), *field;
+    const char *start = c->text.at, *field;
     struct capture_row row = {0};
-    struct mark mark = {.line = c->line};
+    struct mark mark = {.line = c->text.line};
     double *const turns[TURNS] = {&row.head.head_yaw, &row.head.head_pitch, &row.head.head_roll,
                                   &mark.eye_pitch};
     size_t length, i = 0;
     double count = 1, value;
-    while ((field = next_field(c, end, &length))) {
+    while ((field = capture_text_field(&c->text, &length))) {
         int role = i < c->columns ? c->roles[i] : OTHER;
         if (i++ >= c->columns)
-            return fail(c, field, "there are more fields than columns");
+            return capture_text_fail(&c->text, field, "there are more fields than columns");
         if (role == TIME ? read_time(c, field, length, &row.time, &mark.frame)
-                         : role != OTHER && read_value(c, field, length, &value))
+                         : role != OTHER && capture_text_number(&c->text, field, length, &value))
             return -1;
         if (role >= ARKIT_SHAPES)
             *turns[role - ARKIT_SHAPES] = value;
@@ -160,13 +125,12 @@ static int read_row(struct capture *c) {
         else if (role == COUNT && (count = value) == 0)
             break;
     }
-    c->at = end + 1;
     if (count == 0)
         return 0;
     if (i < c->columns)
-        return fail(c, start, "there are fewer fields than columns");
+        return capture_text_fail(&c->text, start, "there are fewer fields than columns");
     if (c->count == CAPTURE_ROWS_MAX)
-        return fail(c, NULL, "there are more than 1048576 rows");
+        return capture_text_fail(&c->text, NULL, "there are more than 1048576 rows");
     c->rows = mem_grow(c->rows, &c->cap, c->count + 1, sizeof *c->rows);
     c->marks = mem_grow(c->marks, &c->mark_cap, c->count + 1, sizeof *c->marks);
     c->marks[c->count] = mark;
@@ -186,7 +150,7 @@ static double usual_rate(double most_frame) {
 /* Makes times begin at 0. */
 static int set_times(struct capture *c, double rate) {
     for (size_t i = 0, day = 0; i < c->count; i++) {
-        c->line = c->marks[i].line;
+        c->text.line = c->marks[i].line;
         double seconds = c->rows[i].time;
         c->rows[i].time = seconds + c->marks[i].frame / rate + (double)day * DAY;
         if (i && c->rows[i].time - c->rows[i - 1].time < MIDNIGHT) {
@@ -194,7 +158,7 @@ static int set_times(struct capture *c, double rate) {
             day++;
         }
         if (i && c->rows[i].time <= c->rows[i - 1].time)
-            return fail(c, NULL, "a timecode is not after the one before");
+            return capture_text_fail(&c->text, NULL, "a timecode is not after the one before");
     }
     for (size_t i = c->count; i-- > 0;)
         c->rows[i].time -= c->rows[0].time;
@@ -251,29 +215,21 @@ int capture_frames(const struct capture_row *rows, size_t count, double fps, str
 static int convert(struct capture *c, double rate, double fps, struct fapfile *out) {
     rate = rate ? rate : usual_rate(c->most_frame);
     if (!c->count)
-        return fail(c, NULL, "there is no row with values");
+        return capture_text_fail(&c->text, NULL, "there is no row with values");
     if (set_times(c, rate))
         return -1;
     set_turns(c);
     return capture_frames(c->rows, c->count, fps ? fps : rate, out)
-               ? fail(c, NULL, "there would be more than 4194304 frames")
+               ? capture_text_fail(&c->text, NULL, "there would be more than 4194304 frames")
                : 0;
 }
 
 int capture_read(const char *text, size_t size, double rate, double fps, struct fapfile *out,
                  struct capture_error *error) {
-    struct capture c = {.at = text, .end = text + size, .line_start = text, .line = 1, .error = error};
-    if (size >= 3 && !memcmp(text, "\xef\xbb\xbf", 3))
-        c.at += 3;
+    struct capture c = {.text = capture_text_begin(text, size, error)};
     int status = read_header(&c);
-    while (!status && c.at < c.end) {
-        c.line_start = c.at;
-        c.line++;
-        if (end_of_line(&c) == c.at || *c.at == '\r') /* an empty line */
-            c.at = end_of_line(&c) + 1;
-        else
-            status = read_row(&c);
-    }
+    while (!status && capture_text_next(&c.text))
+        status = read_row(&c);
     if (!status)
         status = convert(&c, rate, fps, out);
     free(c.rows);

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/lip_capture.h"
 #include "server/base/mem.h"
+#include "server/cli/capture_text.h"
 #include "server/face/engines/fapmap.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS_MAX = 64, VALUE_MAX = 63, LIPS = PARAM_EM + 1 };
-enum { TIME = -1, OTHER = -2 }; /* roles of columns that are no parameters */
+enum { COLUMNS_MAX = 64, LIPS = PARAM_EM + 1 };
+enum { TIME = -1, OTHER = -2 }; /* columns other than parameters */
 
 /* A larger movement than a mouth can make, mm. */
 #define MOST_MM 100.0
-/* Of a take, s. */
+/* Longest take, s. */
 #define MOST_SECONDS 86400.0
 
 struct lip_row {
@@ -19,36 +20,11 @@ struct lip_row {
 };
 
 struct lip_capture {
-    const char *at, *end, *line_start;
-    size_t line;
+    struct capture_text text;
     int roles[COLUMNS_MAX];
     size_t columns, count, cap;
     struct lip_row *rows;
-    struct capture_error *error;
 };
-
-static int fail(struct lip_capture *c, const char *at, const char *message) {
-    *c->error = (struct capture_error){c->line, at ? (size_t)(at - c->line_start) + 1 : 0, message};
-    return -1;
-}
-
-static const char *end_of_line(const struct lip_capture *c) {
-    const char *end = memchr(c->at, '\n', (size_t)(c->end - c->at));
-    return end ? end : c->end;
-}
-
-/* Returns the next field of the line and its length, or NULL at the line's end. */
-static const char *next_field(struct lip_capture *c, const char *line_end, size_t *length) {
-    if (c->at > line_end)
-        return NULL;
-    const char *field = c->at, *comma = memchr(field, ',', (size_t)(line_end - field));
-    const char *end = comma ? comma : line_end;
-    c->at = end + 1;
-    while (end > field && (end[-1] == '\r' || end[-1] == ' '))
-        end--;
-    *length = (size_t)(end - field);
-    return field;
-}
 
 static int role_of(const char *field, size_t length) {
     for (int i = 0; i < LIPS; i++)
@@ -58,56 +34,48 @@ static int role_of(const char *field, size_t length) {
 }
 
 static int read_header(struct lip_capture *c) {
-    const char *end = end_of_line(c), *field;
+    const char *field;
     unsigned found = 0;
     size_t length;
-    while ((field = next_field(c, end, &length))) {
+    while ((field = capture_text_field(&c->text, &length))) {
         if (c->columns == COLUMNS_MAX)
-            return fail(c, field, "more than 64 columns");
+            return capture_text_fail(&c->text, field, "more than 64 columns");
         int role = c->roles[c->columns++] = role_of(field, length);
         unsigned bit = role == OTHER ? 0 : 1u << (role + 1);
         if (found & bit)
-            return fail(c, field, "a column occurs twice");
+            return capture_text_fail(&c->text, field, "a column occurs twice");
         found |= bit;
     }
-    c->at = end < c->end ? end + 1 : end;
     return found == (1u << (LIPS + 1)) - 1
                ? 0
-               : fail(c, NULL, "there must be columns time, LI, LS, AR, PI, PS and EM");
+               : capture_text_fail(&c->text, NULL, "there must be columns time, LI, LS, AR, PI, PS and EM");
 }
 
 static int read_value(struct lip_capture *c, const char *field, size_t length, double least, double most,
                       double *out) {
-    char word[VALUE_MAX + 1], *end;
-    if (!length || length > VALUE_MAX)
-        return fail(c, field, "this is no number");
-    memcpy(word, field, length);
-    word[length] = '\0';
-    *out = strtod(word, &end);
-    if (*end || !isfinite(*out))
-        return fail(c, field, "this is no number");
-    return *out >= least && *out <= most ? 0 : fail(c, field, "this is out of range");
+    if (capture_text_number(&c->text, field, length, out))
+        return -1;
+    return *out >= least && *out <= most ? 0 : capture_text_fail(&c->text, field, "this is out of range");
 }
 
 static int read_row(struct lip_capture *c) {
-    const char *end = end_of_line(c), *field;
+    const char *field;
     struct lip_row row = {0};
     size_t length, i = 0;
-    while ((field = next_field(c, end, &length))) {
+    while ((field = capture_text_field(&c->text, &length))) {
         int role = i < c->columns ? c->roles[i] : OTHER;
         if (i++ >= c->columns)
-            return fail(c, field, "there are more fields than columns");
+            return capture_text_fail(&c->text, field, "there are more fields than columns");
         if (role == TIME ? read_value(c, field, length, 0, MOST_SECONDS, &row.time)
                          : role != OTHER && read_value(c, field, length, -MOST_MM, MOST_MM, &row.mm[role]))
             return -1;
     }
-    c->at = end < c->end ? end + 1 : end;
     if (i < c->columns)
-        return fail(c, NULL, "there are fewer fields than columns");
+        return capture_text_fail(&c->text, NULL, "there are fewer fields than columns");
     if (c->count && row.time <= c->rows[c->count - 1].time)
-        return fail(c, NULL, "a time is not after the one before");
+        return capture_text_fail(&c->text, NULL, "a time is not after the one before");
     if (c->count == CAPTURE_ROWS_MAX)
-        return fail(c, NULL, "there are more than 1048576 rows");
+        return capture_text_fail(&c->text, NULL, "there are more than 1048576 rows");
     c->rows = mem_grow(c->rows, &c->cap, c->count + 1, sizeof *c->rows);
     c->rows[c->count++] = row;
     return 0;
@@ -133,11 +101,11 @@ static void put_frame(const struct lip_row *a, const struct lip_row *b, double s
  */
 static int convert(struct lip_capture *c, double fps, struct fapfile *out) {
     if (!c->count)
-        return fail(c, NULL, "there is no row with values");
+        return capture_text_fail(&c->text, NULL, "there is no row with values");
     fps = fps ? fps : usual_rate(c);
     double frames = floor(c->rows[c->count - 1].time * fps + 0.5) + 1;
     if (frames > CAPTURE_FRAMES_MAX)
-        return fail(c, NULL, "there would be more than 4194304 frames");
+        return capture_text_fail(&c->text, NULL, "there would be more than 4194304 frames");
     *out = (struct fapfile){.fps = fps, .count = (size_t)frames};
     out->frames = mem_alloc(out->count * sizeof *out->frames);
     for (size_t k = 0, i = 0; k < out->count; k++) {
@@ -151,20 +119,13 @@ static int convert(struct lip_capture *c, double fps, struct fapfile *out) {
     return 0;
 }
 
-static struct lip_capture begin(const char *text, size_t size, struct capture_error *error) {
-    struct lip_capture c = {.at = text, .end = text + size, .line_start = text, .line = 1, .error = error};
-    if (size >= 3 && !memcmp(text, "\xef\xbb\xbf", 3))
-        c.at += 3;
-    return c;
-}
-
 bool lip_capture_is(const char *text, size_t size) {
     struct capture_error error;
-    struct lip_capture c = begin(text, size, &error);
-    const char *end = end_of_line(&c), *field;
+    struct capture_text t = capture_text_begin(text, size, &error);
+    const char *field;
     bool timed = false, lips = false;
     size_t length;
-    while ((field = next_field(&c, end, &length))) {
+    while ((field = capture_text_field(&t, &length))) {
         timed |= role_of(field, length) == TIME;
         lips |= role_of(field, length) == PARAM_LI;
     }
@@ -173,16 +134,10 @@ bool lip_capture_is(const char *text, size_t size) {
 
 int lip_capture_read(const char *text, size_t size, double fps, struct fapfile *out,
                      struct capture_error *error) {
-    struct lip_capture c = begin(text, size, error);
+    struct lip_capture c = {.text = capture_text_begin(text, size, error)};
     int status = read_header(&c);
-    while (!status && c.at < c.end) {
-        c.line_start = c.at;
-        c.line++;
-        if (end_of_line(&c) == c.at || *c.at == '\r') /* an empty line */
-            c.at = end_of_line(&c) < c.end ? end_of_line(&c) + 1 : c.end;
-        else
-            status = read_row(&c);
-    }
+    while (!status && capture_text_next(&c.text))
+        status = read_row(&c);
     if (!status)
         status = convert(&c, fps, out);
     free(c.rows);
