@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/align/book_sound.h"
+#include "server/base/archive_path.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
-#include "server/base/sound/mixdown.h"
+#include "server/base/sound/memory_file.h"
+#include "server/library/align/mono_reader.h"
 #include <expat.h>
 #include <math.h>
 #include <sndfile.h>
@@ -19,7 +21,6 @@ enum {
     ITEMS_MAX = 10000,
     CLIPS_MAX = 200000,
     HOURS_MAX = 100,
-    FRAMES = 4096,
     RATE_MIN = 8000,
     RATE_MAX = 192000,
 };
@@ -56,12 +57,9 @@ struct book_sound {
     /* the file that is open */
     size_t open; /* index + 1; 0: none */
     struct buf data;
-    sf_count_t at;
+    struct memory_file memory;
     SNDFILE *file;
-    int channels;
-    uint64_t next; /* its next frame */
-    struct mixdown mixdown;
-    float frames[FRAMES * MIXDOWN_CHANNELS_MAX];
+    struct mono_reader reader;
 };
 
 /* ---- documents ---- */
@@ -73,33 +71,9 @@ struct reading {
 };
 
 static char *resolve(const char *document, const char *href) {
-    const char *slash = strrchr(document, '/');
-    struct buf joined = {0}, out = {0};
-    if (slash)
-        buf_add(&joined, document, (size_t)(slash - document) + 1);
-    for (; *href && *href != '#'; href++) {
-        char hex[3] = {href[0] == '%' ? href[1] : 0, 0, 0}, *end = NULL, c = *href;
-        hex[1] = hex[0] ? href[2] : 0;
-        long code = hex[0] ? strtol(hex, &end, 16) : 0;
-        if (code > 0 && end == hex + 2)
-            c = (char)code, href += 2;
-        buf_add(&joined, &c, 1);
-    }
-    buf_add(&joined, "", 1);
-    for (const char *at = (char *)joined.data; *at;) {
-        size_t length = strcspn(at, "/");
-        if (length == 2 && !memcmp(at, "..", 2)) {
-            while (out.size && out.data[--out.size] != '/')
-                ;
-        } else if (length && !(length == 1 && *at == '.')) {
-            buf_add(&out, "/", out.size > 0);
-            buf_add(&out, at, length);
-        }
-        at += length + (at[length] == '/');
-    }
-    buf_free(&joined);
-    buf_add(&out, "", 1);
-    return (char *)out.data;
+    char *joined = archive_path_join(document, href), *path = archive_path_resolve(joined, NULL);
+    free(joined);
+    return path;
 }
 
 /* The local name of an element or attribute. */
@@ -253,37 +227,6 @@ static int read_clips(struct book_sound *b, struct error *e) {
 
 /* ---- sound ---- */
 
-static sf_count_t length_of(void *ctx) {
-    return (sf_count_t)((struct book_sound *)ctx)->data.size;
-}
-
-static sf_count_t seek_to(sf_count_t offset, int whence, void *ctx) {
-    struct book_sound *b = ctx;
-    sf_count_t from = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? b->at : length_of(b);
-    sf_count_t to = from + offset;
-    b->at = to < 0 ? 0 : to > length_of(b) ? length_of(b) : to;
-    return b->at;
-}
-
-static sf_count_t read_some(void *out, sf_count_t count, void *ctx) {
-    struct book_sound *b = ctx;
-    sf_count_t left = length_of(b) - b->at;
-    count = count < left ? count : left;
-    if (count > 0)
-        memcpy(out, b->data.data + b->at, (size_t)count);
-    b->at += count;
-    return count;
-}
-
-static sf_count_t write_none(const void *data, sf_count_t count, void *ctx) {
-    (void)data, (void)count, (void)ctx;
-    return 0;
-}
-
-static sf_count_t where(void *ctx) {
-    return ((struct book_sound *)ctx)->at;
-}
-
 static void close_file(struct book_sound *b) {
     if (b->file)
         sf_close(b->file);
@@ -294,15 +237,14 @@ static void close_file(struct book_sound *b) {
 
 /* Opens one of the files, unless it is open. */
 static int open_file(struct book_sound *b, size_t i, struct error *e) {
-    static SF_VIRTUAL_IO io = {length_of, seek_to, read_some, write_none, where};
     SF_INFO info = {0};
     if (b->open == i + 1)
         return 0;
     close_file(b);
-    b->at = 0;
     if (get(b, b->files[i].path, SOUND_BYTES, &b->data, e))
         return -1;
-    b->file = sf_open_virtual(&io, SFM_READ, &info, b);
+    b->memory = (struct memory_file){.data = b->data.data, .size = (sf_count_t)b->data.size};
+    b->file = memory_file_open(&b->memory, &info);
     if (!b->file)
         return error_set(e, CODE, "'%.100s': %.80s", b->files[i].path, sf_strerror(NULL));
     if (info.channels < 1 || info.channels > MIXDOWN_CHANNELS_MAX || info.samplerate < RATE_MIN ||
@@ -313,9 +255,7 @@ static int open_file(struct book_sound *b, size_t i, struct error *e) {
         return error_set(e, CODE, "'%.100s' has another sample rate than the files before it",
                          b->files[i].path);
     b->rate = (uint32_t)info.samplerate;
-    b->channels = info.channels;
-    b->mixdown = (struct mixdown){0};
-    b->next = 0;
+    mono_reader_begin(&b->reader, b->file, info.channels);
     b->files[i].samples = (uint64_t)info.frames;
     b->open = i + 1;
     return 0;
@@ -342,27 +282,6 @@ static int place_clips(struct book_sound *b, struct error *e) {
     return 0;
 }
 
-/* Reads frames of the open file as one channel. */
-static size_t read_file(struct book_sound *b, uint64_t from, int16_t *out, size_t count) {
-    size_t done = 0;
-    if (from != b->next && sf_seek(b->file, (sf_count_t)from, SEEK_SET) < 0)
-        return 0;
-    b->next = from;
-    while (done < count) {
-        size_t want = count - done < FRAMES ? count - done : FRAMES;
-        sf_count_t got = sf_readf_float(b->file, b->frames, (sf_count_t)want);
-        for (sf_count_t i = 0; i < got; i++) {
-            const float *frame = b->frames + (size_t)i * (size_t)b->channels;
-            double mono = 32768 * mixdown_frame(&b->mixdown, frame, (unsigned)b->channels);
-            out[done++] = (int16_t)lrint(fmax(-32768, fmin(32767, mono)));
-        }
-        b->next += got > 0 ? (uint64_t)got : 0;
-        if (got < (sf_count_t)want)
-            break;
-    }
-    return done;
-}
-
 static size_t clip_at(const struct book_sound *b, uint64_t sample) {
     size_t low = 0, high = b->clip_count;
     while (high - low > 1) {
@@ -385,7 +304,8 @@ static size_t read_book(void *ctx, uint64_t from, int16_t *out, size_t count) {
         if (into >= c->samples)
             continue;
         size_t left = (size_t)(c->samples - into), want = count - done < left ? count - done : left;
-        size_t got = open_file(b, c->file, &e) ? 0 : read_file(b, c->from + into, out + done, want);
+        size_t got =
+            open_file(b, c->file, &e) ? 0 : mono_reader_read(&b->reader, c->from + into, out + done, want);
         memset(out + done + got, 0,
                (want - got) * sizeof *out); /* a damaged end: later clips keep their place */
         done += want;

@@ -1,48 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/align/sound_file.h"
 #include "server/base/mem.h"
-#include "server/base/sound/mixdown.h"
 #include "server/base/sound/wav_file.h"
 #include "server/library/align/book_sound.h"
-#include <math.h>
+#include "server/library/align/mono_reader.h"
 #include <sndfile.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 };
+enum { CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 };
 
 #define CODE ERROR_BAD_SOUND
 
 struct sound_file {
     struct book_sound *book; /* instead of the following */
     SNDFILE *file;
-    unsigned channels;
-    struct mixdown mixdown;
-    uint64_t at; /* next frame to read */
+    struct mono_reader reader;
     struct sound_source source;
-    float frames[FRAMES * CHANNELS_MAX];
 };
 
 static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) {
     struct sound_file *s = ctx;
-    size_t done = 0;
-    if (from != s->at && sf_seek(s->file, (sf_count_t)from, SEEK_SET) < 0)
-        return 0;
-    s->at = from;
-    while (done < count) {
-        size_t want = count - done < FRAMES ? count - done : FRAMES;
-        /* reading floats as shorts would first scan the whole file to scale them */
-        sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)want);
-        for (sf_count_t i = 0; i < got; i++) {
-            double mono =
-                32768 * mixdown_frame(&s->mixdown, s->frames + (size_t)i * s->channels, s->channels);
-            out[done++] = (int16_t)lrint(fmax(-32768, fmin(32767, mono)));
-        }
-        s->at += got > 0 ? (uint64_t)got : 0;
-        if (got < (sf_count_t)want)
-            break;
-    }
-    return done;
+    return mono_reader_read(&s->reader, from, out, count);
 }
 
 struct sound_file *sound_open(const char *path, struct error *e) {
@@ -68,7 +47,7 @@ struct sound_file *sound_open(const char *path, struct error *e) {
     else if (info.frames < 1 || !info.seekable)
         error_set(e, CODE, "%.160s: contains no sound", path);
     else {
-        s->channels = (unsigned)info.channels;
+        mono_reader_begin(&s->reader, s->file, info.channels);
         s->source = (struct sound_source){read_frames, s, (uint32_t)info.samplerate, (uint64_t)info.frames};
         return s;
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* EPUB 3.3 (W3C) and 2.0.1: reads the container's first package, its spine in order. */
+#include "server/base/archive_path.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -52,28 +53,15 @@ struct package {
 
 /* Resolves ".", ".." and empty parts in place. Fails if the path leaves the archive. */
 static int normalise(char *path, struct error *e) {
-    struct buf out = {0};
-    bool leaves = path[0] == '/' || strchr(path, '\\') || strlen(path) > PATH_BYTES_MAX;
-    for (const char *at = path; *at && !leaves;) {
-        size_t length = strcspn(at, "/");
-        if (length == 2 && !memcmp(at, "..", 2)) {
-            leaves = !out.size;
-            while (out.size && out.data[--out.size] != '/')
-                ;
-        } else if (length && !(length == 1 && *at == '.')) {
-            buf_add(&out, "/", out.size > 0);
-            buf_add(&out, at, length);
-        }
-        at += length + (at[length] == '/');
+    bool leaves = path[0] == '/' || strchr(path, '\\') || strlen(path) > PATH_BYTES_MAX, above;
+    if (!leaves) {
+        char *resolved = archive_path_resolve(path, &above);
+        if (!above)
+            memcpy(path, resolved, strlen(resolved) + 1); /* never longer */
+        leaves = above;
+        free(resolved);
     }
-    if (leaves)
-        error_set(e, ERROR_BAD_WORK, "'%.100s' leads outside the archive", path);
-    else if (out.size)
-        memcpy(path, out.data, out.size);
-    if (!leaves)
-        path[out.size] = '\0';
-    buf_free(&out);
-    return leaves ? -1 : 0;
+    return leaves ? error_set(e, ERROR_BAD_WORK, "'%.100s' leads outside the archive", path) : 0;
 }
 
 /* Finds a name that is the same but for composed and decomposed letters. NULL: none. */
@@ -268,26 +256,6 @@ static void package_text(struct xml_walk *w, const char *text, size_t size) {
         buf_add(&p->capture, text, size);
 }
 
-/* Resolves a reference in the package document: decodes %XX, relative to that document. */
-static char *resolve(const struct package *p, const char *href) {
-    const char *slash = strrchr(p->opf, '/');
-    struct buf out = {0};
-    if (slash)
-        buf_add(&out, p->opf, (size_t)(slash - p->opf) + 1);
-    for (; *href && *href != '#'; href++) {
-        char hex[3] = {href[0], href[0] == '%' ? href[1] : 0, 0};
-        if (hex[0] == '%' && hex[1])
-            hex[0] = hex[1], hex[1] = href[2];
-        char *end, c = *href;
-        long code = *href == '%' ? strtol(hex, &end, 16) : 0;
-        if (code > 0 && end == hex + 2)
-            c = (char)code, href += 2;
-        buf_add(&out, &c, 1);
-    }
-    buf_add(&out, "", 1);
-    return (char *)out.data;
-}
-
 static int compare_items(const void *a, const void *b) {
     return strcmp(((const struct manifest_item *)a)->id, ((const struct manifest_item *)b)->id);
 }
@@ -355,7 +323,7 @@ static void read_document(struct package *p, const struct spine_item *ref) {
         tell(p, ref, false, "'%.100s' is not a text: it is skipped", item->href);
         return;
     }
-    char *path = resolve(p, item->href);
+    char *path = archive_path_join(p->opf, item->href);
     if (normalise(path, &e)) {
         error_at_line(&told, e.code, item->line, item->column, "%.60s: %.180s", p->opf, e.message);
         build_problem(p->b, &told, true);
