@@ -22,8 +22,7 @@ enum {
     PICTURE_SECONDS = 60,   /* for each further picture */
     AHEAD = 6,              /* pictures that may be on their way */
     IMAGE_BYTES = 64 << 20, /* largest background */
-    SECRET_BYTES = 16,
-    CONTROL_FD = 3, /* the browser ends when this pipe is closed */
+    CONTROL_FD = 3,         /* the browser ends when this pipe is closed */
 };
 
 struct film_browser {
@@ -37,7 +36,7 @@ struct film_browser {
     struct http_options options;
     struct static_files files;
     struct websocket *ws;
-    char root[2 * SECRET_BYTES + 2]; /* "/SECRET" */
+    char root[34]; /* "/SECRET" */
     size_t picture_bytes;
     unsigned count, drawn, taken;
     bool connected, failed, closed;
@@ -227,14 +226,21 @@ static int add_files(struct film_browser *b, const struct film_scene *s, struct 
     return 0;
 }
 
+int film_secret(char *out, size_t size, struct error *e) {
+    uint8_t byte;
+    for (size_t i = 0; i + 2 < size; i += 2) {
+        if (getrandom(&byte, 1, 0) != 1)
+            return error_set(e, ERROR_FILM_FAILED, "no random numbers");
+        snprintf(out + i, 3, "%02x", byte);
+    }
+    return 0;
+}
+
 static int open_server(struct film_browser *b, uv_loop_t *loop, struct error *e) {
     static const struct http_calls calls = {serve, upgrade, allowed, on_tick};
-    uint8_t secret[SECRET_BYTES];
-    if (getrandom(secret, sizeof secret, 0) != sizeof secret)
-        return error_set(e, ERROR_FILM_FAILED, "no random numbers");
     b->root[0] = '/';
-    for (size_t i = 0; i < sizeof secret; i++)
-        snprintf(b->root + 1 + 2 * i, 3, "%02x", secret[i]);
+    if (film_secret(b->root + 1, sizeof b->root - 1, e))
+        return -1;
     b->options = (struct http_options){.host = "127.0.0.1",
                                        .connections = 32,
                                        .message_bytes = (unsigned)b->picture_bytes + 1024,

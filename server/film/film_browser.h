@@ -36,6 +36,9 @@ struct film_browser_calls {
 /* Name of the first browser in PATH that can be used; NULL: there is none. */
 const char *film_browser_found(void);
 
+/* Fills an array with hexadecimal digits that nobody can guess, and a NUL. -1 with *e: "film-failed". */
+int film_secret(char *out, size_t size, struct error *e);
+
 struct film_browser;
 
 struct film_browser *film_browser_new(uv_loop_t *loop, const struct film_browser_calls *calls, void *ctx);

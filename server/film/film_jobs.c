@@ -12,16 +12,10 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-    FOLDER_BYTES = 64,
-    NAME_BYTES = FILM_ID_BYTES + 8,
-    ARGUMENTS = 28,
-    ID_BYTES = (FILM_ID_BYTES - 1) / 2
-};
+enum { FOLDER_BYTES = 64, ARGUMENTS = 28 };
 
 /* Files of a job, in the jobs' folder: ID.fap and so on. */
 static const char *const kinds[] = {"fap", "wav", "vtt"};
@@ -50,9 +44,9 @@ struct film_job {
 
 struct film_jobs {
     const struct pipeline *pipeline;
-    struct film_jobs_options options; /* with paths of its own */
+    struct film_jobs_options options; /* owns its paths */
     char folder[FOLDER_BYTES];        /* "": not made yet */
-    struct film_job *first;           /* in the order in which they came */
+    struct film_job *first;           /* oldest first */
     struct film_job *current;         /* NULL: none runs */
     bool closed;
 };
@@ -348,18 +342,9 @@ static void add_arguments(struct film_job *job, const struct film_order *order) 
     add_option(job, "--captions", order->captions);
 }
 
-static int make_id(char out[FILM_ID_BYTES], struct error *e) {
-    uint8_t secret[ID_BYTES];
-    if (getrandom(secret, sizeof secret, 0) != sizeof secret)
-        return error_set(e, ERROR_FILM_FAILED, "no random numbers");
-    for (size_t i = 0; i < sizeof secret; i++)
-        snprintf(out + 2 * i, 3, "%02x", secret[i]);
-    return 0;
-}
-
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e) {
     char id[FILM_ID_BYTES];
-    if (film_jobs_check(jobs, e) || make_folder(jobs, e) || make_id(id, e))
+    if (film_jobs_check(jobs, e) || make_folder(jobs, e) || film_secret(id, sizeof id, e))
         return NULL;
     struct film_job *job = mem_alloc(sizeof *job);
     job->jobs = jobs;

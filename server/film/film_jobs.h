@@ -41,7 +41,7 @@ int film_jobs_check(const struct film_jobs *jobs, struct error *e);
  * unfinished, or as synthesis_open. The oldest finished job makes room for it. */
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e);
 
-/* NULL: there is none. A job is valid until the loop's next turn. */
+/* Returns NULL if there is none. A job is valid until the loop's next turn. */
 struct film_job *film_jobs_find(struct film_jobs *jobs, const char *id);
 
 /* Stops the job if it runs, and removes its film. */
