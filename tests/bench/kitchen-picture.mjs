@@ -5,6 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { launch } from '../lib/browser.mjs';
 import { Daemon, root } from '../lib/daemon.mjs';
+import { besideEachOther } from '../lib/picture-sheets.mjs';
 
 const [out = path.join(root, 'web/kiosk.webp')] = process.argv.slice(2);
 const [HEIGHT, KIOSK, DESK, GAP] = [860, 720, 1080, 20];
@@ -36,22 +37,7 @@ await desk.click('#speak');
 await kiosk.waitForFunction(() => document.body.dataset.state === 'speaking' && (document.querySelector('talking-head').faps[3] ?? 0) > 150, null, { polling: 10 });
 const pictures = [await kiosk.screenshot(), await desk.evaluate(() => scrollTo(0, 0)).then(() => desk.screenshot())];
 await other.close();
-const sheet = await browser.newPage();
-const data = await sheet.evaluate(async ({ pngs, width, height, gap }) => {
-  const canvas = document.createElement('canvas');
-  Object.assign(canvas, { width, height });
-  const context = canvas.getContext('2d');
-  let x = 0;
-  for (const png of pngs) {
-    const image = new Image();
-    image.src = `data:image/png;base64,${png}`;
-    await image.decode();
-    context.drawImage(image, x, 0);
-    x += image.width + gap;
-  }
-  return canvas.toDataURL('image/webp', 0.86);
-}, { pngs: pictures.map((png) => png.toString('base64')), width: KIOSK + GAP + DESK, height: HEIGHT, gap: GAP });
-fs.writeFileSync(out, Buffer.from(data.split(',')[1], 'base64'));
+fs.writeFileSync(out, await besideEachOther(browser, pictures, GAP));
 await browser.close();
 await daemon.stop();
 console.log(`${out}: ${fs.statSync(out).size} bytes`);

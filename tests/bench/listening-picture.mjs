@@ -6,11 +6,12 @@ import os from 'node:os';
 import path from 'node:path';
 import { launch } from '../lib/browser.mjs';
 import { Daemon, root } from '../lib/daemon.mjs';
-import { POCKETSPHINX, samplesOf, spoken } from '../lib/heard-speech.mjs';
-import { wavOf } from '../lib/wav.mjs';
+import { POCKETSPHINX } from '../lib/heard-speech.mjs';
+import { microphoneFlags, sayInto } from '../lib/microphone.mjs';
+import { besideEachOther } from '../lib/picture-sheets.mjs';
 
 const [out = path.join(root, 'web/listening.webp')] = process.argv.slice(2);
-const [HEIGHT, KIOSK, DESK, GAP, RATE] = [860, 720, 900, 20, 48000];
+const [HEIGHT, KIOSK, DESK, GAP] = [860, 720, 900, 20];
 const QUESTIONNAIRE = { title: 'How it was', lang: 'en', items: [
   { id: 'liked', text: 'Did you like her voice?', scale: ['Not at all', 'A little', 'Much'] },
   { id: 'again', text: 'Would you do it again?', scale: ['No', 'Yes'] },
@@ -20,11 +21,9 @@ const before = (answers) => ({ ...QUESTIONNAIRE, answers: answers.map(([id, choi
 const OTHERS = [before([['liked', 2], ['again', 1], ['change', 0, 'Nothing, really.']]), before([['liked', 1], ['again', 1]]), before([['liked', 2], ['again', 0], ['change', 0, 'Speak a little slower.']])];
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bench-')), file = path.join(folder, 'fake.wav');
-const bytes = samplesOf(spoken('the second one'), RATE), samples = new Int16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2), padded = new Int16Array(samples.length + 3 * RATE);
-padded.set(samples, RATE);
-fs.writeFileSync(file, wavOf(padded, RATE));
+sayInto(file, 'the second one');
 const daemon = await Daemon.start(['--recogniser', POCKETSPHINX, '--sessions', folder]);
-const browser = await launch({ idling: true, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${file}`] });
+const browser = await launch({ idling: true, flags: microphoneFlags(file) });
 const open = async (address, width) => {
   const page = await browser.newPage({ locale: 'en-GB', colorScheme: 'light', viewport: { width, height: HEIGHT } });
   await page.goto(`${daemon.url}/${address}`);
@@ -50,22 +49,7 @@ const pictures = [await kiosk.screenshot()];
 await desk.waitForFunction(() => document.getElementById('said').textContent.includes('Heard'), null, { timeout: 60000 });
 await desk.evaluate(() => document.getElementById('study-title').scrollIntoView());
 pictures.push(await desk.screenshot());
-const sheet = await browser.newPage();
-const data = await sheet.evaluate(async ({ pngs, width, height, gap }) => {
-  const canvas = document.createElement('canvas');
-  Object.assign(canvas, { width, height });
-  const context = canvas.getContext('2d');
-  let x = 0;
-  for (const png of pngs) {
-    const image = new Image();
-    image.src = `data:image/png;base64,${png}`;
-    await image.decode();
-    context.drawImage(image, x, 0);
-    x += image.width + gap;
-  }
-  return canvas.toDataURL('image/webp', 0.86);
-}, { pngs: pictures.map((png) => png.toString('base64')), width: KIOSK + GAP + DESK, height: HEIGHT, gap: GAP });
-fs.writeFileSync(out, Buffer.from(data.split(',')[1], 'base64'));
+fs.writeFileSync(out, await besideEachOther(browser, pictures, GAP));
 await browser.close();
 await daemon.stop();
 fs.rmSync(folder, { recursive: true });

@@ -2,14 +2,15 @@
 // Mouth frames: the mouth through one sentence of each language, a picture every 80 ms with the phone that is heard, for the eye to judge.
 // Usage: node tests/bench/run.mjs mouth-frames [--head mara] [--out FILE.webp] [--every 80] [--width 120] [LANG]...
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
-import { createRequire } from 'node:module';
 import { launch } from '../lib/browser.mjs';
 import { heads } from '../lib/built-heads.mjs';
 import { root } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
 import { said } from '../lib/mouth-poses.mjs';
+import { captioned } from '../lib/picture-sheets.mjs';
 
 /** With closures, tucked and round lips, and open and spread vowels. */
 const SENTENCES = {
@@ -34,27 +35,22 @@ if (!(width >= 60 && width <= 600 && every >= 0.01 && every <= 1)) throw new Err
 
 const head = JSON.parse(fs.readFileSync(path.join(heads, `${values.head}.json`)));
 const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width: 2 * width, height: Math.round((4 * width) / 3), level: 'high' };
-const COLUMNS = 12;
 const browser = await launch();
 const page = await headPage(browser);
 await page.load('head', head);
 
-let rows = '';
+const parts = [];
 for (const lang of langs) {
   const { phones, fps, frames } = said(SENTENCES[lang], ['--lang', lang, '--still']);
-  let figures = '';
+  const figures = [];
   for (let t = phones[0].start; t < phones.at(-1).end; t += every) {
     const png = await page.shot('head', frames[Math.min(frames.length - 1, Math.round(t * fps))], camera);
     const phone = phones.find(({ end }) => t < end);
-    figures += `<figure><img src="data:image/png;base64,${png.toString('base64')}"><figcaption>${phone.ipa}</figcaption></figure>`;
+    figures.push({ png, caption: phone.ipa });
   }
-  rows += `<h1 lang="${lang}">${SENTENCES[lang]}</h1><main>${figures}</main>`;
+  parts.push({ title: SENTENCES[lang], lang, figures });
 }
-const view = await browser.newPage({ viewport: { width: COLUMNS * (width + 4) + 4, height: 400 } });
-await view.setContent(`<!doctype html><meta charset="utf-8"><style>body{margin:4px;font:13px sans-serif;background:#fff}h1{font-size:14px;margin:6px 0 4px}
-  main{display:grid;grid-template-columns:repeat(${COLUMNS},${width}px);gap:4px}figure{margin:0;text-align:center}
-  img{display:block;width:100%;background:#c8c8c8}</style>${rows}`);
-const sheet = await view.screenshot({ fullPage: true });
+const sheet = await captioned(browser, parts, { columns: 12, width, gap: 4 });
 await browser.close();
 const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
 await sharp(sheet).webp({ quality: 82, effort: 6 }).toFile(values.out);

@@ -11,6 +11,7 @@ import { headPage } from '../lib/head-page.mjs';
 import { LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
 import { paint } from '../lib/mouth-seen.mjs';
 import { shapeHeading, shapeRow, shapesIn, told } from '../lib/mouth-shape.mjs';
+import { captioned } from '../lib/picture-sheets.mjs';
 
 const { values, positionals } = parseArgs({
   allowPositionals: true,
@@ -28,27 +29,17 @@ const page = await headPage(browser);
 await page.load('flat', head, paint);
 await page.load('drawn', head);
 
-/** Lays out pictures with captions as one PNG. */
-async function sheet(file, title, tiles) {
-  const view = await browser.newPage({ viewport: { width: 4 * (width + 8) + 8, height: 400 } });
-  const figures = tiles.map(({ png, name, text }) => `<figure><img src="data:image/png;base64,${png.toString('base64')}"><figcaption><b>/${name}/</b> ${text}</figcaption></figure>`);
-  await view.setContent(`<!doctype html><meta charset="utf-8"><style>body{margin:8px;font:13px sans-serif;background:#fff}h1{font-size:16px;margin:0 0 6px}
-    main{display:grid;grid-template-columns:repeat(4,${width}px);gap:8px}figure{margin:0}img{display:block;background:#c8c8c8}</style><h1>${title}</h1><main>${figures.join('')}</main>`);
-  await view.screenshot({ path: file, fullPage: true });
-  await view.close();
-}
-
 fs.mkdirSync(values.out, { recursive: true });
 for (const lang of langs) {
   const poses = Object.entries(soundPoses(lang));
   const shapes = await shapesIn(page, 'flat', head, poses.map(([, faps]) => faps));
   console.log(`\n${head.title}, ${lang}\n\n${shapeHeading}`);
-  const tiles = [];
+  const figures = [];
   for (const [i, [ipa, faps]] of poses.entries()) {
     const s = shapes[i];
     console.log(shapeRow(ipa, ipa, s));
-    tiles.push({ name: ipa, png: await page.shot('drawn', faps, camera), text: `${s.area.toFixed(0)} mm², ${s.width.toFixed(0)} × ${s.height.toFixed(1)} mm${told(ipa) ? `<br>people: ${told(ipa)}` : ''}` });
+    figures.push({ png: await page.shot('drawn', faps, camera), caption: `<b>/${ipa}/</b> ${s.area.toFixed(0)} mm², ${s.width.toFixed(0)} × ${s.height.toFixed(1)} mm${told(ipa) ? `<br>people: ${told(ipa)}` : ''}` });
   }
-  await sheet(path.join(values.out, `mouths-${values.head}-${lang}.png`), `${head.title}, ${lang}`, tiles);
+  fs.writeFileSync(path.join(values.out, `mouths-${values.head}-${lang}.png`), await captioned(browser, [{ title: `${head.title}, ${lang}`, figures }], { columns: 4, width, gap: 8 }));
 }
 await browser.close();

@@ -9,6 +9,7 @@ import path from 'node:path';
 import { after, before } from 'node:test';
 import { launch } from '../../lib/browser.mjs';
 import { build, Daemon } from '../../lib/daemon.mjs';
+import { microphoneFlags } from '../../lib/microphone.mjs';
 import { isClosed } from '../../lib/mouth.mjs';
 import { mouthPixels } from '../../lib/mouth-pixels.mjs';
 import { patient } from '../../lib/patient.mjs';
@@ -28,7 +29,7 @@ before(async () => {
   padded.set(samples, rate);
   fs.writeFileSync(file('fake.wav'), wavOf(padded, rate));
   daemon = await Daemon.start();
-  browser = await launch({ webgl: false, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${file('fake.wav')}`] });
+  browser = await launch({ webgl: false, flags: microphoneFlags(file('fake.wav')) });
   painter = await launch();
   screen = await mouthPixels(painter);
 });

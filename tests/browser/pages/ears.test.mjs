@@ -8,18 +8,15 @@ import { after, before, test } from 'node:test';
 import { violations } from '../../lib/axe.mjs';
 import { launch } from '../../lib/browser.mjs';
 import { artefacts, Daemon } from '../../lib/daemon.mjs';
-import { POCKETSPHINX, samplesOf, spoken } from '../../lib/heard-speech.mjs';
-import { wavOf } from '../../lib/wav.mjs';
+import { POCKETSPHINX } from '../../lib/heard-speech.mjs';
+import { microphoneFlags, sayInto } from '../../lib/microphone.mjs';
 
-const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-ears-')), RATE = 48000;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-ears-'));
 let daemon, browser, desk;
 before(async () => {
-  const bytes = samplesOf(spoken('the second one'), RATE), samples = new Int16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2);
-  const padded = Int16Array.from({ length: samples.length + 3 * RATE }, () => Math.round(6 * (Math.random() - 0.5))); // the noise of a room, repeated
-  padded.set(samples, RATE);
-  fs.writeFileSync(path.join(folder, 'fake.wav'), wavOf(padded, RATE));
+  sayInto(path.join(folder, 'fake.wav'), 'the second one');
   daemon = await Daemon.start(['--recogniser', POCKETSPHINX]);
-  browser = await launch({ webgl: false, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${path.join(folder, 'fake.wav')}`] });
+  browser = await launch({ webgl: false, flags: microphoneFlags(path.join(folder, 'fake.wav')) });
   desk = await daemon.stream('?room=kitchen&watch=1');
   await desk.wait({ type: 'observers' });
 });

@@ -9,19 +9,16 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../../lib/browser.mjs';
 import { artefacts, build, Daemon, eventually } from '../../lib/daemon.mjs';
-import { POCKETSPHINX, samplesOf, spoken } from '../../lib/heard-speech.mjs';
-import { wavOf } from '../../lib/wav.mjs';
+import { POCKETSPHINX } from '../../lib/heard-speech.mjs';
+import { microphoneFlags, sayInto } from '../../lib/microphone.mjs';
 import { connect } from '../../lib/wyoming-events.mjs';
 
-const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-satellite-')), RATE = 48000;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-satellite-'));
 const PORT = 20000 + (process.pid % 20000); // the daemon and the satellite need to know each other's
 let daemon, satellite, assistant, browser, page;
 
 before(async () => {
-  const bytes = samplesOf(spoken('the second one'), RATE), samples = new Int16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2);
-  const padded = Int16Array.from({ length: samples.length + 3 * RATE }, () => Math.round(6 * (Math.random() - 0.5))); // the noise of a room, repeated
-  padded.set(samples, RATE);
-  fs.writeFileSync(path.join(folder, 'fake.wav'), wavOf(padded, RATE));
+  sayInto(path.join(folder, 'fake.wav'), 'the second one');
   daemon = await Daemon.start(['--recogniser', `tcp://127.0.0.1:${PORT}`]);
   satellite = spawn(path.join(build, 'server/bridges/faccia-satellite'), ['--listen', String(PORT), '--room', 'kitchen', '--lang', 'en', '--url', daemon.url], { stdio: ['ignore', 'ignore', 'pipe'] });
   let log = '';
@@ -29,7 +26,7 @@ before(async () => {
   await eventually(() => log.includes('listening on') && log.includes('connected to the daemon'), 'the satellite');
   assistant = await connect(PORT);
   assistant.send('run-satellite');
-  browser = await launch({ webgl: false, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${path.join(folder, 'fake.wav')}`] });
+  browser = await launch({ webgl: false, flags: microphoneFlags(path.join(folder, 'fake.wav')) });
   page = await browser.newPage({ viewport: { width: 800, height: 700 } });
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(String(error)));

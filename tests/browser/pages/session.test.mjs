@@ -12,6 +12,7 @@ import { findTone } from '../../../models/tools/session/tone.mjs';
 import { launch } from '../../lib/browser.mjs';
 import { faccia } from '../../lib/command.mjs';
 import { artefacts, root } from '../../lib/daemon.mjs';
+import { microphoneFlags } from '../../lib/microphone.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-session-'));
 const file = (name) => path.join(folder, name);
@@ -22,7 +23,7 @@ const programs = (name) => spawnSync(name, ['-version']).status === 0;
 let browser, page;
 before(async () => {
   assert.equal(faccia(['say', '--lang', 'pt-BR', '--wav', file('papa.wav'), 'papa, papa, papa.']).status, 0);
-  browser = await launch({ webgl: false, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${file('papa.wav')}`, '--autoplay-policy=no-user-gesture-required'] });
+  browser = await launch({ webgl: false, flags: [...microphoneFlags(file('papa.wav')), '--autoplay-policy=no-user-gesture-required'] });
   page = await browser.newPage({ acceptDownloads: true });
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(String(error)));

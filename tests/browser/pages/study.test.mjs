@@ -9,10 +9,10 @@ import { after, before, test } from 'node:test';
 import { violations } from '../../lib/axe.mjs';
 import { launch } from '../../lib/browser.mjs';
 import { artefacts, Daemon, eventually } from '../../lib/daemon.mjs';
-import { POCKETSPHINX, samplesOf, spoken } from '../../lib/heard-speech.mjs';
-import { wavOf } from '../../lib/wav.mjs';
+import { POCKETSPHINX } from '../../lib/heard-speech.mjs';
+import { microphoneFlags, sayInto } from '../../lib/microphone.mjs';
 
-const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-study-')), sessions = path.join(folder, 'sessions'), RATE = 48000;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-study-')), sessions = path.join(folder, 'sessions');
 const QUESTIONNAIRE = { title: 'How it was', lang: 'en', items: [
   { id: 'liked', text: 'Did you like her voice?', scale: ['Not at all', 'A little', 'Much'] },
   { id: 'change', text: 'What shall we change?', seconds: 60 },
@@ -20,13 +20,10 @@ const QUESTIONNAIRE = { title: 'How it was', lang: 'en', items: [
 ] };
 let daemon, browser, desk;
 before(async () => {
-  const bytes = samplesOf(spoken('the second one'), RATE), samples = new Int16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2);
-  const padded = Int16Array.from({ length: samples.length + 3 * RATE }, () => Math.round(6 * (Math.random() - 0.5))); // the noise of a room, repeated
-  padded.set(samples, RATE);
-  fs.writeFileSync(path.join(folder, 'fake.wav'), wavOf(padded, RATE));
+  sayInto(path.join(folder, 'fake.wav'), 'the second one');
   fs.mkdirSync(sessions);
   daemon = await Daemon.start(['--recogniser', POCKETSPHINX, '--sessions', sessions]);
-  browser = await launch({ webgl: false, flags: ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', `--use-file-for-fake-audio-capture=${path.join(folder, 'fake.wav')}`] });
+  browser = await launch({ webgl: false, flags: microphoneFlags(path.join(folder, 'fake.wav')) });
   desk = await daemon.stream('?room=kitchen&watch=1');
   await desk.wait({ type: 'observers' });
 });
@@ -128,7 +125,8 @@ test('she speaks as the person here wants, in captions for where they sit, and a
   };
   const slow = await ends('slow');
   await page.evaluate(() => document.getElementById('head').setManner());
-  assert.ok(slow > 1.1 * await ends('usual'));
+  let count = 0; // the desk's next text may overtake the manner, which comes over another connection
+  await eventually(async () => slow > 1.1 * await ends(`usual-${++count}`), 'the usual speed');
   const bell = ends('bell', { bell: true });
   await page.waitForSelector('body[data-bell]', { timeout: 60000 });
   await page.screenshot({ path: path.join(artefacts, 'study-bell.png') });
