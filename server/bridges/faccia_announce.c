@@ -64,7 +64,7 @@ struct announcement {
     uv_timer_t last; /* runs until the end has been played */
     bool wait, said;
     const char *choices; /* answers, separated by |; NULL: none */
-    bool free;           /* a question whose answer is what somebody says */
+    bool free;           /* any words answer the question */
     int seconds;         /* of patience for an answer */
     bool asked, offered; /* sent to the room; there until somebody chooses */
     uv_signal_t signals[2];

@@ -7,7 +7,7 @@
 
 #include "server/markup/speaker_runs.h"
 
-/* Finds the dialogue of text[0..size). Quoted single words without a mark at their end are no speech. */
+/* Finds the dialogue of text[0..size). Single quoted words without punctuation do not count as speech. */
 void dialogue_find(struct speaker_runs *runs, const char *text, size_t size);
 
 #endif

@@ -36,7 +36,7 @@ static void apply(const struct manner *manner, struct speech_request *request) {
     request->volume = scaled(request->volume, manner->volume, FACTOR_LEAST, FACTOR_MOST);
 }
 
-/* A text that is still being written has no end to be said again. */
+/* A text that is still being written cannot be repeated. */
 static void remember(struct channel *c, const struct speech_request *request, uint32_t utterance) {
     if (!c->room || request->open || request->ahead)
         return;

@@ -58,7 +58,7 @@ static void write_samples(struct session *s, const int16_t *samples, size_t coun
     s->samples += count;
 }
 
-/* Writes silence up to the present: sound stands where it was said. */
+/* Writes silence up to now, so that speech lies at its time. */
 static void pad(struct session *s) {
     static const int16_t silence[SESSION_RATE];
     const uint64_t wanted = (uv_now(s->loop) - s->from) * SESSION_RATE / 1000;

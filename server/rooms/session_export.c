@@ -172,7 +172,7 @@ static bool is_point(const json_t *event) {
     return false;
 }
 
-/* What is shown of an event: its text, question, name, state or reason. */
+/* Text of an event in the files: its text, question, name, state or reason. */
 static const char *shown(const json_t *event) {
     static const char *const members[] = {"text", "question", "name", "state", "consent", "reason", "voice"};
     for (size_t i = 0; i < sizeof members / sizeof *members; i++)

@@ -265,7 +265,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Has what the user says recognised, if the server hears (`hello.hears`); the event `heard` tells the words. The microphone
+   * Opens the microphone for a server that recognises speech (`hello.hears`); the event `heard` has the words. The microphone
    * needs a user gesture; it is open until the hearing is stopped.
    * @param {object} [options] lang; stream: a MediaStream in place of the microphone; handsFree: any number of utterances, each
    *   found by its loudness; onset(): somebody begins to speak; noise(): dB by which they must be louder now; codec: 'pcm'
@@ -291,7 +291,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Words that the page has recognised itself, or that were typed: they may choose an answer on offer, or are one.
+   * Words that the page has recognised itself, or that were typed: they can choose an offered answer, or answer a question.
    * @param {string} text @param {{id?: string, final?: boolean, lang?: string, confidence?: number}} [options]
    * @returns {boolean} as `offer`
    */
@@ -300,7 +300,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   /**
-   * Has an observer hear what the room's listeners say (`overheard`), where they consent.
+   * Sends an observer the speech of the room's listeners (`overheard`), if they consent.
    * @param {boolean} [on] @returns {boolean} as `offer`
    */
   overhear(on = true) {

@@ -823,7 +823,7 @@ export class TalkingHead extends HTMLElement {
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   /** Without a stream: the user's microphone, only while the user does something. */
   listen(stream?: MediaStream | MediaStreamTrack | null, options?: ListenOptions): Listening;
-  /** Has what the user says recognised, if the server hears. */
+  /** Opens the microphone for a server that recognises speech. */
   hear(options?: HearOptions): Hearing;
   follow(media: HTMLMediaElement, options?: ListenOptions): Omit<Listening, 'done'>;
   stop(): void;
@@ -845,7 +845,7 @@ export class TalkingHead extends HTMLElement {
   ask(text: string, options?: SpeakOptions & { choices?: string[]; seconds?: number }): boolean;
   /** Words that the page has recognised itself, or that were typed. */
   said(text: string, options?: { id?: string; final?: boolean; lang?: string; confidence?: number }): boolean;
-  /** Has an observer hear what listeners say, where they consent: the event `overheard`. */
+  /** Sends an observer the speech of listeners, if they consent: the event `overheard`. */
   overhear(on?: boolean): boolean;
   /** How all texts of the room are spoken, for who listens there: factors from 0.5 to 2. */
   setManner(manner?: { speed?: number; pitch?: number; volume?: number }): boolean;

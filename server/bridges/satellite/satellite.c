@@ -50,7 +50,7 @@ static void show_rest(struct satellite *s) {
     room_state(s->room, s->paused ? "muted" : "idle", text);
 }
 
-/* Shows it unless somebody is being heard. */
+/* Shows it unless an utterance is being received. */
 static void show_rest_if_quiet(struct satellite *s) {
     const struct peer *p = s->peers;
     while (p && (p->state < WAKING || p->state > HEARD))
@@ -399,7 +399,7 @@ static void on_audio_stop(struct satellite *s) {
     check_played(s);
 }
 
-/* Errors that are nobody's trouble: nothing was said, or another satellite heard it better. */
+/* Errors that the room does not show: no words were found, or another satellite answers. */
 static bool is_quiet(const char *code) {
     return !strcmp(code, "stt-no-text-recognized") || !strcmp(code, "duplicate_wake_up_detected");
 }

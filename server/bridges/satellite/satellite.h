@@ -15,7 +15,7 @@
 struct room;
 
 struct room_calls {
-    /* What was said last with room_say, room_ask or room_sound_begin has ended, however it went. */
+    /* The last room_say, room_ask or room_sound_begin has ended, for any reason. */
     void (*said)(void *ctx);
     void (*connected)(void *ctx); /* again, after the daemon was away, too */
 };

@@ -282,7 +282,7 @@ struct room *room_new(uv_loop_t *loop, const struct daemon_address *place, const
 }
 
 void room_close(struct room *r) {
-    *r->id = '\0'; /* nobody is told */
+    *r->id = '\0'; /* no callback */
     websocket_client_close(r->client);
     uv_close((uv_handle_t *)&r->tick, NULL);
 }

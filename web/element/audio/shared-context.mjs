@@ -35,7 +35,7 @@ export function outputOf(to) {
   return outputs.get(to);
 }
 
-/** What all heads of the page play. The context stays open for it. @returns {MediaStream|null} null: there is no sound here */
+/** The sound of all heads, as a stream. It keeps the context open. @returns {MediaStream|null} null without sound */
 export function captureOutput() {
   const from = acquireContext();
   if (!from) return null;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What company adds to a face, in FAP units: it turns to whom it speaks or listens to, nods and raises its brows when a
-// sentence has been heard, and blinks while its own idle movement rests.
+// Movements of a head in company, in FAP units: it turns to the other head, nods and raises its brows after a sentence that it
+// has heard, and blinks while its idle movement rests.
 
 const DEGREE = 1745.33; // of the FAPs for angles
 const TURN_S = 0.22; // time constant of each of two filters

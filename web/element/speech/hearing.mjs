@@ -28,7 +28,7 @@ export class Hearing {
 
   open = true; // the microphone is, or will be
 
-  /** @type {Promise<object|null>} the last `heard` message; null: nothing was said. Rejects if there is no microphone */
+  /** @type {Promise<object|null>} the last `heard` message; null if there were no words. Rejects if there is no microphone */
   done;
 
   /**
