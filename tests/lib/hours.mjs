@@ -48,24 +48,30 @@ function quicken() {
     await new Promise((resolve) => (port1.onmessage = resolve, port2.postMessage(0)));
     for (const from = performance.now(); unanswered && performance.now() - from < 3000; ) await new Promise((resolve) => real.setTimeout(resolve, 1));
   };
+  let turn = Promise.resolve(), turns = 0;
+  async function advance(milliseconds) {
+    const end = real.Date.now() + ahead + milliseconds;
+    for (;;) {
+      const due = [...timers.entries()].filter(([, timer]) => timer.at <= end).sort(([, a], [, b]) => a.at - b.at)[0];
+      if (!due) break;
+      const [id, timer] = due;
+      ahead = Math.max(ahead, timer.at - real.Date.now());
+      if (timer.every) timer.at += timer.every;
+      else timers.delete(id);
+      timer.call(...timer.values);
+      await breathe();
+    }
+    ahead = Math.max(ahead, end - real.Date.now());
+    turns--;
+  }
+  const forward = (milliseconds) => (turns++, turn = turn.then(() => advance(milliseconds)));
+  // Real time passes, too: on a busy machine a page may need a timer of a second before a sentence ends.
+  real.setInterval(() => turns || forward(0), 100);
   window.hours = {
     get timers() {
       return timers.size;
     },
-    async forward(milliseconds) {
-      const end = real.Date.now() + ahead + milliseconds;
-      for (;;) {
-        const due = [...timers.entries()].filter(([, timer]) => timer.at <= end).sort(([, a], [, b]) => a.at - b.at)[0];
-        if (!due) break;
-        const [id, timer] = due;
-        ahead = Math.max(ahead, timer.at - real.Date.now());
-        if (timer.every) timer.at += timer.every;
-        else timers.delete(id);
-        timer.call(...timer.values);
-        await breathe();
-      }
-      ahead = Math.max(ahead, end - real.Date.now());
-    },
+    forward,
   };
 }
 
@@ -104,6 +110,14 @@ async function holds(page, cdp) {
  */
 export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room = 'mese', each = () => {} }) {
   const wire = await wireTo(daemon.port);
+  try {
+    return await live(browser, daemon, wire, { hours, says, cuts, room, each });
+  } finally {
+    wire.close();
+  }
+}
+
+async function live(browser, daemon, wire, { hours, says, cuts, room, each }) {
   const page = await browser.newPage({ locale: 'it-IT', viewport: { width: 800, height: 600 } });
   const problems = [];
   const told = { samples: [], places: [], links: 0, said: 0, answers: 0, problems };
@@ -160,6 +174,5 @@ export async function liveIn(browser, daemon, { hours, says = 6, cuts = 1, room 
   }
   const { places, links } = await page.evaluate(() => ({ ...window.lived, places: [...window.lived.places] }));
   await page.close();
-  wire.close();
   return { ...told, places, links };
 }
