@@ -22,6 +22,29 @@ bool lang_is_tag(const char *s, size_t n, size_t *bad) {
     return at == n && n > 1;
 }
 
+/* Codes of three letters (ISO 639-2, both sets) that have one of two letters, which a tag has to have. */
+static void shorten(char *tag) {
+    static const char codes[] =
+        "eng en ita it por pt tur tr fra fr fre fr deu de ger de spa es lat la ell el gre el nld nl dut nl "
+        "cat ca glg gl eus eu baq eu ron ro rum ro rus ru ukr uk pol pl ces cs cze cs slk sk slo sk slv sl "
+        "hrv hr srp sr bos bs bul bg mkd mk mac mk sqi sq alb sq hun hu fin fi est et lav lv lit lt swe sv "
+        "dan da nor no nob nb nno nn isl is ice is gle ga gla gd cym cy wel cy bre br cor kw mlt mt heb he "
+        "ara ar fas fa per fa hin hi ben bn tam ta tel te urd ur kat ka geo ka hye hy arm hy aze az kaz kk "
+        "jpn ja kor ko zho zh chi zh tha th vie vi ind id msa ms may ms epo eo afr af swa sw oci oc ";
+    char code[5] = {0};
+    if (strcspn(tag, "-") != 3)
+        return;
+    for (size_t i = 0; i < 3; i++)
+        code[i] = (char)(tag[i] | 32);
+    code[3] = ' ';
+    for (const char *at = codes; *at; at += 7)
+        if (!strncmp(at, code, 4)) {
+            memcpy(tag, at + 4, 2);
+            memmove(tag + 2, tag + 3, strlen(tag + 3) + 1);
+            return;
+        }
+}
+
 bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad) {
     static const char codeset[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-";
     size_t end = 0;
@@ -41,7 +64,10 @@ bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad) {
     char *territory = memchr(tag, '_', end);
     if (territory && (territory - tag == 2 || territory - tag == 3) && end - (size_t)(territory - tag) == 3)
         *territory = '-';
-    return lang_is_tag(tag, end, bad);
+    bool known = lang_is_tag(tag, end, bad);
+    if (known)
+        shorten(tag);
+    return known;
 }
 
 const char *lang_usual(const char *tag) {

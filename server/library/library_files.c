@@ -25,7 +25,7 @@ char *library_file_path(const char *folder, const char *path) {
 }
 
 /* Endings of recordings, in order of preference. */
-static const char *const sound_endings[] = {".flac", ".wav", ".ogg", ".mp3", NULL};
+static const char *const sound_endings[] = {".flac", ".wav", ".ogg", ".mp3", ".m4a", ".m4b", NULL};
 
 static bool is_sound(const char *path) {
     const char *dot = strrchr(path, '.');

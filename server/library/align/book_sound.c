@@ -4,6 +4,7 @@
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/sound/memory_file.h"
+#include "server/library/align/aac_file.h"
 #include "server/library/align/mono_reader.h"
 #include <expat.h>
 #include <math.h>
@@ -58,6 +59,7 @@ struct book_sound {
     size_t open; /* index + 1; 0: none */
     struct buf data;
     struct memory_file memory;
+    struct aac_file *aac; /* NULL: libsndfile reads it by itself */
     SNDFILE *file;
     struct mono_reader reader;
 };
@@ -230,6 +232,8 @@ static int read_clips(struct book_sound *b, struct error *e) {
 static void close_file(struct book_sound *b) {
     if (b->file)
         sf_close(b->file);
+    aac_file_close(b->aac);
+    b->aac = NULL;
     b->file = NULL;
     b->open = 0;
     buf_free(&b->data);
@@ -244,7 +248,13 @@ static int open_file(struct book_sound *b, size_t i, struct error *e) {
     if (get(b, b->files[i].path, SOUND_BYTES, &b->data, e))
         return -1;
     b->memory = (struct memory_file){.data = b->data.data, .size = (sf_count_t)b->data.size};
-    b->file = memory_file_open(&b->memory, &info);
+    if (aac_file_is(b->data.data, b->data.size)) {
+        struct error why;
+        b->aac = aac_file_open(b->data.data, b->data.size, &why);
+        if (!b->aac)
+            return error_set(e, CODE, "'%.100s': %.120s", b->files[i].path, why.message);
+    }
+    b->file = b->aac ? aac_file_sound(b->aac, &info) : memory_file_open(&b->memory, &info);
     if (!b->file)
         return error_set(e, CODE, "'%.100s': %.80s", b->files[i].path, sf_strerror(NULL));
     if (info.channels < 1 || info.channels > MIXDOWN_CHANNELS_MAX || info.samplerate < RATE_MIN ||

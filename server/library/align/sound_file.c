@@ -2,11 +2,17 @@
 #include "server/library/align/sound_file.h"
 #include "server/base/mem.h"
 #include "server/base/sound/wav_file.h"
+#include "server/library/align/aac_file.h"
 #include "server/library/align/book_sound.h"
 #include "server/library/align/mono_reader.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <sndfile.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 enum { CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 };
 
@@ -14,6 +20,9 @@ enum { CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 }
 
 struct sound_file {
     struct book_sound *book; /* instead of the following */
+    void *map;               /* of an MP4 file; NULL: libsndfile reads the file by itself */
+    size_t map_size;
+    struct aac_file *aac;
     SNDFILE *file;
     struct mono_reader reader;
     struct sound_source source;
@@ -22,6 +31,28 @@ struct sound_file {
 static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) {
     struct sound_file *s = ctx;
     return mono_reader_read(&s->reader, from, out, count);
+}
+
+/* Maps the file if it is MP4. Returns whether it is; what is wrong with it, in *e with `aac` NULL. */
+static bool map_mp4(struct sound_file *s, const char *path, struct error *e) {
+    uint8_t head[12];
+    struct stat status;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    bool is = fd >= 0 && !fstat(fd, &status) && S_ISREG(status.st_mode) &&
+              read(fd, head, sizeof head) == (ssize_t)sizeof head && aac_file_is(head, sizeof head);
+    if (is) {
+        s->map_size = (size_t)status.st_size;
+        s->map = mmap(NULL, s->map_size, PROT_READ, MAP_PRIVATE, fd, 0);
+        if (s->map == MAP_FAILED) {
+            s->map = NULL;
+            error_set(e, CODE, "%s", strerror(errno));
+        } else {
+            s->aac = aac_file_open(s->map, s->map_size, e);
+        }
+    }
+    if (fd >= 0)
+        close(fd);
+    return is;
 }
 
 struct sound_file *sound_open(const char *path, struct error *e) {
@@ -36,8 +67,15 @@ struct sound_file *sound_open(const char *path, struct error *e) {
         sound_close(s);
         return NULL;
     }
-    s->file = wav_file_open(path, &info);
-    if (!s->file)
+    struct error why;
+    bool mp4 = map_mp4(s, path, &why);
+    if (s->aac)
+        s->file = aac_file_sound(s->aac, &info);
+    else if (!mp4)
+        s->file = wav_file_open(path, &info);
+    if (mp4 && !s->aac)
+        error_set(e, CODE, "%.160s: %.120s", path, why.message);
+    else if (!s->file)
         error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
     else if (info.channels < 1 || info.channels > CHANNELS_MAX)
         error_set(e, CODE, "%.160s: %d channels; the limit is %d", path, info.channels, CHANNELS_MAX);
@@ -58,8 +96,12 @@ struct sound_file *sound_open(const char *path, struct error *e) {
 void sound_close(struct sound_file *s) {
     if (s && s->file)
         sf_close(s->file);
-    if (s)
+    if (s) {
+        aac_file_close(s->aac);
+        if (s->map)
+            munmap(s->map, s->map_size);
         book_sound_close(s->book);
+    }
     free(s);
 }
 

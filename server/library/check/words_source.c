@@ -329,11 +329,11 @@ static const char tei_inline[] =
     "mentioned "
     "soCalled distinct q quote said cit note secl handShift pc w index pb cb gb lb fw milestone metamark gap "
     "space "
-    "caesura rhyme met author bibl ident code gi att tag val email idno country settlement region formula "
+    "caesura rhyme met author ident code gi att tag val idno country settlement region formula "
     "undo mod "
     "substJoin addSpan delSpan damageSpan graphic figDesc witDetail wit link alt join interp span objectName "
     "mentioned "
-    "eventName district bloc geogFeat editor publisher pubPlace biblScope unit redo listAnnotation "
+    "eventName district bloc geogFeat unit redo listAnnotation "
     "annotation ";
 static const char tei_skipped[] = " teiHeader standOff facsimile sourceDoc del fw metamark figDesc graphic "
                                   "media binaryObject witDetail wit "

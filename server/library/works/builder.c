@@ -385,6 +385,16 @@ void build_apart(struct builder *b) {
         b->line_break = BREAK_APART;
 }
 
+void build_join_cells(struct builder *b) {
+    const struct block *block = build_top(b);
+    char last = block && block->text.size ? (char)block->text.data[block->text.size - 1] : '\0';
+    b->line_break = BREAK_NONE;
+    b->space = false;
+    if (last && !strchr(".,;:!?\n", last))
+        put(b, ";", 1);
+    b->space = last != '\0';
+}
+
 /* Resolves a pending line break now that the following text is known. */
 static void end_break(struct builder *b, const char *text, size_t size) {
     struct block *block = build_top(b);
@@ -395,7 +405,8 @@ static void end_break(struct builder *b, const char *text, size_t size) {
         (b->line_break == BREAK_HYPHEN && utf8proc_category((utf8proc_int32_t)cp) == UTF8PROC_CATEGORY_LL))
         build_cut(b, block->text.size - hyphen_of(block));
     uint32_t last = before(block, block->text.size, &length);
-    if (b->line_break == BREAK_APART && (is_letter(last) || is_figure(last)) &&
+    bool point = last && last < 0x80 && strchr(".,;:!?", (int)last);
+    if (b->line_break == BREAK_APART && (is_letter(last) || is_figure(last) || point) &&
         (is_letter(cp) || is_figure(cp)))
         b->space = true;
     b->line_break = BREAK_NONE;
@@ -524,10 +535,9 @@ void build_line_end(struct builder *b) {
 void build_inset(struct builder *b, enum block_kind kind, const char *n) {
     if (b->depth == NOTE_DEPTH_MAX)
         build_end(b);
-    bool waits = b->space;
+    b->waits[b->depth] = b->space;
     struct block *host = build_top(b), *block = open_block(b, kind);
     block->n = n ? name_of(n) : NULL;
-    b->space = waits;
     if (host && kind == BLOCK_NOTE) {
         host->marks = mem_grow(host->marks, &host->mark_cap, host->mark_count + 1, sizeof *host->marks);
         host->marks[host->mark_count++] =
@@ -536,7 +546,9 @@ void build_inset(struct builder *b, enum block_kind kind, const char *n) {
 }
 
 void build_inset_end(struct builder *b) {
-    bool waits = b->space;
+    if (!b->depth)
+        return;
+    bool waits = b->waits[b->depth - 1];
     build_end(b);
     b->space = waits && b->depth;
 }

@@ -369,8 +369,10 @@ static int read_package(struct package *p, struct error *e) {
     buf_free(&data);
     if (p->item_count)
         qsort(p->items, p->item_count, sizeof *p->items, compare_items);
+    p->b->work_lang = p->meta->lang;
     for (size_t i = 0; !result && i < p->spine_count && !p->b->stopped; i++)
         read_document(p, &p->spine[i]);
+    p->b->work_lang = NULL;
     return result ? -1 : 0;
 }
 

@@ -13,12 +13,14 @@ struct builder {
     const struct work_sink *sink;
     struct section section;
     struct block *open[NOTE_DEPTH_MAX]; /* the current block and the insets in it, outermost first */
+    bool waits[NOTE_DEPTH_MAX];         /* whether white space was pending before the inset */
     unsigned depth;
     struct block *pending; /* insets that follow the block */
     size_t pending_count, pending_cap;
     char *speaker, *who;
     char verse[24];            /* number of the last line of verse */
     const char *lang;          /* language of what comes next; owned by the reader */
+    const char *work_lang;     /* that of the work, likewise; NULL: not known yet */
     unsigned sections, told;   /* counts */
     bool space, stopped, keep; /* space: white space is pending; keep: white space is kept verbatim */
     enum {
@@ -71,8 +73,11 @@ void build_newline(struct builder *b);
  * lower-case letter. */
 void build_break(struct builder *b, bool join);
 
-/* Separates what comes next: inserts a space between two letters or digits. */
+/* Separates what comes next: inserts a space before a letter or digit that follows one, or a mark. */
 void build_apart(struct builder *b);
+
+/* Separates the next cell of a table's row from the one before. */
+void build_join_cells(struct builder *b);
 
 /* Truncates the text of the innermost block to `size` bytes. */
 void build_cut(struct builder *b, size_t size);
@@ -99,6 +104,24 @@ void build_who(struct builder *b, const char *who);      /* ids of who speaks; N
 
 /* Reports a problem to the sink; only the first PROBLEMS_MAX are reported. */
 void build_problem(struct builder *b, const struct error *e, bool serious);
+
+/* quotes.c: marks that an element implies are written unless the source has marks there already. A quotation
+ * that continues in another block gets none. */
+enum { QUOTES_MAX = 8 };
+struct quotes {
+    struct quote {
+        bool waits, opened; /* waits: for its first text */
+        unsigned section;   /* where it began */
+        char block[16], lang[36];
+    } list[QUOTES_MAX];
+    unsigned depth;
+};
+
+void quotes_begin(struct quotes *quotes, const struct builder *b, const char *lang); /* of the surroundings */
+
+/* Call it before a text is added. Returns how much of it, white space, has been added. */
+size_t quotes_text(struct quotes *quotes, struct builder *b, const char *text, size_t size);
+void quotes_end(struct quotes *quotes, struct builder *b);
 
 /* Parses an untrusted XML document with expat: external entities are not read, expat's limits on entity
  * expansion apply, and excessive depth is an error. Names lose their namespace prefix. */
@@ -246,6 +269,9 @@ enum tei_act {
     ACT_POINT, /* punctuation */
     ACT_REFERENCE,
     ACT_FIGURE,
+    ACT_ROW, /* of a table */
+    ACT_CELL,
+    ACT_QUOTE, /* speech that the element marks */
 };
 enum tei_act tei_act_of(const char *name);
 

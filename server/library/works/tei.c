@@ -15,6 +15,7 @@ struct tei_frame {
     bool opened;            /* it opened something that its end must close */
     bool foreign;           /* it opened a stretch in another language */
     bool aside;             /* a stage direction within a line of a speech */
+    bool begun;             /* CELL: it has had a paragraph */
     bool restored;          /* within <restore>, whose deletions do not hold */
     unsigned child, chosen; /* CHOICE: children so far; the one to read */
     size_t from;            /* REFERENCE: size of the block's text at its start */
@@ -28,6 +29,7 @@ struct tei {
     struct builder *b;
     struct work_meta *meta;
     struct tei_outline outline;
+    struct quotes quotes;
     size_t choice;       /* number of CHOICE elements started */
     size_t speech;       /* number of SPEECH elements started */
     struct buf capture;  /* text of a header field */
@@ -62,7 +64,7 @@ static void count_header(struct tei *t, const char *name, int by) {
 
 /* ---- header ---- */
 static bool is_left_out(const char *name) {
-    static const char *const names[] = {"idno", "note", "ptr", NULL};
+    static const char *const names[] = {"idno", "note", "ptr", "affiliation", "email", "address", NULL};
     return xml_is_one(name, names);
 }
 
@@ -98,9 +100,10 @@ static void tei_header_start(struct tei *t, const struct xml_walk *w, const char
             buf_add(&t->capture, " ", 1); /* separates the parts of a name */
         return;
     }
-    if (t->title_stmt && !strcmp(name, "title"))
+    bool own = t->title_stmt && !t->source; /* not of the edition that was transcribed */
+    if ((own || !m->title) && t->title_stmt && !strcmp(name, "title"))
         wanted = &m->title;
-    else if (t->title_stmt && !strcmp(name, "author"))
+    else if ((own || !m->author) && t->title_stmt && !strcmp(name, "author"))
         wanted = &m->author, again = true;
     else if (t->publication && !strcmp(name, "publisher"))
         wanted = &m->publisher;
@@ -306,7 +309,21 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
     if (f->act == ACT_STAGE && start_aside(t, f))
         return;
     struct block *top = build_top(b);
+    if (f->act == ACT_PARAGRAPH && (f - 1)->act == ACT_PARAGRAPH && (f - 1)->opened && top) {
+        build_apart(b); /* the date of an imprint, the author of a byline */
+        return;
+    }
+    if (f->act == ACT_PARAGRAPH && (f - 1)->act == ACT_CELL && !(f - 1)->opened && !(f - 1)->begun && top) {
+        (f - 1)->begun = true;
+        return;
+    }
     f->opened = true;
+    if (f->act == ACT_CELL && top && top->item && (f - 1)->act == ACT_ROW) {
+        if (top->text.size)
+            build_join_cells(b);
+        f->opened = false;
+        return;
+    }
     if (f->act == ACT_PARAGRAPH && top && top->item && !top->text.size)
         return; /* the item has no text before it */
     switch (f->act) {
@@ -315,8 +332,10 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
         break;
     case ACT_PARAGRAPH:
     case ACT_ITEM:
+    case ACT_ROW:
+    case ACT_CELL:
         build_block(b, BLOCK_PARAGRAPH);
-        build_top(b)->item = f->act == ACT_ITEM;
+        build_top(b)->item = f->act != ACT_PARAGRAPH;
         break;
     case ACT_GROUP:
         build_block(b, BLOCK_VERSE);
@@ -396,7 +415,8 @@ static void name_speaker(struct tei *t, const char *who) {
 
 static bool is_inline(enum tei_act act) {
     return act == ACT_PASS || act == ACT_APART || act == ACT_UNKNOWN ||
-           (act >= ACT_EMPHASIS && act <= ACT_NAME) || act >= ACT_CHOICE;
+           (act >= ACT_EMPHASIS && act <= ACT_NAME) ||
+           (act >= ACT_CHOICE && act != ACT_ROW && act != ACT_CELL);
 }
 
 static void start_other(struct tei *t, struct tei_frame *f, const struct xml_walk *w, const char *name,
@@ -450,6 +470,9 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
     case ACT_FIGURE:
         t->figures++;
         start_aside(t, f);
+        break;
+    case ACT_QUOTE:
+        quotes_begin(&t->quotes, t->b, (f - 1)->lang);
         break;
     case ACT_APART:
         build_apart(t->b);
@@ -610,6 +633,8 @@ static void on_end(struct xml_walk *w, const char *name) {
         tei_header_end(t, w, name);
         t->header--;
     } else {
+        if (f->act == ACT_QUOTE)
+            quotes_end(&t->quotes, t->b);
         if (f->foreign)
             build_mark_end(t->b, MARK_FOREIGN);
         if (f->aside) {
@@ -644,7 +669,8 @@ static void on_text(struct xml_walk *w, const char *text, size_t size) {
             build_block(t->b, BLOCK_PARAGRAPH);
     }
     t->after = AFTER_TEXT;
-    build_text(t->b, text, size);
+    size_t done = t->quotes.depth ? quotes_text(&t->quotes, t->b, text, size) : 0;
+    build_text(t->b, text + done, size - done);
 }
 
 static void on_entity(struct xml_walk *w, const char *name) {
@@ -671,6 +697,7 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
                             .stop = &b->stopped};
     t->b = b;
     t->meta = meta;
+    b->work_lang = meta->lang;
     tei_outline_read(&t->outline, data, size);
     b->where = xml_walk_where;
     b->where_ctx = &walk;
@@ -681,7 +708,7 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
             error_at_line(e, ERROR_BAD_WORK, 1, 1, "the root element is neither TEI nor a supported markup");
     while (build_is_open(b))
         build_end(b);
-    b->lang = NULL;
+    b->lang = b->work_lang = NULL;
     b->where = NULL;
     work_meta_set(&meta->date, t->first_date);
     free(t->first_date);

@@ -17,6 +17,8 @@ enum html_act {
     HTML_HEAD,
     HTML_PARAGRAPH,
     HTML_ITEM,
+    HTML_ROW, /* of a table */
+    HTML_CELL,
     HTML_NOTE,
     HTML_NOTES, /* a list of notes */
     HTML_LINE,  /* a line of verse */
@@ -29,10 +31,12 @@ enum html_act {
     HTML_LINK,
     HTML_ALTERNATIVE, /* a picture or a formula, replaced by its author's text */
     HTML_SUPERSCRIPT,
+    HTML_QUOTE,
 };
 
 struct html_frame {
     enum html_act act;
+    bool begun;                 /* CELL: it has had a paragraph */
     bool opened, foreign, sign; /* sign: a link that may be a note's sign */
     size_t from;                /* LINK: size of the block's text at its start */
     char lang[36];
@@ -42,6 +46,7 @@ struct html {
     struct html_frame frames[WORK_DEPTH_MAX + 1];
     struct builder *b;
     const char *name;
+    struct quotes quotes;
     unsigned skip, body, notes, superscripts, svg; /* numbers of open elements */
 };
 
@@ -93,11 +98,11 @@ static enum html_act act_of(const struct html *h, const char *name, const char *
         "head",       "script",         "style",    "nav", "audio", "video",    "iframe",
         "button",     "input",          "rt",       "rp",  "rtc",   "template", "datalist",
         "annotation", "annotation-xml", "metadata", NULL};
-    static const char *const blocks[] = {"p",  "pre",     "figcaption", "dd",      "dt",     "td",
-                                         "th", "caption", "address",    "summary", "legend", NULL};
+    static const char *const blocks[] = {"p",       "pre",     "figcaption", "dd",     "dt",
+                                         "caption", "address", "summary",    "legend", NULL};
     static const char *const groups[] = {
-        "div", "section", "article", "main", "header",  "footer", "aside",      "figure", "ul",       "ol",
-        "dl",  "table",   "tr",      "hr",   "details", "center", "blockquote", "form",   "fieldset", NULL};
+        "div", "section", "article", "main",    "header", "footer",     "aside", "figure",   "ul", "ol",
+        "dl",  "table",   "hr",      "details", "center", "blockquote", "form",  "fieldset", NULL};
     static const char *const marks[] = {"em", "i", "b", "strong", "cite", "dfn", "u", NULL};
     static const char *const holders[] = {"td", "th", "dt", "p", "div", "li", "span", NULL};
     static const char *const notes[] = {"footnote", "endnote", "rearnote", NULL};
@@ -140,6 +145,10 @@ static enum html_act act_of(const struct html *h, const char *name, const char *
            : !strcmp(name, "br")             ? HTML_BREAK
            : !strcmp(name, "a")              ? HTML_LINK
            : !strcmp(name, "sup")            ? HTML_SUPERSCRIPT
+           : !strcmp(name, "tr")             ? HTML_ROW
+           : !strcmp(name, "td")             ? HTML_CELL
+           : !strcmp(name, "th")             ? HTML_CELL
+           : !strcmp(name, "q")              ? HTML_QUOTE
            : h->svg && !strcmp(name, "text") ? HTML_PARAGRAPH
            : xml_is_one(name, marks)         ? HTML_MARK
                                              : HTML_PASS;
@@ -175,7 +184,8 @@ static void add_text(struct html *h, const char *text, size_t size) {
         i++;
     if (!build_is_open(h->b) && i < size)
         build_block(h->b, BLOCK_PARAGRAPH);
-    build_text(h->b, text, size);
+    size_t done = h->quotes.depth ? quotes_text(&h->quotes, h->b, text, size) : 0;
+    build_text(h->b, text + done, size - done);
 }
 
 static void start_note(struct html *h, struct html_frame *f) {
@@ -211,6 +221,9 @@ static void start_inline(struct html *h, struct html_frame *f, const char *name,
         break;
     case HTML_BREAK:
         break_line(h);
+        break;
+    case HTML_QUOTE:
+        quotes_begin(&h->quotes, h->b, (f - 1)->lang);
         break;
     case HTML_SUPERSCRIPT:
         h->superscripts++;
@@ -280,11 +293,17 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
             build_mark(b, MARK_FOREIGN, f->lang);
             f->foreign = true;
         }
+    } else if (f->act == HTML_PARAGRAPH && (f - 1)->act == HTML_CELL && !(f - 1)->opened && !(f - 1)->begun &&
+               top) {
+        (f - 1)->begun = true;
     } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
         f->opened = true; /* the item has no text before it */
-    } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
+    } else if (f->act == HTML_CELL && top && top->item && (f - 1)->act == HTML_ROW) {
+        if (top->text.size)
+            build_join_cells(b);
+    } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM || f->act == HTML_ROW || f->act == HTML_CELL) {
         build_block(b, BLOCK_PARAGRAPH);
-        build_top(b)->item = f->act == HTML_ITEM;
+        build_top(b)->item = f->act == HTML_ITEM || f->act == HTML_ROW;
         f->opened = true;
     } else {
         start_note(h, f);
@@ -377,6 +396,8 @@ static void on_end(struct xml_walk *w, const char *name) {
     struct html *h = w->ctx;
     struct html_frame *f = &h->frames[w->depth];
     bool svg = f->act != HTML_SKIP && !strcmp(name, "svg");
+    if (f->act == HTML_QUOTE)
+        quotes_end(&h->quotes, h->b);
     if (f->foreign)
         build_mark_end(h->b, MARK_FOREIGN);
     if (f->act == HTML_SKIP)

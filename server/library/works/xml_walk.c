@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/utf8.h"
 #include "server/library/works/readers.h"
 #include "server/library/works/work.h"
 #include <cmark-gfm.h>
 #include <stdio.h>
 #include <string.h>
+#include <utf8proc.h>
 
 enum { PIECE = 1 << 20, DECLARATION_BYTES_MAX = 256 };
 
@@ -137,6 +139,29 @@ bool xml_has_token(const char **attributes, const char *name, const char *word) 
     return false;
 }
 
+/* Names of letters with a sign that HTML lacks but older sets have, such as "obreve" and "emacr". */
+static size_t letter_with_sign(const char *name, char out[ENTITY_BYTES_MAX]) {
+    static const struct {
+        const char *name;
+        utf8proc_int32_t sign;
+    } signs[] = {{"acute", 0x301}, {"grave", 0x300}, {"circ", 0x302},  {"uml", 0x308},   {"tilde", 0x303},
+                 {"macr", 0x304},  {"breve", 0x306}, {"caron", 0x30C}, {"cedil", 0x327}, {"ring", 0x30A},
+                 {"ogon", 0x328},  {"dot", 0x307},   {"dblac", 0x30B}};
+    if (!((name[0] | 32) >= 'a' && (name[0] | 32) <= 'z'))
+        return 0;
+    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++) {
+        if (strcmp(name + 1, signs[i].name) != 0)
+            continue;
+        utf8proc_int32_t letter[2] = {name[0], signs[i].sign};
+        utf8proc_ssize_t count = utf8proc_normalize_utf32(letter, 2, UTF8PROC_COMPOSE | UTF8PROC_STABLE);
+        size_t size = 0;
+        for (utf8proc_ssize_t k = 0; k < count; k++)
+            size += utf8_put((uint32_t)letter[k], out + size);
+        return size;
+    }
+    return 0;
+}
+
 /* cmark knows the entities of HTML 5. */
 size_t xml_entity(const char *name, char out[ENTITY_BYTES_MAX]) {
     char text[48];
@@ -156,7 +181,7 @@ size_t xml_entity(const char *name, char out[ENTITY_BYTES_MAX]) {
         length = 0;
     memcpy(out, found ? found : "", length);
     cmark_node_free(root);
-    return length;
+    return length ? length : letter_with_sign(name, out);
 }
 
 void xml_walk_where(void *walk, size_t *line, size_t *column) {

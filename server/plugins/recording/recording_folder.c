@@ -85,8 +85,8 @@ enum {
     PACE_MAX = 300,
 };
 
-static const char *const sound_endings[] = {".wav", ".flac", ".ogg", ".oga", ".opus", ".mp3",
-                                            ".aif", ".aiff", ".au",  ".w64", ".epub", NULL};
+static const char *const sound_endings[] = {".wav", ".flac", ".ogg",  ".oga", ".opus", ".mp3",  ".m4a",
+                                            ".m4b", ".aif",  ".aiff", ".au",  ".w64",  ".epub", NULL};
 static const char *const times_endings[] = {".TextGrid", ".textgrid", ".lab", ".mlf", ".times", NULL};
 
 static char *join(const char *a, const char *b, const char *c, const char *d) {

@@ -34,11 +34,19 @@ const TEI = {
   notes: ['<p>Una parola<ref target="#nota">12</ref> e <ref target="#altro">un rinvio</ref>.</p><note xml:id="nota" n="12">Detta piano.</note>', 'Una parola e un rinvio.\nDetta piano.'],
   signs: ['<p>Il <ref target="#rus">дом</ref> nostro<ref target="#rus">²</ref>, <ref target="#rus">a</ref>.</p><note xml:id="rus">Casa.</note>', 'Il дом nostro,.\nCasa.'],
   pretty: ['<p>be<choice>\n  <sic>l</sic>\n  <corr>ll</corr>\n</choice>a <app>\n <lem>rosa</lem>\n <rdg>cosa</rdg></app>!</p>', 'bella rosa!'],
-  parts: ['<castList><castItem><role>Ugo</role><roleDesc>un oste</roleDesc></castItem></castList><table><row><cell>uno</cell><cell>due</cell></row></table><p><bibl><author>Neri</author><date>1788</date></bibl></p>', 'Ugo un oste\nuno\ndue\nNeri1788'],
+  parts: ['<castList><castItem><role>Ugo</role><roleDesc>un oste</roleDesc></castItem></castList><table><row><cell>uno</cell><cell>due</cell></row></table><p><bibl><author>Neri</author><date>1788</date></bibl></p>', 'Ugo un oste\nuno; due\nNeri1788'],
   spoken: ['<u who="#a">Buongiorno<pause/> a tutti</u><vocal><desc>ride</desc></vocal><u who="#b">E a lei</u>', 'Buongiorno a tutti\nride\nE a lei'],
   tongues: ['<p>Disse <hi xml:lang="fr">bonjour</hi> e <q xml:lang="en">good night <hi>dear</hi></q>.</p><lg><l xml:lang="la">Ave rosa</l><l>ave stella</l></lg><quote xml:lang="en"><p>All in English.</p></quote>',
-    'Disse bonjour e good night dear. {fr:bonjour} {en:good night dear}\nAve rosa\nave stella {la:Ave rosa}\n[en] All in English.'],
+    'Disse bonjour e «good night dear». {fr:bonjour} {en:«good night dear»}\nAve rosa\nave stella {la:Ave rosa}\n[en] All in English.'],
   entities: ['<p>perch&eacute; la citt&agrave; &mdash; gi&ugrave;</p>', 'perché la città — giù'],
+  quotes: ['<p><q>Vieni,</q> disse, <q>\n<hi>qui</hi>.</q> <said>Io <q>no</q> e <q>«forse»</q></said> “<q>chi</q>”, <q xml:lang="en">yes</q>.</p><p>— <q>Sì</q></p><q><p>Tutto.</p></q><p><q>Uno<l>verso</l></q></p>', '«Vieni,» disse, «qui.» «Io “no” e «forse»» “chi”, «yes». {en:«yes»}\n— Sì\nTutto.\n«Uno\nverso'],
+  insets: ['<p>Una <note>Detta piano.</note>parola<note n="1">lunga </note>.</p>', 'Una parola.\nDetta piano.\nlunga'],
+  tables: ['<table><head>Prezzi</head><row><cell>pane</cell><cell>due.</cell><cell><p>lire</p></cell></row><row><cell/><cell>solo</cell></row></table><list><item>ultimo</item></list>', 'Prezzi\npane; due. lire\nsolo\nultimo'],
+  imprint: ['<byline>di <docAuthor>Ada Neri</docAuthor>.</byline><docImprint>Lucca, <docDate>1788</docDate></docImprint><docDate>1789</docDate>', 'di Ada Neri.\nLucca, 1788\n1789'],
+  entries: ['<entryFree><form><orth>abate</orth></form><gramGrp><pos>s.</pos></gramGrp><sense><def>capo</def></sense></entryFree><entry><orth>ape</orth>insetto</entry>', 'abate s. capo\nape insetto'],
+  letters: ['<p>m&ebreve;no &Emacr;va</p>', 'mĕno Ēva'],
+  codes: ['<p>Disse <foreign xml:lang="eng">good night</foreign> e <foreign xml:lang="fre">merci</foreign> e <foreign xml:lang="grc">χαῖρε</foreign>.</p>', 'Disse good night e merci e χαῖρε. {en:good night} {fr:merci} {grc:χαῖρε}'],
+  rest: ['<epigraph><quote>Detto antico.</quote></epigraph><lg><head>Canto</head><lg><l>uno</l></lg><lg><l>du<caesura/>e</l></lg></lg><sp><ab>Voce sola.</ab></sp><p>Prima <gap reason="illegible"/> dopo <supplied>ripreso</supplied>, 1<hi rend="sup">o</hi>.</p><trailer>Fine</trailer>', 'Detto antico.\nCanto\nuno\ndu e\nVoce sola.\nPrima […] dopo ripreso, 1o.\nFine'],
   soft: ['<p>meravi\u00adglioso la\u200bvoro</p>', 'meraviglioso lavoro'],
 };
 const NS = 'xmlns:epub="http://www.idpf.org/2007/ops"';
@@ -52,6 +60,9 @@ const EPUB = {
   entities: ['<p>Due&nbsp;parole &mdash; caff&egrave; &thetasym;.</p><p>Dopo.</p>', 'Due parole — caffè ϑ.\nDopo.'],
   groups: ['<article>Nudo</article>testo<ul><li><p>Uno</p>coda</li><li>Due</li></ul><main><p>Fine</p></main>', 'Nudo\ntesto\nUno\ncoda\nDue\nFine'],
   forms: ['<form><fieldset><legend>Domande</legend>Prima <input value="no"/> riga <button>No</button></fieldset>Seconda</form><p>Ecco <object data="a.svg" type="image/svg+xml">una mappa</object>.</p>', 'Domande\nPrima riga\nSeconda\nEcco una mappa.'],
+  quotes: ['<p><q>Vieni</q>, disse, “<q>qui</q>”.</p>', '«Vieni», disse, “qui”.'],
+  tables: ['<table><tr><th>Nome</th><th>Anni</th></tr><tr><td>Ada</td><td><p>cinque</p></td></tr><tr><td><p>Uno.</p><p>Due.</p></td><td>Tre.</td></tr></table><pre>una  riga</pre><dl><dt>Mare</dt><dd>acqua</dd></dl>', 'Nome; Anni\nAda; cinque\nUno.\nDue.\nTre.\nuna riga\nMare\nacqua'],
+  address: ['<p>Spett. Ditta<br/>Via Roma 1<br/>Lucca</p>', 'Spett. Ditta Via Roma 1 Lucca'],
   tongues: ['<p>Disse <em lang="en">good night</em> e <i xml:lang="fr">merci</i>.</p><h2 lang="en">A chapter</h2>', 'Disse good night e merci. {en:good night} {fr:merci}\n[en] A chapter'],
 };
 
@@ -84,6 +95,10 @@ before(async () => {
   for (const [name, [body]] of Object.entries(EPUB)) writeZip(path.join(works, `epub-${name}.epub`), epub({ 'uno.xhtml': body }));
   const title = '<titleStmt><title>Prova</title><author><persName><forename>Ada</forename><surname>Neri</surname></persName><idno type="wikidata">Q42</idno></author><author>Ugo Bo</author></titleStmt>';
   fs.writeFileSync(path.join(works, 'head.xml'), tei('<p>Testo.</p>', { head: header(`${title}<publicationStmt><date when="2021"/></publicationStmt><sourceDesc><bibl><date when="1788"/>Lucca, 1788</bibl></sourceDesc>`) }));
+  const full = '<titleStmt><title>Copia</title><author>Neri, Ada</author></titleStmt><sourceDesc><biblFull><titleStmt><title>Stampa</title><author>Neri, Ada, 1700-1780</author></titleStmt></biblFull></sourceDesc>';
+  fs.writeFileSync(path.join(works, 'copy.xml'), tei('<p>Testo.</p>', { head: header(full) }));
+  fs.writeFileSync(path.join(works, 'only.xml'), tei('<p>Testo.</p>', { head: header('<titleStmt><title>Copia</title><author>Ugo Bo<affiliation>Un istituto</affiliation><email>u@example.org</email></author></titleStmt>') }));
+  fs.writeFileSync(path.join(works, 'latin.xml'), Buffer.from('<?xml version="1.0" encoding="ISO-8859-1"?><TEI xmlns="http://www.tei-c.org/ns/1.0"><teiHeader/><text xml:lang="it"><body><p>perch\xe9</p></body></text></TEI>', 'latin1'));
   fs.writeFileSync(path.join(works, 'old.xml'), '<TEI.2><teiHeader/><text lang="it"><body><div7><p>Vecchia forma.</p></div7></body></text></TEI.2>');
   const persons = '<profileDesc><particDesc><listPerson><person xml:id="ugo"><persName><forename>Ugo</forename>\n<surname>Bo</surname></persName></person></listPerson></particDesc></profileDesc>';
   const shared = '<sp who="#ada"><speaker>ADA</speaker><l>Che notte chiara.</l><l part="I">Chi va?</l></sp><sp who="#ugo"><l part="M">Nessuno.</l></sp><sp who="#ugo #coro"><l part="F">Andiamo!</l></sp><sp who="#ugo"><l part="N">Poi si farà giorno.</l><l>E sia.</l></sp>';
@@ -143,6 +158,10 @@ for (const [format, cases] of Object.entries({ tei: TEI, epub: EPUB }))
     test(`${format}, ${name}: reads every word once, in its order and language`, async () => assert.equal(await read(`${format}-${name}`), expected));
 
 test('the header: omits authority numbers of authors, reads the date of the source; TEI P4', async () => {
+  const named = (work) => all.works.find(({ id }) => id === work);
+  assert.deepEqual([named('copy').title, named('copy').author], ['Copia', 'Neri, Ada']);
+  assert.equal(named('only').author, 'Ugo Bo');
+  assert.equal(await read('latin'), 'perché');
   const head = all.works.find(({ id }) => id === 'head');
   assert.deepEqual([head.author, head.date], ['Ada Neri; Ugo Bo', '1788']);
   assert.equal(await read('old'), 'Vecchia forma.');
