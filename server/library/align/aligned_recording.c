@@ -260,50 +260,129 @@ static double at_phone(const struct aligned_recording *r, double time, bool star
     return best;
 }
 
+/* The slice that is aligned: all, unless the clips of a book divide it. */
+static struct clip_slice slice_of(const struct aligned_recording *r) {
+    return r->slices.count ? r->slices.list[r->slice]
+                           : (struct clip_slice){.to = r->text_size, .end = r->sound->samples};
+}
+
+static size_t read_part(void *ctx, uint64_t from, int16_t *out, size_t count) {
+    const struct aligned_recording *r = ctx;
+    const struct clip_slice slice = slice_of(r);
+    uint64_t left = from < r->part.samples ? r->part.samples - from : 0;
+    return r->sound->read(r->sound->ctx, slice.begin + from, out, count < left ? count : (size_t)left);
+}
+
 static void take_piece(struct aligned_recording *r, const struct long_alignment_piece *piece) {
+    const struct clip_slice slice = slice_of(r);
+    const double begin = (double)slice.begin / r->sound->rate;
     for (size_t i = 0; i < piece->phone_count && !r->keep_phones; i++) {
         const struct long_alignment_phone *p = &piece->phones[i];
-        add_phone(r, p->ipa, p->stress, p->start, p->end);
+        add_phone(r, p->ipa, p->stress, begin + p->start, begin + p->end);
     }
     for (size_t i = 0; i < piece->word_count; i++) {
         const struct long_alignment_word *w = &piece->words[i];
-        place(r, w->from, w->to, r->keep_phones ? at_phone(r, w->start, true) : w->start,
-              r->keep_phones ? at_phone(r, w->end, false) : w->end, w->confidence);
+        double start = begin + w->start, end = begin + w->end;
+        place(r, slice.from + w->from, slice.from + w->to, r->keep_phones ? at_phone(r, start, true) : start,
+              r->keep_phones ? at_phone(r, end, false) : end, w->confidence);
     }
     r->sentences = mem_grow(r->sentences, &r->sentence_cap, r->sentence_count + 1, sizeof *r->sentences);
     r->sentences[r->sentence_count++] = (struct aligned_recording_sentence){
-        piece->from, piece->to, piece->start, piece->end, piece->confidence, piece->passed, piece->found};
-    settle(r, piece->to);
-    r->until = piece->end;
+        slice.from + piece->from, slice.from + piece->to,    begin + piece->start, begin + piece->end,
+        piece->confidence,        piece->passed + r->passed, piece->found};
+    r->passed = 0;
+    settle(r, slice.from + piece->to);
+    r->until = begin + piece->end;
+}
+
+/* The words of a clip lie in it; a clip of one word is that word. */
+static void bound_words(struct aligned_recording *r, const struct clip_slice *slice) {
+    for (size_t i = slice->first; i < slice->last; i++) {
+        const struct clip_bounds *clip = &r->slices.clips[i];
+        const double from = (double)clip->from / r->sound->rate, to = (double)clip->to / r->sound->rate;
+        for (size_t k = clip->first; k < clip->last; k++) {
+            struct aligned_recording_word *w = &r->words[k];
+            if (!w->known || (!w->confidence && w->end <= w->start))
+                continue; /* not read */
+            w->start = fmin(fmax(w->start, from), to);
+            w->end = fmin(fmax(w->end, w->start), to);
+            if (clip->last - clip->first == 1)
+                *w = (struct aligned_recording_word){from, w->end > from ? w->end : to, 1, true};
+        }
+    }
+}
+
+/* Notes that no sentence of the slice is in the recording, paragraph by paragraph. */
+static void miss_slice(struct aligned_recording *r, const struct clip_slice *slice, double at) {
+    for (size_t from = slice->from, to; from < slice->to; from = to) {
+        const char *line = memchr(r->text + from, '\n', slice->to - from);
+        to = line ? (size_t)(line + 1 - r->text) : slice->to;
+        size_t end = to;
+        while (end > from && strchr(" \n", r->text[end - 1]))
+            end--;
+        if (end == from)
+            continue;
+        r->sentences = mem_grow(r->sentences, &r->sentence_cap, r->sentence_count + 1, sizeof *r->sentences);
+        r->sentences[r->sentence_count++] =
+            (struct aligned_recording_sentence){.from = from, .to = end, .start = at, .end = at};
+    }
+}
+
+/* The slice is over, or (failed) its text is not in it. */
+static void end_slice(struct aligned_recording *r, bool failed) {
+    const struct clip_slice slice = slice_of(r);
+    const double begin = (double)slice.begin / r->sound->rate;
+    if (failed) {
+        miss_slice(r, &slice, begin);
+        r->failed++;
+    }
+    settle(r, slice.to);
+    r->passed +=
+        failed ? (double)(slice.end - slice.begin) / r->sound->rate : long_alignment_rest(r->alignment);
+    if (r->slices.count)
+        bound_words(r, &slice);
+    long_alignment_free(r->alignment);
+    r->alignment = NULL;
+    r->slice++;
+    r->complete = r->slice >= r->slices.count;
+    r->rest = r->complete ? r->passed : 0;
+}
+
+static int begin_slice(struct aligned_recording *r, struct error *e) {
+    const struct long_alignment_options options = {
+        .lang = r->lang, .gender = *r->gender ? r->gender : NULL, .stop = r->stop, .certain = r->certain};
+    struct reference *reference = reference_get(r->reference, e);
+    if (!reference)
+        return -1;
+    const struct clip_slice slice = slice_of(r);
+    r->part = (struct sound_source){read_part, r, r->sound->rate, slice.end - slice.begin};
+    r->alignment =
+        long_alignment_open(&r->part, reference, r->text + slice.from, slice.to - slice.from, &options, e);
+    return r->alignment ? 0 : -1;
 }
 
 int aligned_recording_advance(struct aligned_recording *r, struct error *e) {
     struct long_alignment_piece piece;
     if (r->complete)
         return 0;
-    if (!r->alignment) {
-        const struct long_alignment_options options = {
-            .lang = r->lang, .gender = *r->gender ? r->gender : NULL, .stop = r->stop, .certain = r->certain};
-        struct reference *reference = reference_get(r->reference, e);
-        if (!reference)
-            return -1;
-        r->alignment = long_alignment_open(r->sound, reference, r->text, r->text_size, &options, e);
-        if (!r->alignment)
-            return -1;
+    const struct clip_slice slice = slice_of(r);
+    if (r->slices.count && slice.begin == slice.end) {
+        end_slice(r, true);
+        return !r->complete;
     }
+    if (!r->alignment && begin_slice(r, e))
+        return -1;
     int found = long_alignment_next(r->alignment, &piece, e);
     if (found > 0) {
         take_piece(r, &piece);
         long_alignment_piece_free(&piece);
+        return 1;
     }
-    if (found == 0) {
-        settle(r, r->text_size);
-        r->rest = long_alignment_rest(r->alignment);
-        long_alignment_free(r->alignment);
-        r->alignment = NULL;
-        r->complete = true;
-    }
-    return found;
+    bool failed = found < 0 && e->code == ERROR_MISALIGNED && r->failed + 1 < r->slices.count;
+    if (found < 0 && !failed)
+        return -1;
+    end_slice(r, failed);
+    return !r->complete;
 }
 
 /* Matches the words of a file of times, each a little after the previous one. */
@@ -350,6 +429,14 @@ static char *text_of(const struct times *times) {
     return (char *)text.data;
 }
 
+static void find_slices(struct aligned_recording *r) {
+    struct sound_clip *clips;
+    size_t count = sound_clips(r->file, &clips);
+    if (count)
+        clip_slices_find(&r->slices, clips, count, r->text, r->text_size, &r->tokens, r->sound->rate);
+    sound_clips_free(clips, count);
+}
+
 struct aligned_recording *aligned_recording_open(const struct aligned_recording_options *options,
                                                  struct error *e) {
     struct aligned_recording *r = mem_alloc(sizeof *r);
@@ -372,6 +459,8 @@ struct aligned_recording *aligned_recording_open(const struct aligned_recording_
         snprintf(r->gender, sizeof r->gender, "%s", options->gender ? options->gender : "");
         text_words_add(&r->tokens, r->text, size, 0);
         r->words = mem_alloc(r->tokens.count * sizeof *r->words);
+        if (!options->times)
+            find_slices(r);
         if (!options->times || !take_times(r, options->times, e)) {
             free(own);
             return r;
@@ -386,6 +475,7 @@ void aligned_recording_free(struct aligned_recording *r) {
     if (!r)
         return;
     long_alignment_free(r->alignment);
+    clip_slices_free(&r->slices);
     sound_close(r->file);
     text_words_free(&r->tokens);
     free(r->words);

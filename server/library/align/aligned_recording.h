@@ -4,6 +4,7 @@
 #ifndef FACCIA_LIBRARY_ALIGN_ALIGNED_RECORDING_H
 #define FACCIA_LIBRARY_ALIGN_ALIGNED_RECORDING_H
 
+#include "server/library/align/clip_slices.h"
 #include "server/library/align/reference.h"
 #include "server/library/align/sound_file.h"
 #include "server/library/align/text_words.h"
@@ -58,6 +59,10 @@ struct aligned_recording {
     struct aligned_recording_sentence *sentences; /* aligned so far */
     size_t sentence_count, sentence_cap;
     struct long_alignment *alignment; /* NULL = nothing is left to find */
+    struct clip_slices slices;        /* of a read-aloud book; none: the whole is one */
+    size_t slice, failed;             /* the one that is aligned; number of those whose text is not in them */
+    struct sound_source part;         /* its sound */
+    double passed;                    /* s of sound after the text of the slice before */
     bool keep_phones;                 /* phones come from a file; only words have to be found */
     bool complete;
     size_t placed; /* number of words so far */

@@ -5,6 +5,7 @@
 #include "server/base/mem.h"
 #include "server/base/sound/memory_file.h"
 #include "server/library/align/aac_file.h"
+#include "server/library/align/book_texts.h"
 #include "server/library/align/mono_reader.h"
 #include <expat.h>
 #include <math.h>
@@ -38,6 +39,13 @@ struct clip {
     uint64_t samples;
 };
 
+/* What one clip of the book reads: a text, named by its document and id. */
+struct named_text {
+    char *document, *id;
+    size_t clip;
+    double begin, end; /* as of a clip */
+};
+
 struct sound_part {
     char *path;
     uint64_t samples;
@@ -51,6 +59,8 @@ struct book_sound {
     size_t spine_count, spine_cap;
     struct clip *clips;
     size_t clip_count, clip_cap;
+    struct named_text *names;
+    size_t name_count, name_cap;
     struct sound_part *files;
     size_t file_count, file_cap;
     uint64_t samples;
@@ -70,6 +80,8 @@ struct reading {
     struct book_sound *book;
     const char *path; /* of the document */
     char *found;      /* of the container: path of the package */
+    char *text;       /* of a SMIL document: what the open `par` reads; NULL: not known */
+    bool unnamed;     /* the last clip waits for its text */
 };
 
 static char *resolve(const char *document, const char *href) {
@@ -148,23 +160,59 @@ static size_t file_of(struct book_sound *b, char *path) {
     return b->file_count++;
 }
 
+/* Keeps which text the clip reads. */
+static void name_clip(struct reading *r) {
+    struct book_sound *b = r->book;
+    char *hash = r->text ? strchr(r->text, '#') : NULL;
+    struct named_text *n = b->name_count ? &b->names[b->name_count - 1] : NULL;
+    if (!hash || !n || !r->unnamed)
+        return;
+    char *document = mem_strndup(r->text, (size_t)(hash - r->text));
+    n->document = resolve(r->path, document);
+    n->id = mem_strdup(hash + 1);
+    r->unnamed = false;
+    free(document);
+}
+
+static void add_name(struct reading *r, double begin, double end) {
+    struct book_sound *b = r->book;
+    b->names = mem_grow(b->names, &b->name_cap, b->name_count + 1, sizeof *b->names);
+    b->names[b->name_count++] = (struct named_text){.clip = b->clip_count - 1, .begin = begin, .end = end};
+    r->unnamed = true;
+    name_clip(r);
+}
+
+/* A `par` joins a text and a clip, in any order. */
+static void smil_par(struct reading *r, const char *name, const char **attributes) {
+    const char *source = strcmp(name, "text") ? NULL : attribute(attributes, "src");
+    if (strcmp(name, "par") != 0 && !source)
+        return;
+    free(r->text);
+    r->text = source ? mem_strdup(source) : NULL;
+    r->unnamed = r->unnamed && source;
+    name_clip(r);
+}
+
 static void smil_start(void *ctx, const char *name, const char **attributes) {
     struct reading *r = ctx;
     struct book_sound *b = r->book;
     const char *source = strcmp(local(name), "audio") ? NULL : attribute(attributes, "src");
     double begin = clock_of(attribute(attributes, "clipBegin")),
            end = clock_of(attribute(attributes, "clipEnd"));
-    if (!source || b->file_count == ITEMS_MAX || b->clip_count == CLIPS_MAX)
+    smil_par(r, local(name), attributes);
+    if (!source || b->file_count == ITEMS_MAX || b->clip_count == CLIPS_MAX || b->name_count == CLIPS_MAX)
         return;
     begin = begin < 0 ? 0 : begin;
     size_t file = file_of(b, resolve(r->path, source));
     struct clip *last = b->clip_count ? &b->clips[b->clip_count - 1] : NULL;
     if (last && last->file == file && last->end >= 0 && fabs(last->end - begin) < 0.002) {
         last->end = end;
+        add_name(r, begin, end);
         return;
     }
     b->clips = mem_grow(b->clips, &b->clip_cap, b->clip_count + 1, sizeof *b->clips);
     b->clips[b->clip_count++] = (struct clip){.file = file, .begin = begin, .end = end};
+    add_name(r, begin, end);
 }
 
 /* Unpacks a file of the archive. -1 with *e. */
@@ -221,6 +269,9 @@ static int read_clips(struct book_sound *b, struct error *e) {
         const struct item *page = item_of(b, b->spine[i]), *overlay = page ? item_of(b, page->overlay) : NULL;
         if (overlay)
             result = read_document(b, overlay->path, smil_start, &r, e);
+        free(r.text);
+        r.text = NULL;
+        r.unnamed = false;
     }
     free(r.found);
     return result || b->clip_count ? result
@@ -323,6 +374,47 @@ static size_t read_book(void *ctx, uint64_t from, int16_t *out, size_t count) {
     return done;
 }
 
+/* ---- texts ---- */
+
+/* Where a name's clip lies in the book, in samples. */
+static void place_name(const struct book_sound *b, const struct named_text *n, struct sound_clip *out) {
+    const struct clip *c = &b->clips[n->clip];
+    double end = (double)c->samples, first = c->begin * b->rate,
+           from = fmin(fmax(n->begin * b->rate - first, 0), end),
+           to = n->end < 0 ? end : fmin(fmax(n->end * b->rate - first, from), end);
+    out->from = c->start + (uint64_t)from;
+    out->to = c->start + (uint64_t)to;
+}
+
+size_t book_sound_clips(struct book_sound *b, struct sound_clip **clips) {
+    struct book_texts texts = {0};
+    const char *open = NULL;
+    size_t count = 0;
+    *clips = mem_alloc((b->name_count + 1) * sizeof **clips);
+    for (size_t i = 0; i < b->name_count; i++) {
+        const struct named_text *n = &b->names[i];
+        struct buf data = {0};
+        struct error ignored;
+        if (!n->id)
+            continue;
+        if (!open || strcmp(open, n->document) != 0) {
+            book_texts_free(&texts);
+            open = n->document;
+            if (!get(b, open, DOCUMENT_BYTES, &data, &ignored))
+                book_texts_read(&texts, data.size ? (char *)data.data : "", data.size);
+            buf_free(&data);
+        }
+        const struct book_text *text = book_texts_find(&texts, n->id);
+        if (!text || text->to <= text->from)
+            continue;
+        struct sound_clip *clip = &(*clips)[count++];
+        place_name(b, n, clip);
+        clip->text = mem_strndup((char *)texts.text.data + text->from, text->to - text->from);
+    }
+    book_texts_free(&texts);
+    return count;
+}
+
 bool book_sound_is(const char *path) {
     const char *dot = strrchr(path, '.');
     return dot && !strcasecmp(dot, ".epub");
@@ -359,6 +451,11 @@ void book_sound_close(struct book_sound *b) {
         free(b->spine[i]);
     for (size_t i = 0; i < b->file_count; i++)
         free(b->files[i].path);
+    for (size_t i = 0; i < b->name_count; i++) {
+        free(b->names[i].document);
+        free(b->names[i].id);
+    }
+    free(b->names);
     free(b->items);
     free(b->spine);
     free(b->clips);

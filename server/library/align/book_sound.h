@@ -16,6 +16,9 @@ bool book_sound_is(const char *path);
 struct book_sound *book_sound_open(const char *path, struct error *e);
 void book_sound_close(struct book_sound *book);
 
+/* Lists the clips that name a text, in order: see sound_clips. */
+size_t book_sound_clips(struct book_sound *book, struct sound_clip **clips);
+
 /* Valid while the book is open. */
 struct sound_source book_sound_source(struct book_sound *book);
 

@@ -109,6 +109,17 @@ const struct sound_source *sound_source(const struct sound_file *s) {
     return &s->source;
 }
 
+size_t sound_clips(struct sound_file *s, struct sound_clip **clips) {
+    *clips = NULL;
+    return s->book ? book_sound_clips(s->book, clips) : 0;
+}
+
+void sound_clips_free(struct sound_clip *clips, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        free(clips[i].text);
+    free(clips);
+}
+
 static size_t read_memory(void *ctx, uint64_t from, int16_t *out, size_t count) {
     const struct sound_memory *m = ctx;
     size_t left = from < m->samples ? m->samples - (size_t)from : 0;

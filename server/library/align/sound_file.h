@@ -24,6 +24,17 @@ void sound_close(struct sound_file *sound);
 /* Valid while the file is open. */
 const struct sound_source *sound_source(const struct sound_file *sound);
 
+/* A part of the sound of which is known what it reads. */
+struct sound_clip {
+    uint64_t from, to; /* samples */
+    char *text;
+};
+
+/* The clips of a read-aloud book that name their text, in order. Returns how many; others have none. Free
+ * them. */
+size_t sound_clips(struct sound_file *sound, struct sound_clip **clips);
+void sound_clips_free(struct sound_clip *clips, size_t count);
+
 /* Sound in memory, as a source. */
 struct sound_memory {
     const int16_t *pcm;

@@ -30,8 +30,15 @@ const ask = async (address) => (await daemon.get(`/v1/library${address}`)).json(
 const recording = async (work) => (await ask(`/works/${work}`)).recordings?.[0];
 const finished = (work) => eventually(async () => { const one = await recording(work); return ['aligned', 'failed'].includes(one?.state) && one; }, `${work} aligned`, 240000);
 
-/** Changes a book: files by name, or null to leave one out. */
-function rebuilt(from, to, files) {
+/** Cuts a file off in its middle. */
+const cut = (file) => {
+  const to = `${file}.cut`;
+  fs.writeFileSync(to, fs.readFileSync(file).subarray(0, 3000));
+  return to;
+};
+
+/** Changes a book: files by name, or null to leave one out; paths of files to add. */
+function rebuilt(from, to, files, added = {}) {
   const script = `
 import json, sys, zipfile
 a, b = zipfile.ZipFile(sys.argv[1]), zipfile.ZipFile(sys.argv[2], 'w')
@@ -40,8 +47,9 @@ for i in a.infolist():
     new = files.get(i.filename, False)
     if new is None: continue
     b.writestr(i, a.read(i.filename) if new is False else new)
+for name, file in json.loads(sys.argv[3]).items(): b.write(file, name)
 b.close()`;
-  execFileSync('python3', ['-c', script, from, to], { input: JSON.stringify(files) });
+  execFileSync('python3', ['-c', script, from, to, JSON.stringify(added)], { input: JSON.stringify(files) });
 }
 
 before(async () => {
@@ -58,6 +66,25 @@ before(async () => {
   rebuilt(book, path.join(works, 'rotto.epub'), { 'EPUB/s1.mp3': 'this is no sound' });
   rebuilt(book, path.join(works, 'perso.epub'), { 'EPUB/s1.mp3': null });
   rebuilt(book, path.join(works, 'storto.epub'), { 'EPUB/s1.smil': '<smil><body>' });
+  // the same book with its sound as AAC, and texts that nobody reads; one clip for a section, whose words are bounded by it
+  const mp4 = (name) => {
+    const mp3 = path.join(folder, `${name}.mp3`), m4a = path.join(folder, `${name}.m4a`);
+    fs.writeFileSync(mp3, execFileSync('unzip', ['-p', book, `EPUB/${name}.mp3`], { maxBuffer: 1 << 26 }));
+    execFileSync('ffmpeg', ['-v', 'error', '-y', '-i', mp3, '-c:a', 'aac', '-b:a', '64k', m4a]);
+    return m4a;
+  };
+  const all = (name, file) => {
+    const times = [...read(`${name}.smil`).matchAll(/clipBegin="([^"]+)" clipEnd="([^"]+)"/g)];
+    return `<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body><par><audio src="${file}" clipBegin="${times[0][1]}" clipEnd="${times.at(-1)[2]}"/><text src="${name}.xhtml#tutto"/></par></body></smil>`;
+  };
+  const more = 'Questo foglio spiega come si ascolta il libro e non viene letto da nessuno.';
+  const page = (name, after = '') => read(`${name}.xhtml`).replace(/(<body[^>]*>)([\s\S]*)(<\/body>)/, (_, open, inner, close) => `${open}${name === 's1' ? `<p>${more}</p>` : ''}<div id="tutto">${inner}</div>${after}${close}`);
+  rebuilt(book, path.join(works, 'aac.epub'), {
+    'EPUB/s1.smil': all('s1', 's1.m4a'), 'EPUB/s2.smil': all('s2', 's2.m4a'), 'EPUB/s1.xhtml': page('s1'), 'EPUB/s2.xhtml': page('s2', '<p>Anche questa coda del libro resta muta.</p>'),
+  }, { 'EPUB/s1.m4a': mp4('s1'), 'EPUB/s2.m4a': mp4('s2') });
+  rebuilt(book, path.join(works, 'mozzo.epub'), { 'EPUB/s1.smil': read('s1.smil').replaceAll('s1.mp3', 's1.m4a') }, { 'EPUB/s1.m4a': cut(mp4('s1')) });
+  fs.copyFileSync(path.join(sources, 'porto.md'), path.join(works, 'solo.md'));
+  execFileSync('ffmpeg', ['-v', 'error', '-y', '-i', path.join(folder, 'porto.wav'), '-c:a', 'aac', '-b:a', '64k', path.join(works, 'solo.m4a')]);
   daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--library-align', '100']);
   await eventually(async () => (await ask('')).state === 'ready', 'the library');
 });
@@ -91,8 +118,24 @@ test('only a part of a book may be recorded; clips may go to the end of a file',
   assert.deepEqual(said.words.map(({ text }) => text).slice(0, 3), ['Domani', 'partono', 'tutti']);
 });
 
+test('sound in AAC is read, in books and beside works; words lie in the clip of their text, and text without a clip is not read', async () => {
+  const times = [...fs.readFileSync(path.join(folder, 'porto.vtt'), 'utf8').matchAll(/<(\d\d):(\d\d):(\d\d\.\d{3})>(\p{L}+)/gu)].map(([, h, m, s, word]) => [word, h * 3600 + m * 60 + Number(s)]);
+  const one = await finished('aac');
+  assert.deepEqual([one.state, one.missing, one.unwritten], ['aligned', 2, []], JSON.stringify(one));
+  assert.deepEqual(one.unread.map(({ passage }) => passage.replace(/:p\d+$/, '')), ['aac:1', 'aac:3'], JSON.stringify(one.unread));
+  const whole = await finished('solo');
+  assert.deepEqual([whole.state, whole.file, whole.missing], ['aligned', 'solo.m4a', 0], JSON.stringify(whole));
+  for (const [passage, first] of [['aac:2:p1', 'La'], ['solo:1', 'Mattina']]) {
+    const { words } = await (await daemon.get(`/v1/speech?passage=${passage}&voice=recording&format=json`)).json();
+    assert.equal(words[0].text, first, passage);
+    const from = passage === 'solo:1' ? 0 : words[1].start - times.find(([word]) => word === 'barca')[1];
+    for (const word of ['barca', 'porto', 'pescatore', 'reti', 'guarda'])
+      assert.ok(Math.abs(words.find(({ text }) => text.startsWith(word)).start - from - times.find(([text]) => text === word)[1]) < 0.15, `${passage}: ${word} ${JSON.stringify(words)}`);
+  }
+});
+
 test('a book whose sound cannot be read says why, and is read all the same', async () => {
-  for (const [work, why] of [['senza', /no recording/], ['rotto', /s1\.mp3/], ['perso', /has no 'EPUB\/s1\.mp3'/], ['storto', /s1\.smil', line 1/]]) {
+  for (const [work, why] of [['senza', /no recording/], ['rotto', /s1\.mp3/], ['mozzo', /s1\.m4a': the MP4 file has no index/], ['perso', /has no 'EPUB\/s1\.mp3'/], ['storto', /s1\.smil', line 1/]]) {
     const one = await finished(work);
     assert.equal(one.state, 'failed', work);
     assert.match(one.why, why, work);
