@@ -229,7 +229,7 @@ static int align_end_outputs(struct align *a) {
 static const char usage[] =
     "Usage: faccia align [OPTION]... SOUND [--text FILE] [--timing FILE]\n"
     "Finds when each word and phone of its transcript is spoken in the recording SOUND (WAV, FLAC, Ogg, "
-    "MP3), itself or\n"
+    "MP3, M4A), itself or\n"
     "from a file of times, and writes timing, face and sound. Without --json, --fap or --wav the timing goes "
     "to\n"
     "standard output.\n"

@@ -26,9 +26,10 @@ struct plain {
     struct builder *b;
     struct line *lines; /* of the paragraph */
     size_t count, cap;
-    size_t width; /* of the file's wrapped lines, in characters; 0: unknown */
-    bool parts;   /* a heading of a part or book has come */
-    bool headed;  /* the last paragraph was a heading */
+    size_t width;  /* of the file's wrapped lines, in characters; 0: unknown */
+    bool parts;    /* a heading of a part or book has come */
+    bool headed;   /* the last paragraph was a heading */
+    bool emphasis; /* _ has begun one */
 };
 
 static size_t line_end(const char *data, size_t size, size_t at) {
@@ -238,6 +239,51 @@ static void add_heading(struct plain *p, unsigned level) {
     }
 }
 
+static bool is_of_word(const char *text, size_t size, size_t at) {
+    unsigned char c = at < size ? (unsigned char)text[at] : ' ';
+    return c >= 0x80 || (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z');
+}
+
+/* True when a _ there ends an emphasis (begins: begins one). */
+static bool is_underscore(const struct line *line, size_t at, bool begins) {
+    if (at >= line->size || line->text[at] != '_')
+        return false;
+    bool before = at && is_of_word(line->text, line->size, at - 1);
+    bool white =
+        begins ? at + 1 >= line->size || line->text[at + 1] == ' ' : !at || line->text[at - 1] == ' ';
+    return begins ? !white && !before : !white && !is_of_word(line->text, line->size, at + 1);
+}
+
+/* True when the paragraph ends the emphasis that begins there. */
+static bool ends_emphasis(const struct plain *p, size_t line, size_t at) {
+    for (; line < p->count; line++, at = 0)
+        for (; at < p->lines[line].size; at++)
+            if (is_underscore(&p->lines[line], at, false))
+                return true;
+    return false;
+}
+
+/* Adds a line, with _words_ as an emphasis. */
+static void add_line(struct plain *p, size_t i) {
+    const struct line *line = &p->lines[i];
+    size_t from = 0;
+    for (size_t at = 0; at < line->size; at++) {
+        bool ends = p->emphasis && is_underscore(line, at, false);
+        bool begins = !p->emphasis && is_underscore(line, at, true) && ends_emphasis(p, i, at + 1);
+        if (!ends && !begins)
+            continue;
+        build_text(p->b, line->text + from, at - from);
+        from = at + 1;
+        if (begins)
+            build_mark(p->b, MARK_EMPHASIS, NULL);
+        else
+            build_mark_end(p->b, MARK_EMPHASIS);
+        p->emphasis = begins;
+    }
+    build_text(p->b, line->text + from, line->size - from);
+    build_text(p->b, " ", 1);
+}
+
 static void add_paragraph(struct plain *p) {
     bool verse = is_verse(p);
     if (!verse)
@@ -247,10 +293,10 @@ static void add_paragraph(struct plain *p) {
             build_line(p->b, NULL, p->lines[i].indent);
         else if (i && is_speech(&p->lines[i]))
             build_block(p->b, BLOCK_PARAGRAPH);
-        build_text(p->b, p->lines[i].text, p->lines[i].size);
-        build_text(p->b, " ", 1);
+        add_line(p, i);
     }
     build_end(p->b);
+    p->emphasis = false;
 }
 
 static void end_paragraph(struct plain *p) {
@@ -298,12 +344,47 @@ static size_t width_of(const char *data, size_t size, size_t at) {
     return width;
 }
 
+/* Takes title, author and language from the header of a text of Project Gutenberg. */
+static void read_gutenberg(const char *data, size_t size, struct work_meta *meta) {
+    static const char start[] = "*** START OF TH";
+    static const char *const langs[][2] = {
+        {"English", "en"}, {"Italian", "it"}, {"Portuguese", "pt"}, {"Turkish", "tr"}, {"French", "fr"},
+        {"Spanish", "es"}, {"German", "de"},  {"Latin", "la"},      {"Dutch", "nl"},   {"Catalan", "ca"}};
+    enum { HEADER_BYTES = 20000, VALUE_BYTES = 300 };
+    const char *end = memmem(data, size < HEADER_BYTES ? size : HEADER_BYTES, start, strlen(start));
+    for (size_t at = 0; end && data + at < end;) {
+        size_t stop = line_end(data, size, at);
+        struct line line = trimmed(data + at, stop - at);
+        const struct {
+            const char *name;
+            char **to;
+        } fields[] = {{"Title: ", &meta->title}, {"Author: ", &meta->author}, {"Language: ", NULL}};
+        at = stop + 1;
+        for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+            size_t name = strlen(fields[i].name);
+            if (line.size <= name || line.size > VALUE_BYTES || memcmp(line.text, fields[i].name, name) != 0)
+                continue;
+            char *value = mem_strndup(line.text + name, line.size - name);
+            if (fields[i].to)
+                work_meta_set(fields[i].to, value);
+            for (size_t k = 0; !fields[i].to && k < sizeof langs / sizeof *langs; k++)
+                if (!strcmp(value, langs[k][0])) {
+                    free(meta->lang);
+                    meta->lang = mem_strdup(langs[k][1]);
+                }
+            free(value);
+        }
+    }
+}
+
 int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *b,
                     struct error *e) {
     size_t at = front_matter_read(data, size, meta, b);
     struct plain p = {.b = b, .width = width_of(data, size, at)};
     (void)e;
     meta->format = "text";
+    if (!at)
+        read_gutenberg(data, size, meta);
     while (at < size && !b->stopped) {
         size_t end = line_end(data, size, at);
         struct line line = trimmed(data + at, end - at);

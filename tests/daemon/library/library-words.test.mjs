@@ -108,6 +108,7 @@ before(async () => {
   fs.writeFileSync(path.join(works, 'marks.md'), '# Uno *due*\n\nUna voce[^1] e poi un ~~gatto~~ cane <b>rosso</b>, <span lang="fr">bonjour</span>[^1].\n\nprimo verso  \nsecondo verso[^coda]\n\n[^1]: Detta piano.\n\n    E poi forte.\n\n    | lato | capo |\n    |---|---|\n\n[^coda]: In coda[^terza].\n\n[^terza]: Nota di nota.\n\n| Nome | Anni |\n|------|-----:|\n| Ada | 5 |\n\n- [ ] fare il pane\n- [x] lavare\n\n<div class="a">Dentro <i>un</i> riquadro<!-- e non\nfuori --> &egrave; chiaro</div>\n');
   const verse = 'Che fai tu, vento, che torni alla riva\nse non c\'è vela che voglia partire?\n  Qui non si parte, qui solo si arriva.\n';
   fs.writeFileSync(path.join(works, 'plain.it.txt'), `PARTE PRIMA\n\nCapitolo I\nIl ritorno\n\n${wrap(prose, 58)}\n${verse}\nCAPITOLO II.\n\nLA SERA\n\nParte della gente\n\nCapitolo di mare e di sale, niente di più, disse.\n– Chi è? – domandò lei dalla porta, che stava sempre chiusa.\n– Io, – e non disse altro.\n\nEPILOGO\n\nFine di ogni cosa.\n`);
+  fs.writeFileSync(path.join(works, 'guten.txt'), 'Title: Il mare, la sera\nAuthor: Ada Neri\nLanguage: Italian\n\n*** START OF THE PROJECT GUTENBERG EBOOK ***\n\nVide _una barca_, la _stella_ e un nome_di_file, poi _ e _questo.\n');
   fs.writeFileSync(path.join(works, 'narrow.it.txt'), `${wrap(prose.slice(0, 130), 50)}\n${verse}`);
   const beside = epub({ '../Testo/uno.xhtml': '' });
   writeZip(path.join(works, 'beside.epub'), { ...beside, 'Testo/uno.xhtml': '<html xmlns="http://www.w3.org/1999/xhtml"><body><p>Accanto.</p></body></html>' });
@@ -210,6 +211,15 @@ test('plain text: headings begin sections; wrapped prose is prose at any width, 
   const kinds = blocks.map(({ kind, text }) => `${kind} ${text.split(/\s/).length}`);
   assert.deepEqual(kinds, ['head 2', 'head 2', 'head 2', 'paragraph 45', 'verse 23', 'head 2', 'head 2', 'paragraph 3', 'paragraph 10', 'paragraph 12', 'paragraph 7', 'head 1', 'paragraph 4']);
   assert.deepEqual((await (await fetch(`${daemon.url}/v1/library/works/narrow-it/sections/1`)).json()).blocks.map(({ kind }) => kind), ['paragraph', 'verse']);
+});
+
+test('plain text: the header of Project Gutenberg, and words between underscores', async () => {
+  const { title, author, lang } = all.works.find(({ id }) => id === 'guten');
+  assert.deepEqual([title, author, lang], ['Il mare, la sera', 'Ada Neri', 'it']);
+  const { blocks } = await (await fetch(`${daemon.url}/v1/library/works/guten/sections/1`)).json();
+  const { text, marks } = blocks.at(-1);
+  assert.equal(text, 'Vide una barca, la stella e un nome_di_file, poi _ e _questo.');
+  assert.deepEqual(marks.map(({ kind, start, end }) => [kind, text.slice(start, end)]), [['emphasis', 'una barca'], ['emphasis', 'stella']]);
 });
 
 test('keeps the text after an undeclared entity in a document that declares standalone="yes"', async () => {
