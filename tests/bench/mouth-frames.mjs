@@ -9,7 +9,7 @@ import { launch } from '../lib/browser.mjs';
 import { heads } from '../lib/built-heads.mjs';
 import { root } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
-import { said } from '../lib/mouth-poses.mjs';
+import { closeUp, said } from '../lib/mouth-poses.mjs';
 import { captioned } from '../lib/picture-sheets.mjs';
 
 /** With closures, tucked and round lips, and open and spread vowels. */
@@ -34,7 +34,7 @@ if (unknown) throw new Error(`no language '${unknown}': ${Object.keys(SENTENCES)
 if (!(width >= 60 && width <= 600 && every >= 0.01 && every <= 1)) throw new Error('--width is 60 to 600 pixels, --every 10 to 1000 milliseconds');
 
 const head = JSON.parse(fs.readFileSync(path.join(heads, `${values.head}.json`)));
-const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width: 2 * width, height: Math.round((4 * width) / 3), level: 'high' };
+const camera = closeUp(head, 2 * width);
 const browser = await launch();
 const page = await headPage(browser);
 await page.load('head', head);

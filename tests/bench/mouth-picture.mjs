@@ -7,17 +7,13 @@ import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import { launch } from '../lib/browser.mjs';
 import { headPage } from '../lib/head-page.mjs';
-import { soundPoses } from '../lib/mouth-poses.mjs';
+import { closeUp, twelveMouths } from '../lib/mouth-poses.mjs';
 import { label } from '../lib/sheet.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const [model = 'mara', out = path.join(root, 'web/mouth.png')] = process.argv.slice(2);
-const [it, en] = [soundPoses('it'), soundPoses('en')];
-const mouths = [
-  ['p b m', it.p], ['f v', it.f], ['th', en['θ']], ['t d n', it.n], ['l', it.l], ['s z', it.s],
-  ['sh', it['ʃ']], ['i', it.i], ['e', it.e], ['a', it.a], ['o', it.o], ['u', it.u],
-];
-const [WIDTH, HEIGHT, COLUMNS] = [300, 200, 4];
+const mouths = twelveMouths();
+const [WIDTH, COLUMNS] = [300, 4];
 
 const browser = await launch();
 const page = await headPage(browser);
@@ -25,8 +21,7 @@ const head = JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${mo
 await page.load('head', head);
 const tiles = [];
 for (const [name, faps] of mouths) {
-  const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width: WIDTH, height: HEIGHT, level: 'high' };
-  const tile = PNG.sync.read(await page.shot('head', faps, camera));
+  const tile = PNG.sync.read(await page.shot('head', faps, closeUp(head, WIDTH)));
   // Uses the page's background.
   for (let i = 0; i < tile.data.length; i += 4) {
     for (let k = 0; k < 3; k++) tile.data[i + k] = Math.min(255, tile.data[i + k] + ((255 - tile.data[i + 3]) * 200) / 255);

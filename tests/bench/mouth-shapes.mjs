@@ -8,7 +8,7 @@ import { parseArgs } from 'node:util';
 import { launch } from '../lib/browser.mjs';
 import { heads } from '../lib/built-heads.mjs';
 import { headPage } from '../lib/head-page.mjs';
-import { LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
+import { closeUp, LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
 import { paint } from '../lib/mouth-seen.mjs';
 import { shapeHeading, shapeRow, shapesIn, told } from '../lib/mouth-shape.mjs';
 import { captioned } from '../lib/picture-sheets.mjs';
@@ -23,7 +23,7 @@ const unknown = langs.find((lang) => !LANGUAGES[lang]);
 if (unknown || !(width >= 60 && width <= 900)) throw new Error(unknown ? `no language '${unknown}': ${Object.keys(LANGUAGES).join(' ')}` : '--width is 60 to 900 pixels');
 
 const head = JSON.parse(fs.readFileSync(path.join(heads, `${values.head}.json`)));
-const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width, height: Math.round((width * 2) / 3), level: 'high' };
+const camera = closeUp(head, width);
 const browser = await launch();
 const page = await headPage(browser);
 await page.load('flat', head, paint);

@@ -63,6 +63,7 @@ export const benchmarks = {
   loudness: { packages: ['ffmpeg'], moment: ['tr'], long: 'speaks with every affect' },
   markup: { moment: [], long: 'reads hundreds of megabytes' },
   mouth: { packages: browser, moment: ['--rates', '160', '--engines', 'table'], long: 'speaks 25 sentences in four languages' },
+  'mouth-blind': { packages: browser, moment: ['--out', picture('blind'), '--width', '60', 'mara'], long: 'draws twelve mouths' },
   'mouth-frames': { packages: browser, moment: ['--out', picture('frames.webp'), '--width', '60', '--every', '400', 'tr'], long: 'draws a mouth through a sentence' },
   'mouth-picture': { packages: browser, moment: ['mara', picture('mouth.png')], long: 'draws twelve mouths' },
   'mouth-shapes': { packages: browser, moment: ['--width', '100', 'tr'], long: 'draws and measures each sound of four languages' },

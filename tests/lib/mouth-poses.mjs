@@ -66,3 +66,17 @@ export function withoutHead(frame) {
   for (const n of [48, 49, 50]) out[n] = 0;
   return out;
 }
+
+/** Twelve mouths that a lip reader tells apart. @returns {[string, number[]][]} sounds and FAPs */
+export function twelveMouths() {
+  const [it, en] = [soundPoses('it'), soundPoses('en')];
+  return [
+    ['p b m', it.p], ['f v', it.f], ['th', en['θ']], ['t d n', it.n], ['l', it.l], ['s z', it.s],
+    ['sh', it['ʃ']], ['i', it.i], ['e', it.e], ['a', it.a], ['o', it.o], ['u', it.u],
+  ];
+}
+
+/** The camera of pictures of a mouth with the nose's tip and the chin, 3 to 2. */
+export const closeUp = (head, width) => ({
+  target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width, height: Math.round((width * 2) / 3), level: 'high',
+});

@@ -33,8 +33,8 @@ export function figures({ measured, predicted }) {
   return { r: mm > 1e-9 && pp > 1e-9 ? mp / Math.sqrt(mm * pp) : 0, rms: Math.sqrt(dd / measured.length), moved: Math.sqrt(mm / measured.length) };
 }
 
-/** mulberry32: the same intervals every time. */
-function random(seed) {
+/** mulberry32: the same numbers for the same seed. @returns {() => number} 0 to 1 */
+export function random(seed) {
   return () => {
     seed = (seed + 0x6d2b79f5) | 0;
     let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
