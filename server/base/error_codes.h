@@ -45,6 +45,7 @@
     X(NOT_SPEAKING, "not-speaking", 400, "nothing is being spoken") \
     X(NO_CHOICES, "no-choices", 400, "there is no such choice, or no longer") \
     X(BUSY, "busy", 409, "something is being spoken or is queued") \
+    X(DRIVEN, "driven", 409, "another client drives this face") \
     X(ROOM_AWAY, "room-away", 503, "the daemon that leads the room cannot be reached") \
     X(UNHEARD, "unheard", 0, "no listener joined to hear it") \
     /* limits */ \
@@ -90,6 +91,7 @@
     X(NO_SOUND, "no-sound", 0, "there is no such sound") \
     X(NO_RECOGNISER, "no-recogniser", 503, "this server recognises no speech (--recogniser)") \
     X(RECOGNISER_FAILED, "recogniser-failed", 500, "the words could not be recognised") \
+    X(NO_COACH, "no-coach", 503, "this server compares no recordings") \
     X(CANCELLED, "cancelled", 500, "it was cancelled") \
     /* access */ \
     X(TOKEN_NEEDED, "token-needed", 401, "this server requires a token") \
@@ -150,7 +152,7 @@
     /* programs */ \
     X(BAD_OPTION, "bad-option", 0, "there is no such option") \
     X(CANNOT_LISTEN, "cannot-listen", 0, "cannot listen on the address") \
-    X(MISALIGNED, "misaligned", 0, "the text and the recording do not match") \
+    X(MISALIGNED, "misaligned", 400, "the text and the recording do not match") \
     X(NO_REFERENCE, "no-reference", 0, "there is no voice to align with") \
     X(FILM_FAILED, "film-failed", 503, "the film cannot be made")
 /* clang-format on */

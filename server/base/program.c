@@ -3,8 +3,11 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
+#include <poll.h>
 #include <signal.h>
 #include <stddef.h>
+#include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -33,4 +36,17 @@ void program_begin(void) {
 void program_give_back_signals(void) {
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
         signal(ignored[i], SIG_DFL);
+}
+
+void program_end_with_parent(int end, int signal) {
+    struct pollfd peer = {.fd = end};
+    prctl(PR_SET_PDEATHSIG, signal);
+    if (poll(&peer, 1, 0) == 1) /* POLLHUP or POLLERR: the parent has ended */
+        _exit(EXIT_FAILURE);
+}
+
+void program_end_with(pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent)
+        _exit(EXIT_FAILURE);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
-#include <stdbool.h>
 #include <string.h>
 
 size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
@@ -53,6 +52,11 @@ size_t utf8_skip_latin(const char *s, size_t n, size_t at) {
             return at;
     }
     return n;
+}
+
+bool utf8_is_emoji(uint32_t c) {
+    return (c >= 0x1F000 && c < 0x1FB00) || (c >= 0x2600 && c <= 0x27BF) || c == 0xFE0F || c == 0x200D ||
+           c == 0x20E3 || c == 0x2B50 || c == 0x2B55 || (c >= 0xE0020 && c <= 0xE007F);
 }
 
 size_t utf8_put(uint32_t cp, char *out) {

@@ -3,12 +3,16 @@
 #ifndef FACCIA_BASE_UTF8_H
 #define FACCIA_BASE_UTF8_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* Decodes the character at s (n > 0 bytes). Returns its length, 1 to 4, and its code point; 0 if
  * malformed. */
 size_t utf8_next(const char *s, size_t n, uint32_t *cp);
+
+/* True for emoji, their joiners, skin tones and flags. */
+bool utf8_is_emoji(uint32_t cp);
 
 /* Writes cp to out (4 bytes) and returns the length; 0 if cp is not a character. */
 size_t utf8_put(uint32_t cp, char *out);

@@ -220,7 +220,7 @@ static int open_sound(struct hear *h) {
         return 0;
     h->file = wav_file_open(h->sound, &info);
     if (!h->file) {
-        cli_complain("%s: %s", h->sound, sf_strerror(NULL));
+        cli_complain("%s: %s", h->sound, wav_file_error());
         return -1;
     }
     h->raw = info.samplerate;

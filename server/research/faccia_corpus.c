@@ -95,8 +95,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct corpus *c = ctx;
-    char text[400];
-    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    cli_complain_at(c->file, warning, e);
     c->failed |= !warning;
 }
 
@@ -109,10 +108,9 @@ static void on_finished(void *ctx, size_t spoken) {
 static int speak(struct corpus *c) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
-    char message[400];
     c->synthesis = synthesis_open(&c->cli.components.pipeline, &c->request, &callbacks, c, &e);
     if (!c->synthesis) {
-        cli_complain("%s", error_text(&e, message, sizeof message));
+        cli_complain_at(c->file, false, &e);
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
     }
     synthesis_start(c->synthesis);

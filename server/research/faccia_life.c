@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia life: measures idle movement, in silence or while speaking a text. */
 #include "protocol/fapfile.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/face/life/life.h"
 #include "server/research/life_statistics.h"
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -169,7 +169,7 @@ static int parse(int argc, char **argv, struct life_run *r) {
         {"seconds", 1, NULL, SECONDS}, {"seed", 1, NULL, SEED}, {"strength", 1, NULL, STRENGTH},
         {"lang", 1, NULL, 'l'},        {"file", 1, NULL, 'f'},  {"fps", 1, NULL, FPS},
         {"fap", 1, NULL, FAP},         {"help", 0, NULL, 'h'},  {0}};
-    for (int c; (c = getopt_long(argc, argv, "l:f:h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "l:f:h", options, NULL)) != -1;) {
         int wrong = 0;
         switch (c) {
         case SECONDS:

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/sound/wav_file.h"
+#include <errno.h>
 #include <fcntl.h>
 #include <stdbool.h>
 #include <string.h>
@@ -132,4 +133,11 @@ void wav_file_mend(uint8_t *data, size_t size) {
         return;
     put_u32(data + length, size - length - 4);
     put_u32(data + 4, size - 8);
+}
+
+const char *wav_file_error(void) {
+    int why = sf_error(NULL), system = errno;
+    return why == SF_ERR_UNRECOGNISED_FORMAT    ? "not a sound file of a known format"
+           : why == SF_ERR_SYSTEM && system > 0 ? strerror(system)
+                                                : sf_strerror(NULL);
 }

@@ -13,6 +13,9 @@
 SNDFILE *wav_file_open(const char *path, SF_INFO *info);
 SNDFILE *wav_file_open_fd(int fd, int close_it, SF_INFO *info);
 
+/* Why the last of these calls in this thread failed; ask at once. Valid until the next call. */
+const char *wav_file_error(void);
+
 /* Fills in the missing lengths of a WAV file in memory; changes nothing else. */
 void wav_file_mend(uint8_t *data, size_t size);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia anova: tests whether the conditions of a listening test differ. */
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/research/listening/results.h"
 #include "server/research/listening/results_plot.h"
 #include <errno.h>
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -132,7 +132,7 @@ int anova_main(int argc, char **argv, const struct settings *settings) {
     struct results results = {0};
     const char *plot = NULL;
     int status = EXIT_DONE, csv = 0, means = 0;
-    for (int c; !status && (c = getopt_long(argc, argv, "c:m:p:h", options, NULL)) != -1;) {
+    for (int c; !status && (c = options_next(argc, argv, "c:m:p:h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             goto end;

@@ -3,10 +3,10 @@
 #include "server/base/buf.h"
 #include "server/base/json/error_json.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/research/listening/stimuli_set.h"
 #include <errno.h>
-#include <getopt.h>
 #include <sndfile.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -519,7 +519,7 @@ static int parse(int argc, char **argv, struct kit *kit) {
     struct error e;
     char message[400], *faces = NULL;
     int status = -1;
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "o:v:r:e:h", options, NULL)) != -1;) {
+    for (int c; status < 0 && (c = options_next(argc, argv, "o:v:r:e:h", options, NULL)) != -1;) {
         const char *field = c == 'v'   ? "voice"
                             : c == 'r' ? "rate"
                             : c == 'p' ? "fps"

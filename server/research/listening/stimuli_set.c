@@ -203,7 +203,7 @@ int stimuli_film_load(const struct stimuli_faces *faces, const char *item, struc
     snprintf(path, sizeof path, "%s/%s.wav", faces->films, item);
     SNDFILE *sound = wav_file_open(path, &info);
     if (!sound) {
-        cli_complain("%s: %s", path, sf_strerror(NULL));
+        cli_complain("%s: %s", path, wav_file_error());
         return -1;
     }
     bool usable = info.frames > 0 && info.channels > 0 && info.channels <= MOST_CHANNELS &&
