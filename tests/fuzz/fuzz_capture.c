@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recorded faces: a Live Link Face CSV, curves of lips, or after a zero byte packets of the VMC protocol,
- * each with its size before it (two bytes). */
+ * of Live Link Face or of iFacialMocap, each with its size before it (two bytes). */
 #include "protocol/fap.h"
 #include "server/cli/face_capture.h"
 #include "server/cli/lip_capture.h"
-#include "server/cli/puppet_capture.h"
+#include "server/cli/puppet_packet.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -14,23 +14,20 @@ enum { ROWS_MAX = 64 };
 
 struct received {
     struct capture_row rows[ROWS_MAX];
-    double weights[ARKIT_SHAPES];
     size_t count;
 };
 
-static void on_weight(void *ctx, int shape, double weight) {
+static void on_face(void *ctx, const struct puppet_face *face) {
     struct received *r = ctx;
-    FUZZ_CHECK(shape >= 0 && shape < ARKIT_SHAPES && isfinite(weight));
-    r->weights[shape] = weight;
-}
-
-static void on_apply(void *ctx) {
-    struct received *r = ctx;
+    FUZZ_CHECK(isfinite(face->time) && isfinite(face->head.head_yaw) && isfinite(face->head.head_pitch) &&
+               isfinite(face->head.head_roll));
+    for (int i = 0; i < ARKIT_SHAPES; i++)
+        FUZZ_CHECK(isfinite(face->weights[i]));
     if (r->count == ROWS_MAX)
         return;
     struct capture_row *row = &r->rows[r->count];
-    *row = (struct capture_row){.time = (double)r->count / 30};
-    memcpy(row->weights, r->weights, sizeof row->weights);
+    *row = (struct capture_row){.time = (double)r->count / 30, .head = face->head};
+    memcpy(row->weights, face->weights, sizeof row->weights);
     r->count++;
 }
 
@@ -47,14 +44,14 @@ static void check(struct fapfile *face) {
 
 static void packets(const uint8_t *data, size_t size) {
     static struct received received;
-    const struct puppet_sink sink = {&received, on_weight, on_apply};
+    struct puppet_face state = {0};
     struct fapfile face = {0};
     memset(&received, 0, sizeof received);
     for (size_t at = 0; size - at >= 2;) {
         size_t length = (size_t)data[at] | (size_t)data[at + 1] << 8;
         at += 2;
         length = length < size - at ? length : size - at;
-        puppet_packet(data + at, length, &sink);
+        puppet_packet(&state, data + at, length, on_face, &received);
         at += length;
     }
     if (received.count && !capture_frames(received.rows, received.count, 25, &face))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sound files, in all their readers. Byte 0 selects the reader; the rest is the file. */
 #include "server/base/mem.h"
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include "server/plugins/command/command_internal.h"
 #include "server/synthesis/recording.h"
 #include "server/voice/sentence.h"

@@ -4,6 +4,7 @@ import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { deflateSync } from 'node:zlib';
 import { Chance, httpRequest, messageText, upgradeRequest, webSocketFrames } from '../lib/chaos.mjs';
+import { FbaWriter } from '../lib/fba-writer.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
 const root = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '..', '..');
@@ -80,6 +81,27 @@ const parts = {
     return [...streams.map((s) => joined(1, ...s.packets.map(packet))), ...bad.map((b) => joined(1, packet(streams[0].packets[0]), packet(b))), ...streams.map((s) => joined(0, file(s))),
       joined(2, 0, 7, ...Array.from({ length: 40 }, (_, i) => joined(3, i, 1, u32(i * 99), i, 0, u16(i * 1000), i, 0, 5, 7, 1, 2, 3, 4, 5, 6, 7, 8)))];
   },
+  fba: () => {
+    const face = [0, ...Array(9).fill(3)];
+    const stream = (intra, next, end) => {
+      const writer = new FbaWriter();
+      writer.frame({ intra: true, ...intra });
+      for (const frame of next) writer.frame(frame);
+      return joined(0, writer.end(end));
+    };
+    const levels = (by) => ({ 3: by, 4: -by, 19: 2 * by, 48: by });
+    return [stream({ types: face, quant: 4, ranges: [10, 10, 9, 9], rate: [25, 0, 0], levels: levels(20) }, [1, -1, 5].map((by) => ({ levels: levels(by) })), 'code'),
+      stream({ types: [3, 1, 2, 0, 3, 0, 0, 0, 2, 1], mask: [3, 4, 19], quant: 17, time: [1, 2, 3], viseme: [1, 2, 30, 1], expression: [1, 2, 3, 4, 1, 0], levels: levels(3) },
+        [{ viseme: [2, 1, 60, 0], expression: [6, 60, 0, 0, 0, 1], levels: levels(-1), skip: 17 }], 'ones'),
+      stream({ types: face, dct: true }, [], 'zeros'), joined(1, 4, 28, 9, 40, Array.from({ length: 200 }, (_, i) => (i * 37) % 256)), joined(1, 0, 200, 23, 1, Array.from({ length: 300 }, (_, i) => (i * 91) % 251))];
+  },
+  fapfit: () => {
+    const frame = Array(66).fill([1, 40, 0]).flat();
+    const none = Array(66).fill(0);
+    const node = 'FIT {\n FAPs [3 4 5 -1 6 7 -1 72 73 74 75 -1 12 17 -1]\n Graph [1 2 3 4] # two links\n numeratorTerms [4 1 2 2] denominatorTerms [2 1 1 1]\n numeratorExp [1 0 0 0 1 0 0 0 1 1 2 0 0 1 0 0 1 0 0 0 0 0 1 0 1 0 0 0 0 0 1]\n denominatorExp [0 0 1 1 1 1 0 0 0 0 0 0 0 0 0 0 0]\n numeratorImpulse [72 6 74 6 72 6 74 6] numeratorCoefs [1 2 3 4 1 .6 .6 -1.5 -1.5] denominatorCoefs [5 6 1 1 1]\n}';
+    return [joined(0, frame.slice(0, 9), none.slice(3), 3, 1, 6, 30, node), joined(0, none, 0, 0, 0, 0, '<Face><fit><FIT DEF="t" FAPs="3 -1 4 -1" Graph="1 2" numeratorTerms="1" denominatorTerms="0" numeratorExp="1" numeratorCoefs="2"/></fit></Face>'),
+      joined(1, 3, 4, frame, 0, 0, 0, 0, frame, 0, 0, 0, 0)];
+  },
   chunks: () => {
     const { good, loose, bad } = json('protocol', 'vectors', 'chunks.json');
     return [...good, ...loose, ...bad].flatMap((v) => [joined(0, hex(v.hex)), joined(1, sized(hex(v.hex)), sized(hex(v.hex)))]);
@@ -126,12 +148,17 @@ const parts = {
     const element = (bytes) => joined(Buffer.from([0, 0, bytes.length >> 8, bytes.length & 255]), bytes);
     const bundle = (...parts) => joined('#bundle\0', Buffer.alloc(8), ...parts.map(element));
     const table = (head, ...rows) => [head, ...rows].join('\r\n');
+    const number = (value) => Buffer.from(new Uint8Array(new Float32Array([value]).buffer)).reverse();
+    const bone = (...rotation) => joined(text('/VMC/Ext/Bone/Pos'), text(',sfffffff'), text('Head'), ...[0, 0, 0, ...rotation].map(number));
+    const link = joined(6, 0, 0, 0, 2, 'id', 0, 0, 0, 4, 'face', 0, 0, 1, 0, number(0.5), 0, 0, 0, 60, 0, 0, 0, 1, 61, ...Array.from({ length: 61 }, (_, i) => number(i / 61)));
     return [
       table('Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft,HeadYaw,HeadPitch,LeftEyePitch', '10:00:00:00.000,61,0.1,0,0.1,0.2,0.3', '10:00:00:30.500,61,0.9,1,-0.1,0,0', '10:00:01:00,61,0,0,0,0,0'),
       table('Timecode,BlendShapeCount,MouthClose', '23:59:59:59,61,0.5', '00:00:00:01,61,0.6', 'x,61,nan'),
       'time,LI,LS,AR,PI,PS,EM,confidence\n0,0,0,0,0,0,0,1\n0.04,8,2,-3,1,1,10,1\n0.1,-1,0,5,0,0,0,0\n',
       joined(0, sized(message('jawOpen', 0.5)), sized(apply), sized(bundle(message('EyeBlinkLeft', 1), bundle(message('mouthClose', -1e30), apply)))),
       joined(0, sized(bundle(bundle(bundle(bundle(bundle(apply)))))), sized(message('jawOpen', NaN)), 9, 0, '#bundle'),
+      joined(0, sized('jawOpen-12|mouthSmile_L-5|=head#1,-2.5,3,0,0,0|rightEye#1,2,3|'), sized('jawOpen&-12|eyeBlink_R&1e9|head#1,2|___iFacialMocap'), sized('=head#nan,0,0|a-|-|&')),
+      joined(0, sized(bundle(bone(0, 0.1, 0, 0.995), message('jawOpen', 0.5), apply)), sized(link), sized(link.subarray(0, 40)), sized(bone(NaN, 0, 0, 0))),
     ];
   },
   people: () => Object.values(timesFiles).concat('start,end,ipa\n0,0.1,_\n0.1,0.3,a\n0.3,0.5,p\n', '0.1 100 SIL\n0.3 100 AA1\n0.5 100 P\n').flatMap((times) =>
