@@ -2,8 +2,11 @@
 #include "server/markup/dialogue.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include "server/markup/dialogue_asides.h"
+#include "server/markup/dialogue_names.h"
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Factors of the voice's pitch. */
@@ -24,12 +27,14 @@ enum sign {
 
 struct dialogue {
     struct speaker_runs *runs;
-    const char *text;
+    const char *text, *lang;
     size_t size;
     bool inward;   /* the guillemets point inwards, as in German */
     size_t person; /* of the last paragraph with speech */
     size_t silent; /* paragraphs since then */
     bool goes_on;  /* its quotation is not closed */
+    struct dialogue_turn *turns;
+    size_t turn_count, turn_cap;
 };
 
 static enum sign sign_of(const struct dialogue *d, uint32_t c) {
@@ -74,8 +79,12 @@ static enum sign sign_of(const struct dialogue *d, uint32_t c) {
     }
 }
 
-/* Reads the character at `at`, and returns where the next one is. */
+/* Reads the character at `at`, and returns where the next one is. Two hyphens are a dash. */
 static size_t next(const struct dialogue *d, size_t at, uint32_t *c) {
+    if (d->size - at >= 2 && d->text[at] == '-' && d->text[at + 1] == '-') {
+        *c = 0x2014;
+        return at + 2;
+    }
     size_t length = utf8_next(d->text + at, d->size - at, c);
     if (!length)
         *c = 0;
@@ -135,6 +144,16 @@ static bool is_speech(const struct dialogue *d, size_t from, size_t to) {
     return letters && (several || last == MARK || (to < d->size && strchr(",!?", d->text[to])));
 }
 
+static bool has_letters(const struct dialogue *d, size_t from, size_t to) {
+    uint32_t c;
+    for (size_t at = from; at < to;) {
+        at = next(d, at, &c);
+        if (sign_of(d, c) == PLAIN)
+            return true;
+    }
+    return false;
+}
+
 static void add(struct dialogue *d, size_t from, size_t to) {
     struct speaker_runs *r = d->runs;
     if (from >= to)
@@ -143,11 +162,25 @@ static void add(struct dialogue *d, size_t from, size_t to) {
     r->list[r->count++] = (struct speaker_run){from, to, d->person};
 }
 
+/* Adds speech after a dash, without the narrator's words between commas in it. */
+static void add_apart(struct dialogue *d, size_t from, size_t to) {
+    size_t begins, ends, first = from;
+    while (dialogue_aside(d->text, from, to, d->lang, &begins, &ends)) {
+        add(d, from, begins);
+        from = ends;
+    }
+    if (from == first || has_letters(d, from, to))
+        add(d, from, to);
+}
+
 /* Decides who speaks a paragraph, at its first speech. */
 static void take_turn(struct dialogue *d, bool *taken, bool continues) {
     if (*taken)
         return;
     bool within = d->runs->count && d->silent <= SILENT_MOST;
+    d->turns = mem_grow(d->turns, &d->turn_cap, d->turn_count + 1, sizeof *d->turns);
+    d->turns[d->turn_count++] = (struct dialogue_turn){
+        .first = d->runs->count, .begins = !within, .goes_on = continues, .apart = d->silent > 0};
     if (!within)
         d->person = 0;
     else if (!continues)
@@ -168,7 +201,7 @@ static void read_dashes(struct dialogue *d, size_t from, size_t to) {
         bool divides = (sign == DASH || c == '-') && before == SPACE && (follows == SPACE || follows == MARK);
         if (divides && at > from) {
             if (speech)
-                add(d, begun, at);
+                add_apart(d, begun, at);
             speech = !speech;
             begun = at;
         }
@@ -176,7 +209,7 @@ static void read_dashes(struct dialogue *d, size_t from, size_t to) {
         at = after;
     }
     if (speech)
-        add(d, begun, to);
+        add_apart(d, begun, to);
     d->goes_on = false;
 }
 
@@ -212,12 +245,19 @@ static void read_paragraph(struct dialogue *d, size_t from, size_t to) {
     if (from == to)
         return;
     uint32_t c;
-    size_t after = next(d, from, &c);
+    size_t after = next(d, from, &c), turns = d->turn_count;
     if (sign_of(d, c) == DASH || (c == '-' && sign_at(d, after) == SPACE)) {
         read_dashes(d, from, to);
         d->silent = 0;
     } else {
         read_quotes(d, from, to);
+    }
+    if (d->turn_count > turns) {
+        struct dialogue_turn *turn = &d->turns[turns];
+        turn->from = from;
+        turn->to = to;
+        turn->count = d->runs->count - turn->first;
+        d->turn_count -= !turn->count;
     }
 }
 
@@ -227,10 +267,11 @@ static bool begins_with_dash(const struct dialogue *d, size_t at) {
     return sign_at(d, at) == DASH;
 }
 
-void dialogue_find(struct speaker_runs *runs, const char *text, size_t size) {
+void dialogue_find(struct speaker_runs *runs, const char *text, size_t size, const char *lang) {
     static const char inward[] = "\xC2\xBB", outward[] = "\xC2\xAB";
     const char *one = memmem(text, size, inward, 2), *other = memmem(text, size, outward, 2);
-    struct dialogue d = {.runs = runs, .text = text, .size = size, .inward = one && other && one < other};
+    struct dialogue d = {
+        .runs = runs, .text = text, .lang = lang, .size = size, .inward = one && other && one < other};
     size_t from = 0;
     runs->speakers = mem_alloc(PERSONS * sizeof *runs->speakers);
     for (size_t i = 0; i < PERSONS; i++)
@@ -244,4 +285,6 @@ void dialogue_find(struct speaker_runs *runs, const char *text, size_t size) {
             from = at + 1;
         }
     read_paragraph(&d, from, size);
+    dialogue_name(runs, d.turns, d.turn_count, text, lang, PERSONS - 1);
+    free(d.turns);
 }

@@ -62,11 +62,6 @@ static void blank_link(struct link_signs *signs, char *s, size_t n, size_t at) {
     memset(s + close, MARKDOWN_LEFT_OUT, end + 1 - close);
 }
 
-static bool is_emoji(uint32_t c) {
-    return (c >= 0x1F000 && c < 0x1FB00) || (c >= 0x2600 && c <= 0x27BF) || c == 0xFE0F || c == 0x200D ||
-           c == 0x20E3 || c == 0x2B50 || c == 0x2B55 || (c >= 0xE0020 && c <= 0xE007F);
-}
-
 /* Offset of the next byte, from `at` on, that may be a mark, a line end or part of an emoji, or n. Several
  * bytes are looked at in one step. */
 static size_t next_special(const char *s, size_t n, size_t at) {
@@ -133,10 +128,10 @@ void markdown_blank(char *s, size_t n, bool begins_line, const struct markup_rul
         }
         length = utf8_next(s + at, n - at, &cp);
         length = length ? length : 1;
-        size_t said = is_emoji(cp) ? sign_said(rules, s + at, n - at) : 0;
+        size_t said = utf8_is_emoji(cp) ? sign_said(rules, s + at, n - at) : 0;
         if (said)
             length = said;
-        else if (is_emoji(cp))
+        else if (utf8_is_emoji(cp))
             memset(s + at, MARKDOWN_LEFT_OUT, length);
     }
 }
@@ -160,7 +155,7 @@ bool markdown_is_needed(const char *s, size_t n) {
         uint32_t cp = (uint8_t)s[at];
         length = cp < 0x80 ? 1 : utf8_next(s + at, n - at, &cp);
         length = length ? length : 1;
-        if (cp == '\n' ? is_marked_line(s, n, at + 1) : cp < 0x7F || is_emoji(cp))
+        if (cp == '\n' ? is_marked_line(s, n, at + 1) : cp < 0x7F || utf8_is_emoji(cp))
             return true;
     }
     return false;

@@ -29,9 +29,9 @@ struct markup_rules {
     /* Returns the bytes of a sign at the beginning of s[0..n) that a lexicon says, so that it is not removed
      * with Markdown; 0 = none. NULL: none are kept. */
     size_t (*sign_said)(const void *lexicons, const char *lang, const char *s, size_t n);
-    const void *sign_lexicons;     /* its first argument */
-    bool verse_pauses;             /* a line of verse without punctuation has a pause, if sense asks for it */
-    const struct affects *affects; /* known affects; NULL: names stay unchanged */
+    const void *sign_lexicons; /* its first argument */
+    bool verse_pauses;         /* a line of verse without punctuation has a pause, if line_words ask for it */
+    const struct affects *affects;       /* known affects; NULL: names stay unchanged */
     const struct speaker_runs *speakers; /* who speaks which part of a plain text; may be NULL */
     const struct language_runs *runs;    /* parts of a plain text in other languages; may be NULL */
     const char *const

@@ -64,6 +64,7 @@ static bool read_tag(const char *s, size_t n, struct stray *tag) {
     tag->name_bytes = at - tag->name;
     if (at < n && !is_white(s[at]) && s[at] != '/' && s[at] != '>')
         return false;
+    bool spaced = at + 1 < n && is_white(s[at]) && is_letter(s[at + 1]);
     for (; at < n; at++) {
         if (quote) {
             quote = s[at] == quote ? 0 : quote;
@@ -73,12 +74,32 @@ static bool read_tag(const char *s, size_t n, struct stray *tag) {
         } else if (s[at] == '<') {
             return false;
         } else if (s[at] == '>') {
+            /* "if a<b and c>d": an element of one letter has no attributes without a value */
+            if (tag->name_bytes == 1 && spaced && !tag->attributes)
+                return false;
             tag->empty = s[at - 1] == '/';
             tag->length = at + 1;
             return true;
         }
     }
     return false;
+}
+
+/* Length of an address in angle brackets, as mail and Markdown write it: <https://example.org/a>,
+ * <www.example.org>, <anna@example.org>. 0: none. */
+static size_t bracketed_address(const char *s, size_t n) {
+    enum { ADDRESS_BYTES = 1024 };
+    size_t at = 1, scheme = 0, mailbox = 0;
+    n = n < ADDRESS_BYTES ? n : ADDRESS_BYTES;
+    bool www = n > 5 && !strncasecmp(s + 1, "www.", 4);
+    for (; at < n && !is_white(s[at]) && !strchr("<>\"", s[at]); at++) {
+        if (!scheme && at > 2 && at + 2 < n && !memcmp(s + at, "://", 3))
+            scheme = at;
+        else if (!mailbox && at > 1 && s[at] == '@')
+            mailbox = at;
+    }
+    bool address = www || scheme || (mailbox && memchr(s + mailbox, '.', at - mailbox));
+    return address && at < n && s[at] == '>' ? at + 1 : 0;
 }
 
 /* True if an apparent start tag is one: a known element, with attributes, or closed later. */
@@ -157,9 +178,14 @@ static size_t blank_other(char *s, size_t n, struct ends *ends) {
 /* Returns the number of bytes processed; 0: this is a literal "<". */
 static size_t blank_tag(char *s, size_t n, bool *counts, struct ends *ends) {
     struct stray tag;
-    size_t other = blank_other(s, n, ends);
+    size_t other = blank_other(s, n, ends), address = other ? 0 : bracketed_address(s, n);
     if (other)
         return other;
+    if (address) {
+        s[0] = s[address - 1] = ' ';
+        *counts = false;
+        return address;
+    }
     if (!read_tag(s, n, &tag))
         return 0;
     if (!is_element(s, n, &tag)) { /* a word such as "<Anna>" */

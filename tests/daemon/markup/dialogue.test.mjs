@@ -71,3 +71,61 @@ test('strange texts end in time', () => {
     }
   }
 });
+
+test('after a dash, the words of the narrator may stand between commas only', () => {
+  const said = (lang, text) => {
+    const found = [];
+    for (const { text: word, speaker } of JSON.parse(execFileSync(program, ['say', '--lang', lang, '--json', '-', '--dialogue', 'voices', text], { encoding: 'utf8' })).words)
+      if (found.at(-1)?.[0] !== (speaker ?? '')) found.push([speaker ?? '', word]);
+      else found.at(-1)[1] += ` ${word}`;
+    return found;
+  };
+  for (const [lang, text, expected] of [
+    ['it', '— Vieni qui, disse Renzo, è tardi.', [['renzo', 'Vieni qui'], ['', 'disse Renzo'], ['renzo', 'è tardi']]],
+    ['it', '— Chi va là? chiese Lucia, aprendo la porta. Entrate!', [['lucia', 'Chi va là'], ['', 'chiese Lucia aprendo la porta'], ['lucia', 'Entrate']]],
+    ['pt', '— Não sei, disse-lhe o Bento; vamos ver.', [['bento', 'Não sei'], ['', 'disse-lhe o Bento'], ['bento', 'vamos ver']]],
+    ['pt', '— Que é? exclamou Capitu.', [['capitu', 'Que é'], ['', 'exclamou Capitu']]],
+    ['tr', '— Nereye gidiyorsun? dedi Ahmet.\n\n— Eve, diye bağırdı Ayşe.', [['ahmet', 'Nereye gidiyorsun'], ['', 'dedi Ahmet'], ['ayşe', 'Eve'], ['', 'diye bağırdı Ayşe']]],
+    ['en', '— No, said Mr. Brown, not today.', [['mr-brown', 'No'], ['', 'said Mr. Brown'], ['mr-brown', 'not today']]],
+    // a verb that the speech itself has, and one without anybody
+    ['it', '— Ieri disse tutto, e gli altri tacquero.', [['voice-1', 'Ieri disse tutto e gli altri tacquero']]],
+    ['it', '— Così è, dice sempre cose vere.', [['voice-1', 'Così è dice sempre cose vere']]],
+  ]) assert.deepEqual(said(lang, text), expected, text);
+});
+
+/** Who says which words, by id, in a language. */
+const ids = (lang, text) => {
+  const found = [];
+  for (const { text: word, speaker } of JSON.parse(execFileSync(program, ['say', '--lang', lang, '--json', '-', '--dialogue', 'voices', text], { encoding: 'utf8' })).words)
+    if (speaker && found.at(-1)?.[0] !== speaker) found.push([speaker, word]);
+    else if (speaker) found.at(-1)[1] += ` ${word}`;
+  return found.map(([id]) => id);
+};
+
+test('the narrator names who speaks, before and after the quotation, in four languages', () => {
+  for (const [lang, text, expected] of [
+    ['it', '«Chi va là?» disse Renzo.\n\nLucia rispose: «Sono io».\n\n«Entrate», soggiunse allora don Abbondio, «e presto.»', ['renzo', 'lucia', 'don-abbondio']],
+    ['it', '— Buongiorno — disse il Griso. — Vieni con me.\n— Non posso — rispose Agnese.', ['griso', 'agnese']],
+    ['en', '“Good day,” said Mr. Brown.\n\n“Good day,” Alice said at once, “and welcome.”\n\nThe Hatter replied, “Tea?”', ['mr-brown', 'alice', 'hatter']],
+    ['pt', '— Bom dia — perguntou Capitu.\n— Não sei — disse-lhe Bento Santiago. — Vamos ver.', ['capitu', 'bento-santiago']],
+    ['tr', '“Nereye gidiyorsun?” dedi Ahmet.\n\nAyşe Hanım: “Eve gidiyorum,” dedi.\n\n“Ben de geleyim mi?” diye sordu Ömer Bey.', ['ahmet', 'ayşe-hanım', 'ömer-bey']],
+  ]) assert.deepEqual(ids(lang, text), expected, text);
+});
+
+test('a short and a full name are one person; Mr. and Mrs. Brown are two', () => {
+  assert.deepEqual(ids('en', '“Come,” said Jane Fairfax.\n\n“No,” said Emma.\n\n“Please,” said Jane.'), ['jane-fairfax', 'emma', 'jane-fairfax']);
+  assert.deepEqual(ids('en', '“Come,” said Mr. Brown.\n\n“No,” said Mrs. Brown.'), ['mr-brown', 'mrs-brown']);
+});
+
+test('two who are named go on in turn; a third voice has who is not sure', () => {
+  assert.deepEqual(ids('it', '«Vieni», disse Anna.\n\n«No», disse Bruno.\n\n«Perché no?»\n\n«Ho sonno, lo sai.»\n\n«Allora dormi», disse Anna.'), ['anna', 'bruno', 'anna', 'bruno', 'anna']);
+  assert.deepEqual(ids('it', '«Vieni», disse Anna.\n\n«Non posso venire.»'), ['anna', 'voice-2']);
+  // turns that do not fit who is named next are nobody's
+  assert.deepEqual(ids('it', '«Vieni», disse Anna.\n\n«No», disse Bruno.\n\n«Perché no?»\n\n«Allora dormi», disse Anna.'), ['anna', 'bruno', 'voice-2', 'anna']);
+});
+
+test('who is spoken to, or begins a sentence, is not who speaks', () => {
+  assert.deepEqual(ids('it', '«Vieni», disse a Lucia.\n\nPoi Renzo disse ad Agnese: «Andiamo via».'), ['voice-2', 'renzo']);
+  assert.deepEqual(ids('en', '“Come,” she said to Alice.\n\nAlice’s cat said nothing.\n\n“Go on,” said Alice.'), ['voice-2', 'alice']);
+  assert.deepEqual(ids('en', 'Smiling, he said: “Good day to you.”'), ['voice-1']);
+});

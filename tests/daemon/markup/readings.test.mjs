@@ -271,6 +271,8 @@ test('verses run on, or end with a pause without punctuation', async () => {
   assert.equal(await length(poem.replace('presto', 'presto,'), '&verse=pause'), await length(poem.replace('presto', 'presto,')));
   const torn = 'sul mare nero guardava salire la\nluna di agosto';
   assert.equal(await length(torn, '&verse=pause'), await length(torn), 'no pause between an article and its noun');
+  const [scanned, slower] = [await length(torn, '&verse=scan'), (await length(torn)) / 0.8];
+  assert.ok(scanned > slower + 2205 && scanned < slower + 8 * 2205, `${scanned} bytes scanned, ${slower} slower`);
   const wrong = await post('/v1/speech?verse=sometimes', poem, 'text/plain');
   assert.equal(wrong.status, 400);
 });
