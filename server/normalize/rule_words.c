@@ -391,8 +391,7 @@ static bool apply(const struct filling *f, const char *function, const char *arg
     }
     if (!strcmp(function, "spell")) {
         read_figure(value, '\0', &figure);
-        return !*value ||
-               (*figure.whole && spellout_whole(r->spellout, argument, skip_zeros(figure.whole), out));
+        return !*value || (*figure.whole && spellout_whole(r->spellout, argument, figure.whole, out));
     }
     if (!strcmp(function, "decimals")) {
         add_decimals(r, value, out);

@@ -103,6 +103,11 @@ static void add_words(struct buf *out, UChar *words, int32_t size) {
 
 bool spellout_whole(struct spellout *s, const char *form, const char *digits, struct buf *out) {
     const char *rules = json_string_value(json_object_get(s->forms, form));
+    char year[] = "20..";
+    if (!strcmp(form, "year") && digits[0] == '0' && strlen(digits) == 2) { /* 4/14/05, '05 */
+        memcpy(year + 2, digits, 2);
+        digits = year;
+    }
     digits += strspn(digits, "0");
     if (!rules || strlen(digits) > DIGITS_MAX)
         return false;

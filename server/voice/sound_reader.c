@@ -63,7 +63,7 @@ static bool open_decoder(struct decoder *d, int fd, const char *path, unsigned m
         close(fd);
     most = most < MIXDOWN_CHANNELS_MAX ? most : MIXDOWN_CHANNELS_MAX;
     if (!d->file)
-        snprintf(message, SOUND_MESSAGE_BYTES, "%.180s", sf_strerror(NULL));
+        snprintf(message, SOUND_MESSAGE_BYTES, "%.180s", wav_file_error());
     else if (info.samplerate < SOUND_RATE_MIN || info.samplerate > SOUND_RATE_MAX)
         snprintf(message, SOUND_MESSAGE_BYTES, "the sample rate must be %d to %d Hz, not %d", SOUND_RATE_MIN,
                  SOUND_RATE_MAX, info.samplerate);

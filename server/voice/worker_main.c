@@ -19,7 +19,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -334,8 +333,8 @@ _Noreturn static void become_worker(int fd, const char *plugin) {
     _exit(127); /* the plugin sees its socket close */
 }
 
-_Noreturn static void keep(int socket, const char *plugin) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+_Noreturn static void keep(int socket, const char *plugin, pid_t parent) {
+    program_end_with(parent);
     private_memory();
     signal(SIGCHLD, SIG_IGN); /* children are reaped automatically */
     close(WIRE_FD);           /* the daemon's socket */
@@ -355,10 +354,10 @@ static void spawner_start(const char *plugin) {
     snprintf(espeak, sizeof espeak, "%.*sespeak.so", slash ? (int)(slash - plugin) + 1 : 0, plugin);
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
         return;
-    const pid_t child = fork();
+    const pid_t parent = getpid(), child = fork();
     if (child == 0) {
         close(ends[0]);
-        keep(ends[1], espeak);
+        keep(ends[1], espeak, parent);
     }
     close(ends[1]);
     if (ends[0] != WIRE_SPAWNER_FD) {
@@ -390,7 +389,7 @@ static void set_signals(void) {
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_IGN);
     setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    program_end_with_parent(WIRE_FD, SIGKILL);
 }
 
 static int set_socket(void) {

@@ -12,7 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -339,10 +338,10 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-_Noreturn static void become(const struct cm_run *run, int in, int out, int complaints) {
+_Noreturn static void become(const struct cm_run *run, pid_t parent, int in, int out, int complaints) {
     const struct rlimit file = {run->bytes, run->bytes};
     setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    program_end_with(parent);
     program_give_back_signals();
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
@@ -366,9 +365,10 @@ static void shut(int *fd) {
 static bool start(struct child *child, const struct cm_run *run) {
     int pipes[3][2] = {{-1, -1}, {-1, -1}, {-1, -1}};
     bool open = !pipe2(pipes[0], O_CLOEXEC) && !pipe2(pipes[1], O_CLOEXEC) && !pipe2(pipes[2], O_CLOEXEC);
+    const pid_t parent = getpid();
     child->pid = open ? fork() : -1;
     if (child->pid == 0)
-        become(run, pipes[0][0], pipes[1][1], pipes[2][1]);
+        become(run, parent, pipes[0][0], pipes[1][1], pipes[2][1]);
     shut(&pipes[0][0]), shut(&pipes[1][1]), shut(&pipes[2][1]);
     child->in = pipes[0][1], child->out = pipes[1][0], child->complaints = pipes[2][0];
     if (child->pid < 0)

@@ -48,6 +48,13 @@ static uint32_t before(const char *s, size_t offset) {
     return at(s, offset, &length);
 }
 
+/* Is the offset inside a word? An apostrophe in front of a word opens a quotation. */
+static bool is_inside(const char *s, size_t offset) {
+    size_t length;
+    return is_letter(before(s, offset)) && is_letter(at(s, offset, &length)) &&
+           (s[offset - 1] != '\'' || is_letter(before(s, offset - 1)));
+}
+
 /* Finds the end of the word at offset: white space, or where the next word was reported. Strips
  * punctuation from both ends, unless there is nothing else. */
 static void measure(struct es_word *w, const char *s, size_t limit) {
@@ -112,7 +119,7 @@ void es_words_locate(struct es_words *words, const struct es_text *text,
     for (size_t i = 0; i < words->count; i++) {
         struct es_word *w = &words->list[i];
         const char *s = w->span < sentence->span_count ? sentence->spans[w->span].text : NULL;
-        size_t length, limit = SIZE_MAX;
+        size_t limit = SIZE_MAX;
         w->bytes = 0;
         if (s && sentence->spans[w->span].phones && !speaks_word_by_word(&sentence->spans[w->span])) {
             bool first = !i || words->list[i - 1].span != w->span;
@@ -120,18 +127,89 @@ void es_words_locate(struct es_words *words, const struct es_text *text,
             w->bytes = first ? strlen(s) : 0;
             continue;
         }
-        if (!s || (is_letter(before(s, w->offset)) && is_letter(at(s, w->offset, &length))))
-            continue; /* inside a word */
+        if (!s || is_inside(s, w->offset))
+            continue;
         for (size_t k = i + 1; k < words->count && limit == SIZE_MAX; k++) {
             const struct es_word *next = &words->list[k];
-            if (next->span == w->span && next->offset > w->offset &&
-                !(is_letter(before(s, next->offset)) && is_letter(at(s, next->offset, &length))))
+            if (next->span == w->span && next->offset > w->offset && !is_inside(s, next->offset))
                 limit = next->offset;
             if (next->span != w->span)
                 break;
         }
         measure(w, s, limit);
     }
+}
+
+enum { TOGETHER_MAX = 3 }; /* most words that the engine adds to one: more are something else */
+
+/* Finds the words between two offsets of a text. Returns their number, or TOGETHER_MAX + 1. */
+static size_t words_between(const char *s, size_t from, size_t to, struct es_word found[TOGETHER_MAX]) {
+    size_t count = 0, length;
+    for (size_t at_word = from; s[at_word] && at_word < to;) {
+        size_t end = at_word;
+        bool letters = false;
+        for (uint32_t c; s[end] && end < to && !is_space(c = at(s, end, &length)); end += length)
+            letters |= is_letter(c) && c != '\'';
+        if (letters && count == TOGETHER_MAX)
+            return TOGETHER_MAX + 1;
+        if (letters) {
+            found[count] = (struct es_word){.offset = at_word};
+            measure(&found[count++], s, end);
+        }
+        at_word = end;
+        if (s[at_word] && at_word < to) {
+            at(s, at_word, &length);
+            at_word += length;
+        }
+    }
+    return count;
+}
+
+static uint32_t nearest(const uint32_t *phones, size_t count, uint32_t sample, uint32_t from, uint32_t to) {
+    uint32_t best = sample, least = UINT32_MAX;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t far = phones[i] > sample ? phones[i] - sample : sample - phones[i];
+        if (phones[i] > from && phones[i] < to && far < least) {
+            best = phones[i];
+            least = far;
+        }
+    }
+    return best;
+}
+
+void es_words_complete(struct es_words *words, const struct faccia_sentence *sentence, const uint32_t *phones,
+                       size_t phone_count, uint32_t end) {
+    struct es_words all = {0};
+    for (size_t i = 0; i < words->count; i++) {
+        const struct es_word *w = &words->list[i], *next = NULL;
+        all.list = mem_grow(all.list, &all.cap, all.count + 1 + TOGETHER_MAX, sizeof *all.list);
+        all.list[all.count++] = *w;
+        const struct faccia_span *span = w->span < sentence->span_count ? &sentence->spans[w->span] : NULL;
+        if (!w->bytes || !span->text || span->phones)
+            continue;
+        for (size_t k = i + 1; k < words->count && !next; k++)
+            next = words->list[k].bytes ? &words->list[k] : NULL;
+        size_t from = w->offset + w->bytes,
+               to = next && next->span == w->span ? next->offset : strlen(span->text);
+        struct es_word found[TOGETHER_MAX];
+        size_t count = from < to ? words_between(span->text, from, to, found) : 0;
+        uint32_t start = w->start, until = next ? next->start : end;
+        if (count > TOGETHER_MAX || until <= start)
+            continue;
+        size_t letters = w->bytes, passed = w->bytes;
+        for (size_t k = 0; k < count; k++)
+            letters += found[k].bytes;
+        for (size_t k = 0; k < count; k++) {
+            uint32_t share = w->start + (uint32_t)((uint64_t)(until - w->start) * passed / letters);
+            start = nearest(phones, phone_count, share, start, until);
+            passed += found[k].bytes;
+            found[k].start = start;
+            found[k].span = w->span;
+            all.list[all.count++] = found[k];
+        }
+    }
+    free(words->list);
+    *words = all;
 }
 
 struct writer {

@@ -52,6 +52,12 @@ struct es_words {
 void es_words_locate(struct es_words *words, const struct es_text *text,
                      const struct faccia_sentence *sentence);
 
+/* Adds the words that the engine spoke together with the one before and did not report ("for the", "out
+ * of", "pro capite"), each from the phone nearest to its share of the time. Call after es_words_locate.
+ * phones: starts of the phones, sorted; end: where the last one ends. */
+void es_words_complete(struct es_words *words, const struct faccia_sentence *sentence, const uint32_t *phones,
+                       size_t phone_count, uint32_t end);
+
 /* espeak-ng's parameters: words per minute, 0..99 with 50 as normal (twice), percent. */
 struct es_prosody {
     int rate, pitch, range, volume;

@@ -148,6 +148,17 @@ static void set_prosody(const struct es_prosody *prosody) {
     espeak_SetParameter(espeakVOLUME, prosody->volume, 0);
 }
 
+static void complete_words(struct espeak *self) {
+    const struct es_phones *phones = &self->phones;
+    uint32_t *starts = mem_alloc((phones->count + 1) * sizeof *starts), end = 0;
+    for (size_t i = 0; i < phones->count; i++) {
+        starts[i] = phones->list[i].start;
+        end = phones->list[i].pause ? end : phones->list[i].end;
+    }
+    es_words_complete(&self->words, self->sentence, starts, phones->count, end);
+    free(starts);
+}
+
 static void report(struct espeak *self, const struct es_text *text) {
     const struct faccia_sink *sink = self->sink;
     const struct es_audio audio = {self->pcm, (uint32_t)self->pcm_count, self->sample_rate};
@@ -157,6 +168,7 @@ static void report(struct espeak *self, const struct es_text *text) {
     es_time(&self->phones, &audio, starts, self->words.count);
     free(starts);
     es_words_locate(&self->words, text, self->sentence);
+    complete_words(self);
     for (size_t i = 0; i < self->phones.count && !self->stopped; i++) {
         const struct es_phone *p = &self->phones.list[i];
         const struct faccia_phone phone = {p->pause ? "" : p->ipa, p->symbol, p->start, p->end, p->stress};

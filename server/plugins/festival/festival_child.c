@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,10 +25,10 @@ int fe_child_open(struct fe_child *child, const char *program, const char *scrip
 }
 
 /* Runs in the child. It ends with the worker, even if that is killed. */
-_Noreturn static void become_festival(const char *program, int in, int out, int complaints) {
+_Noreturn static void become_festival(const char *program, pid_t parent, int in, int out, int complaints) {
     int quiet = open("/dev/null", O_WRONLY);
     struct rlimit time;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    program_end_with(parent);
     getrlimit(RLIMIT_CPU, &time);
     time.rlim_cur =
         time.rlim_max; /* the worker's limit applies per sentence, but Festival lives through many */
@@ -65,9 +64,10 @@ bool fe_child_start(struct fe_child *child) {
         close(in[0]), close(in[1]), close(out[0]), close(out[1]);
         return false;
     }
+    const pid_t parent = getpid();
     child->pid = fork();
     if (child->pid == 0)
-        become_festival(child->program, in[0], out[1], complaints[1]);
+        become_festival(child->program, parent, in[0], out[1], complaints[1]);
     close(in[0]), close(out[1]), close(complaints[1]);
     child->in = in[1], child->out = out[0], child->complaints = complaints[0];
     fcntl(child->in, F_SETFL, O_NONBLOCK);

@@ -53,6 +53,40 @@ static void espeak_speaks_italian(void **state) {
     pool_test_shut(s);
 }
 
+/* Words that espeak-ng speaks together with the one before, and reports as one. */
+static void words_spoken_together_are_told_apart(void **state) {
+    (void)state;
+    static const struct {
+        const char *voice, *text, *words[12];
+    } cases[] = {
+        {"en-us",
+         "They live in the house for the summer.",
+         {"They", "live", "in", "the", "house", "for", "the", "summer"}},
+        {"en-us", "'Everything' was out of.", {"Everything", "was", "out", "of"}},
+        {"it", "Il reddito pro capite.", {"Il", "reddito", "pro", "capite"}},
+        {"it", "Così – «ciao»...", {"Così", "ciao"}},
+    };
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    const struct result *results[4];
+    for (size_t i = 0; i < 4; i++)
+        results[i] = pool_test_speak(s, cases[i].voice, cases[i].text);
+    pool_test_run(s);
+    for (size_t i = 0; i < 4; i++) {
+        const struct sentence_audio *u = results[i]->u;
+        size_t count = 0;
+        for (; cases[i].words[count]; count++) {
+            assert_true(count < u->word_count);
+            const struct word *w = &u->words[count];
+            assert_int_equal(w->to - w->from, strlen(cases[i].words[count]));
+            assert_memory_equal(cases[i].text + w->from, cases[i].words[count],
+                                strlen(cases[i].words[count]));
+            assert_true(w->end > w->start && (!count || w->start >= w[-1].end));
+        }
+        assert_int_equal(u->word_count, count);
+    }
+    pool_test_shut(s);
+}
+
 static double loudest(const struct sentence_audio *u, uint32_t from, uint32_t to) {
     int most = 0;
     for (uint32_t i = from; i < to; i++)
@@ -238,6 +272,7 @@ static void espeak_names_every_phone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(espeak_speaks_italian),
+        cmocka_unit_test(words_spoken_together_are_told_apart),
         cmocka_unit_test(espeak_gives_closures_to_stops),
         cmocka_unit_test(espeak_hears_closures_through_an_echo),
         cmocka_unit_test(espeak_follows_the_score),
