@@ -45,7 +45,7 @@ const struct cast_member *cast_find(const struct cast *cast, const char *id) {
 }
 
 static void member_free(struct cast_member *m) {
-    char *const texts[] = {m->id, m->name, m->about, m->voice, m->head, m->affect};
+    char *const texts[] = {m->id, m->name, m->about, m->voice, m->head, m->affect, m->first};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         free(texts[i]);
 }
@@ -214,6 +214,16 @@ static void give_head(struct cast *cast, struct cast_member *m, const struct cas
     uses[found]++;
 }
 
+/* Those who are not named speak with the narrator's voice, higher or lower. */
+static bool is_unnamed(const struct cast_member *m) {
+    return !strcmp(m->id, "voice-1") || !strcmp(m->id, "voice-2");
+}
+
+static void set_second(struct cast_member *m) {
+    m->pitch = m->pitch ? m->pitch : m->id[6] == '1' ? 1.14 : 0.86;
+    m->rate = m->rate ? m->rate : 1;
+}
+
 void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *offer) {
     struct choosing c = {.offer = offer};
     unsigned *heads = mem_alloc((offer->head_count + 1) * sizeof *heads);
@@ -235,6 +245,8 @@ void cast_choose(struct cast *cast, const char *lang, const struct cast_offer *o
         struct cast_member *m = &cast->members[i];
         if (keep_voice(cast, m, &c))
             set_factors(m, 0, 1);
+        else if (cast->told && is_unnamed(m))
+            set_second(m);
         else
             give_voice(m, &c);
         give_head(cast, m, offer, c.usual, heads);
@@ -268,6 +280,7 @@ static json_t *member_json(const struct cast_member *m) {
     json_object_set_new(out, "pitch", json_real(m->pitch));
     json_object_set_new(out, "rate", json_real(m->rate));
     set_text(out, "affect", m->affect);
+    set_text(out, "first", m->first);
     return out;
 }
 
@@ -290,6 +303,6 @@ json_t *cast_json(const struct cast *cast) {
         }
         json_array_append_new(problems, p);
     }
-    return json_pack("{ss? so so so}", "file", cast->file, "narrator", member_json(&cast->narrator), "cast",
-                     members, "problems", problems);
+    return json_pack("{ss? sb so so so}", "file", cast->file, "told", cast->told, "narrator",
+                     member_json(&cast->narrator), "cast", members, "problems", problems);
 }

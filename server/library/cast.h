@@ -26,6 +26,7 @@ enum cast_source { FROM_NOTHING, FROM_SOURCE, FROM_DESCRIPTION, FROM_NAME, FROM_
 struct cast_member {
     char *id, *name, *about;     /* about NULL: none */
     char *voice, *head, *affect; /* NULL: the default */
+    char *first;                 /* the first words it says; NULL: not known */
     double pitch, rate;          /* factors of the voice's own; 0: to be chosen */
     enum person_sex sex;
     enum cast_age age;
@@ -37,6 +38,7 @@ struct cast {
     struct cast_member narrator;
     struct cast_member *members; /* who says most comes first */
     size_t count;
+    bool told;  /* of prose: the narrator tells who speaks */
     char *file; /* the one beside the work, relative to the folder; NULL: none */
     struct error problems[CAST_PROBLEMS];
     size_t problem_count;
@@ -85,6 +87,8 @@ struct cast_speech {
  * Returns NULL if there are no speakers; the caller frees it. */
 char *cast_speakers(const struct cast *cast, const struct cast_speech *speeches, size_t count, bool voices);
 
+void cast_speeches_free(struct cast_speech *speeches, size_t count);
+
 const struct cast_member *cast_find(const struct cast *cast, const char *id);
 void cast_free(struct cast *cast);
 
@@ -101,12 +105,14 @@ void cast_id_of_name(const char *name, char out[64]);
 /* cast_tally.c: counts who speaks, section by section. Zeroed at first. */
 struct cast_tally {
     struct cast_tallied {
-        char *id, *name; /* name NULL: the text has none */
+        char *id, *name, *first; /* name NULL: the text has none; first: words that it says */
         size_t order, passages, characters;
     } * list; /* sorted by id */
     size_t count, cap;
 };
 void cast_tally_section(struct cast_tally *tally, const struct section *section);
+void cast_tally_add(struct cast_tally *tally, const char *id, const char *name, const char *text,
+                    size_t size);
 
 /* Makes the members of the cast, with what the source says of them. Frees the tally. */
 void cast_tally_take(struct cast_tally *tally, const struct work_meta *meta, struct cast *cast);
@@ -115,6 +121,18 @@ void cast_tally_free(struct cast_tally *tally);
 /* The id of who speaks a block. False: nobody. */
 enum { CAST_ID_BYTES = 208 };
 bool cast_id_of_block(const struct block *block, char out[CAST_ID_BYTES]);
+
+/* cast_dialogue.c: the dialogue of prose. Persons have the id of their name; others are "voice-1" and
+ * "voice-2". */
+
+/* Finds who speaks text[0..size) of prose. Free the speeches: cast_speeches_free. */
+void cast_dialogue_find(const char *text, size_t size, const char *lang, struct cast_speech **speeches,
+                        size_t *count);
+
+/* Adds `speeches` to the paragraphs of a section, as they are answered (protocol/library.md). */
+void cast_dialogue_blocks(json_t *blocks, const char *lang);
+
+void cast_dialogue_section(struct cast_tally *tally, const struct section *section, const char *lang);
 
 /* library_cast.c: reads the file beside a work, if there is one. -1 with *e. */
 int library_cast_beside(const char *folder, const char *path, struct cast *cast, struct error *e);

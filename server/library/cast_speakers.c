@@ -90,3 +90,9 @@ char *cast_speakers(const struct cast *cast, const struct cast_speech *speeches,
     free(sorted);
     return text;
 }
+
+void cast_speeches_free(struct cast_speech *speeches, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        free(speeches[i].who), free(speeches[i].affect);
+    free(speeches);
+}

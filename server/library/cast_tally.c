@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TALLY_MOST = 5000, OLD_YEARS = 60, CHILD_YEARS = 14 };
+enum { TALLY_MOST = 5000, OLD_YEARS = 60, CHILD_YEARS = 14, FIRST_BYTES = 160 };
 
 bool cast_id_of_block(const struct block *block, char out[CAST_ID_BYTES]) {
     *out = '\0';
@@ -37,11 +37,29 @@ static size_t place_of(const struct cast_tally *t, const char *id, bool *found) 
     return low;
 }
 
-static void add_block(struct cast_tally *t, const struct block *block) {
-    char id[CAST_ID_BYTES];
+/* The first words of a speech, on one line; NULL: it has none. */
+static char *first_words(const char *text, size_t size) {
+    struct buf out = {0};
+    size_t at = 0, end;
+    for (; at < size; at = end) {
+        while (at < size && strchr(" \t\r\n", text[at]))
+            at++;
+        for (end = at; end < size && !strchr(" \t\r\n", text[end]); end++)
+            ;
+        if (end == at || out.size + 1 + end - at > FIRST_BYTES - strlen("\xE2\x80\xA6"))
+            break;
+        buf_add(&out, " ", out.size ? 1 : 0);
+        buf_add(&out, text + at, end - at);
+    }
+    if (out.size && at < size)
+        buf_add(&out, "\xE2\x80\xA6", 3); /* ... */
+    if (out.size)
+        buf_add(&out, "", 1);
+    return (char *)out.data;
+}
+
+void cast_tally_add(struct cast_tally *t, const char *id, const char *name, const char *text, size_t size) {
     bool found;
-    if (!cast_id_of_block(block, id))
-        return;
     size_t at = place_of(t, id, &found);
     if (!found && t->count == TALLY_MOST)
         return;
@@ -50,21 +68,27 @@ static void add_block(struct cast_tally *t, const struct block *block) {
         memmove(t->list + at + 1, t->list + at, (t->count - at) * sizeof *t->list);
         t->list[at] = (struct cast_tallied){.id = mem_strdup(id), .order = t->count++};
     }
-    if (!t->list[at].name && block->speaker)
-        t->list[at].name = mem_strdup(block->speaker);
+    if (!t->list[at].name && name)
+        t->list[at].name = mem_strdup(name);
+    if (!t->list[at].first)
+        t->list[at].first = first_words(text, size);
     t->list[at].passages++;
-    t->list[at].characters += block->text.size;
+    t->list[at].characters += size;
 }
 
 void cast_tally_section(struct cast_tally *t, const struct section *section) {
+    char id[CAST_ID_BYTES];
     for (size_t i = 0; i < section->count; i++)
-        add_block(t, &section->blocks[i]);
+        if (cast_id_of_block(&section->blocks[i], id))
+            cast_tally_add(t, id, section->blocks[i].speaker, (char *)section->blocks[i].text.data,
+                           section->blocks[i].text.size);
 }
 
 void cast_tally_free(struct cast_tally *t) {
     for (size_t i = 0; i < t->count; i++) {
         free(t->list[i].id);
         free(t->list[i].name);
+        free(t->list[i].first);
     }
     free(t->list);
     *t = (struct cast_tally){0};
@@ -158,6 +182,7 @@ void cast_tally_take(struct cast_tally *t, const struct work_meta *meta, struct 
             set_group(m, meta);
         m->passages = one->passages;
         m->characters = one->characters;
+        m->first = one->first ? mem_strdup(one->first) : NULL;
     }
     cast_tally_free(t);
 }

@@ -60,8 +60,16 @@ static void heads_free(struct heads_read *heads) {
     free(heads->list);
 }
 
+struct counting {
+    struct cast_tally speakers, told;
+    const struct work_meta *meta;
+};
+
 static int tally(void *ctx, const struct section *section) {
-    cast_tally_section(ctx, section);
+    struct counting *c = ctx;
+    cast_tally_section(&c->speakers, section);
+    if (!c->speakers.count)
+        cast_dialogue_section(&c->told, section, c->meta->lang);
     return 0;
 }
 
@@ -71,13 +79,15 @@ static void pass_over(void *ctx, const struct error *e, bool serious) {
 
 int cast_of_file(const char *folder, const char *path, const struct cli *cli, const struct settings *settings,
                  struct cast *cast, struct error *e) {
-    struct cast_tally tallied = {0};
-    const struct work_sink sink = {&tallied, tally, pass_over};
     struct work_meta meta = {.lang = mem_strdup(settings->lang)};
+    struct counting counting = {.meta = &meta};
+    const struct work_sink sink = {&counting, tally, pass_over};
     struct heads_read heads = {0};
     *cast = (struct cast){0};
     int result = work_read(folder, path, &meta, &sink, e);
-    cast_tally_take(&tallied, &meta, cast);
+    cast->told = !counting.speakers.count;
+    cast_tally_take(cast->told ? &counting.told : &counting.speakers, &meta, cast);
+    cast_tally_free(&counting.told);
     result = result || library_cast_beside(folder, path, cast, e) ? -1 : 0;
     if (!result) {
         size_t count = 0;

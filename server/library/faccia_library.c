@@ -188,7 +188,7 @@ static const char usage[] =
     "                       play: the voices that 'faccia library cast' shows)\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "      --dialogue       two persons in turn speak what prose has in quotation marks or after dashes\n"
+    "      --dialogue       who is named, or two in turn, speaks what prose has in quotation marks\n"
     "      --sentences      highlight sentences and lines in the book instead of words\n"
     "      --silent         make a book without sound\n"
     "      --progress       report progress on standard error\n"
@@ -263,13 +263,10 @@ static int look(struct exporting *x, const struct settings *settings) {
         library_files_free(&files);
         return -1;
     }
-    for (size_t i = 0; i < files.count && !x->file; i++) {
-        char name[64];
-        library_file_name(files.list[i].path, false, name);
-        if (!strcmp(name, x->work) || !strcmp(files.list[i].path, x->work)) {
-            x->file = mem_strdup(files.list[i].path);
-            memcpy(x->name, name, sizeof name);
-        }
+    const char *file = library_files_work(&files, x->work);
+    if (file) {
+        x->file = mem_strdup(file);
+        library_file_name(file, false, x->name);
     }
     library_files_free(&files);
     if (!x->file) {
@@ -550,7 +547,7 @@ int library_main(int argc, char **argv, const struct settings *settings) {
         "      --words  compare the words read with the words of the source, which a second reader counts\n"
         "               independently; report those that are lost, doubled, glued to the next, or divided\n"
         "\n"
-        "cast shows who speaks in a play, and how: see faccia library cast --help\n"
+        "cast shows who speaks in a play or a dialogue, and how: see faccia library cast --help\n"
         "export writes a work as a read-aloud book, captions, and more: see faccia library export --help\n";
     struct checking all = {0};
     const struct cli_option options[] = {{.name = "words", .kind = CLI_FLAG, .out = &all.words}, {0}};

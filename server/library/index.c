@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "6"
+#define SCHEMA "8"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -41,9 +41,11 @@ static const char schema[] =
     "INTEGER);"
     "CREATE TABLE IF NOT EXISTS person (work TEXT, place INTEGER, id TEXT, name TEXT, about TEXT, sex "
     "INTEGER, "
-    "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, PRIMARY KEY (work, place)) WITHOUT "
+    "age INTEGER, sex_from INTEGER, passages INTEGER, characters INTEGER, told INTEGER, said TEXT, PRIMARY "
+    "KEY (work, "
+    "place)) WITHOUT "
     "ROWID;"
-    "CREATE TABLE IF NOT EXISTS made (rules INTEGER);"
+    "CREATE TABLE IF NOT EXISTS made (rules INTEGER, changes INTEGER);"
     "CREATE TABLE IF NOT EXISTS former (work TEXT PRIMARY KEY, hash TEXT) WITHOUT ROWID;"
     "CREATE INDEX IF NOT EXISTS work_hash ON work (hash);"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
@@ -87,14 +89,14 @@ static bool is_of_rules(struct index_writer *w, const struct index_rules *rules)
     char sql[120];
     int64_t hash = (int64_t)((spellings_hash(rules->spellings) ^ directions_hash(rules->directions)) >>
                              1); /* not negative, as number_of needs it */
-    snprintf(sql, sizeof sql, "INSERT INTO made SELECT %lld WHERE NOT EXISTS (SELECT 1 FROM made)",
+    snprintf(sql, sizeof sql, "INSERT INTO made SELECT %lld, 0 WHERE NOT EXISTS (SELECT 1 FROM made)",
              (long long)hash);
     return sqlite3_exec(w->sql, sql, NULL, NULL, NULL) == SQLITE_OK &&
            number_of(w->sql, "SELECT rules FROM made") == hash;
 }
 
 static int try_open(struct index_writer *w, const char *file, const struct index_rules *rules) {
-    if (sqlite3_open(file, &w->sql) != SQLITE_OK)
+    if (sqlite3_open(file, &w->sql) != SQLITE_OK || common_rows_add(w->sql))
         return -1;
     sqlite3_busy_timeout(w->sql, 5000);
     int64_t version = number_of(w->sql, "PRAGMA user_version");
@@ -131,6 +133,10 @@ int index_open(struct index_writer *w, const char *file, const struct index_rule
     return 0;
 }
 
+int64_t index_changes(struct index_writer *w) {
+    return number_of(w->sql, "SELECT changes FROM made");
+}
+
 void index_close(struct index_writer *w) {
     index_roll_back(w);
     for (size_t i = 0; i < sizeof w->statements / sizeof *w->statements; i++)
@@ -145,7 +151,7 @@ sqlite3 *index_open_reader(const char *file) {
     sqlite3 *sql = NULL;
     if (sqlite3_open_v2(file, &sql, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, NULL) != SQLITE_OK ||
         sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA cache_size=-16384;", NULL, NULL, NULL) != SQLITE_OK ||
-        search_rank_add(sql)) {
+        search_rank_add(sql) || search_listing_add(sql) || common_rows_add(sql)) {
         sqlite3_close(sql);
         return NULL;
     }
@@ -185,7 +191,8 @@ int index_commit(struct index_writer *w, struct error *e) {
     if (!w->open)
         return 0;
     w->characters = 0;
-    if (sqlite3_exec(w->sql, "COMMIT", NULL, NULL, NULL) != SQLITE_OK) {
+    if (sqlite3_exec(w->sql, "UPDATE made SET changes = changes + 1; COMMIT", NULL, NULL, NULL) !=
+        SQLITE_OK) {
         fail(w, e);
         index_roll_back(w);
         return -1;
@@ -200,6 +207,18 @@ void index_roll_back(struct index_writer *w) {
     sqlite3_exec(w->sql, "ROLLBACK", NULL, NULL, NULL);
     w->open = false;
     w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
+}
+
+void index_merge(struct index_writer *w, const atomic_bool *stop) {
+    enum { PAGES = 1000 };
+    char sql[80];
+    for (int pages = -PAGES, before = 0; !atomic_load(stop); pages = PAGES) {
+        before = sqlite3_total_changes(w->sql);
+        snprintf(sql, sizeof sql, "INSERT INTO found (found, rank) VALUES ('merge', %d)", pages);
+        if (sqlite3_exec(w->sql, sql, NULL, NULL, NULL) != SQLITE_OK ||
+            (pages > 0 && sqlite3_total_changes(w->sql) - before < 2))
+            return;
+    }
 }
 
 static void add_stem(struct buf *stemmed, const char *stem) {
@@ -658,7 +677,7 @@ int index_add_cast(struct index_writer *w, const char *work, const struct cast *
     for (size_t i = 0; i < cast->count; i++) {
         const struct cast_member *m = &cast->members[i];
         sqlite3_stmt *s =
-            index_statement(w, ADD_PERSON, "INSERT INTO person VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+            index_statement(w, ADD_PERSON, "INSERT INTO person VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
         bind_text(s, 1, work);
         sqlite3_bind_int64(s, 2, (int64_t)i);
         bind_text(s, 3, m->id);
@@ -669,6 +688,8 @@ int index_add_cast(struct index_writer *w, const char *work, const struct cast *
         sqlite3_bind_int(s, 8, (int)m->sex_from);
         sqlite3_bind_int64(s, 9, (int64_t)m->passages);
         sqlite3_bind_int64(s, 10, (int64_t)m->characters);
+        sqlite3_bind_int(s, 11, cast->told);
+        bind_text(s, 12, m->first);
         if (index_step(w, s, e) < 0)
             return -1;
     }

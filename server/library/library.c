@@ -140,6 +140,7 @@ void library_close(struct library *l) {
         pthread_join(l->thread, NULL);
     alignments_close(l->alignments);
     work_lexicons_free(l);
+    common_rows_release(l->common);
     for (unsigned i = 0; i < l->idle_count; i++)
         close_reader(l->idle[i]);
     pthread_mutex_destroy(&l->mutex);
@@ -159,23 +160,29 @@ struct index_reader *library_reader(struct library *l, struct error *e) {
     pthread_mutex_lock(&l->mutex);
     if (l->idle_count)
         r = l->idle[--l->idle_count];
+    struct common_rows *common = common_rows_keep(l->common);
     const unsigned generation = l->generation;
     pthread_mutex_unlock(&l->mutex);
-    if (r && r->generation == generation)
+    if (r && r->generation == generation) {
+        r->common = common;
         return r;
+    }
     if (r)
         close_reader(r);
     sqlite3 *sql = index_open_reader(l->index);
     if (!sql) {
+        common_rows_release(common);
         error_plain(e, ERROR_BAD_INDEX);
         return NULL;
     }
     r = mem_alloc(sizeof *r);
-    *r = (struct index_reader){sql, stems_open(l->rules.spellings), generation, false};
+    *r = (struct index_reader){sql, stems_open(l->rules.spellings), generation, false, common};
     return r;
 }
 
 void library_reader_done(struct library *l, struct index_reader *r) {
+    common_rows_release(r->common);
+    r->common = NULL;
     pthread_mutex_lock(&l->mutex);
     bool current = r->generation == l->generation;
     bool kept = l->idle_count < READERS_MAX && current && !r->damaged;

@@ -119,6 +119,7 @@ struct library_reading {
     size_t most;
     bool directions; /* stage directions are spoken; those of a section that stand alone, too */
     bool names;      /* of a section: the names of those who speak, too */
+    bool dialogue;   /* who speaks in the dialogue of prose, too */
 };
 int library_passage(struct library *library, const char *id, const struct library_reading *how,
                     struct library_passage *out, struct error *e);

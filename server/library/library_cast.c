@@ -45,10 +45,11 @@ int library_cast_beside(const char *folder, const char *path, struct cast *cast,
 
 /* Reads the members of a work from the index. */
 static int read_members(struct index_reader *r, const char *work, struct cast *cast, struct error *e) {
-    sqlite3_stmt *s = library_prepare(r,
-                                      "SELECT id, name, about, sex, age, sex_from, passages, characters FROM "
-                                      "person WHERE work = ? ORDER BY place",
-                                      e);
+    sqlite3_stmt *s =
+        library_prepare(r,
+                        "SELECT id, name, about, sex, age, sex_from, passages, characters, told, said FROM "
+                        "person WHERE work = ? ORDER BY place",
+                        e);
     if (!s)
         return -1;
     sqlite3_bind_text(s, 1, work, -1, SQLITE_STATIC);
@@ -60,6 +61,8 @@ static int read_members(struct index_reader *r, const char *work, struct cast *c
         m->sex_from = (enum cast_source)sqlite3_column_int(s, 5);
         m->passages = (size_t)sqlite3_column_int64(s, 6);
         m->characters = (size_t)sqlite3_column_int64(s, 7);
+        cast->told = sqlite3_column_int(s, 8);
+        m->first = *index_text(s, 9) ? mem_strdup(index_text(s, 9)) : NULL;
     }
     sqlite3_finalize(s);
     return 0;

@@ -194,6 +194,16 @@ void library_file_name(const char *path, bool with_ending, char out[64]) {
         memcpy(out, "work", 5);
 }
 
+const char *library_files_work(const struct library_files *files, const char *work) {
+    char name[64];
+    for (size_t i = 0; i < files->count; i++) {
+        library_file_name(files->list[i].path, false, name);
+        if (!strcmp(name, work) || !strcmp(files->list[i].path, work))
+            return files->list[i].path;
+    }
+    return NULL;
+}
+
 /* Returns the canonical path of an open file. */
 static bool path_of(int fd, char out[PATH_MAX]) {
     char link[32];

@@ -47,6 +47,9 @@ bool library_file_hash(const char *folder, const char *path, char out[65]);
 /* Turns a path into an id of lower-case letters, digits and hyphens. */
 void library_file_name(const char *path, bool with_ending, char out[64]);
 
+/* Finds a work by its id or its path. NULL: none. */
+const char *library_files_work(const struct library_files *files, const char *work);
+
 /* Finds the file with that ending beside a work, as an absolute path. False: none. */
 bool library_file_beside(const char *folder, const char *path, const char *ending, char out[PATH_MAX]);
 

@@ -50,12 +50,16 @@ void index_discard(const char *file);
 int index_open(struct index_writer *writer, const char *file, const struct index_rules *rules,
                struct error *e);
 void index_close(struct index_writer *writer);
-sqlite3 *index_open_reader(const char *file); /* NULL: it cannot be opened */
+int64_t index_changes(struct index_writer *writer); /* transactions committed; -1: SQLite reports an error */
+sqlite3 *index_open_reader(const char *file);       /* NULL: it cannot be opened */
 
 int index_step(struct index_writer *writer, sqlite3_stmt *statement, struct error *e);
 int index_begin(struct index_writer *writer, struct error *e);
 int index_commit(struct index_writer *writer, struct error *e);
 void index_roll_back(struct index_writer *writer);
+
+/* Merges the parts of the full-text index, as a search reads all of them. Not within a transaction. */
+void index_merge(struct index_writer *writer, const atomic_bool *stop);
 
 /* A text column; "" for NULL. Valid until the statement is stepped or reset. */
 const char *index_text(sqlite3_stmt *statement, int column);
@@ -106,6 +110,7 @@ struct search_query {
     struct buf match; /* FTS5 query; NUL-terminated */
     struct query_term terms[QUERY_TERMS_MAX];
     size_t count;
+    bool bare; /* words of which each must occur in some form, and nothing else */
 };
 
 struct query_options {
@@ -142,8 +147,9 @@ enum { READERS_MAX = 8 };
 struct index_reader {
     sqlite3 *sql;
     struct stems *stems;
-    unsigned generation; /* of the index file that it has open */
-    bool damaged;        /* it met a damaged page, so what it has read is incomplete */
+    unsigned generation;        /* of the index file that it has open */
+    bool damaged;               /* it met a damaged page, so what it has read is incomplete */
+    struct common_rows *common; /* counted reference while it is used; NULL: none */
 };
 
 /* Time limit of an answer, checked by SQLite's progress handler. */
@@ -171,6 +177,7 @@ struct library {
     struct reader reader;          /* program is owned */
     struct alignments *alignments; /* NULL: recordings are not used as voices */
     uint64_t signature;            /* hash of the files of the last scan; set by the scanning thread */
+    struct common_rows *common;    /* counted reference */
     struct library_prerender prerender;
 };
 
@@ -178,12 +185,33 @@ struct library {
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
 
-/* search_query.c: adds the SQL function worth(found): a larger value is a better match. -1: SQLite refuses.
- */
+/* search_query.c: adds the SQL function worth(found, MATCH), where MATCH is the statement's query: a larger
+ * value is a better match. -1: SQLite refuses. */
 int search_rank_add(sqlite3 *sql);
 
 /* library_scan.c: the scanning thread. */
 void *library_scan(void *library);
+
+/* ---- search_common.c: rows of common words. Reference-counted and constant, so any thread may read them.
+ * ---- */
+
+struct common_rows;
+
+/* Adds the SQL function that this uses; nonzero if that fails. */
+int common_rows_add(sqlite3 *sql);
+
+/* Reads the rows of the common stems, for an index without an open transaction. Returns NULL if SQLite
+ * reports an error or *stop is set. */
+struct common_rows *common_rows_make(struct index_writer *writer, const atomic_bool *stop);
+struct common_rows *common_rows_keep(struct common_rows *rows); /* rows may be NULL */
+void common_rows_release(struct common_rows *rows);
+
+/* True if they are those of the index after that many changes. rows may be NULL. */
+bool common_rows_are_of(const struct common_rows *rows, int64_t changes);
+
+/* Returns the rows that match, as a set of *count * 64 bits. NULL: the query must be searched. Free it. */
+uint64_t *common_rows_find(const struct common_rows *rows, struct index_reader *reader,
+                           const struct search_query *query, size_t *count);
 
 /* ---- search_places.c: the rows that match a query ---- */
 
@@ -215,6 +243,9 @@ struct search_place {
     bool ranked;
     bool preferred; /* its work is in a preferred language */
 };
+
+/* Adds the SQL function of search_places_find. Nonzero: SQLite refuses. */
+int search_listing_add(sqlite3 *sql);
 
 /* Kinds of results, by block_kind; a line of verse is found by its own. */
 extern const char *const search_kinds[];

@@ -110,6 +110,16 @@ static json_t *recording_of(struct library *l, const char *work, unsigned sectio
     return recording ? recording : json_pack("{ss}", "state", alignment_states[ALIGNMENT_WAITING]);
 }
 
+/* True for prose of which the narrator tells who speaks. */
+static bool is_told(struct index_reader *r, const char *work, struct error *e) {
+    sqlite3_stmt *s = library_prepare(r, "SELECT 1 FROM person WHERE work = ? AND told LIMIT 1", e);
+    if (s)
+        sqlite3_bind_text(s, 1, work, -1, SQLITE_STATIC);
+    bool told = s && sqlite3_step(s) == SQLITE_ROW;
+    sqlite3_finalize(s);
+    return told;
+}
+
 json_t *library_section_json(struct library *l, struct index_reader *r, const char *work, const char *section,
                              struct error *e) {
     unsigned number;
@@ -126,6 +136,8 @@ json_t *library_section_json(struct library *l, struct index_reader *r, const ch
                       "recording", sqlite3_column_int(s, 9) ? recording_of(l, work, number) : json_null(),
                       "work", "id", work, "title", library_text(s, 5), "author", library_text(s, 6), "lang",
                       library_text(s, 7), "blocks", blocks_of(rows, work, number));
+    if (answer && is_told(r, work, e))
+        cast_dialogue_blocks(json_object_get(answer, "blocks"), index_text(s, 7));
     sqlite3_finalize(s);
     sqlite3_finalize(rows); /* finalised last, so that library_reader_look sees its error */
     return answer;
@@ -172,15 +184,9 @@ static int split(const char *id, struct found_passage *p, struct error *e) {
     return 0;
 }
 
-static void free_speeches(struct cast_speech *speeches, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        free(speeches[i].who), free(speeches[i].affect);
-    free(speeches);
-}
-
 static void found_passage_free(struct found_passage *p) {
     free(p->runs);
-    free_speeches(p->speeches, p->speech_count);
+    cast_speeches_free(p->speeches, p->speech_count);
     buf_free(&p->text);
     buf_free(&p->source);
 }
@@ -274,6 +280,20 @@ static void add_who(struct found_passage *p, sqlite3_stmt *row, size_t byte, siz
     add_speech(p, at, end, who, affect);
 }
 
+static void cut_speeches(struct found_passage *p, size_t from, size_t to) {
+    size_t count = 0;
+    for (size_t i = 0; i < p->speech_count; i++) {
+        struct cast_speech speech = p->speeches[i];
+        speech.start = (speech.start > from ? speech.start : from) - from;
+        speech.end = (speech.end < to ? speech.end : to) - (speech.end < from ? speech.end : from);
+        if (speech.end > speech.start)
+            p->speeches[count++] = speech;
+        else
+            free(speech.who), free(speech.affect);
+    }
+    p->speech_count = count;
+}
+
 /* Clips the runs to [from, to) and makes them relative to `from`. */
 static void cut_runs(struct found_passage *p, size_t from, size_t to) {
     size_t count = 0;
@@ -285,17 +305,7 @@ static void cut_runs(struct found_passage *p, size_t from, size_t to) {
             p->runs[count++] = run;
     }
     p->run_count = count;
-    count = 0;
-    for (size_t i = 0; i < p->speech_count; i++) {
-        struct cast_speech speech = p->speeches[i];
-        speech.start = (speech.start > from ? speech.start : from) - from;
-        speech.end = (speech.end < to ? speech.end : to) - (speech.end < from ? speech.end : from);
-        if (speech.end > speech.start)
-            p->speeches[count++] = speech;
-        else
-            free(speech.who), free(speech.affect);
-    }
-    p->speech_count = count;
+    cut_speeches(p, from, to);
 }
 
 /* Reduces the text to its line `n`, from 0. */
@@ -353,6 +363,51 @@ static bool gather(struct found_passage *p, sqlite3_stmt *rows, const struct lib
     return any;
 }
 
+enum { AROUND = 40 /* rows */, AROUND_BYTES = 256 << 10 };
+
+/* Finds who speaks in the dialogue of a paragraph, by the paragraphs around it, or of a section. */
+static void find_dialogue(struct index_reader *r, struct found_passage *p) {
+    static const char sql[] = "SELECT text, part, name = ?3 FROM passage WHERE work = ?1 AND kind = ?4 AND "
+                              "id BETWEEN (SELECT min(id) FROM passage "
+                              "WHERE work = ?1 AND section = ?2 AND name = ?3) - ?5 AND (SELECT max(id) FROM "
+                              "passage WHERE work = ?1 AND "
+                              "section = ?2 AND name = ?3) + ?5 AND section = ?2 ORDER BY id";
+    struct buf text = {0};
+    struct cast_speech *speeches;
+    struct utf16_counter units = {0};
+    size_t count, from = SIZE_MAX;
+    struct error e;
+    if (!*p->name) {
+        buf_add(&text, p->text.data, p->text.size);
+        from = 0;
+    }
+    sqlite3_stmt *s = *p->name ? library_prepare(r, sql, &e) : NULL;
+    if (s) {
+        sqlite3_bind_text(s, 1, p->work, -1, SQLITE_STATIC);
+        sqlite3_bind_int64(s, 2, p->section);
+        sqlite3_bind_text(s, 3, p->name, -1, SQLITE_STATIC);
+        sqlite3_bind_int(s, 4, BLOCK_PARAGRAPH);
+        sqlite3_bind_int(s, 5, AROUND);
+    }
+    while (s && text.size < AROUND_BYTES && sqlite3_step(s) == SQLITE_ROW) {
+        bool begins = !sqlite3_column_int64(s, 1);
+        buf_add(&text, "\n\n", text.size && begins ? 2 : 0);
+        from = begins && sqlite3_column_int(s, 2) ? text.size : from;
+        buf_add(&text, index_text(s, 0), (size_t)sqlite3_column_bytes(s, 0));
+    }
+    sqlite3_finalize(s);
+    if (from == SIZE_MAX || text.size < from + p->text.size) {
+        buf_free(&text);
+        return;
+    }
+    cast_dialogue_find((char *)text.data, text.size, p->lang, &speeches, &count);
+    size_t first = utf16_offset(&units, (char *)text.data, from);
+    p->speeches = speeches;
+    p->speech_count = p->speech_cap = count;
+    cut_speeches(p, first, utf16_offset(&units, (char *)text.data, from + p->text.size));
+    buf_free(&text);
+}
+
 /* Finds a passage. Reading stops soon after `most` bytes of text. -1 with *e. */
 static int find_passage(struct index_reader *r, const char *id, const struct library_reading *how,
                         struct found_passage *p, struct error *e) {
@@ -361,6 +416,9 @@ static int find_passage(struct index_reader *r, const char *id, const struct lib
         return -1;
     sqlite3_stmt *s = section_row(r, p->work, p->section, e), *rows = s ? rows_with(r, p, s, e) : NULL;
     bool bad = s && !rows, any = rows && gather(p, rows, how);
+    bool prose = !*p->name || !strcmp(p->kind, "paragraph");
+    if (any && how->dialogue && prose && !p->speech_count && p->text.size)
+        find_dialogue(r, p);
     sqlite3_finalize(s);
     sqlite3_finalize(rows); /* finalised last, so that library_reader_look sees its error */
     if (any)
@@ -518,7 +576,7 @@ int library_passage(struct library *l, const char *id, const struct library_read
 }
 
 void library_passage_free(struct library_passage *p) {
-    free_speeches(p->speeches, p->speech_count);
+    cast_speeches_free(p->speeches, p->speech_count);
     free(p->text);
     free(p->lang);
     free(p->languages);

@@ -125,7 +125,7 @@ struct taking {
     struct pass *pass;
     const char *path, *name;
     struct work_meta meta;
-    struct cast_tally tally;
+    struct cast_tally tally, dialogue;
     struct error error;
     bool failed;
 };
@@ -134,6 +134,8 @@ static int on_section(void *ctx, const struct section *section) {
     struct taking *t = ctx;
     struct library *l = t->pass->library;
     cast_tally_section(&t->tally, section);
+    if (!t->tally.count) /* in a play quotation marks are no dialogue */
+        cast_dialogue_section(&t->dialogue, section, t->meta.lang ? t->meta.lang : l->lang);
     t->failed = t->failed || index_add_section(&t->pass->writer, t->name,
                                                t->meta.lang ? t->meta.lang : l->lang, section, &t->error);
     return t->failed || atomic_load(&l->stop);
@@ -180,7 +182,9 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     int result = t.failed ? -1 : work_read_apart(&l->reader, l->folder, path, &t.meta, &sink, &l->stop, &why);
     bool some = p->writer.next > first;
     struct cast cast = {0};
-    cast_tally_take(&t.tally, &t.meta, &cast);
+    cast.told = !t.tally.count;
+    cast_tally_take(cast.told ? &t.dialogue : &t.tally, &t.meta, &cast);
+    cast_tally_free(&t.dialogue);
     if (!t.failed && result)
         t.failed = index_add_problem(&p->writer, path, &why, true, &t.error);
     if (!t.failed && some) {
@@ -293,9 +297,13 @@ static void progress(struct library *l, size_t done, size_t of, bool indexing) {
     pthread_mutex_unlock(&l->mutex);
 }
 
+/* A pass that adds at least one row in so many merges the index: each merge writes it anew. */
+enum { MERGED_SHARE = 4 };
+
 static int read_all(struct pass *p, struct error *e) {
     struct library *l = p->library;
     struct library_files files = {0};
+    const int64_t first = p->writer.next;
     int result = library_files_list(&files, l->folder, e) || forget_missing(p, &files, e);
     bool was_indexing = l->indexing;
     for (size_t i = 0; !result && i < files.count && !atomic_load(&l->stop); i++) {
@@ -314,8 +322,25 @@ static int read_all(struct pass *p, struct error *e) {
         result = index_commit(&p->writer, e);
     if (!result)
         progress(l, files.count, files.count, false);
+    if (!result && (p->writer.next - first) * MERGED_SHARE > p->writer.next)
+        index_merge(&p->writer, &l->stop);
     library_files_free(&files);
     return result;
+}
+
+/* Reads the rows of the common words again, if the index has changed. */
+static void read_common(struct pass *p) {
+    struct library *l = p->library;
+    if (common_rows_are_of(l->common, index_changes(&p->writer)))
+        return;
+    struct common_rows *fresh = common_rows_make(&p->writer, &l->stop), *former;
+    if (!fresh)
+        return;
+    pthread_mutex_lock(&l->mutex);
+    former = l->common;
+    l->common = fresh;
+    pthread_mutex_unlock(&l->mutex);
+    common_rows_release(former);
 }
 
 static void rest(struct library *l) {
@@ -340,7 +365,10 @@ static void begin_anew(struct pass *p) {
     pthread_mutex_lock(&l->mutex);
     l->generation++;
     l->indexing = true;
+    struct common_rows *former = l->common;
+    l->common = NULL; /* changes are counted from 0 again */
     pthread_mutex_unlock(&l->mutex);
+    common_rows_release(former);
 }
 
 void *library_scan(void *library) {
@@ -358,6 +386,8 @@ void *library_scan(void *library) {
             index_close(&p.writer);
             p.writer.damaged = damaged;
         }
+        if (p.writer.sql)
+            read_common(&p);
         rest(p.library);
     }
     if (p.writer.sql)

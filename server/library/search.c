@@ -30,17 +30,6 @@ struct match {
     size_t from, to;
 };
 
-static size_t find_matches(struct searching *s, const char *text, size_t size, const char *lang,
-                           struct match *matches) {
-    struct word word;
-    size_t count = 0;
-    bool turkish = !strncmp(lang, "tr", 2);
-    for (size_t at = 0; count < MARKS_MOST && words_next(text, size, turkish, &at, &word);)
-        if (search_query_means(&s->query, s->reader->stems, lang, &word))
-            matches[count++] = (struct match){word.from, word.to};
-    return count;
-}
-
 /* Chooses the snippet's range: whole lines of verse, else whole words. */
 static void cut(const char *text, size_t size, bool verse, size_t match, size_t *from, size_t *to) {
     char edge = verse ? '\n' : ' ';
@@ -50,6 +39,21 @@ static void cut(const char *text, size_t size, bool verse, size_t match, size_t 
     *to = match + SNIPPET < size ? match + SNIPPET : size;
     while (*to < size && text[*to] != edge)
         (*to)++;
+}
+
+/* Finds the matches of the snippet. */
+static size_t find_matches(struct searching *s, const char *text, size_t size, const char *lang, bool verse,
+                           struct match *matches) {
+    struct word word;
+    size_t count = 0, from, to = size;
+    bool turkish = !strncmp(lang, "tr", 2);
+    for (size_t at = 0; count < MARKS_MOST && at < to && words_next(text, size, turkish, &at, &word);)
+        if (search_query_means(&s->query, s->reader->stems, lang, &word)) {
+            if (!count)
+                cut(text, size, verse, word.from, &from, &to);
+            matches[count++] = (struct match){word.from, word.to};
+        }
+    return count;
 }
 
 static json_t *snippet(const char *text, size_t size, bool verse, const struct match *matches, size_t count,
@@ -112,10 +116,10 @@ static json_t *result_of(struct searching *s, int64_t row, double worth) {
     size_t size = (size_t)sqlite3_column_bytes(s->row, 7);
     int section = sqlite3_column_int(s->row, 1), kind = sqlite3_column_int(s->row, 3),
         part = sqlite3_column_int(s->row, 4);
-    size_t count = find_matches(s, text, size, lang, matches);
+    bool verse = kind == BLOCK_VERSE;
+    size_t count = find_matches(s, text, size, lang, verse, matches);
     int64_t line = sqlite3_column_int64(s->row, 5);
     json_t *block = json_sprintf("%s:%d:%s", work, section, name_of(s, row)), *passage;
-    bool verse = kind == BLOCK_VERSE;
     for (size_t i = 0; verse && count && i < matches[0].from; i++)
         line += text[i] == '\n';
     passage = verse ? json_sprintf("%s:%d:l%lld", work, section, (long long)line) : json_incref(block);
@@ -185,6 +189,11 @@ json_t *library_search_json(struct index_reader *r, const struct library_questio
                             struct answer_limit *limit, struct error *e) {
     struct searching s = {.reader = r, .question = question, .limit = limit, .lines = json_object()};
     json_t *answer = NULL;
+    /* a statement on a row keeps the read transaction open for the others: one state of the index, locked
+     * once */
+    sqlite3_stmt *transaction = library_prepare(r, "SELECT rules FROM made", e);
+    if (transaction)
+        sqlite3_step(transaction);
     s.shape = library_prepare(r, "SELECT shape, first_line FROM passage WHERE id = ?", e);
     s.row = library_prepare(
         r,
@@ -201,6 +210,7 @@ json_t *library_search_json(struct index_reader *r, const struct library_questio
     if (s.row && s.shape && s.beside && !search_question_read(&s.query, r, question, e))
         answer = run(&s, e);
     search_query_free(&s.query);
+    sqlite3_finalize(transaction);
     sqlite3_finalize(s.beside);
     sqlite3_finalize(s.shape);
     sqlite3_finalize(s.row);

@@ -112,44 +112,106 @@ static size_t work_of(const struct shelf *shelf, size_t from, int64_t row) {
     return from;
 }
 
+/* Rows being listed. */
+struct listing {
+    struct search_places *places;
+    struct shelf *shelf;
+    const struct library_question *question;
+    sqlite3_stmt *look;
+    size_t looked, work;
+};
+
+#define LISTING "search listing"
+
+/* Lists a matching row. Returns false if there are too many. */
+static bool list_row(struct listing *l, int64_t row) {
+    struct search_places *p = l->places;
+    l->work = work_of(l->shelf, l->work, row);
+    bool look_up = is_looked_up(l->question, &l->shelf->works[l->work]);
+    if (p->count == ROWS_COUNTED || (look_up && ++l->looked > ROWS_LOOKED_UP)) {
+        p->counted = false;
+        return false;
+    }
+    if (look_up && !row_fits(l->look, row, l->question))
+        return true;
+    p->list = mem_grow(p->list, &p->cap, p->count + 1, sizeof *p->list);
+    p->list[p->count++] = (struct search_place){.row = row, .work = (unsigned)l->work};
+    l->shelf->works[l->work].places++;
+    return true;
+}
+
+/* The SQL function is_listed(LISTING, rowid): lists rows inside of SQLite, whose scan is four times as fast
+ * as one that returns each row. */
+static void is_listed(sqlite3_context *out, int count, sqlite3_value **values) {
+    struct listing *l = sqlite3_value_pointer(values[0], LISTING);
+    (void)count;
+    sqlite3_result_int(out, l && list_row(l, sqlite3_value_int64(values[1])));
+}
+
+int search_listing_add(sqlite3 *sql) {
+    return sqlite3_create_function(sql, "is_listed", 2, SQLITE_UTF8 | SQLITE_DIRECTONLY, NULL, is_listed,
+                                   NULL, NULL);
+}
+
+/* Searches the index for the rows. */
+static int list_found(struct listing *l, struct index_reader *r, const struct search_query *query,
+                      struct error *e) {
+    sqlite3_stmt *rows = library_prepare(r,
+                                         "SELECT rowid FROM found WHERE found MATCH ?1 AND rowid BETWEEN ?2 "
+                                         "AND ?3 AND NOT is_listed(?4, rowid) ORDER BY rowid",
+                                         e);
+    int status = SQLITE_OK, result = 0;
+    size_t range = 0;
+    int64_t first = 0, last;
+    if (!rows)
+        return -1;
+    sqlite3_bind_text(rows, 1, (char *)query->match.data, -1, SQLITE_STATIC);
+    sqlite3_bind_pointer(rows, 4, l, LISTING, NULL);
+    while (status == SQLITE_OK && l->places->counted && (last = next_range(l->shelf, &range, &first)) >= 0) {
+        sqlite3_bind_int64(rows, 2, first);
+        sqlite3_bind_int64(rows, 3, last);
+        sqlite3_step(rows);
+        status = sqlite3_reset(rows);
+    }
+    if (status != SQLITE_OK && status != SQLITE_INTERRUPT)
+        result = error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(r->sql));
+    sqlite3_finalize(rows);
+    return result;
+}
+
+/* Lists the rows of a set, of which there are `count` * 64. */
+static void list_set(struct listing *l, const uint64_t *set, size_t count) {
+    size_t range = 0;
+    int64_t first = 0, last;
+    while (l->places->counted && (last = next_range(l->shelf, &range, &first)) >= 0)
+        for (size_t i = (size_t)first / 64; l->places->counted && i < count && (int64_t)i <= last / 64; i++)
+            for (uint64_t bits = set[i]; bits && l->places->counted; bits &= bits - 1) {
+                int64_t row = (int64_t)i * 64 + __builtin_ctzll(bits);
+                if (row >= first && row <= last)
+                    list_row(l, row);
+            }
+}
+
 /* Lists and counts the matching rows in the library's order. */
 static int find_rows(struct search_places *p, struct shelf *shelf, struct index_reader *r,
                      const struct search_query *query, const struct library_question *q, struct error *e) {
-    sqlite3_stmt *look = library_prepare(r, "SELECT lang, kind FROM passage WHERE id = ?", e);
-    sqlite3_stmt *rows =
-        look ? library_prepare(r,
-                               "SELECT rowid FROM found WHERE found MATCH ? AND rowid BETWEEN ? AND ? "
-                               "ORDER BY rowid",
-                               e)
-             : NULL;
-    int status = SQLITE_OK, result = rows ? 0 : -1;
-    size_t looked = 0, work = 0, range = 0;
-    int64_t first = 0, last;
+    struct listing listing = {.places = p, .shelf = shelf, .question = q};
+    size_t count = 0;
+    /* on its row, it keeps the index as it is until the rows are found */
+    sqlite3_stmt *state = library_prepare(r, "SELECT changes FROM made", e);
+    listing.look = state ? library_prepare(r, "SELECT lang, kind FROM passage WHERE id = ?", e) : NULL;
+    bool known = listing.look && sqlite3_step(state) == SQLITE_ROW &&
+                 common_rows_are_of(r->common, sqlite3_column_int64(state, 0));
+    uint64_t *set = known ? common_rows_find(r->common, r, query, &count) : NULL;
+    int result = listing.look ? 0 : -1;
     p->counted = true;
-    while (rows && status == SQLITE_OK && p->counted && (last = next_range(shelf, &range, &first)) >= 0) {
-        sqlite3_bind_text(rows, 1, (char *)query->match.data, -1, SQLITE_STATIC);
-        sqlite3_bind_int64(rows, 2, first);
-        sqlite3_bind_int64(rows, 3, last);
-        while (sqlite3_step(rows) == SQLITE_ROW) {
-            int64_t row = sqlite3_column_int64(rows, 0);
-            work = work_of(shelf, work, row);
-            bool look_up = is_looked_up(q, &shelf->works[work]);
-            if (p->count == ROWS_COUNTED || (look_up && ++looked > ROWS_LOOKED_UP)) {
-                p->counted = false;
-                break;
-            }
-            if (look_up && !row_fits(look, row, q))
-                continue;
-            p->list = mem_grow(p->list, &p->cap, p->count + 1, sizeof *p->list);
-            p->list[p->count++] = (struct search_place){.row = row, .work = (unsigned)work};
-            shelf->works[work].places++;
-        }
-        status = sqlite3_reset(rows);
-    }
-    if (rows && status != SQLITE_OK && status != SQLITE_INTERRUPT)
-        result = error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(r->sql));
-    sqlite3_finalize(rows);
-    sqlite3_finalize(look);
+    if (set)
+        list_set(&listing, set, count);
+    else if (!result)
+        result = list_found(&listing, r, query, e);
+    free(set);
+    sqlite3_finalize(state);
+    sqlite3_finalize(listing.look);
     return result;
 }
 
@@ -179,8 +241,8 @@ static void rank_sample(struct search_places *p, const struct shelf *shelf, stru
     sqlite3_stmt *look = library_prepare(r, "SELECT lang, kind FROM passage WHERE id = ?", &e);
     sqlite3_stmt *rows =
         library_prepare(r,
-                        "SELECT rowid, worth(found) FROM found WHERE found MATCH ? AND rowid >= ? "
-                        "ORDER BY rowid LIMIT ?",
+                        "SELECT rowid, worth(found, ?1) FROM found WHERE found MATCH ?1 AND rowid >= ?2 "
+                        "ORDER BY rowid LIMIT ?3",
                         &e);
     int64_t first = shelf->works[0].first, last = shelf->works[shelf->count - 1].last, done = first - 1;
     size_t listed = p->count, work = 0;
@@ -277,10 +339,10 @@ int search_places_rank(struct search_places *p, const struct shelf *shelf, struc
                        const struct search_query *query, const struct library_question *q, struct error *e) {
     if (!p->count)
         return 0;
-    sqlite3_stmt *rows = library_prepare(
-        r,
-        "SELECT rowid, worth(found) FROM found WHERE found MATCH ? AND rowid BETWEEN ? AND ? ORDER BY rowid",
-        e);
+    sqlite3_stmt *rows = library_prepare(r,
+                                         "SELECT rowid, worth(found, ?1) FROM found WHERE found MATCH ?1 AND "
+                                         "rowid BETWEEN ?2 AND ?3 ORDER BY rowid",
+                                         e);
     if (!rows)
         return -1;
     if (p->count <= PLACES_RANKED)

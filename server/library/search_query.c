@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
 #include "server/library/library_internal.h"
 #include <math.h>
 #include <stdlib.h>
@@ -161,6 +162,7 @@ static struct query_term *new_term(struct reading *r, const struct word *word) {
 /* Adds one or more consecutive words, as written. */
 static int add_phrase(struct reading *r, struct node *out, const struct word *words, size_t count,
                       size_t at) {
+    r->query->bare = false;
     buf_printf(&out->text, "%s : \"", column(r, "word"));
     for (size_t i = 0; i < count; i++) {
         struct query_term *t = new_term(r, &words[i]);
@@ -187,6 +189,7 @@ static int read_quoted(struct reading *r, struct node *out) {
 static int read_near(struct reading *r, struct node *out) {
     size_t from = r->at;
     struct word words[QUERY_TERMS_MAX];
+    r->query->bare = false;
     r->at += strlen("NEAR(");
     const char *end = memchr(r->text + r->at, ')', r->size - r->at);
     if (!end)
@@ -232,6 +235,7 @@ static int read_word(struct reading *r, struct node *out) {
         return bad(r, from, "more than 32 words");
     t->prefix = prefix;
     if (prefix) {
+        r->query->bare = false;
         if (!t->word[1])
             return bad(r, from, "an asterisk must follow at least two letters");
         buf_printf(&out->text, "%s : \"%s\" *", column(r, "word"), t->word);
@@ -253,6 +257,7 @@ static int read_one(struct reading *r, struct node *out) {
     if (r->text[r->at] != '(')
         return read_word(r, out);
     size_t from = r->at++;
+    r->query->bare = false;
     if (++r->depth > QUERY_DEPTH_MAX)
         return bad(r, from, "parentheses are nested too deeply");
     if (read_any(r, out))
@@ -289,6 +294,7 @@ static int read_all(struct reading *r, struct node *out) {
             continue;
         }
         if (one.negative) {
+            r->query->bare = false;
             r->at += 3;
             skip_white(r);
             result =
@@ -336,6 +342,7 @@ static int read_any(struct reading *r, struct node *out) {
         buf_free(&one.text);
         if (r->at == r->size || !is_word(r, "OR"))
             break;
+        r->query->bare = false;
         r->at += 2;
     }
     if (out->text.size)
@@ -347,7 +354,7 @@ int search_query_read(struct search_query *q, const char *text, const struct que
                       struct error *e) {
     struct reading r = {.query = q, .options = options, .text = text, .size = strlen(text), .e = e};
     struct node all = {0};
-    *q = (struct search_query){0};
+    *q = (struct search_query){.bare = !options->only};
     int result =
         r.size > QUERY_BYTES_MAX ? bad(&r, QUERY_BYTES_MAX, "more than 1000 bytes") : read_any(&r, &all);
     if (!result && r.at < r.size)
@@ -373,8 +380,11 @@ void search_query_free(struct search_query *q) {
 #define WEIGHT_LEAST 1e-6
 enum { PHRASES_MAX = QUERY_TERMS_MAX * (QUERY_STEMS_MAX + 1), LOOKED_AT = 100 };
 
-/* of one query */
+/* The weights of the last query, which is ranked in several statements. It is the same query while its text
+ * and the size of the index are. */
 struct ranking {
+    char *match;
+    sqlite3_int64 rows, words;              /* of the index */
     double weights[PHRASES_MAX], mean_size; /* mean number of words in a row */
 };
 
@@ -398,31 +408,36 @@ static double weight_of(const Fts5ExtensionApi *api, Fts5Context *fts, int phras
     return fmax(WEIGHT_LEAST, log(((double)rows - hits + 0.5) / (hits + 0.5)));
 }
 
-static struct ranking *ranking_of(const Fts5ExtensionApi *api, Fts5Context *fts) {
+static const struct ranking *ranking_of(const Fts5ExtensionApi *api, Fts5Context *fts, const char *match) {
     struct ranking *r = api->xGetAuxdata(fts, 0);
     sqlite3_int64 rows = 0, words = 0;
-    int phrases = api->xPhraseCount(fts);
     if (r)
         return r;
-    r = calloc(1, sizeof *r); /* freed by SQLite */
-    if (!r || api->xRowCount(fts, &rows) != SQLITE_OK || api->xColumnTotalSize(fts, 0, &words) != SQLITE_OK ||
-        api->xSetAuxdata(fts, r, free) != SQLITE_OK) {
-        free(r);
+    if (api->xRowCount(fts, &rows) != SQLITE_OK || api->xColumnTotalSize(fts, 0, &words) != SQLITE_OK)
         return NULL;
+    r = api->xUserData(fts);
+    if (!r->match || strcmp(r->match, match) != 0 || r->rows != rows || r->words != words) {
+        int phrases = api->xPhraseCount(fts);
+        free(r->match);
+        r->match = mem_strdup(match);
+        r->rows = rows;
+        r->words = words;
+        r->mean_size = rows > 0 && words > 0 ? (double)words / (double)rows : 1;
+        for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
+            r->weights[i] = weight_of(api, fts, i, rows);
     }
-    r->mean_size = rows > 0 && words > 0 ? (double)words / (double)rows : 1;
-    for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
-        r->weights[i] = weight_of(api, fts, i, rows);
-    return r;
+    return api->xSetAuxdata(fts, r, NULL) == SQLITE_OK ? r : NULL;
 }
 
+/* worth(found, MATCH) */
 static void worth(const Fts5ExtensionApi *api, Fts5Context *fts, sqlite3_context *out, int count_of_values,
                   sqlite3_value **values) {
-    double often[PHRASES_MAX] = {0}, sum = 0;
-    const struct ranking *r = ranking_of(api, fts);
+    double often[PHRASES_MAX], sum = 0;
+    const char *match = count_of_values == 1 ? (const char *)sqlite3_value_text(values[0]) : NULL;
+    const struct ranking *r = match ? ranking_of(api, fts, match) : NULL;
     int instances = 0, size = 0, phrases = api->xPhraseCount(fts);
-    (void)count_of_values;
-    (void)values;
+    for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
+        often[i] = 0;
     if (!r || api->xInstCount(fts, &instances) != SQLITE_OK || api->xColumnSize(fts, 0, &size) != SQLITE_OK) {
         sqlite3_result_error_nomem(out);
         return;
@@ -438,6 +453,11 @@ static void worth(const Fts5ExtensionApi *api, Fts5Context *fts, sqlite3_context
     sqlite3_result_double(out, sum);
 }
 
+static void free_ranking(void *ranking) {
+    free(((struct ranking *)ranking)->match);
+    free(ranking);
+}
+
 int search_rank_add(sqlite3 *sql) {
     sqlite3_stmt *s = NULL;
     fts5_api *api = NULL;
@@ -446,5 +466,11 @@ int search_rank_add(sqlite3 *sql) {
         sqlite3_step(s);
     }
     sqlite3_finalize(s);
-    return api && api->xCreateFunction(api, "worth", NULL, worth, NULL) == SQLITE_OK ? 0 : -1;
+    if (!api)
+        return -1;
+    struct ranking *ranking = mem_alloc(sizeof *ranking);
+    if (api->xCreateFunction(api, "worth", ranking, worth, free_ranking) == SQLITE_OK)
+        return 0;
+    free_ranking(ranking);
+    return -1;
 }

@@ -71,7 +71,6 @@ static size_t next(const char *text, size_t size, size_t at, uint32_t *cp) {
 bool words_next(const char *text, size_t size, bool turkish, size_t *at, struct word *word) {
     size_t lower = 0, folded = 0;
     bool begun = false, mark = false;
-    word->lower[0] = word->folded[0] = '\0';
     while (*at < size) {
         unsigned char c = (unsigned char)text[*at];
         uint32_t cp = c;
@@ -83,12 +82,18 @@ bool words_next(const char *text, size_t size, bool turkish, size_t *at, struct 
             if (!begun)
                 word->from = *at;
             begun = true;
-            put(word->lower, &lower, lower_of(cp, turkish));
-            if (c < 0x80 || !mark)
-                put_folded(word->folded, &folded, cp);
+            if (c < 0x80 && !(turkish && c == 'I') && lower + 1 < WORD_BYTES_MAX &&
+                folded + 1 < WORD_BYTES_MAX) {
+                word->lower[lower++] = word->folded[folded++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
+            } else {
+                put(word->lower, &lower, lower_of(cp, turkish));
+                if (c < 0x80 || !mark)
+                    put_folded(word->folded, &folded, cp);
+            }
         }
         *at += n;
     }
+    word->lower[lower] = word->folded[folded] = '\0';
     word->to = *at;
     return begun;
 }
@@ -117,7 +122,7 @@ bool words_elided(const char *folded) {
 }
 
 /* Entries of the cache of stems: most words recur. */
-enum { KEPT = 1 << 14 };
+enum { KEPT = 1 << 13 };
 
 static const struct {
     const char *tag, *name;
@@ -126,7 +131,8 @@ enum { LANGUAGES = sizeof languages / sizeof *languages };
 _Static_assert((int)LANGUAGES == (int)STEM_LANGUAGES, "one file of spellings for each");
 
 struct kept {
-    char lower[WORD_BYTES_MAX], stem[WORD_BYTES_MAX];
+    char lower[WORD_BYTES_MAX], forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    size_t count;
 };
 
 struct stems {
@@ -172,51 +178,43 @@ static uint32_t hash(const char *s) {
     return h;
 }
 
-/* False: no stemmer for the language. */
-static bool stem_of(struct stems *s, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]) {
-    size_t i = number_of(lang);
-    if (i == LANGUAGES || !s->stemmers[i])
-        return false;
-    if (!s->kept[i])
-        s->kept[i] = mem_alloc(KEPT * sizeof(struct kept));
-    struct kept *k = &s->kept[i][hash(word->lower) % KEPT];
-    if (!k->lower[0] || strcmp(k->lower, word->lower) != 0) {
-        char stem[WORD_BYTES_MAX];
-        const sb_symbol *made =
-            sb_stemmer_stem(s->stemmers[i], (const sb_symbol *)word->lower, (int)strlen(word->lower));
-        size_t length = made ? (size_t)sb_stemmer_length(s->stemmers[i]) : 0;
-        if (length >= sizeof stem)
-            length = sizeof stem - 1;
-        if (length)
-            memcpy(stem, made, length);
-        stem[length] = '\0';
-        memcpy(k->lower, word->lower, sizeof k->lower);
-        words_fold(length ? stem : word->lower, k->stem);
-    }
-    memcpy(out, k->stem, WORD_BYTES_MAX);
-    return true;
-}
-
-/* Writes the word's stem after the others, if it differs from them. */
-static bool is_further(struct stems *s, const char *lang, const struct word *word,
-                       char out[STEM_FORMS_MAX][WORD_BYTES_MAX], size_t count) {
-    if (!stem_of(s, lang, word, out[count]) || !out[count][0])
-        return false;
-    for (size_t i = 0; i < count; i++)
-        if (!strcmp(out[i], out[count]))
-            return false;
-    return true;
+/* Adds the word's stem to the others, if it differs from them. */
+static void add_form(struct stems *s, size_t language, const char *lower, struct kept *k) {
+    char stem[WORD_BYTES_MAX];
+    const sb_symbol *made =
+        sb_stemmer_stem(s->stemmers[language], (const sb_symbol *)lower, (int)strlen(lower));
+    size_t length = made ? (size_t)sb_stemmer_length(s->stemmers[language]) : 0;
+    if (length >= sizeof stem)
+        length = sizeof stem - 1;
+    if (length)
+        memcpy(stem, made, length);
+    stem[length] = '\0';
+    char *form = k->forms[k->count];
+    words_fold(length ? stem : lower, form);
+    bool is_new = form[0];
+    for (size_t i = 0; i < k->count; i++)
+        is_new = is_new && strcmp(k->forms[i], form) != 0;
+    k->count += is_new;
 }
 
 size_t stems_forms(struct stems *s, const char *lang, const struct word *word,
                    char out[STEM_FORMS_MAX][WORD_BYTES_MAX]) {
-    struct word other;
-    size_t count = stem_of(s, lang, word, out[0]) && out[0][0];
-    if (count && strcmp(word->lower, word->folded) != 0) {
-        memcpy(other.lower, word->folded, sizeof other.lower);
-        count += is_further(s, lang, &other, out, count);
+    size_t i = number_of(lang);
+    char modern[WORD_BYTES_MAX];
+    if (i == LANGUAGES || !s->stemmers[i])
+        return 0;
+    if (!s->kept[i])
+        s->kept[i] = mem_alloc(KEPT * sizeof(struct kept));
+    struct kept *k = &s->kept[i][hash(word->lower) % KEPT];
+    if (strcmp(k->lower, word->lower) != 0) {
+        memcpy(k->lower, word->lower, sizeof k->lower);
+        k->count = 0;
+        add_form(s, i, word->lower, k);
+        if (k->count && strcmp(word->lower, word->folded) != 0)
+            add_form(s, i, word->folded, k);
+        if (k->count && spellings_modern(s->spellings, i, word->lower, modern))
+            add_form(s, i, modern, k);
     }
-    if (count && spellings_modern(s->spellings, number_of(lang), word->lower, other.lower))
-        count += is_further(s, lang, &other, out, count);
-    return count;
+    memcpy(out, k->forms, k->count * sizeof k->forms[0]);
+    return k->count;
 }

@@ -136,10 +136,13 @@ int passage_resolve(const struct api *api, struct speech_request *request, struc
         return error_in_field(e, ERROR_BAD_FIELD, "passage", "cannot be combined with a text");
     if (!api->options.library)
         return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "this server has no library");
+    /* with one voice for all, the dialogue is found when the text is read, and differs in pitch only */
     const struct library_reading how = {.from = request->from,
                                         .most = api->options.text_bytes,
                                         .directions = request->directions == DIRECTIONS_SPOKEN,
-                                        .names = request->names};
+                                        .names = request->names,
+                                        .dialogue =
+                                            request->dialogue == DIALOGUE_VOICES && casts_voices(request)};
     if (library_passage(api->options.library, request->passage, &how, &passage, e))
         return -1;
     int result = resolve(api, request, &passage, e);

@@ -192,6 +192,8 @@ enum { LOOK_AHEAD = 40 };
 
 static void add_phone(struct aligned_recording *r, const char *ipa, uint8_t stress, double start,
                       double end) {
+    if (r->phone_count) /* the first phone of a slice may begin in the last one of the slice before */
+        start = fmax(start, r->phones[r->phone_count - 1].end);
     if (!*ipa || end <= start)
         return;
     r->phones = mem_grow(r->phones, &r->phone_cap, r->phone_count + 1, sizeof *r->phones);

@@ -6,7 +6,7 @@
 
 #include "server/library/align/clip_slices.h"
 #include "server/library/align/reference.h"
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include "server/library/align/text_words.h"
 #include "server/library/align/times.h"
 #include <jansson.h>
@@ -60,9 +60,9 @@ struct aligned_recording {
     size_t sentence_count, sentence_cap;
     struct long_alignment *alignment; /* NULL = nothing is left to find */
     struct clip_slices slices;        /* of a read-aloud book; none: the whole is one */
-    size_t slice, failed;             /* the one that is aligned; number of those whose text is not in them */
-    struct sound_source part;         /* its sound */
-    double passed;                    /* s of sound after the text of the slice before */
+    size_t slice, failed;             /* the current one; number of slices that do not contain their text */
+    struct sound_source part;         /* sound of the current slice */
+    double passed;                    /* s of sound since the last sentence of earlier slices */
     bool keep_phones;                 /* phones come from a file; only words have to be found */
     bool complete;
     size_t placed; /* number of words so far */

@@ -18,7 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/types.h>
 #include <time.h>
@@ -51,7 +50,7 @@ static double clock_of(clockid_t id) {
 static void pace_give_way(unsigned megabytes) {
     const struct sched_param none = {0};
     setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    program_end_with_parent(STDOUT_FILENO, SIGKILL);
     setpriority(PRIO_PROCESS, 0, LOWEST);
     sched_setscheduler(0, SCHED_IDLE, &none);
     memory_limit(megabytes);

@@ -14,18 +14,21 @@ struct walk {
     size_t depth, open[DEPTH_MAX]; /* open: index of the element's text + 1; 0: it has no id */
 };
 
-static const char *local(const char *name) {
+const char *book_local_name(const char *name) {
     const char *colon = strrchr(name, ':');
     return colon ? colon + 1 : name;
 }
 
 /* Within such an element a word goes on. */
 static bool is_inline(const char *name) {
-    static const char names[] =
-        " a abbr b bdi bdo cite code dfn em font i ins kbd mark q ruby s samp small span "
-        "strong sub sup time tspan tt u var wbr ";
-    const char *at = strstr(names, name);
-    return at && at[-1] == ' ' && at[strlen(name)] == ' ';
+    static const char *const names[] = {"a",     "abbr", "b",     "bdi",  "bdo",    "cite", "code", "dfn",
+                                        "em",    "font", "i",     "ins",  "kbd",    "mark", "q",    "ruby",
+                                        "s",     "samp", "small", "span", "strong", "sub",  "sup",  "time",
+                                        "tspan", "tt",   "u",     "var",  "wbr"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strcmp(name, names[i]))
+            return true;
+    return false;
 }
 
 static void on_start(void *ctx, const char *name, const char **attributes) {
@@ -33,9 +36,9 @@ static void on_start(void *ctx, const char *name, const char **attributes) {
     struct book_texts *t = w->texts;
     const char *id = NULL;
     for (; *attributes && !id; attributes += 2)
-        if (!strcmp(local(attributes[0]), "id"))
+        if (!strcmp(book_local_name(attributes[0]), "id"))
             id = attributes[1];
-    if (!is_inline(local(name)))
+    if (!is_inline(book_local_name(name)))
         buf_add(&t->text, " ", 1);
     size_t at = w->depth++;
     if (at >= DEPTH_MAX) {
@@ -56,7 +59,7 @@ static void on_end(void *ctx, const char *name) {
         return;
     if (w->open[w->depth])
         w->texts->list[w->open[w->depth] - 1].to = w->texts->text.size;
-    if (!is_inline(local(name)))
+    if (!is_inline(book_local_name(name)))
         buf_add(&w->texts->text, " ", 1);
 }
 

@@ -6,6 +6,9 @@
 #include "server/base/buf.h"
 #include <stddef.h>
 
+/* The name of an element or attribute without its prefix. */
+const char *book_local_name(const char *name);
+
 struct book_text {
     char *id;
     size_t from, to; /* bytes of the document's text */

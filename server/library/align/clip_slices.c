@@ -8,6 +8,8 @@
 enum {
     SEQUENCE = 5,      /* words that find a clip's place, with those of the clips after it */
     LOOK_AHEAD = 2000, /* words of the text without a clip between two clips */
+    ANCHORS = 16,      /* clips to find in the whole text, if few are near its start */
+    LEAD = 200,        /* words before such a clip, where those before it may be */
     SLICE_SECONDS = 5, /* shorter slices are joined with the next */
 };
 
@@ -26,15 +28,18 @@ static void read_clips(struct spoken *s, const struct sound_clip *clips, size_t 
     s->begins[count] = s->words.count;
 }
 
-/* The first place from `at` on with the words from `word` on; fewer of them near the end. SIZE_MAX: none. */
-static size_t find(const struct spoken *s, size_t word, const struct text_words *text, size_t at) {
+/* The first place from `at` on, at most `ahead` words further, with the words from `word` on; fewer of them
+ * near the end. SIZE_MAX: none. */
+static size_t find(const struct spoken *s, size_t word, const struct text_words *text, size_t at,
+                   size_t ahead) {
     size_t left = s->words.count - word, count = left < SEQUENCE ? left : SEQUENCE;
     const struct text_words until = {.list = text->list,
-                                     .count = text->count - at > LOOK_AHEAD ? at + LOOK_AHEAD : text->count};
+                                     .count = text->count - at > ahead ? at + ahead : text->count};
     return text_words_find(&until, s->words.list + word, count, at);
 }
 
-/* Words of the text from `at` on that are those of the clip, some of which may be missing in either. */
+/* Follows the clip's words in the text from `at`, tolerating words that either lacks. Returns where they end.
+ */
 static size_t follow(const struct spoken *s, size_t from, size_t to, const struct text_words *text,
                      size_t at) {
     enum { NEAR = 4 };
@@ -71,8 +76,8 @@ static struct clip_slice *add_slice(struct clip_slices *s, size_t *cap, struct c
     return &s->list[s->count++];
 }
 
-/* Where the text without a clip ends that begins after a word (0: the first one) and ends before another: at
- * its last end of a sentence. `from`: there is none, or hardly a word in it. */
+/* Returns the end, in bytes, of the text between the words first and last, which no clip reads. Returns
+ * `from` if it has hardly a word or ends no sentence. */
 static size_t end_of_gap(const char *text, size_t size, const struct text_words *words, size_t first,
                          size_t last, size_t from) {
     enum { FEW = 3 };
@@ -105,7 +110,7 @@ static void divide(struct clip_slices *s, const char *text, size_t size, const s
         last->last = i + 1;
         done = c->last;
         byte = words->list[c->last - 1].to;
-        loose = c->until > c->to;
+        loose = c->until > c->to || c->open;
     }
     if (s->count && !loose && end_of_gap(text, size, words, done, words->count, byte) > byte) {
         uint64_t end = s->list[s->count - 1].end;
@@ -115,16 +120,26 @@ static void divide(struct clip_slices *s, const char *text, size_t size, const s
         s->list[s->count - 1].to = size;
 }
 
-void clip_slices_find(struct clip_slices *s, const struct sound_clip *clips, size_t count, const char *text,
-                      size_t size, const struct text_words *words, uint32_t rate) {
-    struct spoken spoken = {0};
-    size_t at = 0, found = 0;
-    *s = (struct clip_slices){0};
-    read_clips(&spoken, clips, count);
-    s->clips = mem_alloc((count + 1) * sizeof *s->clips);
+/* True if the clip has more sound than its words take. */
+static bool is_long(const struct sound_clip *clip, size_t words, uint32_t rate) {
+    enum { WORD_SECONDS = 1, MORE_SECONDS = 3 };
+    return clip->to - clip->from > (uint64_t)(words * WORD_SECONDS + MORE_SECONDS) * rate;
+}
+
+/* True if the clip has words, and sound. */
+static bool speaks(const struct spoken *spoken, const struct sound_clip *clips, size_t i) {
+    return spoken->begins[i] < spoken->begins[i + 1] && clips[i].to > clips[i].from;
+}
+
+/* Finds the clips' words from the word `at` on. Returns the number of clips that have a place, or nothing to
+ * say. */
+static size_t find_clips(struct clip_slices *s, const struct spoken *spoken, const struct sound_clip *clips,
+                         size_t count, const struct text_words *words, size_t at, uint32_t rate) {
+    size_t found = 0;
+    s->clip_count = 0;
     for (size_t i = 0; i < count; i++) {
-        size_t from = spoken.begins[i], to = spoken.begins[i + 1];
-        size_t place = from < to && clips[i].to > clips[i].from ? find(&spoken, from, words, at) : SIZE_MAX;
+        size_t from = spoken->begins[i], to = spoken->begins[i + 1];
+        size_t place = speaks(spoken, clips, i) ? find(spoken, from, words, at, LOOK_AHEAD) : SIZE_MAX;
         if (from == to)
             found++; /* nothing to say */
         if (place == SIZE_MAX) {
@@ -133,9 +148,34 @@ void clip_slices_find(struct clip_slices *s, const struct sound_clip *clips, siz
             continue;
         }
         found++;
-        at = follow(&spoken, from, to, words, place);
+        at = follow(spoken, from, to, words, place);
         at = at > place ? at : place + 1;
-        s->clips[s->clip_count++] = (struct clip_bounds){place, at, clips[i].from, clips[i].to, clips[i].to};
+        s->clips[s->clip_count++] =
+            (struct clip_bounds){.first = place,
+                                 .last = at,
+                                 .from = clips[i].from,
+                                 .to = clips[i].to,
+                                 .until = clips[i].to,
+                                 .open = clips[i].open && is_long(&clips[i], to - from, rate)};
+    }
+    return found;
+}
+
+void clip_slices_find(struct clip_slices *s, const struct sound_clip *clips, size_t count, const char *text,
+                      size_t size, const struct text_words *words, uint32_t rate) {
+    struct spoken spoken = {0};
+    size_t found = 0;
+    *s = (struct clip_slices){0};
+    read_clips(&spoken, clips, count);
+    s->clips = mem_alloc((count + 1) * sizeof *s->clips);
+    found = find_clips(s, &spoken, clips, count, words, 0, rate);
+    for (size_t i = 0, tried = 0; 2 * found < count && i < count && tried < ANCHORS; i++) {
+        if (!speaks(&spoken, clips, i))
+            continue;
+        size_t place = find(&spoken, spoken.begins[i], words, 0, words->count);
+        tried++;
+        if (place != SIZE_MAX)
+            found = find_clips(s, &spoken, clips, count, words, place > LEAD ? place - LEAD : 0, rate);
     }
     if (2 * found >= count)
         divide(s, text, size, words, rate);

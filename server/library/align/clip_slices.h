@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The clips of a read-aloud book as bounds of its alignment: which words of the text lie in which part of the
- * sound. */
+/* Divides the alignment of a read-aloud book by its clips: each slice is a stretch of text and the sound that
+ * reads it. */
 #ifndef FACCIA_LIBRARY_ALIGN_CLIP_SLICES_H
 #define FACCIA_LIBRARY_ALIGN_CLIP_SLICES_H
 
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include "server/library/align/text_words.h"
 
 /* Words of the text that a clip reads. */
@@ -12,6 +12,7 @@ struct clip_bounds {
     size_t first, last; /* last: exclusive */
     uint64_t from, to;  /* samples */
     uint64_t until;     /* > to: clips whose words were not found follow until there; otherwise to */
+    bool open;          /* words that follow may be read at its end */
 };
 
 /* Sentences and the sound that reads them: some clips, or none (begin = end). */

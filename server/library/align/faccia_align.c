@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/say_options.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/suggest.h"
 #include "server/base/utf8.h"
 #include "server/cli/cli.h"
@@ -8,7 +9,6 @@
 #include "server/library/align/aligned_recording.h"
 #include "server/library/align/text_reading.h"
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -358,7 +358,7 @@ static int parse(int argc, char **argv, struct align *a) {
     };
     struct error e;
     char message[400];
-    for (int c, at; (at = -1, c = getopt_long(argc, argv, "t:l:e:qh", options, &at)) != -1;) {
+    for (int c, at; (at = -1, c = options_next(argc, argv, "t:l:e:qh", options, &at)) != -1;) {
         const char **const texts[] = {['t'] = &a->text,
                                       ['T'] = &a->timing,
                                       ['N'] = &a->names,

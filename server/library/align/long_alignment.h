@@ -8,7 +8,7 @@
 #define FACCIA_LIBRARY_ALIGN_LONG_ALIGNMENT_H
 
 #include "server/library/align/reference.h"
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include <stdatomic.h>
 
 struct long_alignment_options {

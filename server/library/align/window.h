@@ -4,7 +4,7 @@
 #ifndef FACCIA_LIBRARY_ALIGN_WINDOW_H
 #define FACCIA_LIBRARY_ALIGN_WINDOW_H
 
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include <stdbool.h>
 
 enum { WINDOW_LEVELS = 100 }; /* dB */

@@ -3,6 +3,7 @@
  * cmark does. */
 #include "server/base/buf.h"
 #include "server/library/check/words_source.h"
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,12 +12,15 @@ static size_t line_size(const char *text, size_t size) {
     return newline ? (size_t)(newline - text) + 1 : size;
 }
 
-/* Length of the sign of a quotation, list item or task at the beginning of a line. */
-static size_t list_sign(const char *line, size_t size) {
+/* Length of the sign of a quotation, list item or task at the beginning of a line. within: of a paragraph,
+ * which only a list from 1 on interrupts. */
+static size_t list_sign(const char *line, size_t size, bool within) {
     size_t at = 0, sign = 0;
     while (at < size && strchr(" \t>", line[at]))
         at++;
     size_t digits = strspn(line + at, "0123456789");
+    if (within && (digits != 1 || line[at] != '1'))
+        digits = 0;
     if (digits && digits < 10 && at + digits + 1 < size && strchr(".)", line[at + digits]) &&
         strchr(" \t\r\n", line[at + digits + 1]))
         sign = at += digits + 1;
@@ -61,11 +65,12 @@ static void add_marked(struct collector *c, const char *text, size_t size) {
             code = !code;
             at += strspn(text + at, "`");
         } else if (!code && sign == '\\' && at + 1 < size) {
-            if (text[at + 1] == '*')
+            bool escapes = ispunct((unsigned char)text[at + 1]);
+            if (text[at + 1] == '*' || !escapes)
                 collector_end_word(c);
             else
                 collector_add(c, text + at + 1, 1);
-            at += 2;
+            at += escapes ? 2 : 1;
         } else if (!code && sign == '<' && (to = after_bracket(text, size, at, '>')) > at + 2 &&
                    !memchr(text + at, ' ', 2)) {
             bool address = (memchr(text + at, ':', to - at) || memchr(text + at, '@', to - at)) &&
@@ -121,14 +126,17 @@ void words_markdown_read(struct collector *c, const char *text, size_t size) {
         bool fence =
             at < size && (!strncmp(text + at + blank, "```", 3) || !strncmp(text + at + blank, "~~~", 3));
         bool ends = at >= size || blank >= line || strchr("\r\n", text[at + blank]);
-        const char *opening = at < size && !fenced ? memmem(text + at, line, "<!--", 4) : NULL;
+        /* inside a paragraph, add_marked drops comments */
+        const char *opening = at < size && !fenced && !plain.size && !strncmp(text + at + blank, "<!--", 4)
+                                  ? text + at + blank
+                                  : NULL;
         if (comment || (opening && !memmem(opening, (size_t)(text + at + line - opening), "-->", 3))) {
             comment = at < size && (!comment || !memmem(text + at, line, "-->", 3));
             continue;
         }
         indented = at < size && !plain.size && !list && (text[at] == '\t' || !strncmp(text + at, "    ", 4));
         if (!ends && !indented && at < size && !strchr(" \t", text[at]))
-            list = list_sign(text + at, line) > 0;
+            list = list_sign(text + at, line, plain.size > 0 && !list) > 0;
         if ((fenced && !fence && at < size) || (indented && !ends && !fence)) {
             c->line = number;
             collector_add(c, text + at, line);
@@ -144,7 +152,7 @@ void words_markdown_read(struct collector *c, const char *text, size_t size) {
             if (fence)
                 fenced = !fenced;
         } else if (!is_definition(text + at, line)) {
-            size_t sign = list_sign(text + at, line);
+            size_t sign = list_sign(text + at, line, plain.size > 0 && !list);
             begin = plain.size ? begin : number;
             if (sign && plain.size)
                 buf_add(&plain, " . ", 3);

@@ -322,7 +322,8 @@ static bool is_of_alternatives(const struct reading *r, unsigned depth, bool *ch
 
 /* Elements within which a word continues. */
 static const char tei_inline[] =
-    " abbr sic orig corr reg ex expan am choice app lem rdg rdgGrp hi emph foreign c m seg s phr cl g "
+    " tagStart tagEnd abbr sic orig corr reg ex expan am choice app lem rdg rdgGrp hi emph foreign c m seg s "
+    "phr cl g "
     "supplied "
     "unclear add del damage surplus subst restore retrace ref ptr anchor name persName placeName rs orgName "
     "geogName forename surname roleName addName nameLink genName term gloss title date time num measure "
@@ -367,7 +368,8 @@ static void tei_start(struct reading *r, const struct token *t) {
         collector_break(c, no);
     else if (is_in(" milestone space caesura gap ", name) && no)
         collector_break(c, true);
-    else if (is_in(" milestone space caesura gap ", name))
+    else if (is_in(" milestone space caesura gap tagStart ", name) ||
+             (!strcmp(name, "tagEnd") && !attribute_is(t, "gi", "name")))
         collector_end_word(c);
     else if (!strcmp(name, "w") && !r->word_joins && !attribute_is(t, "join", "left both") &&
              !attribute_is(t, "part", "M F"))

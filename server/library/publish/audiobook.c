@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/publish/audiobook.h"
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/library/publish/temp_file.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 enum { SOUND_FD = 3, CHAPTERS_FD = 4, OUTPUT_FD = 5 }; /* of ffmpeg */
+enum { NOT_FOUND = 127, KILLED = 128 };                /* exit statuses */
 
 struct chapter {
     char *title;
@@ -30,27 +31,39 @@ struct given {
     int ours, as;
 };
 
-/* Runs a program from PATH with these descriptors. Returns its exit status, or -1 with errno. */
-static int run(char *const *args, const struct given *given, size_t count) {
-    extern char **environ;
-    posix_spawn_file_actions_t actions;
-    pid_t child;
-    int status, spare[4];
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+/* Runs in the child. */
+_Noreturn static void become(char *const *args, pid_t parent, const struct given *given, size_t count) {
+    int nowhere = open("/dev/null", O_RDWR), spare[4];
+    program_end_with(parent);
+    program_give_back_signals();
+    dup2(nowhere, STDIN_FILENO);
+    dup2(nowhere, STDOUT_FILENO);
     for (size_t i = 0; i < count; i++) /* first beyond the wanted numbers, so that none is overwritten */
         spare[i] = fcntl(given[i].ours, F_DUPFD_CLOEXEC, OUTPUT_FD + 1);
     for (size_t i = 0; i < count; i++)
-        posix_spawn_file_actions_adddup2(&actions, spare[i], given[i].as);
-    int why = posix_spawnp(&child, args[0], &actions, NULL, args, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    for (size_t i = 0; i < count; i++)
-        close(spare[i]);
-    while (!why && waitpid(child, &status, 0) < 0)
-        why = errno == EINTR ? 0 : errno;
-    errno = why;
-    return why ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+        dup2(spare[i], given[i].as);
+    execvp(args[0], args);
+    _exit(NOT_FOUND);
+}
+
+/* Runs a program from PATH with these descriptors; it ends with this process. Returns its exit status, or -1
+ * with errno. */
+static int run(char *const *args, const struct given *given, size_t count) {
+    const pid_t parent = getpid(), child = fork();
+    int status;
+    if (child == 0)
+        become(args, parent, given, count);
+    if (child < 0)
+        return -1;
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR)
+            return -1;
+    if (!WIFEXITED(status))
+        return KILLED;
+    if (WEXITSTATUS(status) != NOT_FOUND)
+        return WEXITSTATUS(status);
+    errno = ENOENT;
+    return -1;
 }
 
 bool audiobook_possible(void) {

@@ -123,9 +123,7 @@ static void narration_places_free(struct narration_places *p) {
     free(p->blocks);
     free(p->numbers);
     free(p->starts);
-    for (size_t i = 0; i < p->speech_count; i++)
-        free(p->speeches[i].who), free(p->speeches[i].affect);
-    free(p->speeches);
+    cast_speeches_free(p->speeches, p->speech_count);
     buf_free(&p->joined);
     buf_free(&p->languages);
     *p = (struct narration_places){0};
@@ -267,6 +265,22 @@ static const char *lang_of(const struct narration *r, const struct block *b) {
     return b->lang ? b->lang : r->lang;
 }
 
+/* Who speaks the text; NULL: the narrator alone. Free it. */
+static char *speakers_of(const struct narration *r, const struct run *run, const char *lang) {
+    const struct narration_places *p = &run->places;
+    bool voices = r->cast_voices && !strcmp(lang, r->lang);
+    if (!r->cast)
+        return NULL;
+    if (p->speech_count || p->blocks[0]->source || !voices || r->request->dialogue != DIALOGUE_VOICES)
+        return cast_speakers(r->cast, p->speeches, p->speech_count, voices);
+    struct cast_speech *speeches;
+    size_t count;
+    cast_dialogue_find(p->text, strlen(p->text), lang, &speeches, &count);
+    char *speakers = cast_speakers(r->cast, speeches, count, true);
+    cast_speeches_free(speeches, count);
+    return speakers;
+}
+
 static void request_of(const struct narration *r, const struct run *run, struct speech_request *request) {
     const struct block *b = run->places.blocks[0];
     const char *lang = lang_of(r, b);
@@ -281,9 +295,7 @@ static void request_of(const struct narration *r, const struct run *run, struct 
     request->languages = run->places.languages.size && !r->any_lang
                              ? mem_strndup((char *)run->places.languages.data, run->places.languages.size)
                              : NULL;
-    request->speakers = r->cast ? cast_speakers(r->cast, run->places.speeches, run->places.speech_count,
-                                                r->cast_voices && !strcmp(lang, r->lang))
-                                : NULL;
+    request->speakers = speakers_of(r, run, lang);
     free(request->markup);
     request->markup = mem_strdup(b->source ? b->markup : "plain");
     if (!r->any_lang && strcmp(lang, r->lang) != 0) {

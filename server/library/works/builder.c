@@ -387,12 +387,13 @@ void build_apart(struct builder *b) {
 
 void build_join_cells(struct builder *b) {
     const struct block *block = build_top(b);
-    char last = block && block->text.size ? (char)block->text.data[block->text.size - 1] : '\0';
+    if (!block || !block->text.size)
+        return;
     b->line_break = BREAK_NONE;
     b->space = false;
-    if (last && !strchr(".,;:!?\n", last))
+    if (!strchr(".,;:!?\n", block->text.data[block->text.size - 1]))
         put(b, ";", 1);
-    b->space = last != '\0';
+    b->space = true;
 }
 
 /* Resolves a pending line break now that the following text is known. */

@@ -30,6 +30,7 @@ struct plain {
     bool parts;    /* a heading of a part or book has come */
     bool headed;   /* the last paragraph was a heading */
     bool emphasis; /* _ has begun one */
+    bool unended;  /* no _ that follows in the paragraph ends one */
 };
 
 static size_t line_end(const char *data, size_t size, size_t at) {
@@ -254,12 +255,14 @@ static bool is_underscore(const struct line *line, size_t at, bool begins) {
     return begins ? !white && !before : !white && !is_of_word(line->text, line->size, at + 1);
 }
 
-/* True when the paragraph ends the emphasis that begins there. */
-static bool ends_emphasis(const struct plain *p, size_t line, size_t at) {
-    for (; line < p->count; line++, at = 0)
+/* True when the paragraph ends the emphasis that begins there. A paragraph is searched to its end once only.
+ */
+static bool ends_emphasis(struct plain *p, size_t line, size_t at) {
+    for (; line < p->count && !p->unended; line++, at = 0)
         for (; at < p->lines[line].size; at++)
             if (is_underscore(&p->lines[line], at, false))
                 return true;
+    p->unended = true;
     return false;
 }
 
@@ -296,7 +299,7 @@ static void add_paragraph(struct plain *p) {
         add_line(p, i);
     }
     build_end(p->b);
-    p->emphasis = false;
+    p->emphasis = p->unended = false;
 }
 
 static void end_paragraph(struct plain *p) {

@@ -30,8 +30,8 @@ static bool is_mark(uint32_t cp) {
 }
 
 /* True when a quotation mark stands right before, or nothing but a dash. */
-static bool follows_mark(const struct builder *b) {
-    const struct block *block = build_top((struct builder *)b);
+static bool follows_mark(struct builder *b) {
+    const struct block *block = build_top(b);
     size_t at = block->text.size, from = at;
     uint32_t cp = 0;
     while (from && (block->text.data[--from] & 0xC0) == 0x80)
@@ -42,16 +42,16 @@ static bool follows_mark(const struct builder *b) {
     return at && is_mark(cp) && (dash ? !from : !b->space);
 }
 
-static bool is_here(const struct builder *b, const struct quote *q) {
-    const struct block *top = build_top((struct builder *)b);
+static bool is_here(struct builder *b, const struct quote *q) {
+    const struct block *top = build_top(b);
     return top && q->section == b->sections && !strcmp(q->block, top->name);
 }
 
-void quotes_begin(struct quotes *quotes, const struct builder *b, const char *lang) {
+void quotes_begin(struct quotes *quotes, struct builder *b, const char *lang) {
     if (quotes->depth++ >= QUOTES_MAX)
         return;
     struct quote *q = &quotes->list[quotes->depth - 1];
-    const struct block *top = build_top((struct builder *)b);
+    const struct block *top = build_top(b);
     *q = (struct quote){.waits = top && *top->name, .section = b->sections};
     if (q->waits)
         snprintf(q->block, sizeof q->block, "%s", top->name);

@@ -76,7 +76,7 @@ void build_break(struct builder *b, bool join);
 /* Separates what comes next: inserts a space before a letter or digit that follows one, or a mark. */
 void build_apart(struct builder *b);
 
-/* Separates the next cell of a table's row from the one before. */
+/* Separates the next cell of a table's row from the one before, if there is one. */
 void build_join_cells(struct builder *b);
 
 /* Truncates the text of the innermost block to `size` bytes. */
@@ -117,7 +117,7 @@ struct quotes {
     unsigned depth;
 };
 
-void quotes_begin(struct quotes *quotes, const struct builder *b, const char *lang); /* of the surroundings */
+void quotes_begin(struct quotes *quotes, struct builder *b, const char *lang); /* of the surroundings */
 
 /* Call it before a text is added. Returns how much of it, white space, has been added. */
 size_t quotes_text(struct quotes *quotes, struct builder *b, const char *text, size_t size);

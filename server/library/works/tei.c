@@ -227,7 +227,13 @@ static bool is_no(const char **attributes, const char *name) {
     return value && !strcmp(value, "no");
 }
 
-static void start_inline(struct tei *t, struct tei_frame *f, const char **attributes) {
+/* True for the end of a name in a reading of Perseus, whose tags are empty elements: an ending may follow. */
+static bool ends_name(const char *name, const char **attributes) {
+    const char *gi = xml_attribute(attributes, "gi");
+    return !strcmp(name, "tagEnd") && gi && !strcmp(gi, "name");
+}
+
+static void start_inline(struct tei *t, struct tei_frame *f, const char *name, const char **attributes) {
     struct builder *b = t->b;
     if (!build_is_open(b))
         return;
@@ -242,7 +248,7 @@ static void start_inline(struct tei *t, struct tei_frame *f, const char **attrib
         build_break(b, is_no(attributes, "break"));
     else if (f->act == ACT_SPACE && is_no(attributes, "break"))
         build_break(b, true);
-    else if (f->act == ACT_SPACE)
+    else if (f->act == ACT_SPACE && !ends_name(name, attributes))
         build_text(b, " ", 1);
     else if (f->act == ACT_GAP)
         build_text(b, "[…]", strlen("[…]"));
@@ -319,8 +325,7 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
     }
     f->opened = true;
     if (f->act == ACT_CELL && top && top->item && (f - 1)->act == ACT_ROW) {
-        if (top->text.size)
-            build_join_cells(b);
+        build_join_cells(b);
         f->opened = false;
         return;
     }
@@ -447,7 +452,7 @@ static void start_other(struct tei *t, struct tei_frame *f, const struct xml_wal
     case ACT_COLUMN:
     case ACT_SPACE:
     case ACT_GAP:
-        start_inline(t, f, attributes);
+        start_inline(t, f, name, attributes);
         break;
     case ACT_UNKNOWN:
         tell_unknown(t, w, name);

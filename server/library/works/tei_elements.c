@@ -29,7 +29,7 @@ static const struct {
     {ACT_PAGE, "pb"},
     {ACT_COLUMN, "cb gb handShift anchor"},
     {ACT_BREAK, "lb"},
-    {ACT_SPACE, "milestone caesura space"},
+    {ACT_SPACE, "milestone caesura space tagStart tagEnd"},
     {ACT_GAP, "gap"},
     {ACT_CHOICE, "choice app rdgGrp"},
     {ACT_EXPANSION, "expan"},

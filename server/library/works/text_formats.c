@@ -139,12 +139,29 @@ static void inline_tag(struct markdown *m, const char *tag, size_t size) {
     build_mark(m->b, m->tags[m->tag_count++].kind, foreign ? lang : NULL);
 }
 
+/* Returns the end of the tag at `at`, whose quoted values may contain ">". NULL: it has none. */
+static const char *end_of_tag(const char *text, size_t size, size_t at) {
+    enum { TAG_BYTES = 1 << 16 };
+    char quote = '\0';
+    if (text[at] != '<')
+        return NULL;
+    size = size - at > TAG_BYTES ? at + TAG_BYTES : size;
+    for (size_t i = at + 1; i < size; i++) {
+        if (text[i] == '>' && !quote)
+            return text + i + 1;
+        if (quote ? text[i] == quote : text[i] == '"' || text[i] == '\'')
+            quote = quote ? '\0' : text[i];
+    }
+    /* an apostrophe, or a quotation mark that is not closed */
+    const char *end = memchr(text + at, '>', size - at);
+    return end ? end + 1 : NULL;
+}
+
 /* Adds the text of a block of HTML; its tags separate words, its comments, scripts and styles are left out.
  */
 static void add_html(struct markdown *m, const char *text, size_t size) {
     static const char *const skipped[][2] = {
-        {"<!--", "-->"}, {"<script", "</script>"}, {"<style", "</style>"}, {"<?", "?>"}, {"<!", ">"},
-        {"<", ">"}};
+        {"<!--", "-->"}, {"<script", "</script>"}, {"<style", "</style>"}, {"<?", "?>"}, {"<!", ">"}};
     char found[ENTITY_BYTES_MAX], name[40];
     for (size_t at = 0; at < size;) {
         const char *end = NULL;
@@ -154,6 +171,7 @@ static void add_html(struct markdown *m, const char *text, size_t size) {
                 (end = memmem(text + at, size - at, skipped[i][1], strlen(skipped[i][1]))))
                 end += strlen(skipped[i][1]);
         }
+        end = end ? end : end_of_tag(text, size, at);
         const char *semicolon = text[at] == '&' ? memchr(text + at, ';', size - at) : NULL;
         size_t length = semicolon && (size_t)(semicolon - text) - at - 1 < sizeof name
                             ? (size_t)(semicolon - text) - at - 1

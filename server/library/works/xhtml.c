@@ -299,8 +299,7 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
     } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
         f->opened = true; /* the item has no text before it */
     } else if (f->act == HTML_CELL && top && top->item && (f - 1)->act == HTML_ROW) {
-        if (top->text.size)
-            build_join_cells(b);
+        build_join_cells(b);
     } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM || f->act == HTML_ROW || f->act == HTML_CELL) {
         build_block(b, BLOCK_PARAGRAPH);
         build_top(b)->item = f->act == HTML_ITEM || f->act == HTML_ROW;

@@ -41,6 +41,7 @@ before(async () => {
   put('due.xml', tei('<person xml:id="a" sex="2"><persName>Uno</persName></person><person xml:id="b"><sex value="M"/><persName>Ada</persName><age value="80"/></person><personGrp xml:id="c" sex="FEMALE"><name>Coro</name></personGrp>', '<sp who="#a"><p>Uno.</p></sp><sp who="#b"><p>Due, due.</p></sp><sp who="#a #c"><p>T.</p></sp>'));
   put('gruppo.xml', tei('<person xml:id="k"><persName>Kim</persName></person>', '<castList><castItem sameAs="#k"><role>Kim</role>, <roleDesc>regina</roleDesc></castItem></castList><spGrp><sp who="#k"><p>Uno.</p></sp><sp who="#l"><p>Due.</p></sp></spGrp>'));
   put('coro.xml', tei(Array.from({ length: 700 }, (_, i) => `<person xml:id="p${i}" sex="FEMALE"/>`).join(''), Array.from({ length: 700 }, (_, i) => `<sp who="#p${i}"><p>Parola ${'x'.repeat(i % 50)}.</p></sp>`).join('')));
+  put('prosa.md', `---\nlang: it\n---\n${Array.from({ length: 3 }, () => 'La sera scese sul porto, e i pescatori tirarono a riva le barche senza dire una parola.').join(' ')}\n\n«Chi va là?» disse Renzo.\n\n«Sono io», rispose Lucia.\n\n«E che vuoi a quest'ora?»\n\n«Niente, passavo di qui.»\n\nNiente.\n\nE poi niente.\n\n«Che notte è questa!»\n`);
   daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
   await eventually(async () => (await ask('/v1/library')).state === 'ready', 'the library');
   voices = new Map((await ask('/v1/voices')).voices.map((voice) => [voice.id, voice]));
@@ -66,6 +67,12 @@ test('the persons of a play have their sex and age from the source, voices of th
   assert.equal(new Set(['anselmo', 'lisetta', 'nina', 'tullio'].map((id) => cast[id].head)).size, 4);
   assert.deepEqual(await castOf('la-chiave'), all); // the same again
   const order = all.cast.map(({ characters }) => characters);
+  const play = (await ask('/v1/library/works/la-chiave')).sections.map(({ number }) => ask(`/v1/library/works/la-chiave/sections/${number}`));
+  const blocks = (await Promise.all(play)).flatMap((section) => section.blocks);
+  for (const { id, first } of all.cast) {
+    const words = blocks.find(({ who }) => who === id).text.replace(/\s+/g, ' ').trim();
+    assert.ok(words === first || (first.endsWith('…') && words.startsWith(first.slice(0, -1)) && first.length > 100 && Buffer.from(first).length <= 160), `${id}: ${first}`);
+  }
   assert.deepEqual(order, [...order].sort((a, b) => b - a));
 });
 
@@ -98,6 +105,21 @@ test('a cast has at most 500 members: those who say most', async () => {
   const { cast } = await castOf('coro');
   assert.equal(cast.length, 500);
   assert.ok(cast.every(({ id }) => Number(id.slice(1)) % 50 >= 14));
+});
+
+test('in prose the narrator tells who speaks; the paragraphs around tell the turns, and the file beside the work decides', async () => {
+  const all = await castOf('prosa'), cast = byId(all);
+  assert.deepEqual([all.told, Object.keys(cast).sort(), (await castOf('la-chiave')).told], [true, ['lucia', 'renzo', 'voice-1'], false]);
+  assert.match(cast.lucia.first, /^«?Sono io»?,?$/);
+  assert.deepEqual([cast.lucia.name, cast.lucia.sex, cast.renzo.sex, cast['voice-1'].voice, cast['voice-1'].pitch], ['Lucia', 'female', 'male', undefined, 1.14]);
+  const speech = async (passage, query = '') => (await ask(`/v1/speech?passage=prosa:1:${passage}&format=json${query}`)).speakers?.map(({ id }) => id).filter(Boolean) ?? [];
+  assert.deepEqual(await speech('p4', '&dialogue=voices'), ['renzo'], 'by the turns before it');
+  assert.deepEqual(await speech('p5', '&dialogue=voices'), ['lucia']);
+  assert.deepEqual(await speech('p8', '&dialogue=voices'), ['voice-1']);
+  assert.deepEqual(await speech('p4'), []);
+  put('prosa.cast.json', '{"cast":{"renzo":{"voice":"espeak:it","pitch":0.7}}}');
+  await eventually(async () => byId(await castOf('prosa')).renzo.pitch === 0.7, 'the file');
+  assert.deepEqual((await castOf('prosa')).problems, []);
 });
 
 test('a file beside the work decides otherwise, at once, and its faults are told with their place', async () => {

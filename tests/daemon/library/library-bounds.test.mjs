@@ -57,6 +57,7 @@ before(async () => {
   put('scena.xml', tei('<sp><p>Vieni <stage>(piano)</stage> <emph>qui</emph>.</p></sp>'));
   put('poem.xml', tei('<lg><l>sol<emph>o</emph></l><l><emph>e <foreign xml:lang="en">so</foreign></emph> va</l></lg>'));
   put('zz.md', `# Titolo\n\nbuono\n\n${hostile.repeat(500000)}\n`);
+  put('zzu.txt', `${'_amo '.repeat(13)}\n`.repeat(30000)); // an emphasis begins 390,000 times, and never ends
   put('zzz.txt', 'dopo il peggio\n');
   daemon = await Daemon.start(['--library', works, '--library-index', index, '--editing', '--scenes', scenes], {}, { voices: false });
   await ready();
@@ -98,6 +99,12 @@ test('reports a file that takes too long to read, and reads the following ones',
   // on a busy machine the limit by the clock may come first
   assert.match(told?.message ?? 'nothing', /the process that reads it took more than \d+ s( of processor time)?, (in its first section|after section 1)/);
   assert.ok(all.works.some(({ id }) => id === 'zzz'));
+});
+
+test('reads 2 MB of underscores that end no emphasis', async () => {
+  const all = await list();
+  assert.equal(all.problems.find(({ file }) => file === 'zzu.txt'), undefined);
+  assert.ok(all.works.some(({ id }) => id === 'zzu'));
 });
 
 test('saves abandoned by four clients delay no one, and are cleaned up', async () => {

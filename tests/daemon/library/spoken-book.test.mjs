@@ -22,7 +22,7 @@ La barca torna al porto. Il pescatore conta le reti e guarda il mare.
 
 # Sera
 
-Domani partono tutti. La luna sale piano sopra il monte, e il gatto dorme.
+Domani partono tutti. La luna sale piano sopra il monte, e il gatto dorme. Nel 1827 il dott. Bo aveva 3 case.
 `;
 
 let daemon;
@@ -61,8 +61,16 @@ before(async () => {
   const smil = read('s2.smil');
   // only the second section is recorded, in hours, minutes and seconds, with a clip to the end of the file, by a path with signs
   const ends = [...smil.matchAll(/clipEnd="([^"]+)"/g)].map(([, time]) => time);
+  const [firstText] = smil.match(/<text src="[^"]+"\/>/);
+  rebuilt(book, path.join(works, 'aperto.epub'), { 'EPUB/s1.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>', 'EPUB/s2.smil': `<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body><par>${firstText}<audio src="s2.mp3" clipBegin="0"/></par></body></smil>` });
   rebuilt(book, path.join(works, 'meta.epub'), { 'EPUB/s1.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>', 'EPUB/s2.smil': smil.replaceAll('src="s2.mp3"', 'src="./x/../s%32.mp3"').replace(`clipEnd="${ends.at(-1)}"`, '') });
   rebuilt(book, path.join(works, 'senza.epub'), { 'EPUB/s1.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>', 'EPUB/s2.smil': '<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body/></smil>' });
+  // one overlay reads both pages, as it may where a page of fixed layout is divided
+  const pars = [...(read('s1.smil') + smil).matchAll(/<par\b[\s\S]*?<\/par>/g)].join('');
+  rebuilt(book, path.join(works, 'insieme.epub'), {
+    'EPUB/s1.smil': `<smil xmlns="http://www.w3.org/ns/SMIL" version="3.0"><body>${pars}</body></smil>`,
+    'EPUB/package.opf': read('package.opf').replace(/media-overlay="([^"]+)"([\s\S]*)media-overlay="[^"]+"/, 'media-overlay="$1"$2media-overlay="$1"'),
+  });
   rebuilt(book, path.join(works, 'rotto.epub'), { 'EPUB/s1.mp3': 'this is no sound' });
   rebuilt(book, path.join(works, 'perso.epub'), { 'EPUB/s1.mp3': null });
   rebuilt(book, path.join(works, 'storto.epub'), { 'EPUB/s1.smil': '<smil><body>' });
@@ -110,12 +118,36 @@ test('the recording of an exported book is the one that was exported, and its wo
   assert.ok(sound.length < whole.length);
 });
 
+test('numbers and abbreviations are found in the recording as they are written', async () => {
+  await finished('porto');
+  const { words } = await (await daemon.get('/v1/speech?passage=porto:2:p1&voice=recording&format=json')).json();
+  assert.deepEqual(words.map(({ text }) => text).slice(-7), ['1827', 'il', 'dott', 'Bo', 'aveva', '3', 'case']);
+});
+
+test('an overlay that several pages name is heard once', async () => {
+  const one = await finished('insieme');
+  assert.deepEqual([one.state, one.missing, one.unread, one.unwritten], ['aligned', 0, [], []], JSON.stringify(one));
+  for (const passage of ['2:p1', '1:p1']) {
+    const [words, whole] = await Promise.all(['insieme', 'porto'].map(async (work) => (await (await daemon.get(`/v1/speech?passage=${work}:${passage}&voice=recording&format=json`)).json()).words.map(({ text, start }) => [text, start.toFixed(1)])));
+    assert.deepEqual(words, whole);
+  }
+});
+
 test('only a part of a book may be recorded; clips may go to the end of a file', async () => {
   const one = await finished('meta');
   assert.equal(one.state, 'aligned', JSON.stringify(one));
   assert.ok(one.unread.length && one.unread.every(({ passage }) => passage.startsWith('meta:1:')), JSON.stringify(one.unread));
   const said = await (await daemon.get('/v1/speech?passage=meta:2:p1&voice=recording&format=json')).json();
   assert.deepEqual(said.words.map(({ text }) => text).slice(0, 3), ['Domani', 'partono', 'tutti']);
+});
+
+test('a clip without an end reads the text that follows its own, too, if there is sound for it', async () => {
+  const one = await finished('aperto');
+  assert.equal(one.state, 'aligned', JSON.stringify(one));
+  assert.ok(one.unread.length && one.unread.every(({ passage }) => passage.startsWith('aperto:1:')), JSON.stringify(one.unread));
+  assert.deepEqual(one.unwritten, []);
+  const { words } = await (await daemon.get('/v1/speech?passage=aperto:2:p1&voice=recording&format=json')).json();
+  assert.deepEqual(words.map(({ text }) => text).slice(0, 3), ['Domani', 'partono', 'tutti']);
 });
 
 test('sound in AAC is read, in books and beside works; words lie in the clip of their text, and text without a clip is not read', async () => {

@@ -3,7 +3,7 @@
  * interrupted. */
 #include "server/base/sound/mixdown.h"
 #include "server/base/sound/wav_file.h"
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

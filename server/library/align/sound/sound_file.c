@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include "server/base/mem.h"
 #include "server/base/sound/wav_file.h"
-#include "server/library/align/aac_file.h"
-#include "server/library/align/book_sound.h"
-#include "server/library/align/mono_reader.h"
+#include "server/library/align/sound/aac_file.h"
+#include "server/library/align/sound/book_sound.h"
+#include "server/library/align/sound/mono_reader.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <sndfile.h>
@@ -76,7 +76,7 @@ struct sound_file *sound_open(const char *path, struct error *e) {
     if (mp4 && !s->aac)
         error_set(e, CODE, "%.160s: %.120s", path, why.message);
     else if (!s->file)
-        error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
+        error_set(e, CODE, "%.160s: %s", path, wav_file_error());
     else if (info.channels < 1 || info.channels > CHANNELS_MAX)
         error_set(e, CODE, "%.160s: %d channels; the limit is %d", path, info.channels, CHANNELS_MAX);
     else if (info.samplerate < RATE_MIN || info.samplerate > RATE_MAX)

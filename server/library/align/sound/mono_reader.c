@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/align/mono_reader.h"
+#include "server/library/align/sound/mono_reader.h"
 #include <math.h>
 
 void mono_reader_begin(struct mono_reader *r, SNDFILE *file, int channels) {

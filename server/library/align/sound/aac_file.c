@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/align/aac_file.h"
+#include "server/library/align/sound/aac_file.h"
 #include <string.h>
 
 bool aac_file_is(const uint8_t *data, size_t size) {
@@ -8,7 +8,7 @@ bool aac_file_is(const uint8_t *data, size_t size) {
 
 #ifdef HAVE_FAAD
 #include "server/base/mem.h"
-#include "server/library/align/mp4_track.h"
+#include "server/library/align/sound/mp4_track.h"
 #include <neaacdec.h>
 #include <stdlib.h>
 

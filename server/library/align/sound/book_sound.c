@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/align/book_sound.h"
+#include "server/library/align/sound/book_sound.h"
 #include "server/base/archive_path.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/sound/memory_file.h"
-#include "server/library/align/aac_file.h"
 #include "server/library/align/book_texts.h"
-#include "server/library/align/mono_reader.h"
+#include "server/library/align/sound/aac_file.h"
+#include "server/library/align/sound/mono_reader.h"
 #include <expat.h>
 #include <math.h>
 #include <sndfile.h>
@@ -29,6 +29,7 @@ enum {
 
 struct item {
     char *id, *path, *overlay;
+    bool read; /* an overlay that several pages share is read once */
 };
 
 /* A clip: contiguous ones are joined. */
@@ -39,7 +40,7 @@ struct clip {
     uint64_t samples;
 };
 
-/* What one clip of the book reads: a text, named by its document and id. */
+/* The text that a clip reads, named by its document and id. */
 struct named_text {
     char *document, *id;
     size_t clip;
@@ -91,21 +92,16 @@ static char *resolve(const char *document, const char *href) {
 }
 
 /* The local name of an element or attribute. */
-static const char *local(const char *name) {
-    const char *colon = strrchr(name, ':');
-    return colon ? colon + 1 : name;
-}
-
 static const char *attribute(const char **attributes, const char *name) {
     for (; *attributes; attributes += 2)
-        if (!strcmp(local(attributes[0]), name))
+        if (!strcmp(book_local_name(attributes[0]), name))
             return attributes[1];
     return NULL;
 }
 
 static void container_start(void *ctx, const char *name, const char **attributes) {
     struct reading *r = ctx;
-    const char *path = strcmp(local(name), "rootfile") ? NULL : attribute(attributes, "full-path");
+    const char *path = strcmp(book_local_name(name), "rootfile") ? NULL : attribute(attributes, "full-path");
     if (path && !r->found)
         r->found = mem_strdup(path);
 }
@@ -115,11 +111,12 @@ static void package_start(void *ctx, const char *name, const char **attributes) 
     struct book_sound *b = r->book;
     const char *id = attribute(attributes, "id"), *href = attribute(attributes, "href"),
                *overlay = attribute(attributes, "media-overlay"), *ref = attribute(attributes, "idref");
-    if (!strcmp(local(name), "item") && id && href && b->item_count < ITEMS_MAX) {
+    if (!strcmp(book_local_name(name), "item") && id && href && b->item_count < ITEMS_MAX) {
         b->items = mem_grow(b->items, &b->item_cap, b->item_count + 1, sizeof *b->items);
-        b->items[b->item_count++] =
-            (struct item){mem_strdup(id), resolve(r->path, href), overlay ? mem_strdup(overlay) : NULL};
-    } else if (!strcmp(local(name), "itemref") && ref && b->spine_count < ITEMS_MAX) {
+        b->items[b->item_count++] = (struct item){.id = mem_strdup(id),
+                                                  .path = resolve(r->path, href),
+                                                  .overlay = overlay ? mem_strdup(overlay) : NULL};
+    } else if (!strcmp(book_local_name(name), "itemref") && ref && b->spine_count < ITEMS_MAX) {
         b->spine = mem_grow(b->spine, &b->spine_cap, b->spine_count + 1, sizeof *b->spine);
         b->spine[b->spine_count++] = mem_strdup(ref);
     }
@@ -196,10 +193,10 @@ static void smil_par(struct reading *r, const char *name, const char **attribute
 static void smil_start(void *ctx, const char *name, const char **attributes) {
     struct reading *r = ctx;
     struct book_sound *b = r->book;
-    const char *source = strcmp(local(name), "audio") ? NULL : attribute(attributes, "src");
+    const char *source = strcmp(book_local_name(name), "audio") ? NULL : attribute(attributes, "src");
     double begin = clock_of(attribute(attributes, "clipBegin")),
            end = clock_of(attribute(attributes, "clipEnd"));
-    smil_par(r, local(name), attributes);
+    smil_par(r, book_local_name(name), attributes);
     if (!source || b->file_count == ITEMS_MAX || b->clip_count == CLIPS_MAX || b->name_count == CLIPS_MAX)
         return;
     begin = begin < 0 ? 0 : begin;
@@ -251,7 +248,7 @@ static int read_document(struct book_sound *b, const char *path,
     return result;
 }
 
-static const struct item *item_of(const struct book_sound *b, const char *id) {
+static struct item *item_of(const struct book_sound *b, const char *id) {
     for (size_t i = 0; id && i < b->item_count; i++)
         if (!strcmp(b->items[i].id, id))
             return &b->items[i];
@@ -266,9 +263,12 @@ static int read_clips(struct book_sound *b, struct error *e) {
         return error_set(e, CODE, "the book names no package");
     int result = read_document(b, r.found, package_start, &r, e);
     for (size_t i = 0; !result && i < b->spine_count; i++) {
-        const struct item *page = item_of(b, b->spine[i]), *overlay = page ? item_of(b, page->overlay) : NULL;
-        if (overlay)
+        const struct item *page = item_of(b, b->spine[i]);
+        struct item *overlay = page ? item_of(b, page->overlay) : NULL;
+        if (overlay && !overlay->read)
             result = read_document(b, overlay->path, smil_start, &r, e);
+        if (overlay)
+            overlay->read = true;
         free(r.text);
         r.text = NULL;
         r.unnamed = false;
@@ -376,12 +376,13 @@ static size_t read_book(void *ctx, uint64_t from, int16_t *out, size_t count) {
 
 /* ---- texts ---- */
 
-/* Where a name's clip lies in the book, in samples. */
+/* Finds the sound of the clip that reads this text. */
 static void place_name(const struct book_sound *b, const struct named_text *n, struct sound_clip *out) {
     const struct clip *c = &b->clips[n->clip];
     double end = (double)c->samples, first = c->begin * b->rate,
            from = fmin(fmax(n->begin * b->rate - first, 0), end),
            to = n->end < 0 ? end : fmin(fmax(n->end * b->rate - first, from), end);
+    out->open = n->end < 0;
     out->from = c->start + (uint64_t)from;
     out->to = c->start + (uint64_t)to;
 }

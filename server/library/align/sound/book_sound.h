@@ -4,7 +4,7 @@
 #ifndef FACCIA_LIBRARY_ALIGN_BOOK_SOUND_H
 #define FACCIA_LIBRARY_ALIGN_BOOK_SOUND_H
 
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include <stdbool.h>
 
 struct book_sound;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/library/align/mp4_track.h"
+#include "server/library/align/sound/mp4_track.h"
 #include "server/base/mem.h"
 #include <stdbool.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static void skip(struct range *r, size_t bytes) {
     r->at += bytes < left(*r) ? bytes : left(*r);
 }
 
-/* Takes the next box off the range. False: there is none. */
+/* Takes the next box off the range. Returns false at its end. */
 static bool next_box(struct range *r, uint32_t *type, struct range *box) {
     if (left(*r) < HEADER)
         return false;
@@ -149,7 +149,7 @@ static int read_sizes(struct mp4_track *t, struct range r, size_t most, struct e
     return 0;
 }
 
-/* Positions of the frames, by the chunks in which they lie. */
+/* Computes the positions of the frames from those of the chunks. */
 static int read_places(struct mp4_track *t, struct range stsc, struct range offsets, unsigned width,
                        size_t data_size, struct error *e) {
     skip(&stsc, 4);

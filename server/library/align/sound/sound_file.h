@@ -5,6 +5,7 @@
 #define FACCIA_LIBRARY_ALIGN_SOUND_FILE_H
 
 #include "server/base/error.h"
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A random-access sound: reads up to count samples from a position, fewer at the end. */
@@ -24,10 +25,12 @@ void sound_close(struct sound_file *sound);
 /* Valid while the file is open. */
 const struct sound_source *sound_source(const struct sound_file *sound);
 
-/* A part of the sound of which is known what it reads. */
+/* A part of the sound, and the text that it reads. */
 struct sound_clip {
     uint64_t from, to; /* samples */
     char *text;
+    bool open; /* to the end of the file, without an end of its own: what follows the text may be read there,
+                  too */
 };
 
 /* The clips of a read-aloud book that name their text, in order. Returns how many; others have none. Free
