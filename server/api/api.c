@@ -60,8 +60,12 @@ struct api *api_open(const struct pipeline *pipeline, const struct offer_source 
     api->pipeline = pipeline;
     api->offer = *offer;
     complete(&api->options);
-    const struct film_jobs_options films = {options->film_program, options->models, options->web,
-                                            options->films, options->film_seconds};
+    const struct film_jobs_options films = {.program = options->film_program,
+                                            .models = options->models,
+                                            .web = options->web,
+                                            .most = options->films,
+                                            .most_of_client = options->films_of_client,
+                                            .seconds = options->film_seconds};
     api->films = film_jobs_new(pipeline, &films);
     api->rooms = rooms_open(pipeline, &api->options.rooms, commands_run_packed, api);
     rooms_record(api->rooms, api->options.sessions);
@@ -146,6 +150,7 @@ void api_close(struct api *api) {
     search_queue_close(&api->searches);
     search_queue_close(&api->saves);
     search_queue_close(&api->reads);
+    search_queue_close(&api->coaches);
     rooms_close(api->rooms);
     film_jobs_close(api->films);
 }

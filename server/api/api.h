@@ -50,7 +50,9 @@ struct api_options {
     unsigned address_requests; /* utterances and POSTs a minute per address or token subject; 0: no limit */
     const char *film_program;  /* path of faccia; "": no films */
     unsigned films;            /* jobs of films, finished ones included; 0: none */
+    unsigned films_of_client;  /* the same of one client */
     unsigned film_seconds;     /* longest film */
+    unsigned coach_seconds;    /* longest recording that is compared with a text; 0: none is */
     unsigned lag_seconds;      /* in a room, drops a client's media that have been queued for longer */
 };
 

@@ -160,6 +160,8 @@ struct api {
     struct events *events;        /* clients that follow a room over HTTP */
     struct search_queue searches; /* library searches */
     struct search_queue saves;    /* document saves; speech does not wait for them */
+    struct search_queue coaches;  /* comparisons of recordings with texts */
+    struct coaching *coachings;   /* such requests, latest first */
     struct search_queue reads;    /* document lists, reads and removals, which do not wait for saves */
     json_t *more_languages;       /* cached member of hello */
     const struct offer_voice *languages_of; /* voice list from which it was built */
@@ -265,6 +267,10 @@ void speech_answer_sent(void *answer); /* `sent` of the exchange's work, whose s
 int films_serve(struct exchange *x);
 extern const struct members film_members; /* members that POST accepts */
 
+/* coach_route.c: POST /v1/coach */
+int coach_ask(struct exchange *x);
+extern const struct members coach_members; /* members of its query */
+
 /* openai_speech.c: POST /v1/audio/speech */
 int openai_speech(struct exchange *x);
 
@@ -275,6 +281,7 @@ struct post_text {
     struct members known; /* accepted body members, except the text; other members of the query are ignored */
     const char *markup;   /* from the body's content type; NULL: not specified */
     bool json, bodiless;
+    bool optional;  /* there need not be a text; the caller sets it after the beginning */
     json_t *object; /* the JSON body, once parsed */
 };
 

@@ -115,6 +115,10 @@ bool client_ear_close(struct client *client, const char *id);
 void client_ear_end(struct client *client);    /* closes the ear that receives sound */
 void client_ears_leave(struct client *client); /* drops all, because the client leaves its stream */
 
+/* client_drive.c: frames of a face that the client drives */
+void client_drive(struct client *client, const json_t *message);
+void client_drive_leave(struct client *client); /* ends the driving, because the client leaves its stream */
+
 /* text_protocol.c: the sub-protocol for typing */
 #define TEXT_PROTOCOL "faccia.text.v1"
 void text_hear(struct client *client, const char *data, size_t size);

@@ -135,7 +135,8 @@ static void give_speech(struct client *c, const struct command *command, const j
 
 static void act_on_client(struct client *c, const struct command *command, const json_t *message) {
     struct error e;
-    bool tells = command->act == client_join || (command->act == client_authorize && client_room(c));
+    bool tells = command->act == client_join ||
+                 ((command->act == client_authorize || command->act == client_drive) && client_room(c));
     if (!client_message_check(command->name, message, &e) && !(tells && count_command(c, &e)))
         command->act(c, message);
     else if (command->act == client_voice_begin)

@@ -55,6 +55,7 @@ void open_text_begin(struct client *c, const char *id, uint32_t utterance, uint1
 void open_texts_leave(struct client *c) {
     struct error e;
     client_ears_leave(c);
+    client_drive_leave(c);
     error_set(&e, ERROR_UNFINISHED, "its writer disconnected: the text is spoken as far as it was written");
     while (c->open_count) {
         struct open_text *w = &c->open[c->open_count - 1];

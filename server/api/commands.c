@@ -209,6 +209,7 @@ static const struct command commands[] = {
     {"flush", .act = open_text_flush},
     {"close", .act = open_text_close},
     {"voice", .act = client_voice_begin},
+    {"drive", .act = client_drive},
     {"hear", .act = client_ear_begin},
     {"overhear", .act = client_overhear},
     {"idle", .act = client_idle},

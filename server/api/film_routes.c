@@ -16,7 +16,11 @@ enum { SIDE_MIN = 16, WIDTH_MAX = 1920, HEIGHT_MAX = 1920, VALUE_BYTES = 100 };
 
 static const struct {
     const char *name, *type;
-} formats[] = {{"mp4", "video/mp4"}, {"webm", "video/webm"}, {"gif", "image/gif"}, {"webp", "image/webp"}};
+} formats[] = {{"mp4", "video/mp4"},
+               {"webm", "video/webm"},
+               {"gif", "image/gif"},
+               {"webp", "image/webp"},
+               {"png", "image/png"}};
 
 enum { FORMATS = sizeof formats / sizeof *formats };
 
@@ -25,10 +29,11 @@ static const char *const qualities[] = {"low", "fine", "high", NULL};
 static const char *const captions[] = {"burn", "track", NULL};
 
 /* The members of an order beside those of the speech. */
-enum { FORMAT, MODEL, SIZE, BACKGROUND, VIEW, QUALITY, CAPTIONS, MEMBERS };
+enum { FORMAT, MODEL, PARTNER, SIZE, BACKGROUND, VIEW, QUALITY, CAPTIONS, AT, EXPRESSION, MEMBERS };
 
-static const char *const more_members[] = {"format", "model",   "size",     "background",
-                                           "view",   "quality", "captions", NULL};
+static const char *const more_members[] = {"format",     "model",      "partner", "size",
+                                           "background", "view",       "quality", "captions",
+                                           "at",         "expression", NULL};
 const struct members film_members = {.speech = true, .more = more_members};
 
 struct order {
@@ -142,19 +147,48 @@ static int check_size(const char *value, struct error *e) {
     return 0;
 }
 
-/* A colour as in CSS, or "transparent": never the name of a file on this machine. */
+/* A colour as in CSS, "room" or "transparent": never the name of a file on this machine. */
 static int check_background(const char *value, const char *format, struct error *e) {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789#(),% ";
     if (value && (!*value || value[strspn(value, allowed)]))
-        return error_in_field(e, ERROR_BAD_FIELD, "background", "must be a colour as in CSS, or transparent");
+        return error_in_field(e, ERROR_BAD_FIELD, "background",
+                              "must be a colour as in CSS, room, or transparent");
     if (value && !strcmp(value, "transparent") && !strcmp(format, "mp4"))
         return error_in_field(e, ERROR_BAD_FIELD, "background", "MP4 cannot be transparent; WebM can");
     return 0;
 }
 
+/* Only a .png is of one moment or of one expression. */
+static int check_still(const struct order *o, struct error *e) {
+    const char *at = o->given[AT], *expression = o->given[EXPRESSION];
+    const struct expressions *all = exchange_api(o->x)->pipeline->expressions;
+    bool still = !strcmp(o->given[FORMAT], "png");
+    char *end = "";
+    if (at && expression)
+        return error_in_field(e, ERROR_BAD_FIELD, "at", "a PNG is of one moment or of an expression");
+    if (!still && (at || expression))
+        return error_in_field(e, ERROR_BAD_FIELD, at ? "at" : "expression", "is of a PNG only");
+    if (at && (!(strtod(at, &end) >= 0) || end == at || *end))
+        return error_in_field(e, ERROR_BAD_FIELD, "at", "must be seconds from the beginning");
+    if (still && o->given[CAPTIONS])
+        return error_in_field(e, ERROR_BAD_FIELD, "captions", "a PNG has none");
+    if (expression && expressions_find(all, "affect", expression) < 0)
+        return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "expression", "no affect '%.60s'", expression);
+    if (expression && o->given[PARTNER])
+        return error_in_field(e, ERROR_BAD_FIELD, "partner", "an expression is that of one head");
+    return 0;
+}
+
 static int read_members(struct order *o, struct error *e) {
     bool found;
+    const json_t *at = json_object_get(o->text.object, more_members[AT]);
+    if (json_is_number(at)) {
+        snprintf(o->values[AT], sizeof o->values[AT], "%.6f", json_number_value(at));
+        o->given[AT] = o->values[AT];
+    }
     for (int i = 0; i < MEMBERS; i++) {
+        if (o->given[i])
+            continue;
         if (post_text_member(&o->text, more_members[i], o->values[i], sizeof o->values[i], &found, e))
             return -1;
         o->given[i] = found ? o->values[i] : NULL;
@@ -167,7 +201,7 @@ static int read_members(struct order *o, struct error *e) {
     return one_of("format", o->given[FORMAT], names, e) || one_of("view", o->given[VIEW], views, e) ||
                    one_of("quality", o->given[QUALITY], qualities, e) ||
                    one_of("captions", o->given[CAPTIONS], captions, e) || check_size(o->given[SIZE], e) ||
-                   check_background(o->given[BACKGROUND], o->given[FORMAT], e)
+                   check_background(o->given[BACKGROUND], o->given[FORMAT], e) || check_still(o, e)
                ? -1
                : 0;
 }
@@ -197,9 +231,20 @@ static int suit_voice(const struct api *api, struct speech_request *request, con
 static int read_order(struct order *o, struct speech_request *request, struct error *e) {
     struct api *api = exchange_api(o->x);
     struct command_call call = {.api = api, .request = request};
-    if (post_text_request(&o->text, request, e) || read_members(o, e) ||
-        suit_voice(api, request, o->given[MODEL], e) || command_admit(&call, exchange_principal(o->x), e))
+    bool expression;
+    char ignored[VALUE_BYTES + 1];
+    o->text.optional = true;
+    if (post_text_request(&o->text, request, e) ||
+        post_text_member(&o->text, more_members[EXPRESSION], ignored, sizeof ignored, &expression, e))
         return -1;
+    if (!expression && !request->text && !request->passage)
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
+    if (read_members(o, e) || suit_voice(api, request, o->given[MODEL], e) ||
+        command_admit(&call, exchange_principal(o->x), e))
+        return -1;
+    const char *partner = o->given[PARTNER];
+    if (partner && !heads_find(&api->heads, partner))
+        return error_in_field(e, ERROR_UNKNOWN_MODEL, "partner", "no head '%.60s'", partner);
     return request->open ? error_in_field(e, ERROR_BAD_FIELD, "open", "a film is made of a whole text") : 0;
 }
 
@@ -211,14 +256,19 @@ static int on_body_end(void *self) {
     struct error e;
     request_init(&request);
     if (!read_order(o, &request, &e)) {
-        const struct film_order order = {.speech = &request,
-                                         .suffix = o->given[FORMAT],
-                                         .model = o->given[MODEL],
-                                         .size = o->given[SIZE],
-                                         .background = o->given[BACKGROUND],
-                                         .view = o->given[VIEW],
-                                         .quality = o->given[QUALITY],
-                                         .captions = o->given[CAPTIONS]};
+        const struct film_order order = {
+            .speech = &request,
+            .suffix = o->given[FORMAT],
+            .model = o->given[MODEL],
+            .partner = o->given[PARTNER],
+            .size = o->given[SIZE],
+            .background = o->given[BACKGROUND],
+            .view = o->given[VIEW],
+            .quality = o->given[QUALITY],
+            .captions = o->given[CAPTIONS],
+            .at = o->given[AT] || o->given[EXPRESSION] || strcmp(o->given[FORMAT], "png") != 0 ? o->given[AT]
+                                                                                               : "0",
+            .expression = o->given[EXPRESSION]};
         job = film_jobs_add(exchange_api(x)->films, &order, &e);
     }
     request_free(&request);

@@ -131,6 +131,7 @@ static int on_body_end(void *self) {
     if (!u->source.fap.size)
         return error_set(&e, ERROR_BAD_FORM, "the form has no file 'fap'"), exchange_error(u->x, &e);
     u->source.name = mem_strdup("upload");
+    u->source.fap_bytes_max = exchange_api(u->x)->options.play_bytes;
     return begin_playing(u->x, &u->source, &u->request);
 }
 

@@ -110,7 +110,7 @@ static const struct export_format *find_format(const char *name, struct error *e
     if (!format)
         error_in_field(
             e, ERROR_UNKNOWN_FORMAT, "response_format",
-            "no format '%.40s': use mp3, opus, flac, wav or pcm, or json for the times of words and "
+            "no format '%.40s': use mp3, opus, aac, flac, wav or pcm, or json for the times of words and "
             "visemes",
             name);
     return format;

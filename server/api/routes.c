@@ -83,6 +83,7 @@ static const struct route {
      .right = RIGHT_SPEAK,
      .members = &speech_members},
     {.path = "/v1/audio/speech", .post = openai_speech, .right = RIGHT_SPEAK, .members = &none},
+    {.path = "/v1/coach", .post = coach_ask, .right = RIGHT_SPEAK, .members = &coach_members},
     {.path = "/v1/films",
      .get = films_serve,
      .post = films_serve,

@@ -57,7 +57,7 @@ static int read_json(struct post_text *p, struct speech_request *request, struct
         return error_set(e, ERROR_BAD_MESSAGE, "the body must be an object with a string 'text'");
     if (request_from_json(request, p->object, e))
         return -1;
-    if (!request->text && !request->passage)
+    if (!request->text && !request->passage && !p->optional)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     json_t *others = json_copy(p->object);
     json_object_del(others, "text");

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/cli.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/base/utf8.h"
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <libgen.h>
 #include <math.h>
 #include <stdarg.h>
@@ -90,7 +90,7 @@ int cli_options(int argc, char **argv, const char *usage, const struct cli_optio
             letters[used++] = ':';
     }
     int most = cli_option_count(argc, argv, letters, options);
-    for (int c; (c = getopt_long(most, argv, letters, options, NULL)) != -1;) {
+    for (int c; (c = options_next(most, argv, letters, options, NULL)) != -1;) {
         size_t i = c >= FIRST ? (size_t)(c - FIRST) : 0;
         while (c < FIRST && i < count && list[i].letter != c)
             i++;
@@ -220,6 +220,18 @@ void cli_complain(const char *format, ...) {
 void cli_complain_of(const struct error *e) {
     char text[400];
     cli_complain("%s (%s)", error_text(e, text, sizeof text), error_name(e->code));
+}
+
+void cli_complain_at(const char *path, bool warning, const struct error *e) {
+    char text[400];
+    const char *kind = warning ? "warning: " : "";
+    bool known = path && strcmp(path, "-") != 0;
+    if (known && e->place == PLACE_LINE)
+        cli_complain("%s:%zu:%zu: %s%s", path, e->line, e->column, kind, e->message);
+    else if (known && e->place == PLACE_BYTE)
+        cli_complain("%s: byte %zu: %s%s", path, e->byte, kind, e->message);
+    else
+        cli_complain("%s%s", kind, error_text(e, text, sizeof text));
 }
 
 void cli_lexicons_add(struct cli_lexicons *l, char *path) {

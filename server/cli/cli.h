@@ -41,7 +41,7 @@ struct cli_option {
 };
 
 /* Number of arguments that may be options: all, or those before a text that begins with a minus ("-5 °C").
- * Pass it to getopt_long instead of argc. */
+ * Pass it to options_next instead of argc. */
 int cli_option_count(int argc, char **argv, const char *letters, const struct option *options);
 
 /* The list ends with a NULL name; --help and -h are implied. argv[0] is the command's name. Returns an
@@ -79,6 +79,10 @@ int cli_load(struct components *components, const struct settings *settings, uns
 /* Prints the error with its code: "faccia: FIELD: message (code)". */
 void cli_complain_of(const struct error *e);
 
+/* Prints an error or warning of a text, with its place in the file `path` if that is not NULL: "faccia:
+ * a.xml:2:1: warning: ...". */
+void cli_complain_at(const char *path, bool warning, const struct error *e);
+
 /* Prints "faccia: ..." on standard error. */
 void cli_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
@@ -99,6 +103,12 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
 int cli_run_tool(const struct settings *settings, const char *tool, const char *command, int count,
                  char **words);
 
+/* Makes the face of "joy", "performative:greet=0.5": [KIND:]NAME[=INTENSITY], the kind "affect" if none is
+ * named. -1 after a message, which begins with the option. */
+struct expressions;
+struct fap_frame;
+int cli_pose(const struct expressions *all, const char *option, const char *wish, struct fap_frame *frame);
+
 /* The commands. argv[0] is the command's name. */
 int say_main(int argc, char **argv, const struct settings *settings);
 int play_main(int argc, char **argv, const struct settings *settings);
@@ -117,7 +127,9 @@ int token_main(int argc, char **argv, const struct settings *settings);
 int timed_main(int argc, char **argv, const struct settings *settings);
 int align_main(int argc, char **argv, const struct settings *settings);
 int hear_main(int argc, char **argv, const struct settings *settings);
+int coach_main(int argc, char **argv, const struct settings *settings);
 int film_main(int argc, char **argv, const struct settings *settings);
+int camera_main(int argc, char **argv, const struct settings *settings);
 int fap_main(int argc, char **argv, const struct settings *settings);
 int life_main(int argc, char **argv, const struct settings *settings);
 int read_main(int argc, char **argv, const struct settings *settings);

@@ -17,14 +17,15 @@ static json_t *head_at(const char *file) {
     return NULL;
 }
 
-json_t *cli_head_find(const struct settings *settings, const char *name, char file[PATH_MAX]) {
+json_t *cli_head_find(const struct settings *settings, const char *option, const char *name,
+                      char file[PATH_MAX]) {
     char pattern[PATH_MAX];
     glob_t found;
     json_t *best = NULL;
     const char *wanted = name ? name : "*";
     snprintf(pattern, sizeof pattern, "%s/heads/%s.json", settings->models, wanted);
     if (strchr(wanted, '/') || (name && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
-        cli_complain("--model: unknown head '%s'; 'faccia models' lists them", wanted);
+        cli_complain("%s: unknown head '%s'; 'faccia models' lists them", option, wanted);
         return NULL;
     }
     for (size_t i = 0; i < found.gl_pathc; i++) {

@@ -9,9 +9,11 @@
 #include <jansson.h>
 #include <limits.h>
 
-/* Finds the file of the head, the first by rank if name is NULL. Returns the head, or NULL after a message.
+/* Finds the file of the head, the first by rank if name is NULL. option: named in messages. Returns the head,
+ * or NULL after a message.
  */
-json_t *cli_head_find(const struct settings *settings, const char *name, char file[PATH_MAX]);
+json_t *cli_head_find(const struct settings *settings, const char *option, const char *name,
+                      char file[PATH_MAX]);
 
 /* Unless the request names a voice: asks for the voice that suits the head, as a page does. */
 void cli_head_suit(struct speech_request *request, const json_t *head);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia: the talking head on the command line, without a daemon. */
 #include "server/base/program.h"
+#include "server/base/suggest.h"
 #include "server/cli/cli.h"
 #include <getopt.h>
 #include <stdio.h>
@@ -15,6 +16,9 @@ static const struct {
     {"timed", timed_main, "animate the face for recorded speech, from a timed transcription"},
     {"play", play_main, "convert a recorded face and its sound"},
     {"film", film_main, "film the head as it speaks: MP4, WebM, GIF, pictures"},
+#ifdef HAVE_BRIDGES
+    {"camera", camera_main, "show the face of a room in a virtual camera"},
+#endif
     {"fap", fap_main, "inspect, convert, encode and plot face animation files"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
@@ -35,6 +39,7 @@ static const struct {
 #endif
 #ifdef HAVE_LIVE
     {"hear", hear_main, "animate the face for speech without a transcript, as it arrives"},
+    {"coach", coach_main, "compare a learner's recording with a voice, sound by sound"},
 #endif
 #ifdef HAVE_RESEARCH
     {"life", life_main, "measure the face's idle motion"},
@@ -70,9 +75,16 @@ static int run(int argc, char **argv, const struct settings *settings) {
         print_usage(stdout);
         return EXIT_DONE;
     }
-    cli_complain(*name ? "unknown command '%s'; 'faccia --help' lists the commands"
-                       : "a command is needed: 'faccia --help' lists the commands",
-                 name);
+    if (!*name) {
+        cli_complain("a command is needed: 'faccia --help' lists the commands");
+        return EXIT_USAGE;
+    }
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        suggest_name(&near, commands[i].name, commands[i].name);
+    cli_complain("unknown command '%s'%s; 'faccia --help' lists the commands", name,
+                 suggestions_text(&near, text));
     return EXIT_USAGE;
 }
 

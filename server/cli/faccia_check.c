@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia check: reports what in a text has no effect. */
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/utf8.h"
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
@@ -8,7 +9,6 @@
 #include "server/markup/score.h"
 #include "server/normalize/normalizers.h"
 #include "server/normalize/said_words.h"
-#include <getopt.h>
 #include <stdlib.h>
 
 static const char usage[] =
@@ -145,7 +145,7 @@ static int run(struct cli_lexicons *lexicons, int argc, char **argv, const struc
                                             {"help", 0, NULL, HELP},   {0}};
     struct check c = {.kind = markup_by_name("auto"), .lang = settings->lang};
     int most = cli_option_count(argc, argv, "m:sl:h", options);
-    for (int o; (o = getopt_long(most, argv, "m:sl:h", options, NULL)) != -1;) {
+    for (int o; (o = options_next(most, argv, "m:sl:h", options, NULL)) != -1;) {
         switch (o) {
         case 'm':
             c.kind = markup_by_name(optarg);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia expressions: lists the expressions and shows their FAPs. */
 #include "protocol/fapfile.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/expression/expressions.h"
 #include "server/face/expression/expression_layer.h"
 #include <errno.h>
-#include <getopt.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,8 +60,7 @@ static int list(const struct expressions *all, const struct asked *asked) {
     return EXIT_USAGE;
 }
 
-/* "performative:greet=0.5" */
-static int pose(const struct expressions *all, const char *wish, struct fap_frame *frame) {
+int cli_pose(const struct expressions *all, const char *option, const char *wish, struct fap_frame *frame) {
     char kind[64] = "affect", name[128];
     double intensity = 1;
     const char *colon = strchr(wish, ':'), *equals = strrchr(wish, '=');
@@ -73,13 +72,13 @@ static int pose(const struct expressions *all, const char *wish, struct fap_fram
         char *end;
         intensity = strtod(equals + 1, &end);
         if (end == equals + 1 || *end || !(intensity >= 0 && intensity <= 1)) {
-            cli_complain("--fap %s: the intensity must be a number from 0 to 1", wish);
+            cli_complain("%s %s: the intensity must be a number from 0 to 1", option, wish);
             return -1;
         }
     }
     int found = expressions_find(all, kind, name);
     if (found < 0) {
-        cli_complain("--fap %s: unknown %s '%s'", wish, kind, name);
+        cli_complain("%s %s: unknown %s '%s'", option, wish, kind, name);
         return -1;
     }
     still_expression(all, (size_t)found, intensity, frame);
@@ -91,7 +90,7 @@ static int write_poses(const struct expressions *all, const struct asked *asked)
     char text[4096];
     int result = EXIT_DONE;
     for (int i = 0; i < asked->wish_count && result == EXIT_DONE; i++)
-        if (!frames || pose(all, asked->wishes[i], &frames[i]))
+        if (!frames || cli_pose(all, "--fap", asked->wishes[i], &frames[i]))
             result = EXIT_USAGE;
     if (result == EXIT_DONE) {
         fapfile_write_header("faccia", FPS, (size_t)asked->wish_count, text, sizeof text);
@@ -113,7 +112,7 @@ static int write_poses(const struct expressions *all, const struct asked *asked)
 static int parse(int argc, char **argv, struct asked *asked) {
     static const struct option options[] = {
         {"kind", 1, NULL, 'k'}, {"json", 0, NULL, 'j'}, {"fap", 1, NULL, 'f'}, {"help", 0, NULL, 'h'}, {0}};
-    for (int c; (c = getopt_long(argc, argv, "k:h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "k:h", options, NULL)) != -1;) {
         switch (c) {
         case 'k':
             asked->kind = optarg;

@@ -1,102 +1,37 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/fapc/fapc.h"
-#include "protocol/fapc/fapcfile.h"
-#include "protocol/fapfile.h"
+#include "protocol/fba/fba.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
+#include "server/base/suggest.h"
 #include "server/cli/cli.h"
 #include "server/cli/face_capture.h"
+#include "server/cli/fap_file.h"
+#include "server/cli/fap_fit.h"
 #include "server/cli/lip_capture.h"
 #include "server/cli/puppet_capture.h"
+#ifdef HAVE_BRIDGES
+#include "server/cli/room_drive.h"
+#endif
 #include "server/export/svg.h"
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- reading and writing .fap and .fapc ---- */
-
-struct fap_file {
-    const char *format;  /* "fap", "fapc" */
-    size_t bytes;        /* size of the file */
-    struct fapfile face; /* .fapc has no version and no name */
-};
-
-static int read_coded(const char *path, const struct buf *bytes, struct fap_file *out) {
-    struct fapcfile file;
-    struct fapcfile_error e;
-    if (fapcfile_read(bytes->data, bytes->size, &file, &e)) {
-        cli_complain("%s: byte %zu: %s", path, e.byte, e.message);
-        return -1;
-    }
-    *out = (struct fap_file){.format = "fapc"};
-    out->face = (struct fapfile){.fps = file.fps, .count = file.count, .frames = file.frames};
-    return 0;
-}
-
-static int read_text(const char *path, const struct buf *bytes, struct fap_file *out) {
-    struct fapfile_error e;
-    *out = (struct fap_file){.format = "fap"};
-    if (fapfile_read(bytes->size ? (char *)bytes->data : "", bytes->size, &out->face, &e)) {
-        cli_complain("%s:%zu:%zu: %s", path, e.line, e.column, e.message);
-        return -1;
-    }
-    const struct fapfile_error *note = &out->face.note;
-    if (note->message)
-        cli_complain("%s:%zu:%zu: warning: %s", path, note->line, note->column, note->message);
-    return 0;
-}
-
-/* Reads a file ("-": standard input) and detects its format. -1 after a message "FILE:LINE:COLUMN: ..." or
- * "FILE: byte N: ...". */
-static int fap_file_read(const char *path, struct fap_file *out) {
-    struct buf bytes = {0};
-    int status = cli_read(path, &bytes);
-    if (!status)
-        status = fapcfile_is(bytes.data, bytes.size) ? read_coded(path, &bytes, out)
-                                                     : read_text(path, &bytes, out);
-    if (!status)
-        out->bytes = bytes.size;
-    buf_free(&bytes);
-    return status;
-}
-
-static void fap_file_free(struct fap_file *file) {
-    fapfile_free(&file->face); /* frames of .fapc are malloc'ed likewise, and its name is NULL */
-}
-
-/* Encodes the animation as .fapc. -1: it cannot be coded, which no frames of speech cause. */
-static int fap_file_code(const struct fapfile *face, int quality, struct buf *out) {
-    struct fapcfile_writer writer;
-    fapcfile_begin(&writer, face->fps, quality, buf_reserve(out, FAPCFILE_HEADER_BYTES));
-    out->size += FAPCFILE_HEADER_BYTES;
-    for (size_t at = 0; at < face->count; at += writer.frames) {
-        size_t count = face->count - at < writer.frames ? face->count - at : writer.frames;
-        size_t size = fapcfile_packet(&writer, face->frames + at, count,
-                                      buf_reserve(out, FAPCFILE_PACKET_CAP), FAPCFILE_PACKET_CAP);
-        if (!size)
-            return -1;
-        out->size += size;
-    }
-    return 0;
-}
-
-/* Writes a file ("-": standard output). Returns an exit code, after a message unless 0. */
-static int fap_file_write(const char *path, const struct buf *bytes) {
-    struct cli_file file;
-    if (cli_create(&file, path))
-        return EXIT_FAILED;
-    fwrite(bytes->data, 1, bytes->size, file.file);
-    return cli_finish(&file, true) ? EXIT_FAILED : EXIT_DONE;
-}
 
 /* ---- faccia fap convert, encode, decode ---- */
 
 struct task {
     const char *usage, *name, *in, *out;
-    double fps; /* 0: unchanged */
-    int quality;
+    enum { TEXT, FAPC, FBA } form;
+    double fps;      /* 0: unchanged */
+    int quality;     /* of .fapc */
+    int quant;       /* fap_quant of FBA */
+    double intra;    /* s, of FBA */
+    const char *fit; /* a FAP interpolation table, or NULL */
 };
+
+enum { INTRA_SECONDS_MAX = 3600 };
 
 static int wrong(const struct task *task) {
     fprintf(stderr, "Usage: faccia fap %s\nTry 'faccia fap --help'.\n", task->usage);
@@ -106,7 +41,7 @@ static int wrong(const struct task *task) {
 /* Returns an exit code, or -1 to continue. */
 static int parse(int argc, char **argv, const struct option *options, struct task *task) {
     char *end = "";
-    for (int c; (c = getopt_long(argc, argv, "n:r:q:", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "n:r:q:", options, NULL)) != -1;) {
         switch (c) {
         case 'n':
             task->name = optarg;
@@ -118,15 +53,29 @@ static int parse(int argc, char **argv, const struct option *options, struct tas
                 return EXIT_USAGE;
             }
             break;
-        case 'q': {
-            long quality = strtol(optarg, &end, 10);
-            if (*end || end == optarg || quality < 0 || quality > FAPC_QUALITY_MAX) {
-                cli_complain("--quality: '%s' is not an integer from 0 to %d", optarg, FAPC_QUALITY_MAX);
+        case 'q':
+        case 'Q': {
+            int most = c == 'q' ? FAPC_QUALITY_MAX : FBA_QUANT_MAX;
+            long steps = strtol(optarg, &end, 10);
+            if (*end || end == optarg || steps < 0 || steps > most) {
+                cli_complain("--%s: '%s' is not an integer from 0 to %d", c == 'q' ? "quality" : "quant",
+                             optarg, most);
                 return EXIT_USAGE;
             }
-            task->quality = (int)quality;
+            *(c == 'q' ? &task->quality : &task->quant) = (int)steps;
             break;
         }
+        case 'i':
+            task->intra = strtod(optarg, &end);
+            if (*end || !(task->intra > 0 && task->intra <= INTRA_SECONDS_MAX)) {
+                cli_complain("--intra: '%s' is not a number of seconds over 0, at most %d", optarg,
+                             INTRA_SECONDS_MAX);
+                return EXIT_USAGE;
+            }
+            break;
+        case 'f':
+            task->fit = optarg;
+            break;
         default:
             return wrong(task);
         }
@@ -171,33 +120,44 @@ static int resample(struct fapfile *face, double fps) {
     return 0;
 }
 
-static void write_text(const struct fapfile *face, const char *name, struct buf *out) {
-    size_t length = fapfile_write_header(name, face->fps, face->count, NULL, 0);
-    fapfile_write_header(name, face->fps, face->count, buf_reserve(out, length + 1), length + 1);
-    out->size += length;
-    for (size_t k = 0; k < face->count; k++) {
-        size_t room = 2048, size = fapfile_write_frame(&face->frames[k], k, buf_reserve(out, room), room);
-        out->size += size; /* 68 flags, and 66 values of at most 12 characters */
+/* Appends the animation in the wanted form; left: see fap_file_fba. -1 after a message. */
+static int code(const struct task *task, const struct fap_file *file, const uint8_t *left, struct buf *out) {
+    const struct fapfile *face = &file->face;
+    size_t limited;
+    if (task->form == TEXT) {
+        const char *name = face->name && *face->name ? face->name : "faccia";
+        fap_file_text(face, task->name ? task->name : name, out);
+        return 0;
     }
+    if (task->form == FAPC) {
+        if (!fap_file_code(face, task->quality, out))
+            return 0;
+        cli_complain("%s: a packet would exceed 64 KiB", task->in);
+        return -1;
+    }
+    if (fap_file_fba(face, task->quant, task->intra, left, out, &limited)) {
+        cli_complain("%s: an FBA bitstream has at most %d frames a second and %d in all", task->in,
+                     FBA_FPS_MAX, FBA_FRAMES_MAX);
+        return -1;
+    }
+    if (limited)
+        cli_complain(
+            "%s: warning: %zu values exceed what the bitstream can state at --quant %d, and are limited",
+            task->in, limited, task->quant);
+    return 0;
 }
 
-static int run(const struct task *task, bool code) {
+static int run(const struct task *task) {
     struct fap_file file;
     struct buf out = {0};
     if (fap_file_read(task->in, &file))
         return EXIT_FAILED;
-    int status =
-        task->fps && task->fps != file.face.fps && resample(&file.face, task->fps) ? EXIT_FAILED : EXIT_DONE;
-    const char *name = file.face.name && *file.face.name ? file.face.name : "faccia";
-    if (status)
-        ;
-    else if (!code)
-        write_text(&file.face, task->name ? task->name : name, &out);
-    else if (fap_file_code(&file.face, task->quality, &out)) {
-        cli_complain("%s: a packet would exceed 64 KiB", task->in);
-        status = EXIT_FAILED;
-    }
-    if (!status)
+    int status = EXIT_FAILED;
+    uint8_t left[FAP_MASK_BYTES] = {0};
+    bool other_rate = task->fps && task->fps != file.face.fps;
+    if ((!other_rate || !resample(&file.face, task->fps)) &&
+        (!task->fit || !fap_fit_use(task->fit, &file.face, task->form == FBA, task->quant, left)) &&
+        !code(task, &file, left, &out))
         status = fap_file_write(task->out, &out);
     buf_free(&out);
     fap_file_free(&file);
@@ -205,29 +165,48 @@ static int run(const struct task *task, bool code) {
 }
 
 static int fap_convert(int argc, char **argv) {
-    static const struct option options[] = {{"fps", 1, NULL, 'r'}, {"name", 1, NULL, 'n'}, {0}};
-    struct task task = {.usage = "convert [--fps N] [--name NAME] FILE [OUT.fap]"};
+    static const struct option options[] = {
+        {"fps", 1, NULL, 'r'}, {"name", 1, NULL, 'n'}, {"fit", 1, NULL, 'f'}, {0}};
+    struct task task = {.usage = "convert [--fps N] [--name NAME] [--fit TABLE] FILE [OUT.fap]"};
     int status = parse(argc, argv, options, &task);
-    return status >= 0 ? status : run(&task, false);
+    return status >= 0 ? status : run(&task);
+}
+
+static bool ends_in(const char *name, const char *suffix) {
+    size_t size = strlen(name), end = strlen(suffix);
+    return size > end && !strcmp(name + size - end, suffix);
 }
 
 static int fap_encode(int argc, char **argv) {
-    static const struct option options[] = {{"fps", 1, NULL, 'r'}, {"quality", 1, NULL, 'q'}, {0}};
-    struct task task = {.usage = "encode [--quality N] [--fps N] FILE [OUT.fapc]", .quality = FAPC_QUALITY};
+    static const struct option options[] = {{"fps", 1, NULL, 'r'},   {"quality", 1, NULL, 'q'},
+                                            {"quant", 1, NULL, 'Q'}, {"intra", 1, NULL, 'i'},
+                                            {"fit", 1, NULL, 'f'},   {0}};
+    struct task task = {.usage =
+                            "encode [--quality N] [--fps N] FILE [OUT.fapc]\n"
+                            "       faccia fap encode [--quant N] [--intra S] [--fps N] [--fit TABLE] FILE "
+                            "OUT.fba",
+                        .quality = FAPC_QUALITY,
+                        .quant = FBA_QUANT,
+                        .intra = FBA_INTRA_SECONDS};
     int status = parse(argc, argv, options, &task);
-    return status >= 0 ? status : run(&task, true);
+    if (status >= 0)
+        return status;
+    task.form = ends_in(task.out, ".fba") || ends_in(task.out, ".bits") ? FBA : FAPC;
+    return run(&task);
 }
 
 static int fap_decode(int argc, char **argv) {
-    static const struct option options[] = {{"name", 1, NULL, 'n'}, {0}};
-    struct task task = {.usage = "decode [--name NAME] FILE.fapc [OUT.fap]"};
+    static const struct option options[] = {{"name", 1, NULL, 'n'}, {"fit", 1, NULL, 'f'}, {0}};
+    struct task task = {.usage = "decode [--name NAME] [--fit TABLE] FILE [OUT.fap]"};
     int status = parse(argc, argv, options, &task);
-    return status >= 0 ? status : run(&task, false);
+    return status >= 0 ? status : run(&task);
 }
 
 /* ---- faccia fap capture ---- */
 
 enum { PUPPET_FPS = 60 };
+#define PUPPET_PORT "39539"        /* usual for the VMC protocol */
+#define PHONE_PORT "0.0.0.0:49983" /* telephones answer to this port */
 
 /* Returns an exit code, after a message unless 0. */
 static int capture_file(const char *path, double rate, double fps, struct fapfile *face) {
@@ -248,35 +227,88 @@ static int capture_file(const char *path, double rate, double fps, struct fapfil
     return status;
 }
 
+/* Faces that another program sends, to a recording, a room or both. */
+struct reception {
+    const char *udp, *phone, *room, *url, *token_file;
+    double seconds, fps;
+    bool record;
+};
+
+/* Returns an exit code, after a message unless 0. */
+static int receive(const struct reception *r, struct fapfile *face) {
+    struct puppet_capture capture = {.address = r->udp,
+                                     .phone = r->phone,
+                                     .seconds = r->seconds,
+                                     .fps = r->fps ? r->fps : PUPPET_FPS,
+                                     .record = r->record};
+    uv_loop_t loop;
+    int status = EXIT_FAILED;
+    uv_loop_init(&loop);
+#ifdef HAVE_BRIDGES
+    if (r->room) {
+        struct room_drive *drive = room_drive_open(&loop, r->room, r->url, r->token_file);
+        capture.face = room_drive_face;
+        capture.ctx = drive;
+        if (drive) {
+            status = puppet_capture(&loop, &capture, face);
+            bool well = room_drive_close(drive);
+            status = well ? status : EXIT_FAILED;
+        }
+        uv_loop_close(&loop);
+        return status;
+    }
+#endif
+    status = puppet_capture(&loop, &capture, face);
+    uv_loop_close(&loop);
+    return status;
+}
+
+static int write_capture(const char *path, const char *name, struct fapfile *face) {
+    struct buf out = {0};
+    fap_file_text(face, name, &out);
+    int status = fap_file_write(path, &out);
+    buf_free(&out);
+    return status;
+}
+
 static int fap_capture(int argc, char **argv) {
-    double rate = 0, fps = 0, seconds = 0;
-    const char *name = "capture", *osc = NULL;
+    double rate = 0;
+    const char *name = "capture";
+    struct reception r = {0};
     char command[] = "fap"; /* which has the help */
     argv[0] = command;
     const struct cli_option options[] = {{"rate", 0, CLI_NUMBER, &rate, 1, FAPFILE_FPS_MAX, NULL},
-                                         {"fps", 0, CLI_NUMBER, &fps, 1, FAPFILE_FPS_MAX, NULL},
+                                         {"fps", 0, CLI_NUMBER, &r.fps, 1, FAPFILE_FPS_MAX, NULL},
                                          {"name", 0, CLI_TEXT, &name, 0, 0, NULL},
-                                         {"osc", 0, CLI_TEXT, &osc, 0, 0, NULL},
-                                         {"seconds", 0, CLI_NUMBER, &seconds, 0.1, 36000, NULL},
+                                         {"udp", 0, CLI_TEXT, &r.udp, 0, 0, NULL},
+                                         {"phone", 0, CLI_TEXT, &r.phone, 0, 0, NULL},
+                                         {"seconds", 0, CLI_NUMBER, &r.seconds, 0.1, 36000, NULL},
+#ifdef HAVE_BRIDGES
+                                         {"room", 0, CLI_TEXT, &r.room, 0, 0, NULL},
+                                         {"url", 0, CLI_TEXT, &r.url, 0, 0, NULL},
+                                         {"token-file", 0, CLI_TEXT, &r.token_file, 0, 0, NULL},
+#endif
                                          {0}};
     int status = cli_options(argc, argv, "Try 'faccia fap --help'.\n", options, NULL);
     if (status >= 0)
         return status;
-    int files = argc - optind, inputs = osc ? 0 : 1;
-    if (files < inputs || files > inputs + 1 || (osc && rate) || (!osc && seconds)) {
-        cli_complain("capture: expected one input file or --osc, and at most one output file");
+    if (r.phone && !r.udp)
+        r.udp = PHONE_PORT;
+    if (r.room && !r.udp)
+        r.udp = PUPPET_PORT;
+    int files = argc - optind, inputs = r.udp ? 0 : 1;
+    if (files < inputs || files > inputs + 1 || (r.udp && rate) || (!r.udp && r.seconds) ||
+        (!r.room && (r.url || r.token_file))) {
+        cli_complain(
+            "capture: expected one input file, --udp, --phone or --room, and at most one output file");
         return EXIT_USAGE;
     }
-    struct buf out = {0};
-    struct fapfile face;
-    status = osc ? puppet_capture(osc, seconds, fps ? fps : PUPPET_FPS, &face)
-                 : capture_file(argv[optind], rate, fps, &face);
-    if (status)
-        return status;
-    write_text(&face, name, &out);
+    struct fapfile face = {0};
+    r.record = !r.room || files > inputs;
+    status = r.udp ? receive(&r, &face) : capture_file(argv[optind], rate, r.fps, &face);
+    if (face.frames) /* also if the room was lost */
+        status |= write_capture(files > inputs ? argv[optind + inputs] : "-", name, &face);
     free(face.frames);
-    status = fap_file_write(files > inputs ? argv[optind + inputs] : "-", &out);
-    buf_free(&out);
     return status;
 }
 
@@ -405,7 +437,7 @@ static int fap_plot(int argc, char **argv) {
     static const struct option options[] = {
         {"fap", 1, NULL, 'p'}, {"from", 1, NULL, 'a'}, {"to", 1, NULL, 'z'}, {0}};
     struct fap_chart plot = {.to = 1e9};
-    for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
+    for (int c; (c = options_next(argc, argv, "", options, NULL)) != -1;)
         if (c == '?' || (c == 'p' && parse_list(optarg, &plot)) ||
             (c == 'a' && parse_seconds("from", optarg, &plot.from)) ||
             (c == 'z' && parse_seconds("to", optarg, &plot.to)))
@@ -417,29 +449,54 @@ static int fap_plot(int argc, char **argv) {
     return draw(argv[optind], argv[optind + 1] ? argv[optind + 1] : "-", &plot);
 }
 
-/* faccia fap: works on face animations, .fap (MPEG-4 FAPs as text) and .fapc (coded). */
+/* faccia fap: works on face animations, .fap (MPEG-4 FAPs as text), .fapc and FBA (coded). */
 
 static const char usage[] =
     "Usage: faccia fap info FILE...\n"
-    "       faccia fap convert [--fps N] [--name NAME] FILE [OUT.fap]\n"
+    "       faccia fap convert [--fps N] [--name NAME] [--fit TABLE] FILE [OUT.fap]\n"
     "       faccia fap encode [--quality N] [--fps N] FILE [OUT.fapc]\n"
-    "       faccia fap decode [--name NAME] FILE.fapc [OUT.fap]\n"
+    "       faccia fap encode [--quant N] [--intra S] [--fps N] [--fit TABLE] FILE OUT.fba\n"
+    "       faccia fap decode [--name NAME] [--fit TABLE] FILE [OUT.fap]\n"
+    "       faccia fap fit [--quant N] FILE [OUT.fit]\n"
     "       faccia fap capture [--rate N] [--fps N] [--name NAME] FILE.csv [OUT.fap]\n"
-    "       faccia fap capture --osc [HOST:]PORT [--seconds N] [--fps N] [--name NAME] [OUT.fap]\n"
+    "       faccia fap capture --udp [HOST:]PORT [--phone HOST] [--seconds N] [--fps N] [--name NAME] "
+    "[OUT.fap]\n"
+#ifdef HAVE_BRIDGES
+    "       faccia fap capture --room ROOM [--udp [HOST:]PORT] [--phone HOST] [--url URL] [--token-file "
+    "FILE]\n"
+    "                          [--seconds N] [--fps N] [--name NAME] [OUT.fap]\n"
+#endif
     "       faccia fap plot [--fap LIST] [--from S] [--to S] FILE [OUT.svg]\n"
-    "Works with face animation files: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a "
-    "header,\n"
-    "and .fapc (the same at a few kilobits per second). The first bytes tell which of them FILE is.\n"
+    "Works with face animation files: .fap of versions 2.0 and 2.1 (MPEG-4 FAPs as text), with or without a\n"
+    "header, .fapc (the same at a few kilobits per second), and FBA, the bitstream of MPEG-4 (.fba, .bits).\n"
+    "The first bytes tell which of them FILE is.\n"
     "\n"
     "  info     prints version, name, rate, length, the range of each FAP, and its coded size\n"
     "  convert  writes version 2.1 with a header, at another rate if wanted (1 to 1000)\n"
-    "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5)\n"
+    "  encode   writes .fapc; quality 0 is lossless, 31 the coarsest (5). To a name in .fba or .bits it "
+    "writes "
+    "an\n"
+    "           FBA bitstream: N is its fap_quant, 1 to 31 (4; 0 codes FAP units, for values up to 1860), S "
+    "the\n"
+    "           seconds between I frames (10)\n"
     "  decode   writes .fap\n"
+    "  fit      writes the interpolation table (FIT of MPEG-4) of FAPs that are multiples of others, within\n"
+    "           half a step of fap_quant N (4). With --fit TABLE, encode leaves out of an FBA bitstream "
+    "what\n"
+    "           the table gives back, and decode and convert fill in the FAPs that FILE lacks; TABLE is a\n"
+    "           scene of MPEG-4 with a FIT node, as BIFS text, VRML or XMT-A\n"
     "  capture  converts a recorded face in Live Link Face's columns (CSV, ARKit's shapes), or a person's\n"
     "           lips as 'faccia head lips' measures them on markers or in a film (CSV), to .fap; --rate\n"
-    "           is that of its timecodes, if the file is shorter than a second. --osc records what a "
-    "program\n"
-    "           sends by the VMC protocol, until Ctrl-C or for N seconds\n"
+    "           is that of its timecodes, if the file is shorter than a second. --udp records what Live\n"
+    "           Link Face (its port is 11111), iFacialMocap (49983) or a program with the VMC protocol "
+    "sends\n"
+    "           to this port, until Ctrl-C or for N seconds; 0.0.0.0:PORT takes it from other machines, "
+    "too.\n"
+    "           --phone asks the telephone at this address, with iFacialMocap or Facemotion3d, for its face\n"
+    "           (at port 49983 of all addresses without --udp). --room drives the\n"
+    "           face of a room in a running facciad with it (port 39539 without --udp), and records it if\n"
+    "           OUT is given; URL is that of the daemon (FACCIA_URL, else http://127.0.0.1:8080), FILE has\n"
+    "           its token (else FACCIA_TOKEN)\n"
     "  plot     draws FAPs over time as SVG: LIST has names or numbers with commas\n"
     "           (the eight that move most); S is in seconds\n"
     "FILE - is standard input; OUT - or no OUT is standard output. Exit status: 0 done, 1 failed, 2 wrong "
@@ -497,6 +554,15 @@ static int info_of(const char *path) {
                 printf("coded     %.2f kbit/s (quality %d%s)\n", rate, qualities[i],
                        qualities[i] ? "" : ", lossless");
         }
+        static const int quants[] = {FBA_QUANT, 1};
+        for (int i = 0; i < 2; i++) {
+            struct buf out = {0};
+            size_t limited;
+            if (!fap_file_fba(face, quants[i], FBA_INTRA_SECONDS, NULL, &out, &limited))
+                printf("FBA       %.2f kbit/s (fap_quant %d)\n",
+                       (double)out.size * 8 / 1000 / ((double)face->count / face->fps), quants[i]);
+            buf_free(&out);
+        }
         printf("FAP  name                       frames      min      max       mean\n");
         for (int n = 1; n <= FAP_COUNT; n++)
             print_fap(face, n);
@@ -526,7 +592,8 @@ int fap_main(int argc, char **argv, const struct settings *settings) {
         const char *name;
         int (*run)(int argc, char **argv);
     } commands[] = {{"info", info},         {"convert", fap_convert}, {"encode", fap_encode},
-                    {"decode", fap_decode}, {"capture", fap_capture}, {"plot", fap_plot}};
+                    {"decode", fap_decode}, {"fit", fap_fit_main},    {"capture", fap_capture},
+                    {"plot", fap_plot}};
     const char *name = argc > 1 ? argv[1] : "";
     for (int i = 1; i < argc; i++)
         if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
@@ -536,8 +603,13 @@ int fap_main(int argc, char **argv, const struct settings *settings) {
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (!strcmp(commands[i].name, name))
             return commands[i].run(argc - 1, argv + 1);
+    struct suggestions near = suggestions_for(name);
+    char text[SUGGESTIONS_TEXT];
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        suggest_name(&near, commands[i].name, commands[i].name);
     if (*name)
-        cli_complain("fap: unknown command '%s'", name);
-    fputs(usage, stderr);
+        cli_complain("fap: unknown command '%s'%s", name, suggestions_text(&near, text));
+    else
+        fputs(usage, stderr);
     return EXIT_USAGE;
 }

@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia film: speaks a text, or takes a recorded face, and films the head that the page would show. */
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/cli/cli_head.h"
 #include "server/cli/film_options.h"
 #include "server/face/high_level.h"
 #include "server/film/film_browser.h"
+#include "server/film/film_folder.h"
+#include "server/film/film_jobs.h"
 #include "server/film/film_media.h"
+#ifdef HAVE_LIBRARY
+#include "server/library/faccia_passage.h"
+#endif
 #include "server/synthesis/recording.h"
 #include <errno.h>
-#include <ftw.h>
 #include <jansson.h>
 #include <libgen.h>
 #include <limits.h>
@@ -35,16 +40,16 @@ struct film {
     struct film_coder *coder;
     struct cli_file file;
     uv_signal_t signals[SIGNALS];
-    struct buf sheet;        /* filter that makes one picture of all */
-    char folder[64];         /* for what the programs need */
-    char pictures[PATH_MAX]; /* folder of unfinished pictures, beside the finished ones; "": none */
-    unsigned count, drawn;   /* pictures */
-    uint64_t start, told;    /* loop time, ms */
-    int signal;              /* that has ended the film; 0: none */
+    struct buf sheet;            /* filter that makes one picture of all */
+    struct film_folder folder;   /* for what the programs need */
+    struct film_folder pictures; /* unfinished ones, beside the finished ones */
+    unsigned count, drawn;       /* pictures */
+    uint64_t start, told;        /* loop time, ms */
+    int signal;                  /* that has ended the film; 0: none */
     bool finished, failed;
 };
 
-/* What is needed is there, or it is said how to get it. */
+/* Looks for a browser and ffmpeg. If one is missing, prints how to install it. */
 static int check_programs(void) {
     bool browser = film_browser_found(), coder = film_coder_found();
     if (browser && coder)
@@ -115,6 +120,48 @@ static int speak(struct film *f, const struct speech_request *request) {
     return EXIT_DONE;
 }
 
+#ifdef HAVE_LIBRARY
+
+static int on_passage(void *ctx, const struct media_segment *segment, const struct synthesis *speech) {
+    struct film *f = ctx;
+    struct export_source *words = &f->media.captions.source;
+    words->text = synthesis_request(speech)->text;
+    words->markup = synthesis_markup(speech);
+    words->speech = synthesis_has_speakers(speech) ? speech : NULL;
+    f->too_long |= !film_media_add(&f->media, segment, f->media.faces.source.fps);
+    return f->too_long;
+}
+
+static int speak_passage(struct film *f, struct speech_request *request) {
+    const struct export_source source = {.text = "", .fps = request->fps};
+    const struct passage_speaking speaking = {.folder = f->o.library,
+                                              .passage = f->o.passage,
+                                              .request = request,
+                                              .segment = on_passage,
+                                              .problem = on_problem,
+                                              .ctx = f};
+    if (cli_open(&f->cli, cli_lexicons_with(&f->o.lexicons, f->settings)))
+        return EXIT_FAILED;
+    film_media_begin(&f->media, &source);
+    f->begun = true;
+    int failed = passage_speak(&speaking, &f->cli, f->settings);
+    film_media_end(&f->media);
+    if (!failed && !f->failed && !film_media_faces(&f->media)) {
+        cli_complain("--passage: nothing of '%s' could be spoken", f->o.passage);
+        return EXIT_FAILED;
+    }
+    return failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+#else
+
+static int speak_passage(struct film *f, struct speech_request *request) {
+    (void)f, (void)request; /* film_options_read refuses it */
+    return EXIT_USAGE;
+}
+
+#endif
+
 static int read_recording(struct film *f) {
     struct recording_source source = {.name = mem_strdup(f->o.from),
                                       .fap_path = mem_strdup(f->o.from),
@@ -171,31 +218,26 @@ static int pose_visemes(struct film *f) {
     return EXIT_DONE;
 }
 
-/* Folders */
-
-static int remove_one(const char *path, const struct stat *status, int kind, struct FTW *place) {
-    (void)status;
-    (void)kind;
-    (void)place;
-    remove(path);
-    return 0;
+static int pose_expression(struct film *f) {
+    const struct export_source source = {.fps = 1};
+    struct fap_frame frame = {0};
+    uv_loop_init(&f->cli.loop);
+    if (cli_load(&f->cli.components, f->settings, COMPONENTS_EXPRESSIONS, &f->cli.loop) ||
+        cli_pose(f->cli.components.pipeline.expressions, "--expression", f->o.expression, &frame))
+        return EXIT_FAILED;
+    film_media_begin(&f->media, &source);
+    f->begun = true;
+    film_media_add_face(&f->media, &frame);
+    return EXIT_DONE;
 }
 
-static void remove_folder(const char *path) {
-    enum { TRIES = 20, PAUSE_US = 50000 };
-    /* A browser that was killed may still write for a moment. */
-    for (int i = 0; *path && i < TRIES && !access(path, F_OK); i++) {
-        if (i)
-            usleep(PAUSE_US);
-        nftw(path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
-    }
-}
+/* Files */
 
 static int write_file(const struct film *f, const char *name, const struct buf *bytes) {
     char path[PATH_MAX];
     if (!bytes->size)
         return 0;
-    snprintf(path, sizeof path, "%s/%s", f->folder, name);
+    snprintf(path, sizeof path, "%s/%s", f->folder.path, name);
     FILE *file = fopen(path, "wbx");
     bool well = file && fwrite(bytes->data, 1, bytes->size, file) == bytes->size;
     well = file && !fclose(file) && well;
@@ -206,22 +248,20 @@ static int write_file(const struct film *f, const char *name, const struct buf *
 
 /* Numbered pictures appear together, when all are there. */
 static int open_pictures(struct film *f) {
-    char folder[PATH_MAX], place[PATH_MAX];
+    char folder[PATH_MAX], place[PATH_MAX], prefix[PATH_MAX + 32];
     snprintf(folder, sizeof folder, "%s", f->o.output);
-    if (!realpath(dirname(folder), place) ||
-        (size_t)snprintf(f->pictures, sizeof f->pictures, "%s/.faccia-film-XXXXXX", place) >=
-            sizeof f->pictures ||
-        !mkdtemp(f->pictures)) {
-        cli_complain("%s: %s", f->o.output, strerror(errno));
-        f->pictures[0] = '\0';
-        return -1;
+    if (realpath(dirname(folder), place)) {
+        snprintf(prefix, sizeof prefix, "%s/.faccia-film", place);
+        if (!film_folder_make(&f->pictures, prefix))
+            return 0;
     }
-    return 0;
+    cli_complain("%s: %s", f->o.output, strerror(errno));
+    return -1;
 }
 
 static int publish_one(const struct film *f, const char *from, const char *to) {
     char path[2 * PATH_MAX];
-    snprintf(path, sizeof path, "%s/%s", f->pictures, from);
+    snprintf(path, sizeof path, "%s/%s", f->pictures.path, from);
     if (!rename(path, to))
         return 0;
     cli_complain("%s: %s", to, strerror(errno));
@@ -325,10 +365,9 @@ static void watch_signals(struct film *f) {
 }
 
 static int write_files(struct film *f) {
-    snprintf(f->folder, sizeof f->folder, "/tmp/faccia-film-XXXXXX");
-    if (!mkdtemp(f->folder)) {
-        cli_complain("%s: %s", f->folder, strerror(errno));
-        f->folder[0] = '\0';
+    static const char prefix[] = "/tmp/faccia-film";
+    if (film_folder_make(&f->folder, prefix)) {
+        cli_complain("%s: %s", prefix, strerror(errno));
         return -1;
     }
     return write_file(f, "sound.wav", &f->media.sound.out) ||
@@ -338,20 +377,22 @@ static int write_files(struct film *f) {
                                           : cli_create(&f->file, f->o.output);
 }
 
-static int start(struct film *f, const char *head, double fps) {
+static int start(struct film *f, const char *head, const char *partner, double fps,
+                 const struct speech_request *request) {
     static const struct film_browser_calls browser_calls = {on_picture, on_failed};
     static const struct film_coder_calls coder_calls = {on_taken, on_coded};
+    bool plain = f->o.format == FILM_GIF || f->o.visemes; /* few colours; many small faces */
     bool file = f->o.background && !f->o.transparent && !access(f->o.background, R_OK);
     char pattern[PATH_MAX + 16];
     struct error e;
-    snprintf(pattern, sizeof pattern, "%s/%%d.png", f->pictures);
+    snprintf(pattern, sizeof pattern, "%s/%%d.png", f->pictures.path ? f->pictures.path : "");
     const struct film_coding coding = {.format = f->o.format,
                                        .width = f->o.width,
                                        .height = f->o.height,
                                        .fps = fps,
                                        .transparent = f->o.transparent,
                                        .lossless = f->o.lossless,
-                                       .folder = f->folder,
+                                       .folder = f->folder.path,
                                        .sound = (f->o.format == FILM_MP4 || f->o.format == FILM_WEBM) &&
                                                 f->media.sound.samples,
                                        .captions = f->o.captions,
@@ -360,16 +401,21 @@ static int start(struct film *f, const char *head, double fps) {
                                        .filter = (char *)f->sheet.data};
     const struct film_scene scene = {.web = f->settings->api.web,
                                      .head = head,
-                                     .folder = f->folder,
+                                     .partner = partner,
+                                     .folder = f->folder.path,
                                      .width = f->o.width,
                                      .height = f->o.height,
                                      .level = f->o.level ? f->o.level : "fine",
                                      .view = f->o.view,
                                      .colour = f->o.transparent || file ? NULL
                                                : f->o.background        ? f->o.background
-                                                                        : "#dfe3e8",
+                                               : plain                  ? "#dfe3e8"
+                                                                        : "room",
                                      .image = file ? f->o.background : NULL,
                                      .faces = &f->media.faces.out,
+                                     .words = &f->media.captions.out,
+                                     .still = request->still || f->o.visemes || f->o.expression,
+                                     .life = request->life < 0 ? 1 : fmin(1, request->life),
                                      .rate = f->media.faces.fps,
                                      .fps = fps,
                                      .start = f->o.at > 0 ? f->o.at : 0,
@@ -404,18 +450,19 @@ static unsigned count_pictures(const struct film *f, double fps) {
     return count;
 }
 
-static int shoot(struct film *f, const char *head, const struct speech_request *request) {
+static int shoot(struct film *f, const char *head, const char *partner,
+                 const struct speech_request *request) {
     bool sheet = f->o.visemes != NULL;
     f->o.width = f->o.width ? f->o.width : sheet ? 240 : 640;
     f->o.height = f->o.height ? f->o.height : sheet ? 240 : 480;
-    double fps = sheet                          ? f->media.faces.fps
+    double fps = sheet || f->o.expression       ? f->media.faces.fps
                  : f->o.from && !f->o.fps_given ? f->media.faces.fps
                                                 : request->fps;
     f->count = count_pictures(f, fps);
     if (!f->count)
         return EXIT_FAILED;
     watch_signals(f);
-    if (!write_files(f) && !start(f, head, fps)) {
+    if (!write_files(f) && !start(f, head, partner, fps, request)) {
         while (!f->finished && uv_run(&f->cli.loop, UV_RUN_ONCE))
             ;
         if (!f->failed && f->o.format == FILM_PICTURES)
@@ -431,23 +478,32 @@ static int shoot(struct film *f, const char *head, const struct speech_request *
     film_browser_free(f->browser);
     film_coder_free(f->coder);
     f->failed |= cli_finish(&f->file, !f->failed) != 0;
-    remove_folder(f->pictures);
-    remove_folder(f->folder);
+    film_folder_remove(&f->pictures);
+    film_folder_remove(&f->folder);
     return f->failed ? EXIT_FAILED : EXIT_DONE;
 }
 
 static int run(struct film *f, struct speech_request *request) {
-    char head[PATH_MAX] = "";
-    json_t *model = check_programs() ? NULL : cli_head_find(f->settings, f->o.model, head);
-    if (!model)
-        return EXIT_FAILED;
-    cli_head_suit(request, model);
+    char head[PATH_MAX] = "", partner[PATH_MAX] = "";
+    json_t *model = check_programs() ? NULL : cli_head_find(f->settings, "--model", f->o.model, head);
+    json_t *other =
+        model && f->o.partner ? cli_head_find(f->settings, "--partner", f->o.partner, partner) : NULL;
+    bool found = model && (other || !f->o.partner);
+    if (found)
+        cli_head_suit(request, model);
     json_decref(model);
-    int status = f->o.visemes ? pose_visemes(f) : f->o.from ? read_recording(f) : speak(f, request);
+    json_decref(other);
+    if (!found)
+        return EXIT_FAILED;
+    int status = f->o.visemes      ? pose_visemes(f)
+                 : f->o.expression ? pose_expression(f)
+                 : f->o.from       ? read_recording(f)
+                 : f->o.library    ? speak_passage(f, request)
+                                   : speak(f, request);
     components_stop_voices(&f->cli.components);
     uv_run(&f->cli.loop, UV_RUN_DEFAULT);
     if (!status)
-        status = f->failed ? EXIT_FAILED : shoot(f, head, request);
+        status = f->failed ? EXIT_FAILED : shoot(f, head, f->o.partner ? partner : NULL, request);
     if (f->begun)
         film_media_free(&f->media);
     buf_free(&f->sheet);
@@ -460,6 +516,8 @@ int film_main(int argc, char **argv, const struct settings *settings) {
     struct film f = {.settings = settings, .o.at = -1};
     struct speech_request request;
     struct buf text = {0};
+    if (getenv(FILM_JOB_VARIABLE))
+        program_end_with_parent(STDIN_FILENO, SIGTERM); /* as a user ends it, so that nothing is left */
     request_init(&request);
     int status = film_options_read(argc, argv, &f.o, &request, &text);
     if (status < 0)

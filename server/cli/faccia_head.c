@@ -2,9 +2,9 @@
 /* faccia head: imports, exports and rigs heads. `export` copies the avatars that the build made with
  * models/tools/avatar/export-head.mjs; `lips` runs models/tools/lips/faccia-lips.mjs, the rest
  * models/tools/import/faccia-head.mjs, in Node.js. */
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include <errno.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,9 +19,10 @@ static const char usage[] = "Usage: faccia head export NAME [--glb FILE] [--vrm 
                             "  -h, --help           print this and exit\n"
                             "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n"
                             "\n"
-                            "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check "
-                            "HEAD.json: imports and checks heads; needs Node.js\n"
-                            "(18 or later). See 'faccia head import --help'.\n"
+                            "faccia head import FILE, calibrate HEAD.json, points HEAD.json, fdp HEAD.json, "
+                            "check HEAD.json: imports and checks heads, and writes\n"
+                            "them as MPEG-4's FDP node with an animation table; needs Node.js (18 or later). "
+                            "See 'faccia head import --help'.\n"
                             "faccia head lips TRACKS: measures a speaker's lips in a video, for 'faccia "
                             "fit'. See 'faccia head lips --help'.\n"
                             "To make heads (portrait/make-portrait.mjs) and picture sets "
@@ -58,7 +59,7 @@ static int write_avatar(const struct settings *settings, const char *name, const
 }
 
 static bool is_of_tool(const char *word) {
-    static const char *const tools[] = {"import", "calibrate", "points", "check", "lips"};
+    static const char *const tools[] = {"import", "calibrate", "points", "fdp", "check", "lips"};
     for (size_t i = 0; i < sizeof tools / sizeof *tools; i++)
         if (!strcmp(word, tools[i]))
             return true;
@@ -74,7 +75,7 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         return cli_run_tool(settings, lips ? "lips/faccia-lips" : "import/faccia-head", "head",
                             argc - 1 - lips, argv + 1 + lips);
     }
-    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             return EXIT_DONE;
@@ -86,8 +87,9 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         paths[c] = optarg;
     }
     if (argc - optind != 2 || strcmp(argv[optind], "export") != 0) {
-        cli_complain("expected 'export' and the name of one head; or import, calibrate, points, check, lips: "
-                     "see 'faccia head --help'");
+        cli_complain(
+            "expected 'export' and the name of one head; or import, calibrate, points, fdp, check, lips: "
+            "see 'faccia head --help'");
         return EXIT_USAGE;
     }
     if (!paths[0] && !paths[1])

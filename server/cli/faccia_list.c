@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia voices, faccia models. */
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
-#include <getopt.h>
 #include <glob.h>
 #include <jansson.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@ static int parse(int argc, char **argv, const char *usage, const char **lang, co
                  bool *json) {
     static const struct option options[] = {
         {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'}, {"lang", 1, NULL, 'l'}, {"model", 1, NULL, 'm'}, {0}};
-    for (int c; (c = getopt_long(argc, argv, "hl:", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "hl:", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             return EXIT_DONE;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia play: converts a recording, a .fap file and its sound, to the output formats of speech. */
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/export/export.h"
 #include "server/synthesis/recording.h"
-#include <getopt.h>
+#include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char usage[] =
     "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
@@ -36,6 +38,7 @@ struct play {
         struct cli_file file;
         struct export export;
     } outputs[OUTPUTS];
+    const char *fap; /* the recorded face */
     bool failed, finished;
 };
 
@@ -61,8 +64,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct play *p = ctx;
-    char text[400];
-    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    cli_complain_at(p->fap, warning, e);
     p->failed |= !warning;
 }
 
@@ -143,7 +145,7 @@ int play_main(int argc, char **argv, const struct settings *settings) {
                                             {"arkit-ndjson", 1, NULL, 6}, {"visemes", 1, NULL, 7},
                                             {"help", 0, NULL, 'h'},       {0}};
     struct play p = {0};
-    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             return EXIT_DONE;
@@ -158,5 +160,11 @@ int play_main(int argc, char **argv, const struct settings *settings) {
         cli_complain("expected one .fap file, and at most one sound file");
         return EXIT_USAGE;
     }
+    for (int i = optind; i < argc; i++)
+        if (access(argv[i], R_OK)) {
+            cli_complain("%s: %s", argv[i], strerror(errno));
+            return EXIT_FAILED;
+        }
+    p.fap = argv[optind];
     return run(&p, settings, argv[optind], argv[optind + 1]);
 }

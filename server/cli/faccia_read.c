@@ -72,7 +72,7 @@ static int read_text(const struct read *r, const struct buf *text, const struct 
                                      normalizers_abbreviations(&r->components->normalizers, r->lang)};
     struct score *document = markup_read(kind, (const char *)text->data, text->size, &rules, &e);
     if (!document) {
-        cli_complain_of(&e);
+        cli_complain_at(r->file, false, &e);
         return EXIT_FAILED;
     }
     struct score *script = score_script(document);

@@ -2,6 +2,7 @@
 #include "protocol/say_options.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/cli/cli_head.h"
 #include "server/codec/arkit_table.h"
@@ -9,7 +10,6 @@
 #include "server/export/export.h"
 #include "server/synthesis/synthesis.h"
 #include <errno.h>
-#include <getopt.h>
 #include <limits.h>
 #include <math.h>
 #include <netdb.h>
@@ -359,6 +359,7 @@ struct say {
     struct cli cli;
     struct synthesis *synthesis;
     struct output outputs[OUTPUTS];
+    const char *file;                                /* with the text; NULL = none */
     const char *sounds, *puppet, *model, *model_url; /* NULL = none */
     struct buf head;                                 /* of the bundle; empty = none */
     struct cli_lexicons lexicons;
@@ -399,8 +400,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct say *s = ctx;
-    char text[400];
-    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    cli_complain_at(s->file, warning, e);
     s->failed |= !warning;
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++)
         if (o->path)
@@ -502,18 +502,17 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"help", 0, NULL, 'h'},
         {0},
     };
-    const char *path = NULL;
     struct error e;
     char message[400];
     int most = cli_option_count(argc, argv, SPEAK_LETTERS "f:h", options);
-    for (int c, at; (at = -1, c = getopt_long(most, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
+    for (int c, at; (at = -1, c = options_next(most, argv, SPEAK_LETTERS "f:h", options, &at)) != -1;) {
         for (int i = 0; at < 0 && options[i].name; i++)
             at = options[i].val == c ? i : -1;
         if (c >= OUTPUT_OPTION) {
             s->outputs[c - OUTPUT_OPTION].path = optarg;
             continue;
         }
-        const char **out = c == 'f'   ? &path
+        const char **out = c == 'f'   ? &s->file
                            : c == 'A' ? &s->sounds
                            : c == 'P' ? &s->puppet
                            : c == 'M' ? &s->model
@@ -550,13 +549,13 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
                                                    : "--model and --model-url are for --bundle");
         return EXIT_USAGE;
     }
-    if (request->open && (path || optind + 1 != argc || strcmp(argv[optind], "-"))) {
+    if (request->open && (s->file || optind + 1 != argc || strcmp(argv[optind], "-"))) {
         cli_complain("--open is for standard input (-)");
         return EXIT_USAGE;
     }
     if (request->open)
         return -1;
-    int status = cli_text(argc, argv, path, text);
+    int status = cli_text(argc, argv, s->file, text);
     if (status >= 0)
         return status;
     request_set(request, "text",
@@ -568,11 +567,10 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
 static int speak(struct say *s, const struct speech_request *request) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
-    char message[400];
     s->cli.components.pipeline.sounds = s->sounds ? s->sounds : s->cli.components.pipeline.sounds;
     s->synthesis = synthesis_open(&s->cli.components.pipeline, request, &callbacks, s, &e);
     if (!s->synthesis) {
-        cli_complain("%s", error_text(&e, message, sizeof message));
+        cli_complain_at(s->file, false, &e);
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
     }
     int status = open_outputs(s);
@@ -594,7 +592,7 @@ static int speak(struct say *s, const struct speech_request *request) {
 /* Packs the head of --model, and chooses its voice. -1 after a message. */
 static int take_head(struct say *s, struct speech_request *request, const struct settings *settings) {
     char file[PATH_MAX];
-    json_t *head = s->model ? cli_head_find(settings, s->model, file) : NULL;
+    json_t *head = s->model ? cli_head_find(settings, "--model", s->model, file) : NULL;
     if (head)
         cli_head_suit(request, head);
     json_decref(head);

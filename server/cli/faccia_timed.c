@@ -2,10 +2,10 @@
 /* faccia timed: makes the face for recorded speech from a timed transcription, without a voice. */
 #include "protocol/fapfile.h"
 #include "server/base/buf.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
 #include "server/face/packs/transcription.h"
 #include <errno.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,7 +104,7 @@ int timed_main(int argc, char **argv, const struct settings *settings) {
                       (double)transcription_wav.header,
                       transcription_wav.rate,
                       (double)transcription_wav.frame};
-    for (int c; (c = getopt_long(argc, argv, "l:e:h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "l:e:h", options, NULL)) != -1;) {
         bool wrong = false;
         switch (c) {
         case 'l':

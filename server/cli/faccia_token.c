@@ -2,8 +2,8 @@
 /* faccia token: signs tokens, which grant a page or a person permissions. */
 #include "server/access/page_link.h"
 #include "server/access/token.h"
+#include "server/base/options.h"
 #include "server/cli/cli.h"
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -134,7 +134,7 @@ int token_main(int argc, char **argv, const struct settings *settings) {
     struct error e;
     const char *secret_file = NULL, *page = NULL, *revoke = NULL, *revoke_subject = NULL;
     long seconds = 15 * 60;
-    for (int c; (c = getopt_long(argc, argv, "s:h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "s:h", options, NULL)) != -1;) {
         switch (c) {
         case SECRET:
             secret_file = optarg;

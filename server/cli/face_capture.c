@@ -165,9 +165,9 @@ static int set_times(struct capture *c, double rate) {
     return 0;
 }
 
-/* Converts the turns of the head to those of arkit_turns. The app writes radians to the right, down, and to
- * the left shoulder; other programs write fractions of half a turn to the left, up, and to the left shoulder.
- * The eyes, whose gaze shapes tell as well, show which. */
+/* Converts the turns of the head to those of arkit_turns: they are to the left, up, and to the left shoulder,
+ * in radians by the app, in fractions of half a turn by other programs. The eyes, whose gaze shapes tell as
+ * well, show which. */
 static void set_turns(struct capture *c) {
     static const int down = 1, up = 4; /* eyeLookDownLeft, eyeLookUpLeft */
     double product = 0, squares = 0;
@@ -177,11 +177,11 @@ static void set_turns(struct capture *c) {
         squares += gaze * gaze;
     }
     double slope = squares > GAZE_LEAST ? product / squares : 1;
-    double unit = fabs(slope) < RADIANS_LEAST ? acos(-1) : 1, down_sign = slope < 0 ? -1 : 1;
+    double unit = fabs(slope) < RADIANS_LEAST ? acos(-1) : 1;
     for (size_t i = 0; i < c->count; i++) {
         struct arkit_turns *head = &c->rows[i].head;
-        *head = (struct arkit_turns){.head_yaw = -down_sign * unit * head->head_yaw,
-                                     .head_pitch = down_sign * unit * head->head_pitch,
+        *head = (struct arkit_turns){.head_yaw = unit * head->head_yaw,
+                                     .head_pitch = -unit * head->head_pitch,
                                      .head_roll = -unit * head->head_roll};
     }
 }

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cli/film_options.h"
 #include "protocol/say_options.h"
+#include "server/base/options.h"
 #include "server/film/film_media.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char usage[] =
-    "Usage: faccia film [OPTION]... -o FILE (TEXT | --file FILE | - | --from FILE.fap | --visemes LANG)\n"
+    "Usage: faccia film [OPTION]... -o FILE (TEXT | --file FILE | - | --from FILE.fap | --library DIR "
+    "--passage WORK | --visemes LANG | --expression NAME)\n"
     "Speaks TEXT, a file, or standard input (-), and films the head as the page draws it: frame by frame, "
     "as\n"
     "fast as this machine can. Needs ffmpeg and a browser without a window, such as "
@@ -16,9 +18,13 @@ static const char usage[] =
     "  -o, --output FILE    the film: .mp4, .webm; without sound .gif, .webp; numbered pictures and\n"
     "                       a sound file: name-%05d.png\n"
     "  -m, --model NAME     a head that 'faccia models' lists (the first)\n"
+    "      --partner NAME   a second head, to the right: of those who speak (in a play, with --dialogue "
+    "voices),\n"
+    "                       it shows the second; each listens to the other\n"
     "      --size WxH       pixels (640x480)\n"
-    "      --background COLOUR|IMAGE|transparent\n"
-    "                       a colour as in CSS, or an image file (#dfe3e8); transparent: not .mp4\n"
+    "      --background COLOUR|IMAGE|room|transparent\n"
+    "                       a colour as in CSS, an image file, or a room out of focus (room; .gif and\n"
+    "                       --visemes: #dfe3e8); transparent: not .mp4\n"
     "      --view portrait|face|bust|mouth\n"
     "                       what is seen of the head (portrait)\n"
     "      --quality low|fine|high\n"
@@ -28,6 +34,10 @@ static const char usage[] =
     "      --lossless       keeps every pixel and every sample of the sound (.mp4; few players read it)\n"
     "      --at SECONDS     one picture (.png) of that moment\n"
     "      --visemes LANG   a sheet of the visemes of a language (.png); --size is that of each\n"
+    "      --expression [KIND:]NAME[=INTENSITY]\n"
+    "                       one picture (.png) of an expression that 'faccia expressions' lists\n"
+    "      --library DIR    a folder of works, of which it films --passage WORK, WORK:SECTION or\n"
+    "      --passage PLACE  WORK:SECTION:BLOCK, in the voices of the cast unless --voice names one\n"
     "      --from FILE.fap  films a recorded face\n"
     "      --audio FILE     its sound (default: a file of the same name beside it, or silence); for a text, "
     "the\n"
@@ -129,6 +139,9 @@ static int take_output(struct film_options *f, const char *path) {
 enum {
     OUTPUT = 256,
     MODEL,
+    PARTNER,
+    LIBRARY,
+    PASSAGE,
     SIZE,
     BACKGROUND,
     VIEW,
@@ -137,6 +150,7 @@ enum {
     LOSSLESS,
     AT,
     VISEMES,
+    EXPRESSION,
     FROM,
     AUDIO,
     WORDS,
@@ -150,6 +164,15 @@ static int take_own(struct film_options *f, int option, char *text) {
         return take_output(f, text);
     case MODEL:
         f->model = text;
+        return -1;
+    case PARTNER:
+        f->partner = text;
+        return -1;
+    case LIBRARY:
+        f->library = text;
+        return -1;
+    case PASSAGE:
+        f->passage = text;
         return -1;
     case SIZE:
         return take_size(f, text);
@@ -170,6 +193,9 @@ static int take_own(struct film_options *f, int option, char *text) {
         return take_at(f, text);
     case VISEMES:
         f->visemes = text;
+        return -1;
+    case EXPRESSION:
+        f->expression = text;
         return -1;
     case FROM:
         f->from = text;
@@ -200,9 +226,21 @@ static int check(const struct film_options *f, const struct speech_request *requ
         return refuse("--open: a film is made of a whole text");
     if (f->at >= 0 && f->format != FILM_STILL)
         return refuse("--at: one picture is a .png");
-    if (f->visemes && (f->from || f->at >= 0 || f->captions || f->format != FILM_STILL))
+#ifndef HAVE_LIBRARY
+    if (f->library)
+        return refuse("--library: this faccia was built without the library");
+#endif
+    if (!f->library != !f->passage)
+        return refuse("--library: name the passage (--passage WORK), and its folder");
+    if (f->library && f->from)
+        return refuse("--passage: --from films a recorded face");
+    if (f->visemes &&
+        (f->from || f->library || f->partner || f->at >= 0 || f->captions || f->format != FILM_STILL))
         return refuse("--visemes: a sheet is one .png, of nothing else");
-    if (f->at < 0 && f->format == FILM_STILL && !f->visemes)
+    if (f->expression && (f->visemes || f->from || f->library || f->partner || f->at >= 0 || f->captions ||
+                          f->format != FILM_STILL))
+        return refuse("--expression: it is one .png, of nothing else");
+    if (f->at < 0 && f->format == FILM_STILL && !f->visemes && !f->expression)
         return refuse("--output: give --at SECONDS for one picture, or a number for each (name-%05d.png)");
     if (f->transparent && f->format == FILM_MP4)
         return refuse("--background: .mp4 cannot be transparent; .webm, .gif, .webp and .png can");
@@ -211,6 +249,8 @@ static int check(const struct film_options *f, const struct speech_request *requ
             "--captions: only .mp4 and .webm have a track of captions; burn puts them in the picture");
     if (f->captions && f->from && !f->words)
         return refuse("--captions: a recorded face has no words; give them with --words FILE.vtt");
+    if (f->partner && f->from && !f->words)
+        return refuse("--partner: a recorded face does not say who speaks; --words FILE.vtt does");
     if (f->words && !f->from)
         return refuse("--words: a text has its own words");
     if (f->lossless && f->format != FILM_MP4)
@@ -228,6 +268,9 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
         SPEAK_OPTIONS{"file", 1, NULL, 'f'},
         {"output", 1, NULL, OUTPUT},
         {"model", 1, NULL, MODEL},
+        {"partner", 1, NULL, PARTNER},
+        {"library", 1, NULL, LIBRARY},
+        {"passage", 1, NULL, PASSAGE},
         {"size", 1, NULL, SIZE},
         {"background", 1, NULL, BACKGROUND},
         {"view", 1, NULL, VIEW},
@@ -236,6 +279,7 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
         {"lossless", 0, NULL, LOSSLESS},
         {"at", 1, NULL, AT},
         {"visemes", 1, NULL, VISEMES},
+        {"expression", 1, NULL, EXPRESSION},
         {"from", 1, NULL, FROM},
         {"audio", 1, NULL, AUDIO},
         {"words", 1, NULL, WORDS},
@@ -248,7 +292,7 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
     struct error e;
     char message[400];
     int most = cli_option_count(argc, argv, letters, options), status = -1;
-    for (int c, at; status < 0 && (at = -1, c = getopt_long(most, argv, letters, options, &at)) != -1;) {
+    for (int c, at; status < 0 && (at = -1, c = options_next(most, argv, letters, options, &at)) != -1;) {
         for (int i = 0; at < 0 && options[i].name; i++)
             at = options[i].val == c ? i : -1;
         if (c == 'h' || c == '?') {
@@ -272,10 +316,13 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
     status = status < 0 ? check(f, request) : status;
     if (status >= 0)
         return status;
-    if ((f->from || f->visemes) && (path || optind < argc))
-        return refuse(f->from ? "--from films a recorded face: there can be no text"
-                              : "--visemes: there can be no text");
-    if (f->from || f->visemes)
+    bool textless = f->from || f->visemes || f->expression || f->library;
+    if (textless && (path || optind < argc))
+        return refuse(f->from      ? "--from films a recorded face: there can be no text"
+                      : f->library ? "--passage films a part of the library: there can be no text"
+                      : f->visemes ? "--visemes: there can be no text"
+                                   : "--expression: there can be no text");
+    if (textless)
         return -1;
     status = cli_text(argc, argv, path, text);
     if (status < 0)

@@ -8,7 +8,8 @@
 
 struct film_options {
     /* NULL = not given */
-    const char *output, *model, *background, *view, *level, *from, *audio, *words, *visemes;
+    const char *output, *model, *partner, *background, *view, *level, *from, *library, *passage, *audio,
+        *words, *visemes, *expression;
     unsigned width, height; /* pixels; 0 = not given */
     double at;              /* negative: the whole */
     bool lossless, transparent;

@@ -167,6 +167,7 @@ void channel_say_kept(struct channel *c) {
 
 void channel_take(struct channel *c, bool remote) {
     c->remote = remote;
+    stream_undrive(c->stream); /* its driver sends to the leader alone */
     stream_idle(c->stream, c->idles && !remote ? &c->idling : NULL);
     for (struct variant *v = c->variants; v; v = v->next)
         encoder_restart(v->encoder);

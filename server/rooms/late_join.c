@@ -100,6 +100,10 @@ void notice_board_head(struct notice_board *board, struct queued_message *messag
     replace(&board->head, message);
 }
 
+void notice_board_driven(struct notice_board *board, struct queued_message *message) {
+    replace(&board->driven, message);
+}
+
 void notice_board_backdrop(struct notice_board *board, struct queued_message *message) {
     replace(&board->backdrop, message);
 }
@@ -122,6 +126,8 @@ void notice_board_tell(const struct notice_board *board,
         tell(ctx, board->lexicon);
     if (board->backdrop)
         tell(ctx, board->backdrop);
+    if (board->driven)
+        tell(ctx, board->driven);
     if (board->consent)
         tell(ctx, board->consent);
     if (board->state)
@@ -137,6 +143,7 @@ void notice_board_free(struct notice_board *board) {
     notice_board_mood(board, NULL);
     notice_board_lexicon(board, NULL);
     notice_board_head(board, NULL);
+    notice_board_driven(board, NULL);
     notice_board_backdrop(board, NULL);
     notice_board_consent(board, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "server/base/json/error_json.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/rooms/driving.h"
 #include "server/rooms/rooms_internal.h"
 #include <ctype.h>
 #include <stdlib.h>
@@ -235,6 +236,7 @@ void rooms_change(struct rooms *rooms, const struct room_limits *limits) {
 
 void rooms_tick(struct rooms *rooms) {
     pending_expire(rooms);
+    drivings_tick(rooms);
 }
 
 void rooms_close(struct rooms *rooms) {

@@ -74,7 +74,7 @@ void late_join_free(struct late_join *late_join);
 struct notice_board {
     json_t *offered;                        /* the current choices, as sent; NULL: none */
     struct queued_message *choices, *state; /* last message sent; NULL: none */
-    struct queued_message *calibration, *mood, *lexicon, *backdrop, *head;
+    struct queued_message *calibration, *mood, *lexicon, *backdrop, *head, *driven;
     json_t *asked; /* the current consent question or answer, as sent; NULL: none */
     struct queued_message *consent;
 };
@@ -87,6 +87,7 @@ void notice_board_mood(struct notice_board *board, struct queued_message *messag
 void notice_board_backdrop(struct notice_board *board, struct queued_message *message);
 void notice_board_lexicon(struct notice_board *board, struct queued_message *message);
 void notice_board_head(struct notice_board *board, struct queued_message *message);
+void notice_board_driven(struct notice_board *board, struct queued_message *message);
 void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked);
 
 void notice_board_tell(const struct notice_board *board,

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static bool is_mouth(int n) {
+bool face_ease_is_mouth(int n) {
     return (n >= 3 && n <= 18) || (n >= 43 && n <= 47) || (n >= 51 && n <= 60);
 }
 
@@ -17,7 +17,7 @@ static double smooth(double x) {
  * each other). */
 static void mix(struct fap_frame *frame, const struct fap_frame *from, double mouth, double upper) {
     for (int n = 3; n <= FAP_COUNT; n++) {
-        double w = is_mouth(n) ? mouth : upper;
+        double w = face_ease_is_mouth(n) ? mouth : upper;
         if (w < 1 && frame->value[n] != from->value[n])
             frame->value[n] = (int32_t)lround(from->value[n] + w * (frame->value[n] - from->value[n]));
     }
@@ -113,8 +113,6 @@ struct mood *mood_mix_copy(const struct mood_mix *mix) {
     return copy;
 }
 
-enum { SAMPLES = IDLE_SAMPLE_RATE * IDLE_CHUNK_MS / 1000 };
-
 struct idle_face {
     struct idle_options options;
     struct face_placement *face;
@@ -146,23 +144,24 @@ double idle_face_time(const struct idle_face *idle, uint64_t at) {
     return (double)(at - idle->begin) / 1000;
 }
 
-void idle_face_media(struct idle_face *idle, uint64_t at, double life, struct media *media) {
+void idle_face_media(struct idle_face *idle, uint64_t at, unsigned ms, double life, struct media *media) {
+    const uint32_t samples = IDLE_SAMPLE_RATE * ms / 1000;
     uint64_t start = (at - idle->begin) * IDLE_SAMPLE_RATE / 1000;
-    if (!idle->begun || start > UINT32_MAX - SAMPLES) {
+    if (!idle->begun || start > UINT32_MAX - samples) {
         idle->begin = at;
         idle->begun = true;
         start = 0;
     }
     double fps = idle->options.fps;
     uint32_t first = frame_from_sample(start, IDLE_SAMPLE_RATE, fps);
-    uint32_t end = frame_from_sample(start + SAMPLES, IDLE_SAMPLE_RATE, fps);
+    uint32_t end = frame_from_sample(start + samples, IDLE_SAMPLE_RATE, fps);
     for (uint32_t k = first; k < end; k++)
         face_placement_sample(idle->face, life + k / fps - (double)start / IDLE_SAMPLE_RATE,
                               &media->frames[k - first]);
     *media = (struct media){.sample_rate = IDLE_SAMPLE_RATE,
                             .fps = fps,
                             .start = (uint32_t)start,
-                            .samples = SAMPLES,
+                            .samples = samples,
                             .first_frame = first,
                             .frame_count = end - first,
                             .frames = media->frames};

@@ -3,10 +3,18 @@
 #include "server/stream/media.h"
 #include "server/stream/stream_internal.h"
 #include "server/synthesis/media_segment.h"
+#include <math.h>
 #include <string.h>
 
-/* Delay before retrying when the sink is not ready, ms. */
-enum { RETRY_MS = 20 };
+enum {
+    RETRY_MS = 20, /* delay before retrying when the sink is not ready */
+    /* While the face is driven: chunks are short and leave when they are over, so that they show the present;
+     * those of speech keep the lead that its sound needs. */
+    DRIVE_CHUNK_MS = 40,
+    DRIVE_SPEECH_MS = 100,
+    DRIVE_LEAD_MS = 100,
+    DRIVE_VOICE_MS = 40, /* of a live voice, beside its lookahead, before it leaves */
+};
 
 static uint64_t later(uint64_t a, uint64_t b) {
     return a > b ? a : b;
@@ -58,7 +66,7 @@ static void say_begin(struct utterance *t) {
     stream_go_on_from(s, start);
     t->life_begin = s->life;
     t->begun = true;
-    if (utterance_is_foreign(t))
+    if (utterance_is_foreign(t) || s->drive)
         stream_cut_face(s);
     if (!source.live && !(t->source->text && t->source->request->open)) /* its writer may be slow */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
@@ -78,6 +86,28 @@ static void say_begin(struct utterance *t) {
                                          .lookahead = source.lookahead});
 }
 
+/* Lays the driver's face over frames that are to be shown from loop time `at` on, or over those of the mouth
+ * too; `late`: s by which the driver's face is shown after its time. */
+static void drive(struct stream *s, uint64_t at, double late, bool mouth, struct media *media) {
+    for (uint32_t k = 0; s->drive && k < media->frame_count; k++) {
+        double in = (media->first_frame + k) / media->fps - (double)media->start / media->sample_rate;
+        drive_track_show(s->drive, (double)at / 1000 + in - late, mouth, &media->frames[k]);
+    }
+}
+
+/* The driver's own voice has the driver's mouth, as late as its sound; any other speech has its own. */
+static void drive_speech(struct utterance *t, uint64_t at, struct media *media) {
+    struct stream *s = t->stream;
+    struct source_description source = {0};
+    if (!s->drive || utterance_is_apart(t))
+        return;
+    t->source->ops->describe(t->source, &source);
+    double lag = drive_track_lag(s->drive);
+    double late = source.live ? fmax(0, (source.lookahead + DRIVE_VOICE_MS) / 1000. - lag)
+                              : (DRIVE_LEAD_MS + DRIVE_SPEECH_MS) / 1000.;
+    drive(s, at, late, t->number == s->driver_voice, media);
+}
+
 static void send_speech(struct utterance *t) {
     struct stream *s = t->stream;
     struct fap_frame frames[CUT_FRAMES];
@@ -87,7 +117,9 @@ static void send_speech(struct utterance *t) {
         say_begin(t);
     if (!t->face)
         place(t);
-    utterance_cut(t, &s->sink, s->ctx, &media);
+    unsigned ms = !t->sent ? STREAM_FIRST_MS : s->drive ? DRIVE_SPEECH_MS : STREAM_CHUNK_MS;
+    utterance_cut(t, ms, &s->sink, s->ctx, &media);
+    drive_speech(t, later(s->played_until, now), &media);
     face_ease_frames(&s->ease, utterance_is_apart(t) ? EASE_NOTHING : EASE_FACE, now, media.fps, frames,
                      media.frame_count);
     t->last = s->ease.last;
@@ -104,10 +136,16 @@ static void send_speech(struct utterance *t) {
 static void send_idle(struct stream *s, const struct fap_frame *towards, size_t piece, size_t whole) {
     struct fap_frame frames[IDLE_FRAMES];
     struct media media = {.frames = frames};
-    uint64_t now = uv_now(s->pipeline->loop);
-    stream_go_on_from(s, later(s->played_until, now));
-    idle_face_media(s->idle, s->played_until, s->life, &media);
-    stream_go_on_from(s, s->played_until + IDLE_CHUNK_MS);
+    uint64_t now = uv_now(s->pipeline->loop), from = later(s->played_until, now);
+    unsigned ms = s->drive ? DRIVE_CHUNK_MS : IDLE_CHUNK_MS;
+    if (s->drive && s->played_until + ms < now) /* the chunk that is over just now */
+        from = later(s->played_until, now - IDLE_CHUNK_MS);
+    else if (s->drive && s->played_until)
+        from = s->played_until;
+    stream_go_on_from(s, from);
+    idle_face_media(s->idle, s->played_until, ms, s->life, &media);
+    drive(s, from, 0, true, &media);
+    stream_go_on_from(s, s->played_until + ms);
     face_ease_frames(&s->ease, EASE_ALL, now, media.fps, frames, media.frame_count);
     if (towards)
         face_ease_towards(towards, frames, (double)piece / (double)whole, (double)(piece + 1) / (double)whole,
@@ -154,7 +192,7 @@ void stream_end_utterance(struct stream *s, const char *reason) {
         metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
-    if (t->begun && (!done || utterance_is_foreign(t)))
+    if (t->begun && (!done || utterance_is_foreign(t) || s->drive))
         stream_cut_face(s);
     utterance_give(t, &s->sink, s->ctx,
                    (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
@@ -187,9 +225,10 @@ static void pump(struct stream *s) {
             return;
         }
         uint64_t now = uv_now(s->pipeline->loop);
-        int64_t lead = speaks  ? STREAM_LEAD_MS
-                       : waits ? utterance_patience(t)
-                               : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
+        int64_t lead = speaks     ? s->drive ? DRIVE_LEAD_MS : STREAM_LEAD_MS
+                       : waits    ? utterance_patience(t)
+                       : s->drive ? -DRIVE_CHUNK_MS
+                                  : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
         int64_t early =
             (int64_t)(speaks && !t->begun ? s->spoken_until : s->played_until) - (int64_t)now - lead;
         if (early >= 0) {

@@ -388,6 +388,43 @@ struct stream *stream_new(const struct pipeline *pipeline, const struct stream_s
     return s;
 }
 
+static double seconds_of(const struct stream *s) {
+    return (double)now_of(s) / 1000;
+}
+
+int stream_drive(struct stream *s, uint64_t driver, uint32_t voice, const struct driven_frame *frames,
+                 size_t count, struct error *e) {
+    if (s->drive && s->driver != driver)
+        return error_plain(e, ERROR_DRIVEN);
+    if (!s->drive) {
+        s->drive = drive_track_new();
+        s->driver = driver;
+        stream_wake(s, 0);
+    }
+    s->driver_voice = voice;
+    for (size_t i = 0; i < count; i++)
+        drive_track_add(s->drive, &frames[i], seconds_of(s));
+    return 0;
+}
+
+void stream_undrive(struct stream *s) {
+    if (!s->drive)
+        return;
+    drive_track_free(s->drive);
+    s->drive = NULL;
+    s->driver = 0;
+    stream_cut_face(s);
+    stream_wake(s, 0);
+}
+
+uint64_t stream_driver(const struct stream *s) {
+    return s->driver;
+}
+
+bool stream_drives_on(const struct stream *s) {
+    return s->drive && seconds_of(s) - drive_track_heard(s->drive) < DRIVE_SILENCE_MAX;
+}
+
 static void free_timer(uv_handle_t *timer) {
     free(timer);
 }
@@ -405,6 +442,7 @@ void stream_free(struct stream *s) {
     stream_stop(s);
     mood_mix_close(&s->mix);
     lexicons_free(&s->lexicons);
+    drive_track_free(s->drive);
     uv_close((uv_handle_t *)s->timer, free_timer);
     free(s);
 }

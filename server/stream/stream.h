@@ -5,6 +5,7 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "server/expression/expressions.h"
+#include "server/stream/drive_track.h"
 #include "server/stream/media.h"
 #include "server/synthesis/pipeline.h"
 #include "server/synthesis/speech_request.h"
@@ -133,6 +134,19 @@ void stream_idle(struct stream *stream, const struct idle_options *options);
 
 /* Sets the stream's mood from the next media on. Returns -1 with *e like mood_set. */
 int stream_express(struct stream *stream, const struct mood_request *mix, struct error *e);
+
+/* Shows the face of a driver instead of the idle one, and beside the mouth of speech; the mouth too in
+ * `voice`, the driver's own live voice (0 = none). Frames are in the order of their times. Recordings, and
+ * utterances with their own seed, show as they are. Returns -1 with *e "driven" while another drives. */
+int stream_drive(struct stream *stream, uint64_t driver, uint32_t voice, const struct driven_frame *frames,
+                 size_t count, struct error *e);
+
+/* Ends the driving, if there is any: the face eases back. */
+void stream_undrive(struct stream *stream);
+
+/* Who drives; 0 = nobody. stream_drives_on: the driver has sent a frame within DRIVE_SILENCE_MAX. */
+uint64_t stream_driver(const struct stream *stream);
+bool stream_drives_on(const struct stream *stream);
 
 /* Get and raise the number of the last utterance. */
 uint32_t stream_number(const struct stream *stream);

@@ -8,6 +8,7 @@
 #include "server/base/utf8.h"
 #include "server/expression/expressions.h"
 #include "server/normalize/lexicon.h"
+#include "server/stream/drive_track.h"
 #include "server/stream/media.h"
 #include "server/stream/stream.h"
 #include "server/synthesis/media_segment.h"
@@ -42,6 +43,9 @@ struct face_ease {
     uint64_t until;   /* loop time until which the cut counts, ms; 0 = no cut */
     bool from_is_set; /* else ease from the last frame */
 };
+
+/* Tells whether a FAP moves jaw, lips or tongue. */
+bool face_ease_is_mouth(int n);
 
 /* Eases the following frames from `from`; NULL = from the last frame. */
 void face_ease_cut(struct face_ease *ease, const struct fap_frame *from, uint64_t now);
@@ -103,9 +107,9 @@ bool idle_face_is(const struct idle_face *idle, const struct idle_options *optio
 /* Converts loop time to seconds of the idle clock. */
 double idle_face_time(const struct idle_face *idle, uint64_t at);
 
-/* Makes IDLE_CHUNK_MS of media to show from loop time `at` on, when the life clock is at `life` seconds.
+/* Makes ms of media to show from loop time `at` on, when the life clock is at `life` seconds.
  * media->frames has room for IDLE_FRAMES. The clock restarts at 0 before it overflows. */
-void idle_face_media(struct idle_face *idle, uint64_t at, double life, struct media *media);
+void idle_face_media(struct idle_face *idle, uint64_t at, unsigned ms, double life, struct media *media);
 
 /* Position within a segment. Zero-initialised. */
 struct segment_cut {
@@ -167,9 +171,9 @@ bool utterance_is_apart(const struct utterance *utterance);
  * life. */
 bool utterance_is_foreign(const struct utterance *utterance);
 
-/* Cuts the next media of the first segment, after reporting what begins in it; media->frames has room for
- * CUT_FRAMES. */
-void utterance_cut(struct utterance *utterance, const struct stream_sink *sink, void *ctx,
+/* Cuts the next media of the first segment, at most ms, after reporting what begins in it; media->frames has
+ * room for CUT_FRAMES. */
+void utterance_cut(struct utterance *utterance, unsigned ms, const struct stream_sink *sink, void *ctx,
                    struct media *media);
 
 /* Returns the sample being heard while `unheard` ms of sent media are still to be heard. */
@@ -207,7 +211,10 @@ struct stream {
     struct idle_options idling;
     struct mood_mix mix;
     struct face_ease ease;
-    struct lexicons lexicons; /* none, or one */
+    struct drive_track *drive; /* NULL = nobody drives the face */
+    uint64_t driver;           /* who does */
+    uint32_t driver_voice;     /* the live voice of the driver; 0 = none */
+    struct lexicons lexicons;  /* none, or one */
     bool paused;
     uint64_t unheard; /* ms of media sent before the pause and heard after it */
 };

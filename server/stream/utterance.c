@@ -168,9 +168,9 @@ static void say_events(struct utterance *t, const struct stream_sink *sink, void
     }
 }
 
-void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ctx, struct media *media) {
+void utterance_cut(struct utterance *t, unsigned ms, const struct stream_sink *sink, void *ctx,
+                   struct media *media) {
     const struct media_segment *segment = &t->segments[0];
-    uint32_t ms = t->sent ? STREAM_CHUNK_MS : STREAM_FIRST_MS;
     uint32_t most = (uint32_t)((uint64_t)segment->audio->sample_rate * ms / 1000);
     if (!t->sentence_said)
         segment_cut_enter(&t->cut, segment);

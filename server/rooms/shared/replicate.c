@@ -60,9 +60,9 @@ static int kind_of(const char *event) {
 
 /* The name of a notice as a static string. */
 static const char *notice_name(const char *event) {
-    static const char *const names[] = {"choices", "chosen",  "state", "calibrated", "expressed",
-                                        "consent", "lexicon", "asked", "backdrop",   "head",
-                                        HEARD,     OVERHEARD, ANSWERED};
+    static const char *const names[] = {"choices", "chosen",  "state",   "calibrated", "expressed",
+                                        "consent", "lexicon", "asked",   "backdrop",   "head",
+                                        "driven",  HEARD,     OVERHEARD, ANSWERED};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(names[i], event))
             return names[i];
@@ -112,6 +112,8 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
     } else if (!strcmp(event, "head")) {
         const char *head = json_string_value(json_object_get(told, "head"));
         notice_board_head(board, head && *head ? message : NULL);
+    } else if (!strcmp(event, "driven")) {
+        notice_board_driven(board, json_is_true(json_object_get(told, "on")) ? message : NULL);
     } else if (!strcmp(event, "consent")) {
         const char *word = json_string_value(json_object_get(told, "consent"));
         bool any = word && strcmp(word, "none") != 0;
