@@ -193,9 +193,10 @@ static void add_bytes(struct film_browser *b, const char *path, const void *byte
 
 static void add_job(struct film_browser *b, const struct film_scene *s) {
     json_t *job =
-        json_pack("{si si ss ss? ss? sb sf sf sf si si}", "width", (int)s->width, "height", (int)s->height,
-                  "level", s->level, "view", s->view, "colour", s->colour, "image", s->image != NULL, "rate",
-                  s->rate, "fps", s->fps, "start", s->start, "count", (int)s->count, "ahead", AHEAD);
+        json_pack("{si si ss ss? ss? sb sf sf sf si si sb sb sf}", "width", (int)s->width, "height",
+                  (int)s->height, "level", s->level, "view", s->view, "colour", s->colour, "image",
+                  s->image != NULL, "rate", s->rate, "fps", s->fps, "start", s->start, "count", (int)s->count,
+                  "ahead", AHEAD, "pair", s->partner != NULL, "still", s->still, "life", s->life);
     char *text = json_dumps(job, JSON_COMPACT);
     add_bytes(b, "/job.json", text, strlen(text), "application/json");
     free(text);
@@ -205,7 +206,7 @@ static void add_job(struct film_browser *b, const struct film_scene *s) {
 /* -1 with *e if a file cannot be read. */
 static int add_files(struct film_browser *b, const struct film_scene *s, struct error *e) {
     static const char page[] = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Film</title>"
-                               "<canvas></canvas><script type=\"module\" src=\"film.js\"></script></html>";
+                               "<script type=\"module\" src=\"film.js\"></script></html>";
     static const char binary[] = "application/octet-stream";
     char script[4096];
     struct buf image = {0};
@@ -215,6 +216,10 @@ static int add_files(struct film_browser *b, const struct film_scene *s, struct 
                          "%s cannot be read; it is built only where Node.js is installed", script);
     if (!static_files_add(&b->files, "/model.json", "application/json", s->head))
         return error_set(e, ERROR_FILM_FAILED, "%s cannot be read", s->head);
+    if (s->partner && !static_files_add(&b->files, "/partner.json", "application/json", s->partner))
+        return error_set(e, ERROR_FILM_FAILED, "%s cannot be read", s->partner);
+    if (s->partner)
+        add_bytes(b, "/words.vtt", s->words->data, s->words->size, "text/vtt; charset=utf-8");
     int why = s->image ? buf_add_file(&image, s->image, IMAGE_BYTES) : 0;
     if (why)
         return error_set(e, ERROR_FILM_FAILED, "%s: %s", s->image, strerror(why));
@@ -252,7 +257,8 @@ static int open_server(struct film_browser *b, uv_loop_t *loop, struct error *e)
     return b->http ? 0 : -1;
 }
 
-/* A page that leads to ours: command lines can be read by everybody on the machine, and the folder cannot. */
+/* Writes a page that redirects to ours. Its address holds a secret, and everybody on the machine can read
+ * command lines, but not this folder. */
 static int write_start(struct film_browser *b, const char *path) {
     struct buf page = {0};
     buf_printf(&page, "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=");
@@ -272,29 +278,17 @@ static int start_browser(struct film_browser *b, uv_loop_t *loop, const struct f
     snprintf(address, sizeof address, "file://%s/start.html", s->folder);
     if (write_start(b, address + strlen("file://")))
         return error_set(e, ERROR_FILM_FAILED, "%s: %s", s->folder, strerror(errno));
+    /* The feature: else the memory for each picture's triangles is given back, and cleared for the next. */
     const char *args[] = {film_browser_found(),
-                          "--headless",
-                          "--remote-debugging-pipe", /* ends with the pipe */
+                          FILM_BROWSER_ALONE,
                           profile,
                           "--use-gl=angle",
                           "--use-angle=gl-egl", /* Mesa, whose llvmpipe draws faster than SwiftShader */
-                          "--enable-unsafe-swiftshader", /* without Mesa */
-                          "--ignore-gpu-blocklist",
+                          "--enable-features=PartitionAllocLargeEmptySlotSpanRing",
                           "--enable-gpu",
                           "--force-device-scale-factor=1",
                           "--force-color-profile=srgb",
                           "--no-proxy-server",
-                          "--no-first-run",
-                          "--disable-background-networking",
-                          "--disable-background-timer-throttling",
-                          "--disable-renderer-backgrounding",
-                          "--disable-component-update",
-                          "--disable-default-apps",
-                          "--disable-dev-shm-usage",
-                          "--disable-extensions",
-                          "--disable-quic",
-                          "--disable-sync",
-                          "--mute-audio",
                           geteuid() ? address : "--no-sandbox", /* root has no other choice */
                           geteuid() ? NULL : address,
                           NULL};

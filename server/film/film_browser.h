@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The browser that draws a film: runs the page web/film without a window, on a server of its own, and
- * receives the pictures. */
+/* Draws a film in a browser without a window, which loads the page web/film from a server of its own and
+ * sends the pictures back. */
 #ifndef FACCIA_FILM_FILM_BROWSER_H
 #define FACCIA_FILM_FILM_BROWSER_H
 
@@ -10,10 +10,11 @@
 #include <stdint.h>
 #include <uv.h>
 
-/* What is drawn: see Job in web/film/film.mjs. */
+/* What to draw: see Job in web/film/film.mjs. */
 struct film_scene {
     const char *web;         /* folder of the built client */
     const char *head;        /* file of the head model */
+    const char *partner;     /* file of a second one, beside it; NULL: none */
     const char *folder;      /* for the browser's own files; removed by the owner */
     unsigned width, height;  /* pixels */
     const char *level;       /* of quality */
@@ -21,6 +22,9 @@ struct film_scene {
     const char *colour;      /* of the background, as in CSS; NULL: none */
     const char *image;       /* file of the background; NULL: none */
     const struct buf *faces; /* 32-bit values by FAP number, for each face */
+    const struct buf *words; /* WebVTT, which tells when each of two heads speaks; of a partner only */
+    bool still;              /* no breath, no sway of hair; two heads do not turn to each other */
+    double life;             /* how deeply they breathe, 0 to 1 */
     double rate;             /* faces per second */
     double fps, start;       /* pictures per second; time of the first, seconds */
     unsigned count;          /* pictures */
@@ -33,7 +37,15 @@ struct film_browser_calls {
     void (*failed)(void *ctx, const struct error *e); /* nothing follows */
 };
 
-/* Name of the first browser in PATH that can be used; NULL: there is none. */
+/* Arguments of a browser that shows one page, unseen, and does nothing else. */
+#define FILM_BROWSER_ALONE                                                                                   \
+    "--headless", "--remote-debugging-pipe" /* ends with the pipe */, "--enable-unsafe-swiftshader",         \
+        "--ignore-gpu-blocklist", "--no-first-run", "--disable-background-networking",                       \
+        "--disable-background-timer-throttling", "--disable-renderer-backgrounding",                         \
+        "--disable-component-update", "--disable-default-apps", "--disable-dev-shm-usage",                   \
+        "--disable-extensions", "--disable-quic", "--disable-sync", "--mute-audio"
+
+/* Returns the name of the first suitable browser in PATH, or NULL. */
 const char *film_browser_found(void);
 
 /* Fills an array with hexadecimal digits that nobody can guess, and a NUL. -1 with *e: "film-failed". */

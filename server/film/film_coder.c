@@ -85,7 +85,7 @@ static bool is_yuv(const struct film_coding *c) {
 /* From pixels with alpha multiplied in, lowest line first, to what is coded. */
 static void add_filters(struct words *w, const struct film_coding *c) {
     struct buf f = {0};
-    buf_printf(&f, "vflip,%s", c->transparent ? "format=gbrap,unpremultiply=inplace=1" : "format=rgb24");
+    buf_printf(&f, "vflip%s", c->transparent ? ",format=gbrap,unpremultiply=inplace=1" : "");
     if (c->captions == FILM_CAPTIONS_BURN)
         buf_printf(&f,
                    ",%ssubtitles=f=captions.vtt%s:force_style='FontName=sans-serif,FontSize=19,MarginV=12'",
@@ -143,7 +143,9 @@ static void add_coders(struct words *w, const struct film_coding *c) {
 static void command(struct words *w, const struct film_coding *c) {
     bool track = c->captions == FILM_CAPTIONS_TRACK;
     say(w, program);
-    say(w, "-nostdin -hide_banner -loglevel error -y -f rawvideo -pixel_format rgba -video_size");
+    say(w, "-nostdin -hide_banner -loglevel error -y -f rawvideo -pixel_format");
+    say(w, c->transparent ? "rgba" : "rgb0"); /* spares a step that would take the alpha away */
+    say(w, "-video_size");
     word(w, "%ux%u", c->width, c->height);
     word(w, "-framerate");
     word(w, "%.12g", c->fps);

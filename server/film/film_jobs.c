@@ -2,6 +2,7 @@
 #include "server/film/film_jobs.h"
 #include "server/base/mem.h"
 #include "server/film/film_browser.h"
+#include "server/film/film_folder.h"
 #include "server/film/film_media.h"
 #include "server/film/film_process.h"
 #include "server/synthesis/pipeline.h"
@@ -15,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FOLDER_BYTES = 64, ARGUMENTS = 28 };
+enum { ARGUMENTS = 40 };
 
 /* Files of a job, in the jobs' folder: ID.fap and so on. */
 static const char *const kinds[] = {"fap", "wav", "vtt"};
@@ -25,6 +26,7 @@ struct film_job {
     struct film_jobs *jobs;
     struct film_job *next;
     char id[FILM_ID_BYTES], suffix[8];
+    uint32_t client; /* its key in the quota */
     enum film_stage stage;
     bool removed;               /* freed when its thread or its process has ended */
     char *arguments[ARGUMENTS]; /* of `faccia film`, NULL-terminated */
@@ -45,11 +47,13 @@ struct film_job {
 struct film_jobs {
     const struct pipeline *pipeline;
     struct film_jobs_options options; /* owns its paths */
-    char folder[FOLDER_BYTES];        /* "": not made yet */
+    struct film_folder folder;        /* made for the first job */
     struct film_job *first;           /* oldest first */
     struct film_job *current;         /* NULL: none runs */
     bool closed;
 };
+
+static const char prefix[] = "/tmp/faccia-films"; /* of the folder */
 
 static void go_on(struct film_jobs *jobs);
 
@@ -65,13 +69,15 @@ struct film_jobs *film_jobs_new(const struct pipeline *pipeline, const struct fi
     jobs->options.program = whole_path(options->program);
     jobs->options.models = whole_path(options->models);
     jobs->options.web = whole_path(options->web);
+    if (options->most)
+        film_folder_sweep(prefix);
     return jobs;
 }
 
 /* Files */
 
 static void file_of(const struct film_job *job, const char *suffix, char out[PATH_MAX]) {
-    snprintf(out, PATH_MAX, "%s/%s.%s", job->jobs->folder, job->id, suffix);
+    snprintf(out, PATH_MAX, "%s/%s.%s", job->jobs->folder.path, job->id, suffix);
 }
 
 static void remove_inputs(const struct film_job *job) {
@@ -168,10 +174,12 @@ static void on_drawn(void *ctx, bool well) {
 
 static void draw(struct film_job *job) {
     enum { NO_INPUT = 0 };
+    static const char *const environment[] = {FILM_JOB_VARIABLE "=1", NULL};
     const struct film_process_options options = {.args = job->arguments,
                                                  .input = NO_INPUT,
                                                  .given = -1,
-                                                 .folder = job->jobs->folder,
+                                                 .folder = job->jobs->folder.path,
+                                                 .environment = environment,
                                                  .ended = on_drawn,
                                                  .ctx = job};
     job->stage = FILM_DRAWING;
@@ -193,7 +201,7 @@ static void after_writing(uv_work_t *work, int status) {
     struct film_job *job = work->data;
     job->writing = false;
     if (job->number || status)
-        error_set(&job->error, ERROR_FILM_FAILED, "%s: %s", job->jobs->folder,
+        error_set(&job->error, ERROR_FILM_FAILED, "%s: %s", job->jobs->folder.path,
                   job->number ? strerror(job->number) : uv_strerror(status));
     free_media(job);
     if (job->removed || job->number || status)
@@ -258,8 +266,13 @@ static void on_spoken(void *ctx, size_t spoken) {
 
 static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_spoken};
 
-static void speak(struct film_job *job) {
+/* Begins a job; without a voice, by drawing. */
+static void start(struct film_job *job) {
     job->jobs->current = job;
+    if (!job->synthesis) {
+        draw(job);
+        return;
+    }
     job->stage = FILM_SPEAKING;
     synthesis_start(job->synthesis);
 }
@@ -267,20 +280,15 @@ static void speak(struct film_job *job) {
 static void go_on(struct film_jobs *jobs) {
     for (struct film_job *job = jobs->first; job && !jobs->current && !jobs->closed; job = job->next)
         if (job->stage == FILM_WAITING)
-            speak(job);
+            start(job);
 }
 
 /* Adding */
 
 static int make_folder(struct film_jobs *jobs, struct error *e) {
-    if (*jobs->folder)
+    if (jobs->folder.path || !film_folder_make(&jobs->folder, prefix))
         return 0;
-    snprintf(jobs->folder, sizeof jobs->folder, "/tmp/faccia-films-XXXXXX");
-    if (mkdtemp(jobs->folder))
-        return 0;
-    error_set(e, ERROR_FILM_FAILED, "%s: %s", jobs->folder, strerror(errno));
-    jobs->folder[0] = '\0';
-    return -1;
+    return error_set(e, ERROR_FILM_FAILED, "%s: %s", prefix, strerror(errno));
 }
 
 int film_jobs_check(const struct film_jobs *jobs, struct error *e) {
@@ -294,19 +302,31 @@ int film_jobs_check(const struct film_jobs *jobs, struct error *e) {
     return 0;
 }
 
-/* Removes the oldest finished job if there are as many as may be. -1 with *e. */
-static int make_room(struct film_jobs *jobs, struct error *e) {
+/* Removes the oldest finished job, of a client or of all, if there are as many as may be. -1 with *e. */
+static int make_room_for(struct film_jobs *jobs, const uint32_t *client, unsigned most, struct error *e) {
     struct film_job *oldest = NULL;
     unsigned count = 0;
-    for (struct film_job *job = jobs->first; job; job = job->next, count++)
+    for (struct film_job *job = jobs->first; job; job = job->next) {
+        if (client && job->client != *client)
+            continue;
+        count++;
         if (!oldest && is_finished(job))
             oldest = job;
-    if (count < jobs->options.most)
+    }
+    if (count < most)
         return 0;
     if (!oldest)
-        return error_set(e, ERROR_QUEUE_FULL, "%u films are being made or are waiting", count);
+        return error_set(e, ERROR_QUEUE_FULL, "%u films%s are being made or are waiting", count,
+                         client ? " of this client" : "");
     film_job_remove(oldest);
     return 0;
+}
+
+static int make_room(struct film_jobs *jobs, uint32_t client, struct error *e) {
+    return make_room_for(jobs, &client, jobs->options.most_of_client, e) ||
+                   make_room_for(jobs, NULL, jobs->options.most, e)
+               ? -1
+               : 0;
 }
 
 static void add_argument(struct film_job *job, const char *text) {
@@ -322,24 +342,32 @@ static void add_option(struct film_job *job, const char *name, const char *value
 
 static void add_arguments(struct film_job *job, const struct film_order *order) {
     const struct film_jobs_options *o = &job->jobs->options;
-    char path[PATH_MAX];
+    char path[PATH_MAX], life[32];
+    snprintf(life, sizeof life, "%g", order->speech->life);
     add_argument(job, o->program);
     add_option(job, "--models", o->models);
     add_option(job, "--web", o->web);
     add_argument(job, "film");
     static const char *const options[KINDS] = {"--from", "--audio", "--words"};
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < KINDS && job->synthesis; i++) {
         file_of(job, kinds[i], path);
         add_option(job, options[i], path);
     }
     file_of(job, job->suffix, path);
     add_option(job, "--output", path);
     add_option(job, "--model", order->model);
+    add_option(job, "--partner", order->partner);
     add_option(job, "--size", order->size);
     add_option(job, "--background", order->background);
     add_option(job, "--view", order->view);
     add_option(job, "--quality", order->quality);
     add_option(job, "--captions", order->captions);
+    add_option(job, "--at", order->at);
+    add_option(job, "--expression", order->expression);
+    if (order->speech->still)
+        add_argument(job, "--still");
+    if (order->speech->life >= 0)
+        add_option(job, "--life", life);
 }
 
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e) {
@@ -349,9 +377,11 @@ struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *
     struct film_job *job = mem_alloc(sizeof *job);
     job->jobs = jobs;
     memcpy(job->id, id, sizeof id);
+    job->client = order->speech->quota_key;
     snprintf(job->suffix, sizeof job->suffix, "%s", order->suffix);
-    job->synthesis = synthesis_open(jobs->pipeline, order->speech, &callbacks, job, e);
-    if (!job->synthesis || make_room(jobs, e)) {
+    if (!order->expression)
+        job->synthesis = synthesis_open(jobs->pipeline, order->speech, &callbacks, job, e);
+    if ((!job->synthesis && !order->expression) || make_room(jobs, job->client, e)) {
         free_job(job);
         return NULL;
     }
@@ -442,8 +472,7 @@ void film_jobs_close(struct film_jobs *jobs) {
 void film_jobs_free(struct film_jobs *jobs) {
     if (!jobs)
         return;
-    if (*jobs->folder)
-        rmdir(jobs->folder);
+    film_folder_remove(&jobs->folder);
     free((char *)jobs->options.program);
     free((char *)jobs->options.models);
     free((char *)jobs->options.web);

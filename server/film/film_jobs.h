@@ -15,6 +15,7 @@ struct film_jobs_options {
     const char *program;      /* path of faccia; "": no films can be made */
     const char *models, *web; /* folders */
     unsigned most;            /* jobs, finished ones included; 0: no films */
+    unsigned most_of_client;  /* the same of one client */
     unsigned seconds;         /* longest film */
 };
 
@@ -22,12 +23,16 @@ struct film_jobs_options {
 struct film_order {
     const struct speech_request *speech;
     const char *suffix; /* of the file: "mp4" */
-    const char *model, *size, *background, *view, *quality, *captions;
+    const char *model, *partner, *size, *background, *view, *quality, *captions;
+    const char *at, *expression; /* of a .png; with an expression, nothing is spoken */
 };
 
 enum film_stage { FILM_WAITING, FILM_SPEAKING, FILM_DRAWING, FILM_DONE, FILM_STOPPED };
 
 enum { FILM_ID_BYTES = 33 };
+
+/* In the environment of a `faccia film` that makes a job: it ends with the daemon. */
+#define FILM_JOB_VARIABLE "FACCIA_FILM_JOB"
 
 struct film_job;
 struct film_jobs;
@@ -37,8 +42,9 @@ struct film_jobs *film_jobs_new(const struct pipeline *pipeline, const struct fi
 /* Whether films can be made here; -1 with *e ("film-failed"), which says what is missing. */
 int film_jobs_check(const struct film_jobs *jobs, struct error *e);
 
-/* Adds a job. Returns NULL with *e: "film-failed" if films cannot be made here, "queue-full" if all jobs are
- * unfinished, or as synthesis_open. The oldest finished job makes room for it. */
+/* Adds a job. Returns NULL with *e: "film-failed" if films cannot be made here, "queue-full" if all jobs, or
+ * all of the client, are unfinished, or as synthesis_open. The oldest finished job makes room for it: that of
+ * the client if it has as many as it may. */
 struct film_job *film_jobs_add(struct film_jobs *jobs, const struct film_order *order, struct error *e);
 
 /* Returns NULL if there is none. A job is valid until the loop's next turn. */

@@ -3,12 +3,14 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
 import { faccia } from '../lib/command.mjs';
 import { Daemon, eventually } from '../lib/daemon.mjs';
+import { descendantsOf, stillRunning } from '../lib/descendants.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'film-jobs-'));
@@ -79,14 +81,15 @@ test('a film over HTTP has the pictures and the sound of faccia film', async () 
   assert.equal((await daemon.get(done.film)).status, 404);
 });
 
-test('a passage of the library, transparent, with captions', async () => {
-  const done = await finish(await order({ text: undefined, markup: undefined, passage: 'mare:1', format: 'webm', background: 'transparent', captions: 'track' }));
+test('a passage of the library, transparent, with captions, and a head that listens', async () => {
+  const done = await finish(await order({ text: undefined, markup: undefined, passage: 'mare:1', model: 'samuel', format: 'webm', background: 'transparent', captions: 'track', size: '320x120', partner: 'bruno' }));
   assert.equal(done.state, 'done', JSON.stringify(done));
   const { file, type } = await download(done, 'passage.webm');
   assert.equal(type, 'video/webm');
   assert.match(String(ffmpeg(['-i', file, '-map', '0:s', '-f', 'webvtt', '-'])), /Il mare è calmo/);
-  const [alpha] = ffmpeg(['-c:v', 'libvpx-vp9', '-i', file, '-frames:v', '1', '-f', 'rawvideo', '-pix_fmt', 'rgba', '-']).subarray(3);
-  assert.ok(alpha < 8, `${alpha}`);
+  const first = ffmpeg(['-c:v', 'libvpx-vp9', '-i', file, '-frames:v', '1', '-f', 'rawvideo', '-pix_fmt', 'rgba', '-']);
+  const alphas = [0, 80, 159, 160, 240, 319].map((x) => first[4 * (320 * 60 + x) + 3] > 128); // through both mouths
+  assert.deepEqual(alphas, [false, true, false, false, true, false]);
   await remove(done);
 });
 
@@ -104,6 +107,83 @@ test('only so many are kept, one that is stopped leaves nothing, and too long a 
   const others = [await order({}), await order({}), await order({})]; // the last in place of the one that failed
   assert.equal((await daemon.get(`/v1/films/${long.id}`)).status, 404);
   for (const job of others) await remove(job);
+});
+
+test('a film ends with a killed daemon, and so do its browser and its coder', async () => {
+  const killed = await Daemon.start(['--film-seconds', '600']);
+  const answer = await killed.get('/v1/films', { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ ...SAID, ...SMALL, markup: 'plain', text: 'Ciao. '.repeat(200) }) });
+  const { id } = await answer.json();
+  await eventually(async () => (await (await killed.get(`/v1/films/${id}`)).json()).progress > 0, 'a picture', 400000);
+  const all = descendantsOf(killed.process.pid);
+  for (const pattern of [/faccia .*film/, /chromium/, /^ffmpeg/]) assert.ok(all.some(({ command }) => pattern.test(command)), `${pattern} ${JSON.stringify(all)}`);
+  killed.process.kill('SIGKILL');
+  await killed.exited;
+  await eventually(() => stillRunning(all).length === 0, 'all to end', 60000).catch((error) => assert.fail(`${error.message}: ${JSON.stringify(stillRunning(all))}`));
+});
+
+test('pictures of a moment and of an expression are those of faccia film', async () => {
+  const rgb = 160 * 120 * 3;
+  const taken = async (name, members) => {
+    const done = await finish(await order({ format: 'png', ...members }));
+    assert.equal(done.state, 'done', JSON.stringify(done));
+    const { file, type } = await download(done, name);
+    await remove(done);
+    assert.equal(type, 'image/png');
+    return decode(file);
+  };
+  const own = (name, ...args) => {
+    const { status, stderr } = faccia(['film', '-o', path.join(folder, name), '--size', '160x120', '--view', 'mouth', '--model', 'mara', ...args]);
+    assert.equal(status, 0, stderr);
+    return decode(path.join(folder, name));
+  };
+  const moment = await taken('moment.png', { at: 0.28 });
+  assert.equal(moment.length, rgb);
+  assert.ok(moment.equals(own('own-moment.png', '--lang', 'it', '--voice', 'espeak:it', '--markup', 'ssml', '--still', '--seed', '3', '--at', '0.28', TEXT)));
+  const none = { text: undefined, markup: undefined, voice: undefined, lang: undefined };
+  const joy = await taken('joy.png', { ...none, expression: 'joy' });
+  assert.ok(joy.length === rgb && joy.equals(own('own-joy.png', '--expression', 'joy')));
+  assert.ok(!joy.equals(own('half.png', '--expression', 'affect:joy=0.2')));
+  const late = await finish(await order({ format: 'png', at: 99 }));
+  assert.deepEqual([late.state, late.error.code], ['failed', 'film-failed']);
+  assert.match(late.error.message, /99 is after the end/);
+  await remove(late);
+});
+
+test('one client cannot take all places', async () => {
+  const other = await Daemon.start(['--max-films', '4', '--max-films-per-client', '2']);
+  const { hostname, port } = new URL(other.url);
+  const send = (localAddress, text = 'Ciao. '.repeat(40)) => new Promise((resolve, reject) => {
+    const request = http.request({ hostname, port, path: '/v1/films?lang=it&size=160x120', method: 'POST', localAddress }, (answer) => {
+      answer.setEncoding('utf8');
+      let body = '';
+      answer.on('data', (data) => (body += data));
+      answer.on('end', () => resolve({ status: answer.statusCode, ...JSON.parse(body) }));
+    });
+    request.on('error', reject);
+    request.end(text);
+  });
+  const first = [await send('127.0.0.1'), await send('127.0.0.1'), await send('127.0.0.1')];
+  assert.deepEqual(first.map(({ status }) => status), [202, 202, 503]);
+  assert.deepEqual([first[2].code, first[2].message], ['queue-full', '2 films of this client are being made or are waiting']);
+  const second = await send('127.0.0.2');
+  assert.equal(second.status, 202);
+  for (const { id } of [first[0], first[1], second]) await other.get(`/v1/films/${id}`, { method: 'DELETE' });
+  await other.stop();
+});
+
+test('a daemon removes what a killed one has left', async () => {
+  const mine = () => fs.readdirSync('/tmp').filter((name) => name.startsWith('faccia-films-')).map((name) => `/tmp/${name}`);
+  const before = mine();
+  const living = await Daemon.start();
+  await living.get('/v1/films?lang=it&size=160x120', { method: 'POST', body: 'Ciao. '.repeat(20) });
+  const [held] = mine().filter((name) => !before.includes(name));
+  const left = fs.mkdtempSync('/tmp/faccia-films-');
+  fs.writeFileSync(path.join(left, 'one.wav'), 'sound');
+  for (const name of [held, left]) fs.utimesSync(name, new Date(0), new Date(0));
+  const next = await Daemon.start();
+  assert.deepEqual([held, left].map((name) => fs.existsSync(name)), [true, false]);
+  await next.stop();
+  await living.stop();
 });
 
 test('the first page downloads a film, and stops one', async () => {
@@ -129,6 +209,28 @@ test('the first page downloads a film, and stops one', async () => {
   await browser.close();
 });
 
+test('the library downloads a film of a section', async () => {
+  const browser = await launch({ webgl: false });
+  const page = await browser.newPage({ locale: 'it-IT' });
+  await page.goto(`${daemon.url}/library.html#mare:1`);
+  await page.waitForFunction(() => !document.querySelector('#film').hidden, null, { timeout: 100000 });
+  await page.click('#more-controls summary');
+  const downloaded = page.waitForEvent('download', { timeout: 400000 });
+  await page.click('#film');
+  assert.equal(await page.textContent('#film'), 'Interrompi il filmato');
+  const download = await downloaded;
+  assert.equal(download.suggestedFilename(), 'mare-1.mp4');
+  await download.saveAs(path.join(folder, 'library.mp4'));
+  const frames = decode(path.join(folder, 'library.mp4')).length / (640 * 480 * 3);
+  assert.ok(Number.isInteger(frames) && frames > 20, `${frames}`);
+  await page.waitForFunction(() => document.querySelector('#film').textContent === 'Scarica un filmato');
+  await page.route('**/v1/films', (route) => route.fulfill({ status: 503, contentType: 'application/json', body: '{"code":"queue-full","message":"8 films are being made or are waiting"}' }));
+  await page.click('#film');
+  await page.waitForFunction(() => document.querySelector('#problem').textContent);
+  assert.equal(await page.textContent('#film'), 'Scarica un filmato');
+  await browser.close();
+});
+
 for (const [what, members, code, field] of [
   ['a format', { format: 'avi' }, 'bad-field', 'format'],
   ['a file as background', { background: '/etc/passwd' }, 'bad-field', 'background'],
@@ -136,6 +238,10 @@ for (const [what, members, code, field] of [
   ['odd sides', { size: '161x120' }, 'bad-field', 'size'],
   ['a view', { view: 'back' }, 'bad-field', 'view'],
   ['a head', { model: '../mara' }, 'unknown-model', 'model'],
+  ['a moment of an expression', { format: 'png', at: 0, expression: 'joy' }, 'bad-field', 'at'],
+  ['a moment of a film', { at: 1 }, 'bad-field', 'at'],
+  ['an expression', { format: 'png', expression: 'nothing' }, 'unknown-expression', 'expression'],
+  ['a second head', { partner: '../mara' }, 'unknown-model', 'partner'],
   ['a voice', { voice: 'nobody' }, 'unknown-voice', 'voice'],
   ['an unfinished text', { open: true }, 'bad-field', 'open'],
 ])

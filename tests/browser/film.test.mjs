@@ -8,8 +8,11 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { PNG } from 'pngjs';
+import { faceValues } from '../../web/element/face/face-mixer.mjs';
+import { writeFap } from '../../web/pages/player/file.js';
 import { faccia } from '../lib/command.mjs';
-import { build, root } from '../lib/daemon.mjs';
+import { build, eventually, root } from '../lib/daemon.mjs';
+import { descendantsOf, stillRunning } from '../lib/descendants.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { shownWithin } from '../lib/mouth.mjs';
 
@@ -127,15 +130,87 @@ test('a sheet shows the visemes of a language', () => {
   assert.ok(it[1].equals(en[1]) && !it[14].equals(en[14])); // English has an u of its own
 });
 
+test('the mouth has a back behind every tongue', () => {
+  film('through.png', '--visemes', 'it', '--model', 'ettore', '--view', 'mouth', '--background', '#ff00ff', ...SMALL);
+  const [sheet] = pictures('through.png', 800 * 360 * 3);
+  const through = (column, row) => {
+    let count = 0;
+    for (let y = 120 * row + 40; y < 120 * row + 90; y++)
+      for (let x = 160 * column + 45; x < 160 * column + 115; x++) {
+        const [red, green, blue] = sheet.subarray(3 * (800 * y + x));
+        count += red > 200 && green < 40 && blue > 200;
+      }
+    return count;
+  };
+  const open = Array.from({ length: 15 }, (_, k) => through(k % 5, Math.floor(k / 5)));
+  assert.deepEqual(open, Array(15).fill(0));
+});
+
+test('each quality fills the picture with the same head', () => {
+  const [low, fine, high] = ['low', 'fine', 'high'].map((quality) => {
+    film(`${quality}.png`, ...SAID, '--model', 'mara', '--at', '0.2', '--quality', quality, ...SMALL, TEXT);
+    return pictures(`${quality}.png`, 160 * 120 * 3)[0];
+  });
+  const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
+  assert.ok(apart(low, fine) < 8 && apart(high, fine) < 8, `${apart(low, fine)} ${apart(high, fine)}`);
+  assert.ok(!low.equals(fine) && !high.equals(fine));
+});
+
+const PLAY = `<TEI xmlns="http://www.tei-c.org/ns/1.0"><teiHeader><fileDesc><titleStmt><title>La barca</title></titleStmt><publicationStmt><p/></publicationStmt>
+<sourceDesc><p/></sourceDesc></fileDesc><profileDesc><langUsage><language ident="it"/></langUsage></profileDesc></teiHeader><text><body><div><head>Sul molo</head>
+<sp><speaker>Anna</speaker><p>Hai visto la barca?</p></sp><sp><speaker>Ugo</speaker><p>No, non la vedo.</p></sp><sp><speaker>Anna</speaker><p>Arriva adesso.</p></sp>
+</div></body></text></TEI>`;
+
+test('two heads show a scene of the library: one speaks, the other rests', () => {
+  fs.mkdirSync(at('works'));
+  fs.writeFileSync(at('works/barca.xml'), PLAY);
+  film('pair.mp4', '--library', at('works'), '--passage', 'barca:1', '--still', '--model', 'mara', '--partner', 'bruno', '--view', 'mouth', '--lossless', '--captions', 'track', '--size', '320x120');
+  const shown = pictures('pair.mp4', 320 * 120 * 3);
+  const half = (picture, side) => Buffer.concat(Array.from({ length: 120 }, (_, y) => picture.subarray(3 * (320 * y + 160 * side), 3 * (320 * y + 160 * side + 160))));
+  const cues = [...String(ffmpeg(['-i', at('pair.mp4'), '-map', '0:s', '-f', 'webvtt', '-'])).matchAll(/([\d:.]+) --> ([\d:.]+)\n(.*)/g)]
+    .map(([, start, end, text]) => ({ text, from: start, to: end }))
+    .map(({ text, ...times }) => ({ text, ...Object.fromEntries(Object.entries(times).map(([name, time]) => [name, Math.ceil(25 * time.split(':').reduce((sum, part) => 60 * sum + Number(part), 0))])) }));
+  assert.deepEqual(cues.map(({ text }) => text.replace(/<[^>]*>/g, '')), ['Sul molo', 'Hai visto la barca?', 'No, non la vedo.', 'Arriva adesso.']);
+  const kinds = cues.map(({ from, to }) => [0, 1].map((side) => new Set(shown.slice(from + 3, to).map((picture) => half(picture, side).toString('latin1'))).size));
+  const speaks = [0, 0, 1, 0];
+  for (const [i, side] of speaks.entries()) assert.ok(kinds[i][side] > 4 && kinds[i][1 - side] === 1, JSON.stringify(kinds));
+  film('block.mp4', '--library', at('works'), '--passage', 'barca:1:p2', '--lossless', ...SMALL);
+  const only = pictures('block.mp4', 160 * 120 * 3).length;
+  assert.ok(only > 15 && only < shown.length / 2, `${only} of ${shown.length}`);
+});
+
 test('a recorded face is filmed with its own sound, at another rate too', () => {
   fs.writeFileSync(at('said.fap'), said.fap);
   fs.writeFileSync(at('other.wav'), said.wav);
-  film('from.mp4', '--from', at('said.fap'), '--audio', at('other.wav'), '--fps', String(2 * said.face.fps), '--model', 'mara', '--view', 'mouth', '--lossless', ...SMALL);
+  film('from.mp4', '--from', at('said.fap'), '--audio', at('other.wav'), '--fps', String(2 * said.face.fps), '--still', '--model', 'mara', '--view', 'mouth', '--lossless', ...SMALL);
   const [shown, every] = ['exact.mp4', 'from.mp4'].map((name) => pictures(name, 160 * 120 * 3));
   assert.equal(every.length, 2 * shown.length);
   for (const [k, picture] of shown.entries()) assert.ok(every[2 * k].equals(picture), `${k}`);
   const { bytes } = faccia(['play', at('said.fap'), at('other.wav'), '--wav', '-']);
   assert.ok(sound('from.mp4').equals(bytes.subarray(44)));
+});
+
+/** A face at rest that turns its head in the middle, within 0.2 s: 2 s at 25 faces a second. */
+const TURNED = writeFap({ name: 'turned', fps: 25, high: [], frames: Array.from({ length: 50 }, (_, k) => faceValues({ 49: 3600 * Math.max(0, Math.min(5, k - 24)) })) });
+
+test('a head breathes, and her hair comes after it, the same in each film; one that keeps still does neither', () => {
+  fs.writeFileSync(at('turned.fap'), TURNED);
+  const shot = (...args) => {
+    film('alive.mp4', '--from', at('turned.fap'), '--model', 'mara', '--background', '#00ff00', '--lossless', ...SMALL, ...args);
+    return pictures('alive.mp4', 160 * 120 * 3);
+  };
+  const changes = (list, from, to) => list.slice(from + 1, to).filter((picture, i) => !picture.equals(list[from + i])).length;
+  const alive = shot();
+  assert.equal(alive.length, 50);
+  assert.ok(changes(alive, 0, 24) > 15, `breath: ${changes(alive, 0, 24)}`);
+  for (const [k, picture] of shot().entries()) assert.ok(picture.equals(alive[k]), `picture ${k} of the second film`);
+  const breathless = shot('--life', '0');
+  assert.equal(changes(breathless, 0, 24), 0);
+  assert.ok(changes(breathless, 29, 40) > 5, `hair: ${changes(breathless, 29, 40)}`);
+  const still = shot('--still');
+  assert.deepEqual([changes(still, 0, 24), changes(still, 29, 50)], [0, 0]);
+  film('alive.png', '--from', at('turned.fap'), '--model', 'mara', '--background', '#00ff00', '--at', String(33 / 25), ...SMALL);
+  assert.ok(pictures('alive.png', 160 * 120 * 3)[0].equals(alive[33]));
 });
 
 test('WebM keeps transparency, captions and every picture', () => {
@@ -149,6 +224,18 @@ test('WebM keeps transparency, captions and every picture', () => {
   assert.match(captions, /Il papà beve/);
   const seconds = sound('clear.webm').length / 2 / 48000;
   assert.ok(Math.abs(seconds - (said.wav.length - 44) / 2 / said.wav.readUInt32LE(24)) < 0.021, `${seconds}`);
+});
+
+test('a room is behind the face unless something else is named; GIF, which has few colours, is plain', () => {
+  const corner = (file, ...background) => {
+    film(file, ...SAID, ...background, ...(file.endsWith('.png') ? ['--at', '0.4'] : ['--fps', '2']), ...SMALL, TEXT);
+    return [...pictures(file, 160 * 120 * 3)[0].subarray(0, 3)];
+  };
+  const [red, green, blue] = corner('room.png');
+  assert.ok(red > green + 5 && green > blue + 5 && red < 230, `${red} ${green} ${blue}`);
+  assert.deepEqual(corner('named.png', '--background', 'room'), [red, green, blue]);
+  const plain = corner('plain.gif');
+  assert.ok(plain.every((value, k) => Math.abs(value - [223, 227, 232][k]) < 8), String(plain));
 });
 
 test('GIF and MP4 have every picture; captions and backgrounds are drawn', () => {
@@ -187,25 +274,58 @@ test('the commands of the documentation make what they say', () => {
     assert.equal(status, 0, String(stderr));
   }
   const made = Object.fromEntries(fs.readdirSync(place).map((name) => [name, fs.statSync(path.join(place, name)).size]));
-  for (const name of ['rosa.mp4', 'hello.webm', 'hello.mp4', 'hello.png', 'visemes.png', 'recorded.mp4', 'film.webp']) assert.ok(made[name] > 5000, `${name}: ${made[name]}`);
+  for (const name of ['rosa.mp4', 'hello.webm', 'hello.mp4', 'hello.png', 'joy.png', 'visemes.png', 'recorded.mp4', 'two.mp4', 'film.webp']) assert.ok(made[name] > 5000, `${name}: ${made[name]}`);
   const shown = fs.statSync(path.join(root, 'web/film.webp')).size; // coders and drawing libraries differ a little
   assert.ok(Math.abs(made['film.webp'] / shown - 1) < 0.3 && shown < 1 << 20, `${made['film.webp']}`);
 });
 
+/** The folders that a running `faccia film` holds. */
+const foldersOf = ({ pid }) => fs.readdirSync(`/proc/${pid}/fd`).flatMap((fd) => {
+  try {
+    return [fs.readlinkSync(`/proc/${pid}/fd/${fd}`)];
+  } catch {
+    return []; // it has been closed
+  }
+}).filter((name) => path.basename(name).includes('faccia-film-') && fs.statSync(name).isDirectory());
+
 test('an interrupted film leaves no file, no folder and no program', async () => {
-  const folders = () => fs.readdirSync('/tmp').filter((name) => name.startsWith('faccia-film-')).length;
-  const before = folders();
   const child = spawn(path.join(build, 'server/cli/faccia'), ['film', '-o', at('half-%d.png'), ...SMALL, '--lang', 'it', 'Ciao. '.repeat(60)], { stdio: ['ignore', 'ignore', 'pipe'] });
   for await (const text of child.stderr) if (/picture/.test(text)) break;
-  assert.equal(folders(), before + 1);
-  const programs = () => spawnSync('pgrep', ['-f', `faccia-film-|${folder}`]).stdout.toString().trim().split('\n').filter((pid) => pid && Number(pid) !== child.pid);
+  const folders = foldersOf(child);
+  assert.equal(folders.length, 2);
+  const programs = () => spawnSync('pgrep', ['-f', `${folders[0]}|${folders[1]}|${folder}`]).stdout.toString().trim().split('\n').filter((pid) => pid && Number(pid) !== child.pid);
   assert.ok(programs().length >= 2);
   child.kill('SIGINT');
   const [code, signal] = child.exitCode ?? child.signalCode ? [child.exitCode, child.signalCode] : await once(child, 'exit');
   assert.deepEqual([code, signal], [null, 'SIGINT']);
   assert.deepEqual(programs(), []);
-  assert.equal(folders(), before);
+  assert.deepEqual(folders.filter((name) => fs.existsSync(name)), []);
   assert.deepEqual(fs.readdirSync(folder).filter((name) => name.startsWith('half') || name.startsWith('.')), []);
+});
+
+test('what a killed film has left is removed by the next one', async () => {
+  const start = () => spawn(path.join(build, 'server/cli/faccia'), ['film', '-o', at('killed-%d.png'), ...SMALL, '--lang', 'it', 'Ciao. '.repeat(600)], { stdio: ['ignore', 'ignore', 'pipe'] });
+  const drawing = async (child) => {
+    for await (const text of child.stderr) if (/picture/.test(text)) break;
+  };
+  const killed = start();
+  await drawing(killed);
+  const left = foldersOf(killed);
+  assert.equal(left.length, 2);
+  const programs = descendantsOf(killed.pid);
+  assert.ok(programs.some(({ command }) => /chromium/.test(command)) && programs.some(({ command }) => /^ffmpeg/.test(command)));
+  killed.kill('SIGKILL');
+  await once(killed, 'exit');
+  await eventually(() => stillRunning(programs).length === 0, 'browser and ffmpeg to end', 60000);
+  const living = start();
+  await drawing(living);
+  const own = foldersOf(living);
+  for (const name of [...left, ...own]) if (fs.existsSync(name)) fs.utimesSync(name, new Date(0), new Date(0)); // as if a minute had passed: on a busy machine it has
+  film('after-%d.png', '--lang', 'it', ...SMALL, 'Ciao.');
+  assert.deepEqual([...left, ...own].map((name) => fs.existsSync(name)), [false, false, true, true]);
+  living.kill('SIGINT');
+  await once(living, 'exit');
+  assert.deepEqual(own.map((name) => fs.existsSync(name)), [false, false]);
 });
 
 for (const [what, args, status, message] of [
@@ -215,13 +335,20 @@ for (const [what, args, status, message] of [
   ['a size that cannot be', ['-o', 'x.mp4', '--size', '9x9', 'Ciao'], 2, /--size/],
   ['odd sides', ['-o', 'x.mp4', '--size', '161x120', 'Ciao'], 2, /--size: .*even/],
   ['transparent MP4', ['-o', 'x.mp4', '--background', 'transparent', 'Ciao'], 2, /--background/],
-  ['a background that is none', ['-o', at('x.mp4'), '--background', 'nothing', 'Ciao'], 1, /background 'nothing' is neither a file nor a colour/],
+  ['a background that is none', ['-o', at('x.mp4'), '--background', 'nothing', 'Ciao'], 1, /background 'nothing' is neither a file, nor a colour, nor 'room'/],
   ['a background that is no image', ['-o', at('x.mp4'), '--background', at('name.wav'), 'Ciao'], 1, /background is no image/],
   ['a rate that a GIF cannot have', ['-o', 'x.gif', '--fps', '30', 'Ciao'], 2, /--fps/],
   ['a moment after the end', ['-o', at('x.png'), '--at', '99', 'Ciao'], 1, /--at: 99 is after the end/],
   ['a folder that is not there', ['-o', at('no/x.mp4'), 'Ciao'], 1, /No such file/],
   ['visemes of an unknown language', ['-o', at('x.png'), '--visemes', 'xx'], 1, /--visemes: no mouth shapes for the language 'xx'/],
+  ['an unknown expression', ['-o', at('x.png'), '--expression', 'nothing'], 1, /--expression nothing: unknown affect 'nothing'/],
+  ['an expression and a text', ['-o', at('x.png'), '--expression', 'joy', 'Ciao'], 2, /--expression: there can be no text/],
   ['visemes and a text', ['-o', at('x.png'), '--visemes', 'it', 'Ciao'], 2, /--visemes: there can be no text/],
+  ['a passage without a folder', ['-o', at('x.mp4'), '--passage', 'barca'], 2, /--library/],
+  ['an unknown work', ['-o', at('x.mp4'), '--library', folder, '--passage', 'nothing'], 1, /unknown work 'nothing'/],
+  ['a passage that is no place', ['-o', at('x.mp4'), '--library', folder, '--passage', 'barca:x'], 1, /WORK:SECTION/],
+  ['an unknown partner', ['-o', at('x.mp4'), '--partner', 'nobody', 'Ciao'], 1, /--partner: unknown head 'nobody'/],
+  ['two heads of a recording without words', ['-o', at('x.mp4'), '--partner', 'mara', '--from', at('said.fap')], 2, /--partner: .*--words/],
   ['no recording', ['-o', at('x.mp4'), '--from', at('no.fap')], 1, /--from: .*no\.fap/],
 ])
   test(`refuses ${what}`, () => {

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
 /**
  * The page that `faccia film` opens: draws the pictures of a film one after the other, on the film's own clock, as fast as it
- * can. The job, the head and the faces lie beside it. Pictures leave by a WebSocket as pixels (RGBA with the alpha multiplied
+ * can. The job, the heads and the faces lie beside it. Pictures leave by a WebSocket as pixels (RGBA with the alpha multiplied
  * in, the lowest line first); an empty message is a picture like the one before. The answer is the number of pictures taken.
  */
 import { FAP_VALUES, FaceTrack } from '../element/face/face-track.mjs';
-import { calibrate } from '../element/head/model/calibrate.mjs';
-import { readModel } from '../element/head/model/model.mjs';
-import { Head } from '../element/head/head.mjs';
-import { LEVELS } from '../element/head/quality.mjs';
-import { View } from '../element/head/view.mjs';
-import { Backdrop } from './backdrop.mjs';
+import { roomImage } from './backdrop.mjs';
+import { Duet, readWords } from './duet.mjs';
+import { moments } from './moments.mjs';
+import { Place } from './place.mjs';
 
+const ROOM = 'room'; // a background
 const DRAWING = 2; // pictures that are drawn while others are read back
-const POLL_MS = 2;
 
 /**
  * @typedef {object} Job
  * @property {number} width @property {number} height pixels
  * @property {string} level of quality, as in LEVELS @property {string|null} view
- * @property {string|null} colour of the background, as in CSS @property {boolean} image whether the background is an image
+ * @property {string|null} colour of the background, as in CSS, or `room`
+ * @property {boolean} image whether the background is an image
  * @property {number} rate faces per second of their track @property {number} fps pictures per second
  * @property {number} start time of the first picture, seconds @property {number} count pictures
  * @property {number} ahead pictures that may be on their way
+ * @property {boolean} pair whether there are two heads, side by side @property {boolean} still only their lips move
+ * @property {number} life how deeply they breathe, 0 to 1
  */
 
 const fetched = async (name) => {
@@ -31,9 +32,11 @@ const fetched = async (name) => {
   return answer;
 };
 
+const json = async (name) => (await fetched(name)).json();
+
 /** @param {string} colour as in CSS @returns {number[]} red, green, blue, 0 to 1 */
 function readColour(colour) {
-  if (!CSS.supports('color', colour)) throw new Error(`the background '${colour}' is neither a file nor a colour`);
+  if (!CSS.supports('color', colour)) throw new Error(`the background '${colour}' is neither a file, nor a colour, nor 'room'`);
   const canvas = Object.assign(document.createElement('canvas'), { width: 1, height: 1 });
   const context = canvas.getContext('2d');
   context.fillStyle = colour;
@@ -43,8 +46,9 @@ function readColour(colour) {
   return [red, green, blue].map((value) => value / 255);
 }
 
-/** @param {Job} job @returns {Promise<{colour?: number[], image?: ImageBitmap}|null>} null: there is none */
-async function backgroundOf({ colour, image }) {
+/** @param {Job} job @returns {Promise<{colour?: number[], image?: TexImageSource}|null>} null: there is none */
+async function backgroundOf({ colour, image, width, height }) {
+  if (colour === ROOM) return { image: roomImage(width, height) };
   if (!image) return colour ? { colour: readColour(colour) } : null;
   const bytes = await (await fetched('background.bin')).blob();
   return { image: await createImageBitmap(bytes).catch(() => {
@@ -58,60 +62,6 @@ function trackOf(bytes, rate) {
   const track = new FaceTrack(rate);
   track.put(0, Array.from({ length: all.length / FAP_VALUES }, (_, k) => all.subarray(k * FAP_VALUES, (k + 1) * FAP_VALUES)));
   return track;
-}
-
-/** A view of the head as the job wants it, whose picture changes no more by itself. @param {Job} job */
-async function open({ width, height, level, view: framing }) {
-  const model = readModel(await (await fetched('model.json')).json());
-  const view = new View(document.querySelector('canvas'));
-  view.renderer.domElement.addEventListener('webglcontextlost', () => {
-    throw new Error('the browser has lost its drawing context');
-  });
-  const head = await Head.create(model.calibration ? calibrate(model, model.calibration, 'calibration.') : model, { software: view.software });
-  view.framing = framing;
-  view.level = LEVELS.find(({ name }) => name === level);
-  view.show(head);
-  view.resize(width, height);
-  if (view.software) await head.slim();
-  await head.looking;
-  return { view, head };
-}
-
-/**
- * Reads pictures back while the next ones are drawn: what waits for the drawing of one picture would keep a processor idle.
- */
-class Pixels {
-  /** @param {WebGL2RenderingContext} gl @param {{width: number, height: number}} size */
-  constructor(gl, { width, height }) {
-    Object.assign(this, { gl, width, height, free: [] });
-    this.bytes = new Uint8Array(4 * width * height);
-  }
-
-  /** Asks for what has been drawn. @returns {{buffer: WebGLBuffer, fence: WebGLSync}} for `read` */
-  ask() {
-    const { gl } = this;
-    const buffer = this.free.pop() ?? gl.createBuffer();
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
-    gl.bufferData(gl.PIXEL_PACK_BUFFER, this.bytes.length, gl.STREAM_READ);
-    gl.readPixels(0, 0, this.width, this.height, gl.RGBA, gl.UNSIGNED_BYTE, 0);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    return { buffer, fence };
-  }
-
-  /** @returns {Promise<Uint8Array>} valid until the next call */
-  async read({ buffer, fence }) {
-    const { gl } = this;
-    const done = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
-    while (!done()) await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    gl.deleteSync(fence);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
-    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, this.bytes);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-    this.free.push(buffer);
-    return this.bytes;
-  }
 }
 
 /** Draws the pictures of a film, and hands them on. */
@@ -134,33 +84,67 @@ class Film {
 
   /** @param {Job} job */
   async run(job) {
-    const faces = await (await fetched('faces.bin')).arrayBuffer();
     const background = await backgroundOf(job);
-    const { view, head } = await open(job);
-    const backdrop = background && new Backdrop(view.renderer, { ...job, colour: undefined, image: undefined, ...background });
-    const track = trackOf(faces, job.rate);
-    const values = new Float32Array(FAP_VALUES);
-    const pixels = new Pixels(view.renderer.getContext(), job);
-    const pending = []; // pictures that are being drawn; null: one like the one before
-    for (let k = 0; k < job.count; k++) {
+    const middle = job.width >> 1;
+    this.places = job.pair
+      ? [await Place.open(job, background, await json('model.json'), 0, middle),
+        await Place.open(job, background, await json('partner.json'), middle, job.width - middle)]
+      : [await Place.open(job, background, await json('model.json'), 0, job.width)];
+    this.whole = job.pair ? new Uint8Array(4 * job.width * job.height) : null;
+    const facesAt = await this.#faces(job);
+    const pending = []; // pictures that are being drawn, by place
+    for (const { time, shown } of moments(job)) {
+      const faces = facesAt(time);
+      this.places.forEach((place, i) => place.live(time, faces[i].values, faces[i].speech));
+      if (!shown) continue;
       await this.#room(job.ahead);
-      const before = values.slice();
-      track.sample(Math.min(track.last / job.rate, job.start + k / job.fps), values);
-      const same = k > 0 && values.every((value, n) => value === before[n]);
-      if (!same) {
-        head.setFaps(values);
-        view.draw();
-        backdrop?.draw();
-      }
-      pending.push(same ? null : pixels.ask());
+      pending.push(this.places.map((place, i) => place.draw(faces[i].values, time)));
       this.begun++;
-      if (pending.length > DRAWING) await this.#deliver(pixels, pending.shift());
+      if (pending.length > DRAWING) await this.#deliver(pending.shift());
     }
-    for (const one of pending) await this.#deliver(pixels, one);
+    for (const one of pending) await this.#deliver(one);
   }
 
-  async #deliver(pixels, picture) {
-    this.socket.send(picture ? await pixels.read(picture) : new Uint8Array(0));
+  /**
+   * @param {Job} job
+   * @returns {Promise<(time: number) => {values: Float32Array, speech: object|null}[]>} the face of each place at a moment, one
+   *   moment after the other; speech: what it says, for Breath
+   */
+  async #faces(job) {
+    const track = trackOf(await (await fetched('faces.bin')).arrayBuffer(), job.rate);
+    const end = track.last / job.rate;
+    if (!job.pair) {
+      const values = new Float32Array(FAP_VALUES);
+      return (time) => {
+        track.sample(Math.min(end, time), values);
+        return [{ values, speech: { track, seconds: time } }];
+      };
+    }
+    const duet = new Duet(track, readWords(await (await fetched('words.vtt')).text()), job.still);
+    return (time) => {
+      const faces = duet.at(Math.min(end, time));
+      return faces.map((values, i) => ({ values, speech: i === duet.speaker ? { track, seconds: time } : null }));
+    };
+  }
+
+  /** @param {(object|null)[]} pictures by place */
+  async #deliver(pictures) {
+    let changed = null;
+    for (const [i, picture] of pictures.entries()) {
+      if (!picture) continue;
+      const { pixels, left, width } = this.places[i];
+      changed = await pixels.read(picture);
+      if (this.whole) this.#put(changed, left, width);
+    }
+    this.socket.send(changed ? (this.whole ?? changed) : new Uint8Array(0));
+  }
+
+  /** Puts the pixels of a place into the picture. */
+  #put(bytes, left, width) {
+    const { whole, places } = this;
+    const row = 4 * places.reduce((sum, place) => sum + place.width, 0);
+    for (let from = 0, to = 4 * left; from < bytes.length; from += 4 * width, to += row)
+      whole.set(bytes.subarray(from, from + 4 * width), to);
   }
 }
 
@@ -168,4 +152,4 @@ const socket = new WebSocket(new URL('pictures', location.href.replace('http', '
 const fail = (error) => socket.send(JSON.stringify({ error: error?.message ?? String(error) }));
 addEventListener('error', ({ error, message }) => fail(error ?? message));
 addEventListener('unhandledrejection', ({ reason }) => fail(reason));
-socket.addEventListener('open', async () => new Film(socket).run(await (await fetched('job.json')).json()));
+socket.addEventListener('open', async () => new Film(socket).run(await json('job.json')));
