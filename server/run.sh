@@ -53,7 +53,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 need_packages gcc libc6-dev pkg-config meson ninja-build python3 libwebsockets-dev libwebsockets-evlib-uv libssl-dev libuv1-dev \
-    libexpat1-dev libicu-dev libjansson-dev libsndfile1-dev libfaad-dev libsonic-dev libgsl-dev zlib1g-dev libjwt-dev uthash-dev libopus-dev libogg-dev \
+    libexpat1-dev libicu-dev libjansson-dev libsndfile1-dev libfaad-dev libvo-aacenc-dev libsonic-dev libgsl-dev zlib1g-dev libjwt-dev uthash-dev libopus-dev libogg-dev \
     libsoxr-dev libsystemd-dev libespeak-ng-dev espeak-ng-data libsqlite3-dev libutf8proc-dev libseccomp-dev \
     libzip-dev libcmark-gfm-dev libcmark-gfm-extensions-dev libstemmer-dev libcurl4-openssl-dev libmosquitto-dev libhiredis-dev libqrencode-dev
 want_packages festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts

@@ -2,6 +2,7 @@
 #include "server/bridges/bridge.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <errno.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -94,6 +95,17 @@ int daemon_address_read_token(struct daemon_address *p, const char *file) {
     free(p->token);
     p->token = mem_strdup(line);
     return 0;
+}
+
+bool bridge_has_words(const char *text) {
+    size_t size = strlen(text);
+    for (size_t at = 0, length; at < size; at += length) {
+        uint32_t cp = 0;
+        length = utf8_next(text + at, size - at, &cp);
+        if (!length || !(strchr(" \t\r\n", (int)cp) || utf8_is_emoji(cp)))
+            return true;
+    }
+    return false;
 }
 
 void daemon_address_make_id(char *id, size_t cap) {

@@ -37,6 +37,10 @@ void daemon_address_close(struct daemon_address *address);
 /* Reads the token from the first line of a file. -1 after a message, also for an invalid token. */
 int daemon_address_read_token(struct daemon_address *address, const char *file);
 
+/* True if an assistant's answer has something to say: more than white space and emoji, which assistants do
+ * not name. */
+bool bridge_has_words(const char *text);
+
 /* Makes an id for an utterance. */
 void daemon_address_make_id(char *id, size_t cap);
 

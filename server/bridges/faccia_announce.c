@@ -2,9 +2,9 @@
 /* faccia-say: speaks an announcement in a room, from a shell script or timer, and reports whether it was
  * heard. faccia-ask, the same program: asks a question, and prints the answer that is chosen. */
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/bridges/bridge.h"
-#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,7 +66,7 @@ struct announcement {
     const char *choices; /* answers, separated by |; NULL: none */
     bool free;           /* any words answer the question */
     int seconds;         /* of patience for an answer */
-    bool asked, offered; /* sent to the room; there until somebody chooses */
+    bool asked, offered; /* sent to the room; shown until somebody chooses */
     uv_signal_t signals[2];
     int status;
 };
@@ -185,7 +185,7 @@ static void on_offered(void *ctx, const struct remote_answer *answer) {
     }
 }
 
-/* The room's answers: somebody has chosen one, or others have taken their place. */
+/* Handles a change of the room's answers: one was chosen, or they were replaced. */
 static void note_choice(struct announcement *a, const char *type, const json_t *message, bool ours) {
     const char *text = json_string_value(json_object_get(message, "text"));
     if (!strcmp(type, "chosen") && ours && text) {
@@ -260,7 +260,7 @@ static void on_signal(uv_signal_t *signal, int number) {
     leave(signal->data, EXIT_FAILED);
 }
 
-/* Takes the answers away again, so that nobody answers a question that is over. */
+/* Withdraws the answers: the question is over. */
 static void withdraw(struct announcement *a) {
     int status = a->status;
     offer(a, NULL, on_withdrawn);
@@ -347,7 +347,7 @@ static int read_options(struct announcement *a, struct daemon_address *place, in
                                             {"help", 0, NULL, 'h'},
                                             {"version", 0, NULL, 'V'},
                                             {0}};
-    for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:bl:v:c:h", options, NULL)) != -1;) {
+    for (int c; (c = options_next(argc, argv, "r:u:wqp:t:bl:v:c:h", options, NULL)) != -1;) {
         enum member member = c == 'r'          ? ROOM
                              : c == 'p'        ? PRIORITY
                              : c == 't'        ? TOPIC

@@ -10,5 +10,5 @@ for name, shape in shapes.items():
     print(f'    {{"{name}", {str(shape.get("rare", False)).lower()}, {{{faps}}}}},')
 print("};")
 print(f'_Static_assert({len(shapes)} == ARKIT_SHAPES, "arkit.json");')
-for name in ("jawOpen", "mouthClose", "eyeBlinkLeft", "eyeBlinkRight", "tongueOut"):
+for name in ("jawRight", "jawLeft", "jawOpen", "mouthClose", "mouthRight", "mouthLeft", "eyeBlinkLeft", "eyeBlinkRight", "tongueOut"):
     print(f'_Static_assert({list(shapes).index(name)} == ARKIT_{"".join("_" + c if c.isupper() else c.upper() for c in name)}, "arkit.json");')

@@ -67,6 +67,7 @@ static int load_hearing(struct components *s, const struct settings *settings, c
     if (access(path, F_OK))
         return 0;
     s->live.network = lip_network_load(path, &inner);
+    s->pipeline.hearing = s->live.network;
     return s->live.network ? 0 : fail_in(path, &inner, e);
 }
 

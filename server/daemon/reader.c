@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -25,7 +24,7 @@ static void limit(const char *seconds, const char *megabytes) {
     const rlim_t most = (rlim_t)strtoul(seconds, NULL, 10);
     const struct rlimit time = {most, most + 1}, nothing = {0, 0};
     signal(SIGINT, SIG_IGN);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    program_end_with_parent(STDOUT_FILENO, SIGKILL);
     close_range(3, ~0u, 0); /* closes descriptors that the daemon leaked */
     setrlimit(RLIMIT_CPU, &time);
     setrlimit(RLIMIT_FSIZE, &nothing);

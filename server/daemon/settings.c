@@ -2,9 +2,9 @@
 #include "server/daemon/settings.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/suggest.h"
 #include "server/daemon/settings_internal.h"
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -424,7 +424,7 @@ static int read_options(struct settings *s, struct settings_request *request, en
     optind = 0; /* restarts the scan, which may have run in another order */
     opterr = !only_request;
     for (int c;
-         (c = getopt_long(argc, argv, program == PROGRAM_COMMANDS ? "+h" : "h", options, NULL)) != -1;) {
+         (c = options_next(argc, argv, program == PROGRAM_COMMANDS ? "+h" : "h", options, NULL)) != -1;) {
         if (c == 'h' || c == OPTION_HELP)
             request->help = true;
         else if (c == OPTION_VERSION)

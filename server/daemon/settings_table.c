@@ -115,6 +115,10 @@ const struct setting settings_table[] = {
     {"limits.films", "max-films", SETTING_NUMBER, MEMBER(api.films), FOR_DAEMON, 0, 1000, "8", "N",
      "films that clients have ordered, finished ones included: the oldest of these makes room; 0 = none can "
      "be ordered"},
+    {"limits.films_per_client", "max-films-per-client", SETTING_NUMBER, MEMBER(api.films_of_client),
+     FOR_DAEMON, 1, 1000, "4", "N", "the same of one client: the oldest finished one of its own makes room"},
+    {"limits.coach_seconds", "coach-seconds", SETTING_NUMBER, MEMBER(api.coach_seconds), FOR_DAEMON, 0, 60,
+     "20", "S", "longest recording that is compared with its text (POST /v1/coach); 0 = none is"},
     {"limits.film_seconds", "film-seconds", SETTING_NUMBER, MEMBER(api.film_seconds), FOR_DAEMON, 1, 7200,
      "600", "S", "longest film that a client can order"},
     {"limits.connections", "max-connections", SETTING_NUMBER, MEMBER(api.http.connections), FOR_DAEMON, 1,

@@ -384,6 +384,8 @@ const struct export_format export_formats[] = {
     {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free, NULL, false, NULL},
     {"mp3", "audio/mpeg", true, export_mp3_piece, export_sound_end, NULL, export_sound_free, NULL, false,
      NULL},
+    {"aac", "audio/aac", true, export_aac_piece, export_sound_end, NULL, export_sound_free, NULL, false,
+     NULL},
     {"flac", "audio/flac", false, export_flac_piece, export_sound_end, NULL, export_sound_free, NULL, false,
      NULL},
     {"pcm", "audio/pcm", true, export_pcm_piece, export_sound_end, NULL, export_sound_free, NULL, false,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exports a whole speech or recording: sound (WAV, Opus in Ogg, MP3, FLAC), face animation (.fap, .fapc),
- * curves for other engines (ARKit, visemes), timings (JSON, WebVTT, SubRip, TextGrid; speech only), or all
- * events (NDJSON). For files and HTTP responses. */
+/* Exports a whole speech or recording: sound (WAV, Opus in Ogg, MP3, AAC, FLAC), face animation (.fap,
+ * .fapc), curves for other engines (ARKit, visemes), timings (JSON, WebVTT, SubRip, TextGrid; speech only),
+ * or all events (NDJSON). For files and HTTP responses. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -119,9 +119,11 @@ void export_ogg_free(struct export *x);
 void export_samples(const struct export *x, const struct media_segment *segment, uint32_t to,
                     void (*take)(void *ctx, const int16_t *pcm, size_t count), void *ctx);
 
-/* MP3 and FLAC by libsndfile; bare samples, 16 bit, little-endian, at EXPORT_PCM_RATE. */
+/* MP3 and FLAC by libsndfile; AAC in ADTS frames by vo-aacenc; bare samples, 16 bit,
+ * little-endian, at EXPORT_PCM_RATE. */
 enum { EXPORT_PCM_RATE = 24000 };
 void export_mp3_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_aac_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_flac_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_pcm_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_sound_end(struct export *x);

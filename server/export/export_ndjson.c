@@ -305,7 +305,7 @@ static void put_time(struct export *x, uint32_t k) {
  * columns of an eye belong to the eye whose shapes have the other name (protocol/arkit.md). */
 static void put_turns(struct export *x, const struct fap_frame *frame) {
     struct arkit_turns t = arkit_turns_of(frame);
-    const double turns[TURNS] = {-t.head_yaw,   t.head_pitch,   -t.head_roll,
+    const double turns[TURNS] = {t.head_yaw,    -t.head_pitch,  -t.head_roll,
                                  -t.eye_yaw[1], t.eye_pitch[1], 0,
                                  -t.eye_yaw[0], t.eye_pitch[0], 0};
     for (int i = 0; i < TURNS; i++)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sound in the formats of libsndfile (MP3, FLAC), and as bare samples. */
+/* Sound in the formats of libsndfile (MP3, FLAC), as AAC, and as bare samples. */
 #include "server/base/mem.h"
+#include "server/export/aac_coder.h"
 #include "server/export/export.h"
 #include <sndfile.h>
 #include <soxr.h>
@@ -10,18 +11,19 @@
 /* libsndfile's scale from the highest to the lowest bit rate: 64 kbit/s up to 24 kHz, 160 above. */
 #define MP3_LEVEL 0.6
 
-/* Rates of MPEG-1, MPEG-2 (ISO/IEC 13818-3) and 2.5; other sound is resampled for MP3. */
-static bool is_mpeg_rate(uint32_t rate) {
+/* The rate of sound in MP3 and AAC: its own if that is one of MPEG-1, MPEG-2 (ISO/IEC 13818-3) or 2.5. */
+static uint32_t mpeg_rate(uint32_t rate) {
     static const uint32_t rates[] = {8000, 11025, 12000, 16000, 22050, 24000, 32000, 44100, 48000};
     for (size_t i = 0; i < sizeof rates / sizeof *rates; i++)
         if (rates[i] == rate)
-            return true;
-    return false;
+            return rate;
+    return 24000;
 }
 
 struct sound_coder {
-    SNDFILE *file;   /* NULL: bare samples */
-    soxr_t resample; /* NULL: the voice's rate is kept */
+    SNDFILE *file;         /* NULL: AAC or bare samples */
+    struct aac_coder *aac; /* NULL: another format */
+    soxr_t resample;       /* NULL: the voice's rate is kept */
     uint32_t from, to;
     struct buf *out;
     bool streams;        /* `out` is consumed from the front */
@@ -88,6 +90,10 @@ static void begin_sound(struct export *x, uint32_t from, uint32_t to, int format
 }
 
 static void put_samples(struct sound_coder *c, const int16_t *pcm, size_t count) {
+    if (c->aac) {
+        aac_coder_put(c->aac, pcm, count);
+        return;
+    }
     if (c->file)
         sf_writef_short(c->file, pcm, (sf_count_t)count);
     else
@@ -119,7 +125,17 @@ static void put_sound(void *ctx, const int16_t *pcm, size_t count) {
 void export_mp3_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
     uint32_t rate = segment->audio->sample_rate;
     if (!x->coder)
-        begin_sound(x, rate, is_mpeg_rate(rate) ? rate : 24000, SF_FORMAT_MPEG | SF_FORMAT_MPEG_LAYER_III);
+        begin_sound(x, rate, mpeg_rate(rate), SF_FORMAT_MPEG | SF_FORMAT_MPEG_LAYER_III);
+    export_samples(x, segment, to, put_sound, x->coder);
+}
+
+void export_aac_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    uint32_t rate = segment->audio->sample_rate, coded = mpeg_rate(rate);
+    if (!x->coder) {
+        begin_sound(x, rate, coded, 0);
+        struct sound_coder *c = x->coder;
+        c->aac = aac_coder_new(coded, c->out);
+    }
     export_samples(x, segment, to, put_sound, x->coder);
 }
 
@@ -142,6 +158,8 @@ void export_sound_end(struct export *x) {
         return;
     if (c->resample)
         put_resampled(c, NULL, 0);
+    if (c->aac)
+        aac_coder_end(c->aac);
     if (c->file)
         sf_close(c->file);
     c->file = NULL;
@@ -153,6 +171,7 @@ void export_sound_free(struct export *x) {
         return;
     if (c->file)
         sf_close(c->file);
+    aac_coder_free(c->aac);
     soxr_delete(c->resample);
     free(c);
     x->coder = NULL;

@@ -12,7 +12,7 @@ export const sha256 = (file) => [{ alg: 'SHA-256', content: createHash('sha256')
 
 /** Third-party code that these packages contain, according to their licences (also named by web/package/pack.mjs). */
 const INSIDE = {
-  three: [['draco', 'Apache-2.0'], ['basis_universal', 'Apache-2.0'], ['meshoptimizer', 'MIT']],
+  three: [['draco', 'Apache-2.0'], ['basis_universal', 'Apache-2.0']],
   'opus-decoder': [['libopus', 'BSD-3-Clause']],
   '@vladmandic/human': [['@tensorflow/tfjs', 'Apache-2.0']],
 };

@@ -21,6 +21,7 @@ struct lexicons;
 struct library;
 struct live_pool;
 struct ear_pool;
+struct lip_network;
 
 /* All borrowed. */
 struct pipeline {
@@ -45,9 +46,10 @@ struct pipeline {
     struct coder_pool *coders;           /* coding threads; NULL = code on the loop */
     /* Texts of at least this many bytes are parsed on another thread; 0 = never. */
     size_t long_text;
-    struct live_pool *live; /* live voices; NULL = disabled */
-    struct ear_pool *ears;  /* recognition of listeners; NULL = disabled */
-    unsigned open_seconds;  /* an open text is closed after this many idle seconds; 0 = never */
+    struct live_pool *live;            /* live voices; NULL = disabled */
+    const struct lip_network *hearing; /* recogniser of visible sounds; NULL = none */
+    struct ear_pool *ears;             /* recognition of listeners; NULL = disabled */
+    unsigned open_seconds;             /* an open text is closed after this many idle seconds; 0 = never */
 };
 
 #endif

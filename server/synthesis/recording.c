@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
+#include "protocol/fba/fapfit.h"
+#include "protocol/fba/fba.h"
 #include "server/base/files.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -37,15 +39,28 @@ static int compare(const void *a, const void *b) {
     return strcoll(*(char *const *)a, *(char *const *)b);
 }
 
-/* Lists the files named *.fap of a folder, without the suffix, sorted. */
+static bool ends_in(const char *name, const char *ending) {
+    size_t size = strlen(name), length = strlen(ending);
+    return size > length && !strcmp(name + size - length, ending);
+}
+
+static char *with_ending(const char *name, size_t stem, const char *ending) {
+    char *path = mem_alloc(stem + strlen(ending) + 1);
+    sprintf(path, "%.*s%s", (int)stem, name, ending);
+    return path;
+}
+
+static const char *const face_endings[] = {".fap", ".fba"};
+enum { ENDING = 4 };
+
+/* Lists the files named *.fap and *.fba of a folder, sorted. */
 static void find(struct names *n, const char *folder, struct work_limit *limit) {
     DIR *dir = opendir(folder);
     while (dir && !work_limit_over(limit)) {
         const struct dirent *entry = readdir(dir);
-        size_t size = entry ? strlen(entry->d_name) : 0;
         if (!entry)
             break;
-        if (size <= 4 || strcmp(entry->d_name + size - 4, ".fap") != 0)
+        if (!ends_in(entry->d_name, face_endings[0]) && !ends_in(entry->d_name, face_endings[1]))
             continue;
         n->names = mem_grow(n->names, &n->cap, n->count + 1, sizeof *n->names);
         n->names[n->count++] = mem_strdup(entry->d_name);
@@ -58,16 +73,28 @@ static void find(struct names *n, const char *folder, struct work_limit *limit) 
 
 static int recording_sound_beside(const char *folder, const char *fap_path);
 
+/* Tells whether NAME.fba stands beside NAME.fap, which is the one that is played. */
+static bool is_second(const char *folder, const char *name) {
+    if (!ends_in(name, face_endings[1]))
+        return false;
+    char *first = with_ending(name, strlen(name) - ENDING, face_endings[0]);
+    FILE *file = open_file_below(folder, first);
+    if (file)
+        fclose(file);
+    free(first);
+    return file;
+}
+
 bool recording_list(const char *folder, struct work_limit *limit,
                     void (*each)(void *ctx, const char *name, bool sound), void *ctx) {
     struct names n = {0};
     find(&n, folder, limit);
     for (size_t i = 0; i < n.count; i++) {
         char *name = n.names[i];
-        bool wanted = !work_limit_over(limit);
+        bool wanted = !work_limit_over(limit) && !is_second(folder, name);
         FILE *file = wanted ? open_file_below(folder, name) : NULL;
         int sound = file ? recording_sound_beside(folder, name) : -1;
-        name[strlen(name) - 4] = '\0';
+        name[strlen(name) - ENDING] = '\0';
         if (file && recording_is_name(name))
             each(ctx, name, sound >= 0);
         if (file)
@@ -85,12 +112,12 @@ enum { CHANNELS_MAX = 8, BLOCK = 4096 };
 const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "mp3",
                                         "aiff", "aif",  "au",  "caf",  "w64", NULL};
 
-/* Opens the sound file beside a .fap, or returns -1. folder: see struct recording_source. */
+/* Opens the sound file beside the file of the face, or returns -1. folder: see struct recording_source. */
 static int recording_sound_beside(const char *folder, const char *fap_path) {
     size_t stem = strlen(fap_path);
     int fd = -1;
-    if (stem > 4 && !strcmp(fap_path + stem - 4, ".fap"))
-        stem -= 4;
+    if (ends_in(fap_path, face_endings[0]) || ends_in(fap_path, face_endings[1]))
+        stem -= ENDING;
     for (const char *const *ending = recording_sounds; fd < 0 && *ending; ending++) {
         size_t size = stem + strlen(*ending) + 2;
         char *path = mem_alloc(size);
@@ -200,18 +227,30 @@ int recording_source_in(struct recording_source *source, const char *folder, con
 
 /* Limit of processor time for reading a .fap, in s, and addition per megabyte of the largest allowed file:
  * many times what reading takes. */
-enum { READ_SECONDS = 10, READ_SECONDS_EACH = 2 };
+enum { READ_SECONDS = 10, READ_SECONDS_EACH = 2, FAP_TEXT_FRAME_BYTES = 2 * FAP_COUNT + 2 };
 
 static int told_why_stopped(struct recording *r, const struct work_limit *limit) {
     return limit->late ? error_set(&r->error, ERROR_MEDIA_TOO_LARGE, "reading the .fap file takes too long")
                        : error_set(&r->error, ERROR_CANCELLED, "the .fap file was not read");
 }
 
-/* Reads the .fap as text from its file. */
+/* Opens the file of the face; in a folder, NAME.fba where there is no NAME.fap. */
+static int open_face(struct recording_source *source) {
+    if (!source->folder)
+        return open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int fd = open_below(source->folder, source->fap_path, O_RDONLY);
+    if (fd >= 0)
+        return fd;
+    char *second = with_ending(source->fap_path, strlen(source->fap_path) - ENDING, face_endings[1]);
+    fd = open_below(source->folder, second, O_RDONLY);
+    free(second);
+    return fd;
+}
+
+/* Reads the file of the face into memory. */
 static int read_fap(struct recording *r, struct work_limit *limit) {
     struct recording_source *source = &r->source;
-    int fd = source->folder ? open_below(source->folder, source->fap_path, O_RDONLY)
-                            : open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int fd = open_face(source);
     struct stat status;
     ssize_t got = 1;
     if (fd < 0 || fstat(fd, &status) || !S_ISREG(status.st_mode)) {
@@ -239,23 +278,46 @@ static bool is_over(void *ctx) {
     return work_limit_over(ctx);
 }
 
-static int open_fap(struct recording *r) {
+static int read_text(struct recording *r, struct work_limit *limit) {
     struct fapfile_error wrong;
+    const struct buf *text = &r->source.fap;
+    int failed =
+        fapfile_read_until(text->size ? (char *)text->data : "", text->size, is_over, limit, &r->fap, &wrong);
+    if (failed && !work_limit_over(limit))
+        return error_at_line(&r->error, ERROR_BAD_FAP, wrong.line, wrong.column, "%s", wrong.message);
+    const struct fapfile_error *note = &r->fap.note;
+    if (!failed && note->message)
+        error_at_line(&r->note, ERROR_IGNORED, note->line, note->column, "%s", note->message);
+    return failed;
+}
+
+static int read_bitstream(struct recording *r, struct work_limit *limit, size_t bytes_max) {
+    struct fba_file file;
+    struct fba_error wrong;
+    /* as many frames as text of that size could have */
+    struct fba_limits limits = {.frames = bytes_max / FAP_TEXT_FRAME_BYTES, .stop = is_over, .ctx = limit};
+    limits.frames = limits.frames < FBA_FRAMES_MAX ? limits.frames : FBA_FRAMES_MAX;
+    int failed = fba_read(r->source.fap.data, r->source.fap.size, &limits, &file, &wrong);
+    if (failed && !work_limit_over(limit))
+        return error_at_byte(&r->error, ERROR_BAD_FAP, wrong.byte, "%s (bit %d)", wrong.message, wrong.bit);
+    if (!failed) {
+        fapfit_supply(file.interpolated, file.frames, file.count);
+        r->fap = (struct fapfile){.fps = file.fps, .count = file.count, .frames = file.frames};
+    }
+    return failed;
+}
+
+static int open_fap(struct recording *r) {
     struct buf *text = &r->source.fap;
     size_t most = r->source.fap_path ? r->source.fap_bytes_max : text->size;
     struct work_limit limit =
         work_limit_begin(&r->freed, READ_SECONDS + READ_SECONDS_EACH * (unsigned)(most >> 20));
     if (r->source.fap_path && read_fap(r, &limit))
         return -1;
-    int failed = fapfile_read_until(text->size ? (char *)text->data : "", text->size, is_over, &limit,
-                                    &r->fap, &wrong);
-    if (failed && work_limit_over(&limit))
-        return told_why_stopped(r, &limit);
+    int failed = fba_is(text->data, text->size) ? read_bitstream(r, &limit, r->source.fap_bytes_max)
+                                                : read_text(r, &limit);
     if (failed)
-        return error_at_line(&r->error, ERROR_BAD_FAP, wrong.line, wrong.column, "%s", wrong.message);
-    const struct fapfile_error *note = &r->fap.note;
-    if (note->message)
-        error_at_line(&r->note, ERROR_IGNORED, note->line, note->column, "%s", note->message);
+        return work_limit_over(&limit) ? told_why_stopped(r, &limit) : -1;
     buf_free(text);
     face_high_level_expand(r->high, r->fap.frames, r->fap.count);
     r->fps = round(r->fap.fps * 100) / 100; /* the protocol's precision */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording: a .fap file with its sound, as segments like those of a synthesis. Read on another thread,
- * piece by piece. */
+/* A recording: a face (a .fap file or an FBA bitstream of MPEG-4) with its sound, as segments like those of a
+ * synthesis. Read on another thread, piece by piece. */
 #ifndef FACCIA_SYNTHESIS_RECORDING_H
 #define FACCIA_SYNTHESIS_RECORDING_H
 
@@ -30,10 +30,10 @@ struct synthesis_callbacks;
 struct recording_source {
     char *name, *id;       /* display name; the client's id, or NULL */
     char *folder;          /* folder of the files: nothing outside is opened (files.h); NULL = any */
-    char *fap_path;        /* path of the .fap, within the folder if set; NULL = in memory */
+    char *fap_path;        /* path of the face, within the folder if set; NULL = in memory */
     char *sound_path;      /* NULL = in memory, or if that is empty, beside fap_path */
     struct buf fap, sound; /* file contents in memory */
-    size_t fap_bytes_max;  /* limit of a .fap file */
+    size_t fap_bytes_max;  /* limit of the file of the face */
 };
 
 void recording_source_free(struct recording_source *source);
@@ -41,7 +41,8 @@ void recording_source_free(struct recording_source *source);
 /* Accepted sound file suffixes: "wav"..., NULL-terminated. */
 extern const char *const recording_sounds[];
 
-/* Refers to NAME.fap and NAME.wav (or another of recording_sounds) in a folder. Returns -1 with *e
+/* Refers to NAME.fap, or else NAME.fba, and NAME.wav (or another of recording_sounds) in a folder. Returns -1
+ * with *e
  * ("bad-field", field "name") for an invalid name. */
 int recording_source_in(struct recording_source *source, const char *folder, const char *name,
                         struct error *e);
@@ -55,7 +56,7 @@ struct recording;
 
 /* Opens a recording and takes over the source's contents. reader decodes untrusted sound (sound_reader.h);
  * NULL = none. gate limits concurrent reading; NULL = no limit. high expands FAP 1 and 2; NULL = ignore
- * them. Segments and problems come as for a synthesis: "unknown-media", "bad-fap" (with its line),
+ * them. Segments and problems come as for a synthesis: "unknown-media", "bad-fap" (with its line or byte),
  * "bad-sound", "media-too-large". */
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
                                  const struct reader *reader, struct work_gate *gate,

@@ -424,10 +424,15 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
         .markdown_out = s->request.normalize != NORMALIZE_OFF && !s->request.passage &&
                         !s->request.languages && !s->request.speakers &&
                         s->request.dialogue != DIALOGUE_VOICES,
-        .verse_pauses = s->request.verse == VERSE_PAUSE,
+        .verse_pauses = s->request.verse != VERSE_RUN_ON,
         .affects = s->expressions ? expressions_affects(s->expressions) : NULL,
         .lexicons = s->pipeline->named_lexicons ? s->pipeline->named_lexicons->names : NULL,
         .lenient = !s->request.markup || !strcmp(s->request.markup, "auto")};
+}
+
+/* True if the voice looks the text up in its context, as recordings do: its words must stay as written. */
+static bool takes_as_written(const struct voice *voice) {
+    return voice->capabilities & FACCIA_VOICE_CONTEXT;
 }
 
 static void say_by_lexicons(const struct synthesis *s, struct reading_result *r, struct work_limit *limit) {
@@ -438,8 +443,7 @@ static void say_by_lexicons(const struct synthesis *s, struct reading_result *r,
     const char **langs = mem_alloc((r->score->item_count + 1) * sizeof *langs);
     for (size_t i = 0; i < r->score->item_count; i++) {
         const struct voice *voice = r->chosen->voices[i];
-        /* voices with context look recordings up by the original text, so it must not change */
-        bool any = voice && !(voice->capabilities & FACCIA_VOICE_CONTEXT);
+        bool any = voice && !takes_as_written(voice);
         langs[i] = any ? reading_lang(s, r->score->items[i].style->lang, voice->lang) : NULL;
     }
     size_t *was = lexicons_apply(all, named, r->score, langs, (const void *const *)r->chosen->voices, limit);
@@ -458,7 +462,8 @@ void synthesis_normalize(const struct synthesis *s, struct score *script,
     const char **langs = mem_alloc((in->count + 1) * sizeof *langs);
     for (size_t i = 0; i < in->count; i++) {
         const struct voice *voice = chosen->voices[in->first + i];
-        langs[i] = voice ? reading_lang(s, script->items[in->first + i].style->lang, voice->lang) : NULL;
+        bool any = voice && !takes_as_written(voice);
+        langs[i] = any ? reading_lang(s, script->items[in->first + i].style->lang, voice->lang) : NULL;
     }
     if (s->request.normalize == NORMALIZE_OFF)
         for (size_t i = 0; i < in->count; i++)
@@ -506,6 +511,8 @@ static void add_affect(struct score *script, const char *name) {
     score_order_cues(script);
 }
 
+#define SCANNED_SPEED 0.8 /* of verse that is scanned */
+
 static void set_speed(struct score *script, double speed) {
     const struct score_style *last = NULL, *kept = NULL;
     for (size_t i = 0; i < script->item_count; i++) {
@@ -527,8 +534,10 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r, struc
         r->marks |= r->score->items[i].kind == SCORE_MARK;
     if (s->request.affect)
         add_affect(r->score, s->request.affect);
-    if (s->request.speed > 0)
-        set_speed(r->score, s->request.speed);
+    double speed =
+        (s->request.speed > 0 ? s->request.speed : 1) * (s->request.verse == VERSE_SCAN ? SCANNED_SPEED : 1);
+    if (speed != 1)
+        set_speed(r->score, speed);
     r->blend = blend_of(s->request.blend, r->score);
     if (s->expressions)
         expressions_direct(s->expressions, r->score);

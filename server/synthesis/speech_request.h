@@ -39,7 +39,7 @@ enum speech_blend {
 enum speech_normalize { NORMALIZE_ON, NORMALIZE_OFF };
 
 /* How lines that end without punctuation are read. */
-enum speech_verse { VERSE_RUN_ON, VERSE_PAUSE };
+enum speech_verse { VERSE_RUN_ON, VERSE_PAUSE, VERSE_SCAN };
 
 /* Whether the speakers of a passage have the voices of the work's cast. */
 enum speech_cast {

@@ -146,7 +146,7 @@ static void read_text(struct synthesis *s) {
         return;
     }
     if (!speakers && s->request.dialogue == DIALOGUE_VOICES && !strcmp(s->markup->name, "plain"))
-        dialogue_find(&s->speakers, s->request.text, s->request.text_size);
+        dialogue_find(&s->speakers, s->request.text, s->request.text_size, synthesis_lang(s));
     rules.runs = &runs;
     rules.speakers = &s->speakers;
     rules.limit = &limit;

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/base/sound/wav_file.h"
 #include "server/bridges/bridge.h"
-#include "server/bridges/remote_internal.h"
-#include "server/http/websocket_client.h"
+#include "server/bridges/live_line.h"
 #include <curl/curl.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <math.h>
 #include <poll.h>
 #include <sndfile.h>
@@ -20,16 +19,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* ---- the stream to the daemon (protocol/README.md, "WebSocket"): JSON in both directions, sound to the
- * daemon ---- */
-
-struct live_line;
-
-struct live_line_calls {
-    void (*message)(void *ctx, const json_t *message);
-    void (*lost)(void *ctx, const char *why); /* last call */
-};
 
 /* ---- sound source, paced in real time: a microphone through a pipe as raw samples, or a file of
  * libsndfile ---- */
@@ -177,118 +166,6 @@ static bool live_sound_read(struct live_sound *s, uint64_t now, struct buf *samp
     return !count || (s->file ? read_file(s, count, samples) : read_pipe(s, count, samples));
 }
 
-enum { ASK_MS = 5000 };
-
-static const char stream_path[] = "/v1/stream";
-
-struct live_line {
-    struct websocket_client *client;
-    struct live_line_calls calls;
-    void *ctx;
-    bool open, lost, asked;
-    char why[400];
-};
-
-static void on_open(void *ctx) {
-    struct live_line *l = ctx;
-    l->open = true;
-}
-
-static void on_text(void *ctx, const char *text, size_t size) {
-    struct live_line *l = ctx;
-    json_t *message = json_loadb(text, size, 0, NULL);
-    if (message)
-        l->calls.message(l->ctx, message);
-    json_decref(message);
-}
-
-static void on_lost(void *ctx, const char *why) {
-    struct live_line *l = ctx;
-    bool was_open = l->open && !l->lost;
-    l->lost = true;
-    snprintf(l->why, sizeof l->why, "%s", why);
-    if (was_open)
-        l->calls.lost(l->ctx, "the daemon closed the connection");
-}
-
-static void on_refused(void *ctx, const struct remote_answer *answer) {
-    struct live_line *l = ctx;
-    bool own = answer->status && answer->status != 426 && json_object_get(answer->body, "message");
-    l->asked = true;
-    snprintf(l->why, sizeof l->why, "%s", own ? answer->why : "this is not a faccia daemon's stream");
-}
-
-/* libwebsockets discards the response of a failed handshake, so asks the daemon again by HTTP for the
- * reason. */
-static void ask_why(struct live_line *l, uv_loop_t *loop, const struct daemon_address *place,
-                    const struct remote_member *members) {
-    struct remote *remote = remote_new(loop, place->url, place->token);
-    uint64_t until = uv_now(loop) + ASK_MS;
-    snprintf(l->why, sizeof l->why, "this is not a faccia daemon's stream");
-    remote_fetch(remote, stream_path, members, NULL, NULL, NULL, on_refused, l);
-    while (!l->asked && uv_now(loop) < until)
-        uv_run(loop, UV_RUN_ONCE);
-    remote_free(remote);
-}
-
-static void live_line_close(struct live_line *l);
-
-static void live_line_free(struct live_line *l);
-
-/* Waits for the connection. NULL after a message. The callbacks must not close it. */
-static struct live_line *live_line_open(uv_loop_t *loop, const struct daemon_address *place,
-                                        const struct remote_member *members,
-                                        const struct live_line_calls *calls, void *ctx) {
-    static const struct websocket_calls own = {on_open, on_text, on_lost};
-    struct live_line *l = mem_alloc(sizeof *l);
-    struct buf url = {0};
-    *l = (struct live_line){.calls = *calls, .ctx = ctx};
-    snprintf(l->why, sizeof l->why, "not a daemon's address such as http://127.0.0.1:8080");
-    remote_address(&url, place->url, stream_path, members);
-    buf_add(&url, "", 1);
-    if (!strncmp(place->url, "http://", 7) || !strncmp(place->url, "https://", 8))
-        l->client = websocket_client_new(loop, (const char *)url.data, place->token, false, &own, l);
-    while (l->client && !l->open && !l->lost)
-        uv_run(loop, UV_RUN_ONCE);
-    if (l->client && !l->open && strcmp(l->why, websocket_unreachable) != 0)
-        ask_why(l, loop, place, members);
-    buf_free(&url);
-    if (l->open)
-        return l;
-    fprintf(stderr, "faccia-live: %.200s: %s\n", place->url, l->why);
-    live_line_close(l);
-    uv_run(loop, UV_RUN_DEFAULT); /* until its handles are closed */
-    live_line_free(l);
-    return NULL;
-}
-
-/* Run the loop until it is empty before freeing the line. */
-static void live_line_close(struct live_line *l) {
-    websocket_client_close(l->client);
-}
-
-static void live_line_free(struct live_line *l) {
-    websocket_client_free(l->client);
-    free(l);
-}
-
-/* Sends a message; takes ownership. */
-static void live_line_tell(struct live_line *l, json_t *message) {
-    char *text = json_dumps(message, JSON_COMPACT);
-    websocket_client_text(l->client, text, strlen(text));
-    free(text);
-    json_decref(message);
-}
-
-static void live_line_sound(struct live_line *l, const void *bytes, size_t size) {
-    websocket_client_binary(l->client, bytes, size);
-}
-
-/* True when everything has been sent. Queue at most one piece of sound. */
-static bool live_line_is_free(const struct live_line *l) {
-    return !websocket_client_unsent(l->client);
-}
-
 /* faccia-live: streams a live voice into a room, from a microphone, a pipe or a file. */
 
 static const char usage[] =
@@ -367,7 +244,7 @@ static void on_tick(uv_timer_t *timer) {
     struct live *l = timer->data;
     struct buf samples = {0};
     bool more = true;
-    if (!live_line_is_free(l->line))
+    if (live_line_unsent(l->line))
         return;
     if (!live_sound_flows(l->sound) && (!l->begun || l->paused))
         add_silence(l, &samples);
@@ -446,7 +323,7 @@ static int run(struct live *l, const struct daemon_address *place) {
     if (!l->sound)
         return EXIT_FAILED;
     uv_loop_init(&l->loop);
-    if (!(l->line = live_line_open(&l->loop, place, members, &calls, l))) {
+    if (!(l->line = live_line_open(&l->loop, "faccia-live", place, members, &calls, l))) {
         uv_loop_close(&l->loop);
         return EXIT_FAILED;
     }
@@ -551,7 +428,7 @@ int main(int argc, char **argv) {
     curl_global_init(CURL_GLOBAL_DEFAULT);
     daemon_address_open(&place);
     daemon_address_make_id(l.id, sizeof l.id);
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "r:u:iqp:t:l:e:h", options, NULL)) != -1;)
+    for (int c; status < 0 && (c = options_next(argc, argv, "r:u:iqp:t:l:e:h", options, NULL)) != -1;)
         status = read_option(&l, &place, c);
     if (status < 0 && optind + 1 != argc)
         status = (fputs(usage, stderr), EXIT_USAGE);

@@ -2,11 +2,11 @@
 /* faccia-lva: a face for Linux Voice Assistant, using its peripheral API
  * (github.com/OHF-Voice/linux-voice-assistant, docs/peripheral_api.md). */
 #include "server/base/log.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/bridges/bridge.h"
 #include "server/bridges/speech_client.h"
 #include "server/http/websocket_client.h"
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,7 +124,7 @@ static void act(struct assistant *a, const char *event, const json_t *data) {
     if (!strcmp(event, "tts_text")) {
         const char *text = text_of(data, "text");
         show(a, rest(a), speaks(a) ? NULL : text);
-        if (speaks(a) && *text)
+        if (speaks(a) && bridge_has_words(text))
             say(a, text, NULL);
         return;
     }
@@ -213,7 +213,7 @@ int main(int argc, char **argv) {
     int status = -1;
     program_begin();
     daemon_address_open(&place);
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "a:r:s:l:v:u:h", options, NULL)) != -1;) {
+    for (int c; status < 0 && (c = options_next(argc, argv, "a:r:s:l:v:u:h", options, NULL)) != -1;) {
         if (c == 'a')
             url = optarg;
         else if (c == 'r')

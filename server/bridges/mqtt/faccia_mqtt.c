@@ -2,11 +2,11 @@
 /* faccia-mqtt: connects rooms of a daemon to an MQTT broker. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/bridges/bridge.h"
 #include "server/bridges/mqtt/mqtt_bridge.h"
 #include <ctype.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +92,7 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
                                             {"token-file", 1, NULL, TOKEN_FILE},
                                             {0}};
     int status = -1;
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "r:b:u:h", options, NULL)) != -1;) {
+    for (int c; status < 0 && (c = options_next(argc, argv, "r:b:u:h", options, NULL)) != -1;) {
         if (c == 'r')
             status = take_room(o, optarg);
         else if (c == 'b')

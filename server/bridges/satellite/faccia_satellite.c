@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia-satellite: a room's microphone and face, as a satellite of a voice assistant. */
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/bridges/satellite/satellite.h"
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,7 +112,7 @@ static int read_options(struct program *p, int argc, char **argv) {
                                             {0}};
     struct satellite *s = &p->satellite;
     int status = -1;
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "l:r:n:s:w:u:h", options, NULL)) != -1;) {
+    for (int c; status < 0 && (c = options_next(argc, argv, "l:r:n:s:w:u:h", options, NULL)) != -1;) {
         if (c == 'l')
             p->listen = optarg;
         else if (c == 'r')

@@ -360,7 +360,7 @@ static void say(struct satellite *s, const char *text, const char *lang) {
 static void on_synthesize(struct satellite *s, const json_t *data) {
     const char *text = member(data, "text");
     const char *lang = json_string_value(json_object_get(json_object_get(data, "voice"), "language"));
-    if (s->speech != SATELLITE_FACE || s->sounds || !text[strspn(text, " \t\r\n")])
+    if (s->speech != SATELLITE_FACE || s->sounds || !bridge_has_words(text))
         return;
     s->face_speaks = true;
     say(s, text, lang);

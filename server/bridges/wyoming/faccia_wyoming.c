@@ -3,11 +3,11 @@
 #include "server/base/json/wyoming_event.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/options.h"
 #include "server/base/program.h"
 #include "server/bridges/bridge.h"
 #include "server/bridges/remote.h"
 #include "server/bridges/speech_client.h"
-#include <getopt.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -241,7 +241,7 @@ static void on_fetched(void *ctx, const struct remote_answer *answer) {
     if (answer->status == 200)
         give_back(c, 1);
     else if (!code || strcmp(code, "empty-text") != 0) /* a text without words is not an error */
-        fail(c, answer->why, "synthesis");
+        fail(c, answer->why, code ? code : "synthesis");
     c->sound.size = 0;
     if (!c->failed && (!c->streams || c->closed_text))
         finish(c);
@@ -278,7 +278,9 @@ static void speak(struct wyoming_client *c, const char *text) {
         c->said = speech_client_say(w->client, &there, on_said, c);
     c->fetch = text ? remote_fetch(w->remote, "/v1/speech", here, type, text, on_bytes, on_fetched, c)
                     : remote_begin(w->remote, "/v1/speech", here, type, on_bytes, on_fetched, c);
-    remote_speak_anyway(c->fetch, other);
+    if (!voice) /* an unknown voice is an error to the caller, as in Wyoming's own servers; the room speaks
+                   anyway */
+        remote_speak_anyway(c->fetch, other);
     if (c->said)
         remote_speak_anyway(c->said, other);
 }
@@ -325,7 +327,7 @@ static void close_text(struct wyoming_client *c) {
 
 static void speak_whole(struct wyoming_client *c, const json_t *data) {
     const char *text = take_text(c, data);
-    if (text && text[strspn(text, " \t\r\n")])
+    if (text && bridge_has_words(text))
         speak(c, text);
     else if (text)
         finish(c);
@@ -496,7 +498,7 @@ int main(int argc, char **argv) {
     int status = -1;
     program_begin();
     daemon_address_open(&place);
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "l:r:u:h", options, NULL)) != -1;) {
+    for (int c; status < 0 && (c = options_next(argc, argv, "l:r:u:h", options, NULL)) != -1;) {
         if (c == 'l')
             where = optarg;
         else if (c == 'r')

@@ -14,31 +14,33 @@
  * little fuller. */
 #define SIDE_OPENING 0.8
 
-/* Rounded lips protrude and touch each other from the corners inwards, leaving a hole of about a quarter of
+/* Rounded lips protrude and touch each other from the corners inwards, leaving a hole of about a third of
  * their width open, while the corners move only 2 or 3 mm. Rounding grows with narrowing and protrusion, and
  * needs parted teeth. With a raised upper lip (/S/) the lips form a funnel instead, whose square opening
  * shows the teeth: it is short, but as high at the sides as in the middle. */
-#define ROUND_NARROW 1.7     /* mm of AR, and */
-#define ROUND_PUSH 1.2       /* mm of protrusion at which lips are fully rounded */
-#define FLARE_FROM 1.7       /* mm of LS at which a funnel starts */
-#define FLARE_FULL 2.3       /* and is complete */
-#define TEETH_MET 1.0        /* mm of EM at which rounding starts, because it needs parted teeth, */
-#define TEETH_APART 2.5      /* and at which it is complete */
-#define ROUND_SHARE 0.4      /* the sides open less by this share of the opening */
-#define ROUND_SIDE 2.5       /* and these mm */
-#define ROUND_INNER_CORNER 3 /* mm that each inner corner goes in beyond the outer one */
+#define ROUND_NARROW 1.7       /* mm of AR, and */
+#define ROUND_PUSH 1.2         /* mm of protrusion at which lips are fully rounded */
+#define FLARE_FROM 1.7         /* mm of LS at which a funnel starts */
+#define FLARE_FULL 2.3         /* and is complete */
+#define TEETH_MET 1.0          /* mm of EM at which rounding starts, because it needs parted teeth, */
+#define TEETH_APART 2.5        /* and at which it is complete */
+#define ROUND_SHARE 0.72       /* the sides open less by this share of the opening */
+#define ROUND_INNER_CORNER 3.0 /* mm that each inner corner goes in beyond the outer one */
 /* mm that the middle of the lower lip gives way: pushed lips roll into the opening */
 #define ROUND_DROP 1.5
-#define ROUND_LOW 0.9      /* mm that both lips hang lower before the teeth, */
-#define ROUND_LOW_SIDE 2.0 /* and half-way to the corners, under which the hole is arched */
-#define ROUND_BULGE 0.7    /* mm that the red of each lip becomes wider */
-#define FUNNEL_NARROW 1.2  /* mm of AR at which lips that are not rounded form a full funnel */
-#define FUNNEL_CORNER 5.0  /* mm that each inner corner goes in beyond the outer one */
-#define FUNNEL_SIDE 1.15   /* factor on the opening half-way to the corners */
-#define FUNNEL_LIFT 0.9    /* mm that the upper lip turns up, */
-#define FUNNEL_DROP 0.5    /* and the lower lip down, */
-#define FUNNEL_OPEN 3.0    /* from an opening of these mm on wholly */
-#define FUNNEL_BULGE 0.8   /* mm that the red of each becomes wider */
+/* Both lips lie so that the hole is over the gap between the teeth, mm that they hang lower: */
+#define ROUND_LOW_PER_JAW 0.5 /* for each mm of the jaw */
+#define ROUND_LOW_FROM 4.5    /* beyond these, */
+#define ROUND_LOW_MOST 0.9    /* at most, either way; */
+#define ROUND_LOW_SIDE 1.1    /* and that more half-way to the corners, under which the hole is arched */
+#define ROUND_BULGE 0.7       /* mm that the red of each lip becomes wider */
+#define FUNNEL_NARROW 1.2     /* mm of AR at which lips that are not rounded form a full funnel */
+#define FUNNEL_CORNER 5.0     /* mm that each inner corner goes in beyond the outer one */
+#define FUNNEL_SIDE 1.15      /* factor on the opening half-way to the corners */
+#define FUNNEL_LIFT 0.9       /* mm that the upper lip turns up, */
+#define FUNNEL_DROP 0.5       /* and the lower lip down, */
+#define FUNNEL_OPEN 3.0       /* from an opening of these mm on wholly */
+#define FUNNEL_BULGE 0.8      /* mm that the red of each becomes wider */
 
 /* Secondary motion, mm per mm. */
 #define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */
@@ -128,15 +130,17 @@ static struct pursing pursing_of(const struct speech_fapu *fapu, const double fa
 }
 
 /* Returns how far both lips are lowered beyond their parameters, mm. */
-static double lowered(int pair, double width, double open, double round) {
-    return (pair == MIDDLE ? ROUND_LOW : ROUND_LOW_SIDE) * round +
+static double lowered(int pair, double width, double open, double jaw, double round) {
+    double low = ROUND_LOW_PER_JAW * (jaw - ROUND_LOW_FROM);
+    return (fmin(fmax(low, -ROUND_LOW_MOST), ROUND_LOW_MOST) + (pair == MIDDLE ? 0 : ROUND_LOW_SIDE)) *
+               round +
            LOW_PER_SPREAD * positive(width) * smoothstep(open / LOW_FROM);
 }
 
 /* Opening half-way to the corner for one in the middle, mm. */
 static double side_opening(double middle, struct pursing p) {
     double side = SIDE_OPENING * middle * (1 + (FUNNEL_SIDE - 1) * p.funnel);
-    return side > 0 ? positive((1 - ROUND_SHARE * p.round) * side - ROUND_SIDE * p.round) : side;
+    return side > 0 ? (1 - ROUND_SHARE * p.round) * side : side;
 }
 
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
@@ -153,7 +157,7 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
     for (int i = 0; i < PAIRS; i++) {
         double part = i == MIDDLE ? 1 : side, at_corner = i == MIDDLE ? 0 : (1 - side) * corner;
         double up = part * mm[PARAM_LS] + at_corner, down = part * mm[PARAM_LI] - at_corner;
-        double low = lowered(i, mm[PARAM_AR], open, round), drop = i == MIDDLE ? ROUND_DROP * round : 0;
+        double low = lowered(i, mm[PARAM_AR], open, jaw, round), drop = i == MIDDLE ? ROUND_DROP * round : 0;
         faps[pairs[i].upper] -= (up - low + FUNNEL_LIFT * turned) * mns;
         faps[pairs[i].lower] -= (down + low + drop + FUNNEL_DROP * turned) * mns;
         /* Opening thins the lips; closing is handled by fapmap_part_lips. */
@@ -255,7 +259,7 @@ void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, 
     double most = (FUNNEL_LIFT + FUNNEL_DROP) * purse.funnel; /* mm that turned lips open more */
     double part = fmin(positive(open) / (FUNNEL_OPEN + most), 1), turned = purse.funnel * part;
     open -= most * part;
-    double low = lowered(MIDDLE, mm[PARAM_AR], open, round);
+    double low = lowered(MIDDLE, mm[PARAM_AR], open, jaw, round);
     mm[PARAM_LS] = low - v[4] * mns - FUNNEL_LIFT * turned;
     mm[PARAM_LI] = -v[5] * mns - low - ROUND_DROP * round - FUNNEL_DROP * turned;
     mm[PARAM_PI] = v[16] * mns;
