@@ -36,7 +36,7 @@ try {
 
 async function build() {
   const recipe = readRecipe(recipeFile);
-  if (options.draft) for (const texture of Object.values(recipe.textures)) texture.size /= 4;
+  if (options.draft) for (const texture of Object.values(recipe.textures)) if (texture.paint !== 'strands') texture.size /= 4;
   const head = await buildHead(openAssets(modules), recipe);
   const text = Buffer.from(JSON.stringify(head));
   const packed = zlib.gzipSync(text, { level: 9, memLevel: 9 });

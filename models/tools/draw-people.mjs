@@ -5,9 +5,9 @@ import fs from 'node:fs';
 import path from 'node:path';
 import sharp from 'sharp';
 
-const TILE = { width: 270, height: 351 };
+const TILE = { width: 216, height: 281 };
 const NAME = 34; // height of the line below
-const COLUMNS = 4;
+const COLUMNS = 5;
 const PAPER = '#e4dacd',
   INK = '#26201c';
 

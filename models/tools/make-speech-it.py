@@ -46,9 +46,9 @@ UPPER_CLOSED = {"p": -0.8, "b": -0.6, "m": -0.5}
 # JASA 95, 1994; Mooshammer, Hoole and Geumann, Language and Speech 50, 2007); mm of the lower incisors by articulograph of English
 # speakers, rounded. Sibilants hold the jaw against any neighbour, labials hardly. Close vowels are closer than the chin says.
 JAW = {"p": 3.5, "b": 3.5, "m": 3.5, "t": 2.4, "d": 2.4, "s": 1.3, "z": 1.3, "ts": 1.3, "dz": 1.3, "tʃ": 1.3, "dʒ": 1.3, "ʃ": 1.3,
-       "f": 2.5, "v": 2.5, "ɡ": 4.0, "k": 4.0, "w": 4.0}
-# So are /e/ and /ɛ/: people's lower teeth show above the lower lip.
-JAW_OF_CLOSE = {"i": 0.5, "e": 0.7, "E": 0.78, "u": 0.9, "y": 0.9}
+       "f": 2.5, "v": 2.5, "ɡ": 4.0, "k": 4.0, "w": 4.8}
+# So are /e/ and /ɛ/: people's lower teeth show above the lower lip. /u/ is more open, because its hole shows hardly any teeth.
+JAW_OF_CLOSE = {"i": 0.5, "e": 0.7, "E": 0.78, "u": 1.1, "y": 1.1}
 
 # Rounded lips come 3 mm forward in a clearly said /u/. Rounding is seen by the shape of the opening (server/face/engines/fapmap.c); the
 # corners go in by LW as it is.
@@ -58,11 +58,12 @@ ROUNDING = {"AR": 0.5, "PI": 1.3, "PS": 1.3}
 # protrusion a quarter less.
 ROLL = 0.25 / 1.5
 
-# Rounded close vowels are closed a little further than the over-articulating speakers have them: a lip reader tells /u/ from /o/ by the
-# opening first. The lower lip of /i/ is drawn down nearly as far as was measured, so that teeth show, which a speaker by articulograph
-# does, too; halfway, so that /i/ stays apart from /e/.
-CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
+# Rounded close vowels open a little more than the speakers' markers, whose lips roll further than the drawn ones: people's holes of /u/ are
+# 60 to 86 mm² (Fant, Story); a lip reader tells /u/ from /o/ by the opening first. /w/ likewise. The lower lip of /i/ is drawn down nearly as
+# far as was measured, so that teeth show, which a speaker by articulograph does, too; halfway, so that /i/ stays apart from /e/.
+CLOSE = {"i": 0.82, "u": 1.2, "y": 1.15}
 LOWER_CLOSE = {**CLOSE, "i": 0.91}
+OPENED = {"w": 1.4}
 
 # The markers sit on the skin and hardly tell /o/ from /a/: a factor makes its rounding seen.
 ROUNDED = {"o": {"AR": 1.7, "PI": 1.5, "PS": 1.5}}
@@ -180,11 +181,13 @@ def consonant_table(rows, ipa, row, **override):
         for v in CONSONANT_CONTEXTS:
             T, t = override[p](v) if p in override else target(rows, p, row, [v])
             if p not in override and p == "LS":
-                T = raised(rows, row, [v]) * LIFT.get(ipa, 1)
+                T = raised(rows, row, [v]) * LIFT.get(ipa, 1) * OPENED.get(ipa, 1)
             elif p not in override and p == "EM":
                 T = JAW.get(ipa, T)
             elif p not in override and p == "LI" and ipa in ROLLED:
                 T *= 1 - 1.5 * ROLL
+            elif p not in override and p == "LI":
+                T *= OPENED.get(ipa, 1)
             table[p][v] = entry(T, t)
         table[p] = squeeze(table[p])
     for p, T in tongue_of_consonant(ipa).items():
@@ -267,6 +270,7 @@ LOWER_SPREAD = shape(1, 1, 18, 1)
 ROUND = shape(1, 1, (4, 9), 1)
 WEAK = shape(0.1, 0.1, 8, 1)
 SIBILANT_JAW = shape(1, 1, 12, 1)
+FLARE = shape(1, 1, 15, 1) # of the upper lip
 CORONAL_JAW = shape(1, 1, 15, 1)
 # The tongue of vowels; the tip of consonants that need it is faster than anything else in the mouth.
 TONGUE_OF_VOWELS = (shape(1, 1, 8, 1), SPREAD, shape(1, 1, 10, 1))
@@ -296,9 +300,10 @@ GROUPS = {
     "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK, jaw=SIBILANT_JAW, tongue=TIP)),
     # /t/ moves like /ts dz/, /d/ like /tS dZ/: see the phones.
     "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK, jaw=CORONAL_JAW, tongue=TIP)),
-    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
+    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), upper=FLARE, jaw=SIBILANT_JAW, tongue=BLADE)),
     "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1), tongue=BODY)),
-    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
+    # The funnel resists: it stays one beside /i ɪ/.
+    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(1, 1, 8, 1), upper=FLARE, jaw=SIBILANT_JAW, tongue=BLADE)),
     "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1), tongue=BODY)),
     "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE, tongue=TIP)),
     "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK, jaw=CORONAL_JAW, tongue=TIP)),

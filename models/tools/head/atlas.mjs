@@ -80,7 +80,7 @@ function islands({ uv, index }) {
 
 /**
  * Lays out a texture that is painted on the surface: all islands at one scale in millimetres, on shelves, as large as possible. Removed faces take no room.
- * @param {{uv: number[], index: number[], position: ArrayLike<number>}} part its `uv` is replaced
+ * @param {{uv: number[], index: number[], position: ArrayLike<number>}} part its `uv` is replaced; its `side` becomes that of the texture in mm
  */
 export function packIslands(part) {
   const used = new Set(part.index);
@@ -98,6 +98,7 @@ export function packIslands(part) {
       uv[v * 2 + 1] = (y + place[i][1]) / side;
     });
   part.uv = uv;
+  part.side = side;
 }
 
 const GUTTER = 4; // mm

@@ -3,6 +3,8 @@
  * Cards: narrow strips with a few hairs each. They are added to a part of hair, and share its picture: their hairs are painted
  * in a square of it that the part leaves free.
  */
+import { cross, dot, unit } from '../lib/vector.mjs';
+
 const CELLS = 64; // along a side of the picture
 const SIDES = [20, 16, 12, 10, 8, 6]; // of a free square, in cells, the largest first
 const MARGIN = 1; // cells to what the part shows
@@ -69,9 +71,6 @@ export function withCards(part, cards) {
   return out;
 }
 
-const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0);
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-export const unit = (v) => v.map((x) => x / (Math.hypot(...v) || 1));
 export const along = (v, n) => v.map((x, k) => x - dot(v, n) * n[k]);
 
 /**

@@ -12,7 +12,12 @@ import { makeTeeth } from './teeth.mjs';
 import { tongueActions } from './actions/act-tongue.mjs';
 import { readBase } from './assets.mjs';
 import { layOut, packIslands } from './atlas.mjs';
+import { lowered, warpParts } from './body/arms.mjs';
+import { applyBreath, breathing } from './body/breath.mjs';
+import { modelNeck } from './body/neck.mjs';
+import { thickened } from './body/thicken.mjs';
 import { layCollar } from './collar.mjs';
+import { growHair } from './hair/grow.mjs';
 import { eyePart } from '../lib/eye.mjs';
 import { readTopology } from '../lib/hm08.mjs';
 import { addMoustache } from './moustache.mjs';
@@ -30,6 +35,10 @@ import { addWisps } from './wisps.mjs';
 
 /** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
 const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
+const HAIR_AT = 6; // its place among the parts
+
+/** Parts with a body. */
+const BREATHES = ['skin', 'clothes'];
 
 /** Smaller displacements (mm per mm of the FAP) are omitted. */
 const LEAST_MOVE = 2e-3;
@@ -74,8 +83,15 @@ export async function buildHead(assets, given) {
   tongueActions(actions, ctx, recipe.faps.tongue);
   const head = headTurns(ctx, recipe.faps.head);
 
+  ctx.warp = lowered(ctx, recipe.body.arms);
   const parts = makeParts(ctx, recipe, eyeSpec);
+  warpParts(parts, ctx.warp);
+  parts.forEach(({ name }, i) => {
+    if (recipe.parts[name].hem) parts[i] = thickened(parts[i], recipe.parts[name].hem);
+  });
   parts[0] = refine(parts[0], skinDetail(ctx, parts[0], recipe.parts.skin), alongLips(topology.mouth));
+  parts[0] = modelNeck(parts[0], ctx, parts.find(({ name }) => name === 'clothes'), recipe.skin.neck);
+  if (recipe.parts.hair.grown) parts.splice(HAIR_AT, 0, growHair(parts[0], parts.filter(({ name }) => name === 'clothes'), ctx.fdp, recipe.parts.hair.grown));
   layOut(parts[0], recipe.skin.atlas);
   const [whole] = parts;
   parts.splice(0, 1, ...cutCavity(ctx, whole));
@@ -88,6 +104,7 @@ export async function buildHead(assets, given) {
   for (const part of parts) {
     if (recipe.parts[part.name].follows) applyActions(part, actions, LEAST_MOVE);
     applyHeadTurns(part, head);
+    if (BREATHES.includes(part.name)) applyBreath(part, breathing(ctx));
     part.material = recipe.parts[part.name].material;
   }
   const textures = await makeTextures({ ctx, recipe, parts: [whole, ...parts.slice(1)], eyeSpec });
@@ -175,13 +192,14 @@ function makeParts(ctx, recipe, eyeSpec) {
   const others = Object.keys(spec).filter((name) => !ALWAYS.includes(name));
   const worn = others.map((name) => laid(ctx, proxyPart(ctx, name, spec[name]), spec[name]));
   const clothes = worn.find((part) => part.name === 'clothes');
+  const skin = skinPart(ctx, spec.skin, clothes?.proxy.hides);
   return [
-    skinPart(ctx, spec.skin, clothes?.proxy.hides),
+    skin,
     eyePart('eye_l', ctx.eyes.l, eyeSpec, { thrust: 27, dilate: 29 }),
     eyePart('eye_r', ctx.eyes.r, eyeSpec, { thrust: 28, dilate: 30 }),
     ...makeTeeth(ctx, ctx.figures, ctx.teeth),
     proxyPart(ctx, 'tongue', spec.tongue),
-    proxyPart(ctx, 'hair', spec.hair),
+    ...(spec.hair.grown ? [] : [proxyPart(ctx, 'hair', spec.hair)]), // what is grown stands on the refined skin
     proxyPart(ctx, 'brows', spec.brows),
     proxyPart(ctx, 'lashes', spec.lashes),
     ...worn,

@@ -25,7 +25,7 @@ export function roundLobes(p, body, fdp) {
     for (const v of near) {
       const out = (side * (p[3 * v] - lobe[0])) / width;
       const low = 1 - smoothstep(0, HIGH, p[3 * v + 1] - lobe[1]);
-      const across = (out - LOWEST) / (1 - LOWEST);
+      const across = Math.min(1, (out - LOWEST) / (1 - LOWEST));
       const along = Math.min(1.2, Math.abs(p[3 * v + 2] - middle) / half);
       p[3 * v + 1] += (width / WIDE) * low * smoothstep(-0.1, 0.15, out) * (RISE * across * across + ENDS * along * along - SINK);
     }

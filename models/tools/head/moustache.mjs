@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** A moustache: cards on the skin between nose and upper lip, which move as the skin at their roots. */
 import { normals } from '../lib/mesh.mjs';
-import { along, dice, KINDS, layCard, scatter, unit, withCards } from './cards.mjs';
+import { unit } from '../lib/vector.mjs';
+import { along, dice, KINDS, layCard, scatter, withCards } from './cards.mjs';
 
 const SEED = 20260202;
 const RADIUS = 60; // mm, of the face there
@@ -31,7 +32,7 @@ export function addMoustache(beard, skin, fdp, look) {
     const n = [...ns.subarray(3 * v, 3 * v + 3)];
     if (n[2] < AHEAD) continue; // the inside of the lip
     const out = q[0] / end;
-    const direction = unit(along([1.5 * out + 0.25 * Math.sign(out) + 0.3 * (roll() - 0.5), -1, 0], n));
+    const direction = unit(along([1.3 * out + 0.1 * Math.sign(out) + 0.6 * (roll() - 0.5), -1, 0], n));
     const room = (q[1] - lip(q[0]) + look.over) / Math.max(0.2, -direction[1]);
     const length = Math.min(look.length[0] + (look.length[1] - look.length[0]) * roll(), room);
     const form = { length, width: look.width * (0.7 + 0.6 * roll()), radius: RADIUS, twist: (roll() - 0.5) * 0.5, lift: look.lift };

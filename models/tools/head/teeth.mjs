@@ -11,17 +11,17 @@ import { archPath } from '../lib/anatomy.mjs';
  * much the edge's corners are rounded off, and how much darker they are (share of the crown from edge to neck).
  */
 const UPPER = [
-  [8.5, 10.5, 6.6, 0, 0.3, 0],
-  [6.6, 9.4, 6, 0.6, 0.7, 0.04],
-  [7.6, 10, 7.4, 0.15, 1.5, 0.14],
+  [8.5, 10.5, 6.6, 0, 0.6, 0],
+  [6.6, 9.4, 6, 0.75, 0.95, 0.04],
+  [7.6, 10, 7.4, 0.2, 1.5, 0.16],
   [7, 8.6, 8.6, 0.6],
   [6.8, 8, 8.6, 0.8],
   [10, 7.2, 10, 1],
 ];
 const LOWER = [
-  [5.3, 9, 5.6, 0, 0.2, 0.02],
-  [5.8, 9.2, 5.8, 0.05, 0.35, 0.04],
-  [6.9, 10.2, 7, 0.35, 1.2, 0.14],
+  [5.3, 9, 5.6, 0, 0.3, 0.02],
+  [5.8, 9.2, 5.8, 0.1, 0.45, 0.04],
+  [6.9, 10.2, 7, 0.35, 1.2, 0.16],
   [7, 8.6, 7.4, null],
   [7.1, 8, 7.8, null],
   [11, 7.2, 9.6, null],
@@ -47,6 +47,11 @@ const BACK_RINGS = [
 ];
 const ROUND = 14; // points of a ring
 const SQUARE = 2 / 3; // exponent of its superellipse
+const CURVED = 0.76; // of front teeth, whose outer surface is rounder
+
+/** Of teeth that stand as unevenly as they may: shares of the width and of the corner; mm out of line, mm of the edge, degrees of turn and of tilt. */
+const UNEVEN = { width: 0.07, corner: 0.5, out: 0.4, edge: 0.35, turn: 9, tilt: 4 };
+const GAP = 0.14; // mm between teeth
 
 /** Tiles of the texture: u, v, width, height. */
 export const TILES = {
@@ -64,30 +69,54 @@ export function makeTeeth(ctx, figures, place) {
   ];
 }
 
-function upperJaw({ wear }, { edge, scale, front }) {
+/** A repeatable sequence of numbers of -1..1 that belongs to a name. */
+function chance(name) {
+  let state = [...name].reduce((sum, letter) => Math.imul(sum ^ letter.codePointAt(0), 16777619), 2166136261);
+  return () => {
+    state = Math.imul(state ^ (state >>> 15), 2246822519) + 0x9e3779b9;
+    return (((state ^ (state >>> 13)) >>> 0) / 2 ** 31) - 1;
+  };
+}
+
+function upperJaw({ wear, uneven, name }, { edge, scale, front }) {
   const path = archPath({ scale, front, inset: 0 });
-  const teeth = row(UPPER, scale, (tooth) => edge + tooth[3] * scale * (1 - 0.5 * wear));
+  const of = { scale, uneven, wear, next: chance(`${name} upper`) };
+  const teeth = row(UPPER, of, (tooth) => edge + tooth[3] * scale * (1 - 0.5 * wear));
   return { path, teeth, up: 1, scale };
 }
 
-function lowerJaw({ overbite, overjet }, { edge, scale, front }) {
+function lowerJaw({ overbite, overjet, wear, uneven, name }, { edge, scale, front }) {
   const path = archPath({ scale, front, inset: overjet });
-  const upper = row(UPPER, scale, (tooth) => edge + tooth[3] * scale);
-  const teeth = row(LOWER, scale, (tooth, i) =>
+  const of = { scale, uneven, wear, next: chance(`${name} lower`) };
+  const upper = row(UPPER, { ...of, uneven: 0 }, (tooth) => edge + tooth[3] * scale);
+  const teeth = row(LOWER, of, (tooth, i) =>
     // The chewing surfaces meet; only the front teeth bite over each other.
     tooth[3] === null ? upper[i].edge - 0.15 : edge + overbite - tooth[3] * scale,
   );
   return { path, teeth, up: -1, scale };
 }
 
-function row(sizes, scale, edgeOf) {
+/** @param {{scale: number, uneven: number, wear: number, next: () => number}} of uneven: 0 for a row as even as dentures, 1 for the most */
+function row(sizes, { scale, uneven, wear, next }, edgeOf) {
+  const widths = sizes.map(([width]) => width * (1 + UNEVEN.width * uneven * next()));
+  const fit = sizes.reduce((sum, [width]) => sum + width, 0) / widths.reduce((sum, width) => sum + width, 0);
   let way = 0;
   return sizes.map((size, i) => {
-    const [width, height, thickness, , corner = 0] = size.map((x) => x * scale);
+    const [, height, thickness, , corner = 0] = size.map((x) => x * scale);
+    const width = widths[i] * fit * scale;
     const middle = way + width / 2;
     way += width;
-    return { width: width - 0.12, height, thickness, middle, edge: edgeOf(size, i), front: i < FRONT_TEETH, corner, darker: size[5] ?? 0 };
+    const front = i < FRONT_TEETH;
+    const sides = [-1, 1].map(() => stance(front ? uneven : 0, next));
+    const rounded = corner * (1 - 0.5 * wear) * (1 + UNEVEN.corner * uneven * next());
+    return { width: width - GAP, height, thickness, middle, edge: edgeOf(size, i), front, corner: rounded, darker: size[5] ?? 0, sides };
   });
+}
+
+/** How one tooth stands out of the row: mm outward, mm of its edge towards the root, radians about its axis and in its own plane. */
+function stance(uneven, next) {
+  const [out, edge, turn, tilt] = ['out', 'edge', 'turn', 'tilt'].map((name) => UNEVEN[name] * uneven * next());
+  return { out, edge, turn: (turn * Math.PI) / 180, tilt: (tilt * Math.PI) / 180 };
 }
 
 function jawPart(name, anchor, jaw) {
@@ -126,6 +155,7 @@ function face(mesh, a, b, c, towards) {
 }
 
 const CORNER_HIGH = 0.35; // of the crown, up to which corners are rounded
+const LONGER = 0.12; // of the corner: the middle stands out by this, so that as much of a tooth is seen as of a square one
 const NEARER = 0.6; // of the corner towards the middle of the arch, as a share of the other one
 
 /** How much a corner is off, from the middle of the edge (0) to its ends (-1 towards the middle of the arch, 1). */
@@ -136,7 +166,15 @@ function addTooth(mesh, { path, up }, tooth, side) {
   const along = [at.out[2], 0, -at.out[0]];
   const rings = tooth.front ? FRONT_RINGS : BACK_RINGS;
   const first = mesh.position.length / 3;
-  const place = (t, o, y) => [at.x + along[0] * t + at.out[0] * o, y, at.z + along[2] * t + at.out[2] * o];
+  const stands = tooth.sides[side < 0 ? 0 : 1];
+  const middle = -tooth.thickness / 2;
+  const [sin, cos] = [Math.sin(stands.turn), Math.cos(stands.turn)];
+  const neck = tooth.edge + up * tooth.height; // about which it is tilted
+  const place = (along1, out1, y) => {
+    const t = along1 * cos - (out1 - middle) * sin + stands.tilt * (y - neck) * up;
+    const o = middle + along1 * sin + (out1 - middle) * cos + stands.out;
+    return [at.x + along[0] * t + at.out[0] * o, y + up * stands.edge, at.z + along[2] * t + at.out[2] * o];
+  };
   for (const [height, width, back, thick] of rings) {
     const half = (tooth.width / 2) * width,
       deep = tooth.thickness * thick;
@@ -145,28 +183,26 @@ function addTooth(mesh, { path, up }, tooth, side) {
       const c = Math.cos(angle),
         s = Math.sin(angle);
       const t = half * Math.sign(c) * Math.abs(c) ** SQUARE;
-      const o = (deep / 2) * Math.sign(s) * Math.abs(s) ** SQUARE - back - deep / 2;
-      const off = tooth.corner * cornerOf((side * t) / half) * Math.max(0, 1 - height / CORNER_HIGH);
+      const o = (deep / 2) * Math.sign(s) * Math.abs(s) ** (tooth.front && s > 0 ? CURVED : SQUARE) - back - deep / 2;
+      const off = tooth.corner * (cornerOf((side * t) / half) - LONGER) * Math.max(0, 1 - height / CORNER_HIGH);
       mesh.position.push(...place(t, o, tooth.edge + up * (tooth.height * height + off)));
       mesh.uv.push(...tile('tooth', 0.5 + t / tooth.width, height / 1.12 + tooth.darker));
     }
   }
-  const centre = rings.map(([height, , back, thick]) =>
-    place(0, -back - (tooth.thickness * thick) / 2, tooth.edge + up * tooth.height * height),
-  );
   // The cap at the edge; on a chewing surface its middle is hollow.
   const cap = mesh.position.length / 3;
   const [, , back, thick] = rings[0];
-  mesh.position.push(...place(0, -back - (tooth.thickness * thick) / 2, tooth.edge + up * (tooth.front ? 0 : 0.9)));
+  mesh.position.push(...place(0, -back - (tooth.thickness * thick) / 2, tooth.edge + up * (tooth.front ? -LONGER * tooth.corner : 0.9)));
   mesh.uv.push(...tile('tooth', 0.5, tooth.front ? 0 : 0.5));
+  // Rings turn from the side to the front: seen from outside, clockwise above. The same for all heads, which share these numbers.
+  const outside = (a, b, c) => mesh.index.push(...(up > 0 ? [a, c, b] : [a, b, c]));
   for (let i = 0; i < ROUND; i++) {
     const j = (i + 1) % ROUND;
-    face(mesh, first + i, first + j, cap, [0, -up, 0]);
+    outside(first + i, cap, first + j);
     for (let r = 0; r + 1 < rings.length; r++) {
       const [a, b, c, d] = [r * ROUND + i, r * ROUND + j, (r + 1) * ROUND + j, (r + 1) * ROUND + i].map((x) => first + x);
-      const out = [0, 1, 2].map((k) => mesh.position[a * 3 + k] + mesh.position[b * 3 + k] - 2 * centre[r][k]);
-      face(mesh, a, b, c, out);
-      face(mesh, a, c, d, out);
+      outside(a, b, c);
+      outside(a, c, d);
     }
   }
 }

@@ -2,7 +2,8 @@
 /** Wisps: cards over a sheet of hair and across its borders, so that it has no outline like a cap's. */
 import { fibres } from '../../../web/element/head/shading/surfaces.mjs';
 import { normals } from '../lib/mesh.mjs';
-import { along, dice, KINDS, layCard, scatter, unit, withCards } from './cards.mjs';
+import { unit } from '../lib/vector.mjs';
+import { along, dice, KINDS, layCard, scatter, withCards } from './cards.mjs';
 
 const MIDDLE = [0, 25, -70]; // of the skull, mm
 const RADIUS = 95; // of what hair lies on

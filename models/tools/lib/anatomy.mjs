@@ -55,6 +55,8 @@ export function mouthFigures(recipe) {
     clearance: 1.2,
     archScale: null,
     wear: clamp((age - 30) / 45, 0, 1),
+    uneven: clamp(0.3 + (age - 20) / 70, 0.2, 1), // 0: teeth in a perfect row
+    name: recipe.name ?? '',
     ...given,
     male,
     age,

@@ -28,6 +28,7 @@ function unpackPart(part) {
       weights: t.weights ? decode('uint8', t.weights).map((w) => w / 255) : null,
       weight: t.weight,
     })),
+    ...(part.sway ? { sway: { ...part.sway, weights: decode('uint8', part.sway.weights).map((w) => w / 255) } } : {}),
   };
 }
 
@@ -37,9 +38,10 @@ export function pose(head, part, faps) {
   const out = Float64Array.from(p);
   for (const move of part.moves) {
     const value = faps[move.fap] ?? 0;
-    if (!value || (move.sign === 'positive' && value < 0) || (move.sign === 'negative' && value > 0))
-      continue;
-    const amount = value * unitLength(head, move.fap);
+    const from = move.from ?? 0;
+    const past = move.sign === 'both' ? value : move.sign === 'positive' ? Math.max(0, value - from) : Math.min(0, value + from);
+    if (!past) continue;
+    const amount = past * unitLength(head, move.fap);
     move.vertices.forEach((v, i) => {
       for (let k = 0; k < 3; k++) out[v * 3 + k] += amount * move.deltas[i * 3 + k];
     });

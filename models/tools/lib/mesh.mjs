@@ -94,3 +94,13 @@ export function normals(p, index, smooth) {
   }
   return out;
 }
+
+/** The number of the vertex that is nearest to a point. @param {{position: ArrayLike<number>}} part @param {number[]} p */
+export function nearestVertex({ position }, p) {
+  let [best, least] = [0, Infinity];
+  for (let v = 0; v < position.length / 3; v++) {
+    const far = Math.hypot(position[3 * v] - p[0], position[3 * v + 1] - p[1], position[3 * v + 2] - p[2]);
+    if (far < least) [best, least] = [v, far];
+  }
+  return best;
+}

@@ -20,6 +20,7 @@ export function packHead({ recipe, fapu, fdp, figures, turns, textures, material
       ['upperShown', 'lowerShown', 'overbite', 'overjet'].map((k) => [k, round(figures[k], 1e2)]),
     ),
     view: recipe.view,
+    ...(recipe.body?.breath ? { breath: { shift: recipe.body.breath } } : {}),
     turns: turns.map(({ name, fap, pivot, axis, radians }) => ({
       name,
       fap,
@@ -62,5 +63,7 @@ function packPart(part) {
       ? { turn: t.turn, vertices: encode('uint16', t.vertices), weights: encode('uint8', t.weights) }
       : { turn: t.turn, weight: t.weight },
   );
+  if (part.breath) out.breath = { vertices: encode('uint16', part.breath.vertices), weights: encode('uint8', part.breath.weights) };
+  if (part.sway) out.sway = { pivot: part.sway.pivot.map((x) => round(x, 1e3)), weights: encode('uint8', part.sway.weights.map((w) => 17 * Math.round(15 * w))) };
   return out;
 }

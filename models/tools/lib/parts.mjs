@@ -9,6 +9,15 @@ import { triangulate } from './mesh.mjs';
 import { wideEnough } from '../head/strips.mjs';
 import { ellipsoid, nearestOnLine } from './zones.mjs';
 
+/** Whether a point stands above the cut, once the arms are lowered. @param {{y: number, x?: number}} [cut] mm */
+function within({ warp }, cut) {
+  if (!cut) return () => true;
+  return (q) => {
+    const [x, y] = warp ? warp(q) : q;
+    return y > cut.y && Math.abs(x) < (cut.x ?? Infinity);
+  };
+}
+
 /**
  * @param {number[]|undefined} hidden flags base vertices under clothes @returns part with `refs`: for each
  *   vertex [base vertex, weight] pairs, and `position` in mm
@@ -16,10 +25,11 @@ import { ellipsoid, nearestOnLine } from './zones.mjs';
 export function skinPart(ctx, spec, hidden) {
   const { base, p } = ctx;
   const group = base.groups.indexOf('body');
+  const inside = within(ctx, spec.cut);
   const keep = (f) =>
     f.group === group &&
     !f.v.every((v) => hidden?.[v]) &&
-    f.v.every((v) => p[v * 3 + 1] > spec.cut.y && Math.abs(p[v * 3]) < spec.cut.x);
+    f.v.every((v) => inside([p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]));
   const mesh = triangulate(base.faces, base.uvs, keep);
   return finish(
     'skin',
@@ -55,10 +65,8 @@ export function proxyPart(ctx, name, spec, keep) {
     return q.map((x, k) => x + tweaks.reduce((sum, t) => sum + t.weight(...q) * t.shift[k], 0));
   };
   const place = spec.shorten ? (i) => shortened(ctx, tweaked(i), spec.shorten) : tweaked;
-  const inside = (i) => {
-    const q = fitted(i);
-    return !spec.cut || (q[1] > spec.cut.y && Math.abs(q[0]) < spec.cut.x);
-  };
+  const kept = within(ctx, spec.cut);
+  const inside = (i) => kept(fitted(i));
   const wide = spec.thinnest ? wideEnough(proxy.faces, fitted, spec.thinnest) : () => true;
   const mesh = triangulate(proxy.faces, proxy.uvs, (f) => f.v.every(inside) && wide(f) && (!keep || keep(f, refs)));
   return {

@@ -5,9 +5,12 @@
  */
 import sharp from 'sharp';
 import { pose } from './deform.mjs';
+import { nearestVertex } from './mesh.mjs';
 import { drawHead, seenAt, shadowsOf } from './portrait.mjs';
 
-const SIZE = { width: 480, height: 624 }; // the aspect ratio of the poster, which it replaces
+const FRAME = { width: 480, height: 624 }; // the aspect ratio of the poster, which it replaces
+const BESIDE = 190; // columns on each side, with the rest of the shoulders, for wide places
+const SIZE = { width: FRAME.width + 2 * BESIDE, height: FRAME.height + 56 }; // and rows below, for when the head turns
 const ANCHORS = ['8.4', '8.3', '8.1', '8.2', '2.1']; // corners, middle of the upper and of the lower lip, chin
 const SHADOWS = { 3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400 };
 const LIDS = [0, 0.25, 0.5, 0.75, 1]; // how far they are closed
@@ -24,23 +27,24 @@ const BASE_QUALITY = 88,
  */
 export async function makePictures(head, poses, tell = () => {}) {
   const shadows = await shadowsOf(head, SHADOWS);
-  const draw = (faps, crop) => drawHead(head, { ...SIZE, faps, crop, shadows });
-  const base = await draw({});
+  const draw = (faps, { x, y, width, height }) => drawHead(head, { ...FRAME, faps, crop: { x: x - BESIDE, y, width, height }, shadows });
+  const seen = (points) => seenAt(head, FRAME, points).map(([x, ...rest]) => [x + BESIDE, ...rest]);
+  const base = await draw({}, { x: 0, y: 0, ...SIZE });
   const skin = head.parts.find(({ name }) => name === 'skin');
-  const vertices = Object.fromEntries([...ANCHORS, '9.15', '3.1', '3.2'].map((point) => [point, nearest(skin.position, head.fdp[point])]));
+  const vertices = Object.fromEntries([...ANCHORS, '9.15', '3.1', '3.2'].map((point) => [point, nearestVertex(skin, head.fdp[point])]));
   const at = (faps, points) => {
     const posed = pose(head, skin, faps);
-    return seenAt(head, SIZE, points.map((point) => [0, 1, 2].map((k) => posed[3 * vertices[point] + k])));
+    return seen(points.map((point) => [0, 1, 2].map((k) => posed[3 * vertices[point] + k])));
   };
   const [[, , near]] = at({}, ['8.1']);
   const perMm = focal(head) / near;
   const fapu = Object.fromEntries(Object.entries(head.fapu).map(([name, mm]) => [name, round(mm * perMm)]));
   const regions = [await mouthRegion(), await eyeRegion('eye_l', '3.1', [19, 21]), await eyeRegion('eye_r', '3.2', [20, 22])];
-  const [pivot] = seenAt(head, SIZE, [[head.fdp['7.1'][0], head.fdp['7.1'][1], 0]]);
+  const [pivot] = seen([[head.fdp['7.1'][0], head.fdp['7.1'][1], 0]]);
   return {
     format: 'faccia-pictures', version: 1,
     name: head.name, title: head.title, licence: head.licence, credits: head.credits,
-    ...SIZE, fapu,
+    ...SIZE, frame: FRAME, fapu,
     pivot: pivot.slice(0, 2).map(round),
     reach: round(-head.fdp['7.1'][2] * perMm),
     base: await packed(base, BASE_QUALITY, 90),
@@ -50,7 +54,7 @@ export async function makePictures(head, poses, tell = () => {}) {
   async function mouthRegion() {
     const [right, left, , , chin] = at({}, ANCHORS).map(([x, y]) => ({ x, y }));
     const [[, nose]] = at({}, ['9.15']);
-    const half = 0.95 * (left.x - right.x);
+    const half = (left.x - right.x);
     const middle = (left.x + right.x) / 2;
     const box = boxed(middle - half, nose - 0.9 * fapu.MNS, middle + half, chin.y + 1.15 * fapu.MNS);
     const pictures = [];
@@ -121,19 +125,10 @@ async function packed({ data, width, height }, quality, alphaQuality) {
   return { type: 'image/webp', data: bytes.toString('base64') };
 }
 
-function nearest(position, [x, y, z]) {
-  let [best, least] = [0, Infinity];
-  for (let v = 0; v < position.length / 3; v++) {
-    const d = (position[3 * v] - x) ** 2 + (position[3 * v + 1] - y) ** 2 + (position[3 * v + 2] - z) ** 2;
-    if (d < least) [best, least] = [v, d];
-  }
-  return best;
-}
-
 function boxed(left, top, right, bottom) {
   const [x, y] = [Math.floor(left), Math.floor(top)];
   return { x, y, width: Math.ceil(right) - x, height: Math.ceil(bottom) - y };
 }
 
-const focal = ({ view: { fov } }) => SIZE.height / 2 / Math.tan((fov * Math.PI) / 360);
+const focal = ({ view: { fov } }) => FRAME.height / 2 / Math.tan((fov * Math.PI) / 360);
 const round = (x) => Math.round(x * 100) / 100;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Colours a point as the client's fine shader does (web/element/head/shading/shader-surface.mjs), for pictures drawn without it. */
-import { FILL, GROUND, KEY, RIM, SKY } from '../../../web/element/head/shading/lights.mjs';
+import { mirroredRoom, room } from '../../../web/element/head/shading/environment.mjs';
+import { FILL, KEY, RIM, WINDOW } from '../../../web/element/head/shading/lights.mjs';
+import { LIP, MOIST } from '../../../web/element/head/shading/lips.mjs';
+import { GLOSS } from '../../../web/element/head/shading/surfaces.mjs';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const clamp = (x) => Math.min(1, Math.max(0, x));
@@ -19,8 +22,12 @@ const LINEAR = Float32Array.from({ length: 256 }, (_, i) => {
 export const toLinear = (byte) => LINEAR[Math.round(Math.min(255, Math.max(0, byte)))];
 export const toDisplay = (c) => (c <= 0.0031308 ? c * 12.92 : 1.055 * c ** (1 / 2.4) - 0.055);
 
+const WRAP = [1, 0.5, 0.35]; // of the skin's subsurface, by colour
+const SKY_SOFT = [0.8, 1, 1.05]; // red goes on into the shadow
+const KEY_SOFT = [0.75, 1, 1.05];
+
 function wrapped(kind, subsurface, cosine, k) {
-  const wrap = kind === 'skin' ? subsurface * [1, 0.5, 0.35][k] : subsurface * 0.6;
+  const wrap = kind === 'skin' ? subsurface * WRAP[k] : subsurface * 0.6;
   const light = Math.max(0, (cosine + wrap) / (1 + wrap));
   return (light * light) / (0.6 + 0.4 * light);
 }
@@ -28,64 +35,91 @@ function wrapped(kind, subsurface, cosine, k) {
 /** Light that falls on a point, of each colour. */
 export function diffuse(kind, subsurface, n, reach) {
   const fleshy = kind === 'skin' || kind === 'mouth';
-  const up = 0.5 + 0.5 * n[1];
-  const [key, fill, rim] = [KEY, FILL, RIM].map(({ direction }) => dot(n, direction));
-  return [0, 1, 2].map((k) => {
-    const ambient = fleshy ? reach[0] ** [0.8, 1, 1.05][k] : Math.max(reach[0], kind === 'eye' ? 0.12 : 0.3);
-    const keyed = fleshy ? reach[1] ** [0.75, 1, 1.05][k] : reach[1];
-    return (
-      (GROUND[k] + (SKY[k] - GROUND[k]) * up) * ambient +
+  const around = room(n);
+  const key = dot(n, KEY.direction),
+    fill = dot(n, FILL.direction),
+    rim = dot(n, RIM.direction);
+  for (let k = 0; k < 3; k++) {
+    const ambient = fleshy ? reach[0] ** SKY_SOFT[k] : Math.max(reach[0], kind === 'eye' ? 0.12 : 0.3);
+    const keyed = fleshy ? reach[1] ** KEY_SOFT[k] : reach[1];
+    around[k] =
+      around[k] * ambient +
       KEY.color[k] * wrapped(kind, subsurface, key, k) * keyed +
       FILL.color[k] * wrapped(kind, subsurface, fill, k) * reach[2] +
-      RIM.color[k] * wrapped(kind, subsurface, rim, k) * reach[3]
-    );
-  });
+      RIM.color[k] * wrapped(kind, subsurface, rim, k) * reach[3];
+  }
+  return around;
 }
 
 function highlight(n, v, l, rough) {
-  const h = unit([l[0] + v[0], l[1] + v[1], l[2] + v[2]]);
+  let hx = l[0] + v[0], hy = l[1] + v[1], hz = l[2] + v[2];
+  const far = Math.hypot(hx, hy, hz) || 1;
+  hx /= far;
+  hy /= far;
+  hz /= far;
   const nl = Math.max(dot(n, l), 0),
-    nh = Math.max(dot(n, h), 0),
-    lh = Math.max(dot(l, h), 0.1);
+    nh = Math.max(n[0] * hx + n[1] * hy + n[2] * hz, 0),
+    lh = l[0] * hx + l[1] * hy + l[2] * hz;
   const a2 = rough ** 4;
   const d = nh * nh * (a2 - 1) + 1;
-  return (nl * a2) / (d * d * lh * lh * (rough * 4 + 2));
+  return (nl * a2) / (d * d * Math.max(lh * lh, 0.1) * (rough * 4 + 2)); // bounded, or what a lamp behind grazes would be white
 }
 
-function shine(kind, look, n, v, base, reach, fibre) {
+function shineOfHair(look, n, v, base, reach, fibre) {
   const specular = look.specular ?? 0.3;
-  if (kind === 'hair') {
-    const f = unit(fibre.map((x, k) => x + 0.25 * n[k]));
-    const th = dot(f, unit(KEY.direction.map((x, k) => x + v[k])));
-    const tk = dot(f, unit(RIM.direction.map((x, k) => x + v[k])));
-    const across = Math.max(0, 1 - th * th);
-    const facing = Math.max(0, 0.25 + dot(n, KEY.direction)) * reach[1];
-    const edge = Math.max(0, 1 - tk * tk) ** 20 * Math.max(0, dot(n, RIM.direction)) * reach[3];
-    return [0, 1, 2].map(
-      (k) =>
-        (KEY.color[k] * (across ** 80 * 0.02 + across ** 14 * base[k] * 0.7) * facing + RIM.color[k] * edge * base[k]) *
-        specular *
-        2.5,
-    );
+  const f = unit([fibre[0] + 0.25 * n[0], fibre[1] + 0.25 * n[1], fibre[2] + 0.25 * n[2]]);
+  const half = ({ direction: l }) => unit([l[0] + v[0], l[1] + v[1], l[2] + v[2]]);
+  const th = dot(f, half(KEY));
+  const tk = dot(f, half(RIM));
+  const across = Math.max(0, 1 - th * th);
+  const white = across ** 80 * 0.02,
+    tinted = across ** 14;
+  const facing = Math.max(0, 0.25 + dot(n, KEY.direction)) * reach[1];
+  const edge = Math.max(0, 1 - tk * tk) ** 20 * Math.max(0, dot(n, RIM.direction)) * reach[3];
+  for (let k = 0; k < 3; k++) f[k] = (KEY.color[k] * (white + tinted * base[k] * 0.7) * facing + RIM.color[k] * edge * base[k]) * specular * 2.5;
+  return f;
+}
+
+const DARK = [0, 0, 0];
+
+function shine(kind, look, n, v, base, reach, { fibre, lips }) {
+  if (kind === 'hair') return shineOfHair(look, n, v, base, reach, fibre);
+  const specular = look.specular ?? 0.3;
+  const [from, to] = look.moist ?? MOIST;
+  const lip = kind === 'skin' ? lips.share && lips.share * step(from, to, (base[0] - base[1]) / (base[0] + 1e-3)) : 0;
+  const rough = (look.roughness ?? 0.6) * (1 - lip) + LIP.rough * lip;
+  const wet = LIP.gloss * GLOSS.f0 * lip * lips.wet;
+  const wetKey = wet ? highlight(n, v, KEY.direction, LIP.wet) : 0;
+  const wetRoom = wet ? mirroredRoom(mirrored(n, v), LIP.wet) : DARK;
+  const bare = kind === 'skin' ? step(0.004, 0.02, 0.3 * base[0] + 0.6 * base[1] + 0.1 * base[2]) : 1; // roots of hair are painted on skin, and do not shine
+  const out = gloss(n, v, reach, rough);
+  for (let k = 0; k < 3; k++) {
+    const film = wet * (KEY.color[k] * wetKey * reach[1] + wetRoom[k] * reach[0]);
+    out[k] = (out[k] * specular * GLOSS.strength * (1 - LIP.dull * lip) + film) * bare;
   }
+  return out;
+}
+
+/** The light of the lamps and the room that a rough surface throws back. */
+function gloss(n, v, reach, rough) {
   const rim = (1 - Math.max(dot(n, v), 0)) ** 5;
-  let rough = look.roughness ?? 0.6;
-  if (kind === 'skin') rough += (0.34 - rough) * step(...(look.moist ?? [0.58, 0.72]), (base[0] - base[1]) / (base[0] + 1e-3));
-  const key = 0.75 * highlight(n, v, KEY.direction, rough) + 0.25 * highlight(n, v, KEY.direction, rough * 0.75);
+  const { f0, narrow, oily } = GLOSS;
+  const key = (1 - narrow) * highlight(n, v, KEY.direction, rough) + narrow * highlight(n, v, KEY.direction, rough * oily);
   const fill = highlight(n, v, FILL.direction, rough),
     back = highlight(n, v, RIM.direction, rough);
-  const up = 0.5 + 0.5 * (2 * dot(n, v) * n[1] - v[1]);
-  const bare = kind === 'skin' ? step(0.004, 0.02, 0.3 * base[0] + 0.6 * base[1] + 0.1 * base[2]) : 1; // roots of hair are painted on skin, and do not shine
-  return [0, 1, 2].map(
-    (k) =>
-      (KEY.color[k] * key * (0.028 + rim * 0.4) * reach[1] +
-        FILL.color[k] * fill * (0.028 + rim * 0.4) * reach[2] +
-        RIM.color[k] * back * (0.028 + rim * 0.3) * reach[3] +
-        (GROUND[k] + (SKY[k] - GROUND[k]) * up) * (0.028 + rim * 0.25) * reach[0] * reach[0] * 0.6) *
-      specular *
-      2.6 *
-      bare,
-  );
+  const around = mirroredRoom(mirrored(n, v), rough);
+  for (let k = 0; k < 3; k++)
+    around[k] =
+      KEY.color[k] * key * (f0 + rim * 0.4) * reach[1] +
+      FILL.color[k] * fill * (f0 + rim * 0.4) * reach[2] +
+      RIM.color[k] * back * (f0 + rim * 0.1) * reach[3] +
+      around[k] * (f0 + rim * 0.25) * reach[0] * reach[0] * 0.6;
+  return around;
+}
+
+function mirrored(n, v) {
+  const twice = 2 * dot(n, v);
+  return [twice * n[0] - v[0], twice * n[1] - v[1], twice * n[2] - v[2]];
 }
 
 function eyeGlow(color, place, irisRadius) {
@@ -98,33 +132,34 @@ function eyeGlow(color, place, irisRadius) {
 }
 
 function catchLight(n, v, reach) {
-  const d = 2 * dot(n, v);
-  const mirror = n.map((x, k) => d * x - v[k]);
-  const near = (light, shift, a, b) => step(a, b, dot(mirror, unit(light.direction.map((x, k) => x + shift[k]))));
-  const key = near(KEY, [0, 0.05, 0.3], 0.955, 0.975),
-    fill = near(FILL, [-0.1, -0.2, 0.3], 0.97, 0.985);
-  return [1.6, 1.6, 1.6].map(
-    (x, k) => (key * x + fill * 0.12) * reach + (GROUND[k] + (SKY[k] - GROUND[k]) * (0.5 + 0.5 * mirror[1])) * 0.04 * reach,
-  );
+  const mirror = mirrored(n, v);
+  const [x, y] = [WINDOW.right, WINDOW.up].map((way) => Math.abs(dot(mirror, way)) / Math.max(dot(mirror, WINDOW.direction), 0.1));
+  const key = (1 - step(0.17, 0.26, x)) * (1 - step(0.23, 0.33, y));
+  const fill = step(0.95, 0.99, dot(mirror, unit(FILL.direction.map((value, k) => value + [-0.1, -0.2, 0.3][k]))));
+  const wet = 0.04 + 0.3 * (1 - Math.max(dot(n, v), 0)) ** 5;
+  return mirroredRoom(mirror, 0.1).map((around) => (key * 1.6 + fill * 0.06 + around * wet) * reach);
 }
 
 /** The shadow of the upper lid and its lashes, and the red reflected by the lower lid. @param {number[]} gap mm below the upper margin, above the lower one */
 function lidShade([below, above]) {
-  const [under, over] = [step(-0.6, 3.2, below), step(-0.2, 1.4, above)];
-  return [0, 1, 2].map((k) => mixed([0.42, 0.36, 0.36][k], under) * mixed([0.86, 0.72, 0.68][k], over));
+  const [under, over] = [step(-0.6, 3.6, below), step(-0.2, 1.4, above)];
+  return [0, 1, 2].map((k) => mixed([0.34, 0.28, 0.28][k], under) * mixed([0.86, 0.72, 0.68][k], over));
 }
 
 const mixed = (least, share) => least + (1 - least) * share;
 
+const UPWARD = room([0, 1, 0]);
+
 /** The tear film on the edge of the lower lid. */
 function wetEdge(n, above, reach) {
   const film = 0.16 * Math.max(0, 1 - ((above - 0.3) / 0.22) ** 2);
-  return [0, 1, 2].map((k) => film * (SKY[k] + KEY.color[k] * reach[1] * Math.max(0, dot(n, KEY.direction))));
+  return [0, 1, 2].map((k) => film * (UPWARD[k] + KEY.color[k] * reach[1] * Math.max(0, dot(n, KEY.direction))));
 }
 
 /** Returns the visible colour of an eye: its own colour in this light, with the lids' shadow and wetness. */
-function eyeColour(b, light, n, v, reach, gap) {
-  const shade = lidShade(gap),
+function eyeColour(b, light, n, v, reach, gap, ahead) {
+  const socket = step(0.3, 0.85, ahead); // the ball goes back into its shade
+  const shade = lidShade(gap).map((x, k) => x * mixed([0.7, 0.64, 0.62][k], socket)),
     wet = wetEdge(n, gap[1], reach);
   const bright = catchLight(n, v, Math.min(1, 0.15 + reach[0] * 1.6));
   return b.map((x, k) => x * light[k] * shade[k] + bright[k] * step(-0.4, 1.2, gap[0]) + wet[k]);
@@ -138,19 +173,26 @@ function filmic(c) {
   return c.map((x) => (x * pressed) / peak + (pressed - (x * pressed) / peak) * white);
 }
 
+const NO_LIPS = { share: 0, wet: 0 };
+
 /**
  * @param {string} kind skin, hair, eye, mouth or other @param {object} look the material
- * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number, gap?: number[]}} at for
+ * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number, gap?: number[],
+ *   lips?: {share: number, wet: number}}} at for
  *   an eye: `place` on the unit sphere, `iris` radius of the iris, `gap` mm to the margins of the upper and lower lid @returns {number[]} the
  *   colour on the display, 0..1
  */
-export function shadePoint(kind, look, { base, n, v, reach, fibre, place, iris, gap }) {
-  let b = kind === 'eye' ? eyeGlow(base, place, iris) : base;
-  b = b.map((x, k) => x * (look.color?.[k] ?? 1));
+export function shadePoint(kind, look, { base, n, v, reach, fibre, place, iris, gap, lips = NO_LIPS }) {
+  const b = kind === 'eye' ? eyeGlow(base, place, iris) : [base[0], base[1], base[2]];
+  for (let k = 0; k < 3; k++) b[k] *= look.color?.[k] ?? 1;
   const light = diffuse(kind, look.subsurface ?? 0, n, reach);
-  const colour = () => {
-    const more = shine(kind, look, n, v, b, reach, fibre);
-    return b.map((x, k) => x * light[k] + more[k]);
-  };
-  return filmic(kind === 'eye' ? eyeColour(b, light, n, v, reach, gap) : colour()).map((x) => toDisplay(clamp(x)));
+  let colour;
+  if (kind === 'eye') colour = eyeColour(b, light, n, v, reach, gap, place[2]);
+  else {
+    colour = shine(kind, look, n, v, b, reach, { fibre, lips });
+    for (let k = 0; k < 3; k++) colour[k] = b[k] * light[k] + colour[k];
+  }
+  colour = filmic(colour);
+  for (let k = 0; k < 3; k++) colour[k] = toDisplay(clamp(colour[k]));
+  return colour;
 }

@@ -3,6 +3,11 @@
 import { along } from '../../lib/actions.mjs';
 import { cardinalBasis, ellipsoid, piecewise, plateau, smoothstep } from '../../lib/zones.mjs';
 
+/**
+ * A nose is not raised but wrinkled (AU 9): the muscle draws the wings and the skin beside them up, for each mm of the tip. Around the wing, mm.
+ */
+const WRINKLED = { shift: [3, 5, -3], radii: [17, 24, 24], direction: [0.12, 0.8, 0.2] };
+
 const BROWS = [
   ['4.1', 31, 32],
   ['4.3', 33, 34],
@@ -17,7 +22,9 @@ export function faceActions(actions, ctx, tuning) {
     for (const [i, fap] of zone.faps.entries()) {
       const side = i === 0 ? 1 : -1;
       const centre = ctx.fdp[zone.points[i]].map((x, k) => x + zone.shift[k] * (k === 0 ? side : 1));
-      const weight = ellipsoid(centre, zone.radii, zone.flat);
+      const round = ellipsoid(centre, zone.radii, zone.flat);
+      const beside = (x) => (zone.beside ? smoothstep(...zone.beside, Math.abs(x) - Math.abs(ctx.fdp['9.1'][0])) : 1); // mm outward of the nose's wing
+      const weight = (x, y, z) => round(x, y, z) * beside(x);
       const direction = [
         zone.direction[0] * (zone.faps.length > 1 ? side : 1),
         zone.direction[1],
@@ -29,6 +36,16 @@ export function faceActions(actions, ctx, tuning) {
         (v, x, y, z) => outside(v) && along(weight(x, y, z) * spared(ctx, x, y, z), direction),
       );
     }
+  }
+  wrinkleNose(actions, ctx, outside);
+}
+
+function wrinkleNose(actions, ctx, outside) {
+  const { shift, radii, direction } = WRINKLED;
+  for (const [point, side] of [['9.1', 1], ['9.2', -1]]) {
+    const weight = ellipsoid(ctx.fdp[point].map((c, k) => c + shift[k] * (k ? 1 : side)), radii, 0.15);
+    const lips = (v) => 1 - Math.min(1, ctx.grid.inner[v] + 0.6 * ctx.grid.outer[v]);
+    actions.plainMove(63, 'positive', (v, x, y, z) => outside(v) && along(weight(x, y, z) * lips(v) * spared(ctx, x, y, z), [direction[0] * side, direction[1], direction[2]]));
   }
 }
 
@@ -43,8 +60,9 @@ function spared({ eyes }, x, y, z, [near, clear] = SPARED) {
 }
 
 /**
- * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold
- * below. The points lie near the brow's upper border: the zone extends below them by the height of the brow, so that its hairs move without distortion.
+ * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold below. Between the brows both sides
+ * add up to the whole, and their movement reaches down the root of the nose: no ridge is pinched there. The points lie near the brow's upper border:
+ * the zone extends below them by the height of the brow, so that its hairs move without distortion.
  */
 function browActions(actions, ctx, outside, tuning) {
   for (const side of [1, -1]) {
@@ -55,11 +73,12 @@ function browActions(actions, ctx, outside, tuning) {
     const fade = (x, y, z) => {
       const ax = x * side;
       const line = piecewise(xs, ys, ax);
+      const below = tuning.below + tuning.root * smoothstep(xs[0], 0.4 * xs[0], Math.abs(ax));
       const vertical =
         y > line
           ? plateau(y - line, tuning.flat, tuning.above)
-          : plateau(line - y, tuning.flatBelow, tuning.below);
-      const inward = plateau(xs[0] - ax, 0, tuning.inward);
+          : plateau(line - y, tuning.flatBelow, below);
+      const inward = plateau(xs[0] - ax, 0, 2 * xs[0]);
       const outward = plateau(ax - xs[2], 0, tuning.outward);
       return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z, tuning.spared);
     };
@@ -72,7 +91,8 @@ function browActions(actions, ctx, outside, tuning) {
           along(fade(x, y, z) * basis(i, Math.max(xs[0], Math.min(xs[2], x * side))), [0, 1, tuning.forward]),
       );
     });
-    const squeeze = ellipsoid(ctx.fdp[names[0]], tuning.squeezeRadii, 0.1);
+    const [around, inner] = [ellipsoid(ctx.fdp[names[0]], tuning.squeezeRadii, 0.1), ctx.fdp[names[0]]];
+    const squeeze = (x, y, z) => around(x, y, z) * plateau(inner[1] - y, ...tuning.squeezeBelow); // the brow, and not the sides of the nose
     actions.move(
       side > 0 ? 37 : 38,
       'both',

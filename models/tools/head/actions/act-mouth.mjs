@@ -41,9 +41,9 @@ const ROLL = { back: 1.1, up: 0.35 };
 const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3 };
 /**
  * These values hold for incisors whose edge is that many mm below the line of the lips. If the edge is at the line (with age), protruded lips
- * hang that much less per mm (both, so the opening stays), and a retracted lower lip rises to the edge.
+ * hang that much less per mm, so that they rise from the lower teeth (both, so the opening stays), and a retracted lower lip rises to the edge.
  */
-const HIGH_TEETH = { below: 2.36, hang: 0.65, hangLower: 0.7, rise: 0.2 };
+const HIGH_TEETH = { below: 2.36, hang: 1.2, hangLower: 1.25, rise: 0.2 };
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {

@@ -2,6 +2,7 @@
 /** Selects the package's pictures for a recipe's textures, and adjusts their opacity. */
 import path from 'node:path';
 import { bleed, readImage } from '../../lib/image.mjs';
+import { paintStrands } from './paint-strands.mjs';
 
 const COARSE = 256; // texels: sufficient resolution to locate hair
 const HALF = 0.5;
@@ -28,7 +29,8 @@ export async function opacities(scene) {
   for (const { name, material, square } of scene.parts) {
     const look = materials[material];
     if (look?.alpha !== 'cutout' && look?.alpha !== 'blend') continue;
-    const { size, data } = await readAsset(textures[look.texture], scene, COARSE);
+    const spec = textures[look.texture];
+    const { size, data } = spec.paint === 'strands' ? paintStrands({ ...spec, size: COARSE }) : await readAsset(spec, scene, COARSE);
     const cell = (x) => Math.min(size - 1, Math.max(0, Math.floor(x * size)));
     const carded = (u, v) => square && [u, v].every((x, k) => x >= square[k] && x <= square[k] + square[2]);
     out.set(name, (u, v) => carded(u, v) || data[(cell(1 - v) * size + cell(u)) * 4 + 3] > 255 * HALF);

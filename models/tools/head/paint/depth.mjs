@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Depth map from a direction: the height of the nearest surface along it, as a picture. */
+import { narrow } from '../../lib/span.mjs';
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
@@ -36,25 +37,37 @@ export class DepthMap {
 
   #fill(x, y, z, [a, b, c], uv, opaque) {
     const { resolution, depth } = this;
-    const area = (x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a]);
+    const ax = x[a], bx = x[b], cx = x[c], ay = y[a], by = y[b], cy = y[c], az = z[a], bz = z[b], cz = z[c];
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
     if (Math.abs(area) < 1e-9) return;
-    const x0 = Math.max(0, Math.floor(Math.min(x[a], x[b], x[c]))),
-      x1 = Math.min(resolution - 1, Math.floor(Math.max(x[a], x[b], x[c])));
-    const y0 = Math.max(0, Math.floor(Math.min(y[a], y[b], y[c]))),
-      y1 = Math.min(resolution - 1, Math.floor(Math.max(y[a], y[b], y[c])));
-    for (let j = y0; j <= y1; j++)
-      for (let i = x0; i <= x1; i++) {
-        const px = i + 0.5,
-          py = j + 0.5;
-        const wa = ((x[b] - px) * (y[c] - py) - (y[b] - py) * (x[c] - px)) / area;
-        const wb = ((x[c] - px) * (y[a] - py) - (y[c] - py) * (x[a] - px)) / area;
+    const x0 = Math.max(0, Math.floor(Math.min(ax, bx, cx))),
+      x1 = Math.min(resolution - 1, Math.floor(Math.max(ax, bx, cx)));
+    const y0 = Math.max(0, Math.floor(Math.min(ay, by, cy))),
+      y1 = Math.min(resolution - 1, Math.floor(Math.max(ay, by, cy)));
+    const stepA = (by - cy) / area,
+      stepB = (cy - ay) / area,
+      stepC = (ay - by) / area;
+    const row = { from: x0, to: x1 };
+    for (let j = y0; j <= y1; j++) {
+      const py = j + 0.5;
+      row.from = x0;
+      row.to = x1;
+      const first = x0 + 0.5;
+      const left = ((bx - first) * (cy - py) - (by - py) * (cx - first)) / area,
+        right = ((cx - first) * (ay - py) - (cy - py) * (ax - first)) / area;
+      narrow(row, left, stepA, right, stepB, 1 - left - right, stepC);
+      for (let i = row.from; i <= row.to; i++) {
+        const px = i + 0.5;
+        const wa = ((bx - px) * (cy - py) - (by - py) * (cx - px)) / area;
+        const wb = ((cx - px) * (ay - py) - (cy - py) * (ax - px)) / area;
         const wc = 1 - wa - wb;
         if (wa < 0 || wb < 0 || wc < 0) continue;
-        const far = wa * z[a] + wb * z[b] + wc * z[c];
+        const far = wa * az + wb * bz + wc * cz;
         if (far <= depth[j * resolution + i]) continue;
         if (opaque && !opaque(wa * uv[a * 2] + wb * uv[b * 2] + wc * uv[c * 2], wa * uv[a * 2 + 1] + wb * uv[b * 2 + 1] + wc * uv[c * 2 + 1])) continue;
         depth[j * resolution + i] = far;
       }
+    }
   }
 
   /** Returns whether something occludes the point, nearer by more than `slack` mm. */
@@ -80,6 +93,7 @@ export class DepthMap {
     const fx = u - i,
       fy = v - j,
       at = j * n + i;
+    if (depth[at] <= limit && depth[at + 1] <= limit && depth[at + n] <= limit && depth[at + n + 1] <= limit) return 1;
     const open = (k) => (depth[k] > limit ? through(depth[k] - limit) : 1);
     const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
     return row(at) * (1 - fy) + row(at + n) * fy;

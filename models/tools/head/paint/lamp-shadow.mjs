@@ -12,8 +12,8 @@ import { normals } from '../../lib/mesh.mjs';
 import { diffuse } from '../../lib/shading.mjs';
 
 const PLACE = { resolution: 1024, reach: 175, centre: [0, -35, 30] }; // head and neck
-const RAYS = 14;
-const LAMP_RADIUS = 0.1; // radians; the client's lamp is wider, so its shadows are softer still
+const RAYS = 20;
+const LAMP_RADIUS = 0.16; // radians; the client's lamp is wider, so its shadows are softer still
 const LIFT = 0.8; // mm along the normal,
 const SLACK = 0.5; // and along the ray: surfaces do not shade themselves
 const SOFT = [0.75, 1, 1.05]; // red goes on into the shadow, as in the client's diffuseLight
@@ -98,9 +98,11 @@ export function paintedShadow(parts, seen, seenNormals, opaqueOf, { subsurface }
     const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
     if (at(lamp, 3, 0) < 0.02) return;
     const known = Math.max(0, at(client, 4, 1) / 255); // beside a triangle, where the picture begins, it goes on below nothing
-    const key = reaches(...[0, 1, 2].map((k) => at(seen, 3, k) + LIFT * at(seenNormals, 3, k)));
+    const above = (k) => at(seen, 3, k) + LIFT * at(seenNormals, 3, k);
+    const key = reaches(above(0), above(1), above(2));
     for (let k = 0; k < 3; k++) {
-      const [rest, light] = [at(other, 3, k), at(lamp, 3, k)].map((x) => Math.max(0, x));
+      const rest = Math.max(0, at(other, 3, k)),
+        light = Math.max(0, at(lamp, 3, k));
       out[texel * 3 + k] = (LEAST + rest + light * key ** SOFT[k]) / (LEAST + rest + light * known ** SOFT[k]);
     }
   });

@@ -5,6 +5,8 @@ import { EYE_MARGIN } from '../../lib/hm08.mjs';
 import { lidMargin } from '../neutral.mjs';
 import { nearestOnLine, smoothstep } from '../../lib/zones.mjs';
 
+const RIM_SHADE = 0.6; // of the lashes' colour
+
 export function eyeLines(ctx) {
   const { p, topology, eyes } = ctx;
   return ['l', 'r'].map((side) => {
@@ -40,7 +42,9 @@ export function lidPaint(colour, q, behind, lids, look) {
     let c = mix(colour, look.tone, look.toneStrength * smoothstep(look.toneReach, 0.5, near.distance));
     const line = (upper > 0.5 ? look.upperLine : look.lowerLine) * smoothstep(-0.5, -0.3, behind);
     c = mix(c, hex(look.lineColour), line * smoothstep(look.lineWidth, 0.1, near.distance));
-    return mix(c, look.rim, look.rimStrength * smoothstep(0.35, 0.65, behind));
+    // The rim of the upper lid is seen where lids are shut, between its lashes: in their shade.
+    const rim = mix(look.rim, hex(look.lineColour), RIM_SHADE * smoothstep(0.3, 0.7, upper));
+    return mix(c, rim, look.rimStrength * smoothstep(0.35, 0.65, behind));
   }
   return colour;
 }

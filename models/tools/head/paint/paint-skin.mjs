@@ -11,11 +11,14 @@ import { hex, mix } from '../../lib/color.mjs';
 import { readImage } from '../../lib/image.mjs';
 import { paintedShadow } from './lamp-shadow.mjs';
 import { normals } from '../../lib/mesh.mjs';
+import { beside } from '../hair/hang.mjs';
+import { aboveLine } from '../hair/skull.mjs';
 import { distanceTo } from './near-hair.mjs';
 import { fractal, noise } from './noise.mjs';
 import { behindMargin, eyeLines, lidPaint } from './paint-lids.mjs';
 import { lipPaint, lipParameter } from './paint-lips.mjs';
 import { neckPaint } from './paint-neck.mjs';
+import { stubblePaint } from './paint-stubble.mjs';
 import { ellipsoid, smoothstep } from '../../lib/zones.mjs';
 
 const MOST_LIGHT = 1.1; // factor on the client's light, where its own shadow is too wide
@@ -60,6 +63,7 @@ export async function paintSkin(spec, scene) {
   const grown = hairRoots(look, parts, opaque);
   const neck = neckPaint(ctx, look.neck, recipe.materials.skin.subsurface);
   const ear = earZone(ctx.fdp, look.scalp.ears);
+  const stubble = stubblePaint(ctx.fdp, look.stubble);
   const scalp = hex(look.scalp.colour);
   const lidLook = { ...look.lids, tone: alike(hex(look.lids.tone)), rim: alike(hex(look.lids.rim)) };
   const data = new Float32Array(size * size * 3);
@@ -75,9 +79,8 @@ export async function paintSkin(spec, scene) {
     const least = LEAST_ON_LIPS * smoothstep(1.6, 0.9, lip) * outside;
     const lamp = look.lampShadow * (1 - LAMP_BETWEEN_LIPS * smoothstep(0.45, 0.05, lip) * outside);
     const light = Math.min(1, Math.max(least, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
-    const behind =
-      q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-    const hairy = behind > -look.scalp.soft ? smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q)) : 0;
+    const behind = scalpOf(look, recipe.parts.hair.grown, q);
+    const hairy = behind > -look.scalp.soft ? smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q)) * (1 - parted(recipe.parts.hair.grown, q)) : 0;
     const bare = () => {
       let colour = mix(
         tone,
@@ -91,13 +94,38 @@ export async function paintSkin(spec, scene) {
       colour = neck(mottle(colour, q, look), q, [0, 1, 2].map((k) => at(vertexNormals, 3, k)));
       colour = lidPaint(colour, q, attribute(inner), lids, lidLook);
       colour = lipPaint(colour, q, lip, deep, attribute(lipS), look.lips);
-      return grown(pores(colour, [0, 1, 2].map((k) => at(seen, 3, k)), look, lip), q, behind, lip);
+      return grown(stubble(pores(colour, [0, 1, 2].map((k) => at(seen, 3, k)), look, lip), q, lip), q, behind, lip);
     };
-    const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
+    const roots = look.scalp.coils ? coiled(scalp, q, look.scalp.coils) : scalp;
+    const colour = hairy === 1 ? roots : mix(bare(), roots, hairy);
     data.set(shade(darkened(colour, between(shadow, size / 2, texel, size), lamp), light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };
+}
+
+/** mm behind the hairline, uneven: that of grown hair, or a slope. */
+function scalpOf({ scalp }, grown, q) {
+  if (!grown) return q[1] - scalp.slope * q[2] - scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
+  const strokes = noise(q[0] / 0.9, q[1] / 5, q[2] / 2.5) + 0.8 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
+  return aboveLine(grown.line, q) + 4 * strokes;
+}
+
+const PARTING = [0.4, 2.4]; // mm from the middle of a parting, between which skin becomes scalp
+const SHOWN = 0.6; // of the skin's colour in its middle
+
+/** How much of the skin a parting shows. */
+function parted(grown, q) {
+  if (!grown?.hangs || q[1] < 20) return 0;
+  const { parting } = grown.hangs;
+  const aside = Math.abs(beside(parting, q)) + 0.6 * noise(q[0] / 2, q[1] / 4, q[2] / 3);
+  return SHOWN * smoothstep(PARTING[1], PARTING[0], aside) * smoothstep(parting.behind - 10, parting.behind + 10, q[2]);
+}
+
+/** Coils that lie on the scalp: lighter and darker than its colour. */
+function coiled(colour, q, strength) {
+  const curls = noise(q[0] / 1.1, q[1] / 1.1, q[2] / 1.1) + 0.6 * noise(q[0] / 0.6, q[1] / 0.6, q[2] / 0.6);
+  return colour.map((x) => x * Math.max(0.2, 1 + strength * curls));
 }
 
 const LEAST_ON_LIPS = 0.7; // share of the sky's light that the painted lips get at least

@@ -7,8 +7,8 @@ import { smoothstep } from '../../lib/zones.mjs';
 
 /** Colours from the translucent edge over the body to the neck: of young and of old teeth. */
 const ENAMEL = {
-  young: [[0, '#dcdcd8'], [0.12, '#ebe6dc'], [0.5, '#f1e8d8'], [0.8, '#ead8ba'], [1, '#d6b78f']],
-  old: [[0, '#cdc6b6'], [0.12, '#d9cdb2'], [0.5, '#dcc9a2'], [0.8, '#cfb083'], [1, '#b28c5e']],
+  young: [[0, '#c9cac8'], [0.07, '#d6d4cd'], [0.2, '#e8e3d9'], [0.5, '#eee4d4'], [0.8, '#e7d3b4'], [1, '#d2b088']],
+  old: [[0, '#b9b3a6'], [0.07, '#c8bfab'], [0.2, '#d6c9ad'], [0.5, '#dac69f'], [0.8, '#ccac80'], [1, '#ae885b']],
 };
 const GUM = [[0, '#e0928c'], [0.25, '#cf7a76'], [0.6, '#b85f5e'], [1, '#9a4644']];
 const PALATE = [[0, '#d4857d'], [0.4, '#c27068'], [1, '#9c4a46']];
@@ -22,11 +22,13 @@ export function paintTeeth(size, { wear, shade }) {
   const data = new Float32Array(size * size * 3);
   const painters = {
     tooth(u, v) {
-      let c = mix(ramp(enamel.young, v), ramp(enamel.old, v), wear);
+      // Three lobes reach down into the translucent edge.
+      const at = Math.max(0, v - 0.05 * Math.max(0, 1 - v / 0.3) * (0.5 + 0.5 * Math.cos(6 * Math.PI * u)) + 0.02 * noise(u * 5, v * 2, 4));
+      let c = mix(ramp(enamel.young, at), ramp(enamel.old, at), wear);
       if (shade) c = mix(c, hex(shade), 0.7);
       // Gaps between adjacent teeth are dark and warm.
-      const side = smoothstep(0.42, 0.5, Math.abs(u - 0.5));
-      c = mix(c, [168, 128, 104], 0.55 * side);
+      const side = smoothstep(0.4, 0.5, Math.abs(u - 0.5));
+      c = mix(c, [160, 120, 98], 0.5 * side * side);
       return c.map((x) => x * (1 + 0.018 * noise(u * 9, v * 3)));
     },
     gum: (u, v) => ramp(gum, v).map((x) => x * (1 + 0.08 * fractal(u * 40, v * 5, 1, 3))),

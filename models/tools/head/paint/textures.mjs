@@ -10,6 +10,7 @@ import { paintCloth } from './paint-cloth.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';
 import { paintSkin } from './paint-skin.mjs';
+import { paintStrands } from './paint-strands.mjs';
 import { paintTeeth } from './paint-teeth.mjs';
 
 const PAINTERS = {
@@ -17,6 +18,7 @@ const PAINTERS = {
   skin: paintSkin,
   asset: paintAsset,
   cloth: paintCloth,
+  strands: paintStrands,
   teeth: ({ size }, { ctx }) => paintTeeth(size, ctx.figures),
 };
 
