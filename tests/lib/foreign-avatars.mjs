@@ -116,7 +116,7 @@ export function bonesOnly(bytes) {
   const jaw = skin.joints.push(json.nodes.length - 1) - 1;
   const matrices = [...numbers(skin.inverseBindMatrices), 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -at[0], -at[1], -at[2], 1];
   skin.inverseBindMatrices = add(Float32Array.from(matrices), { componentType: 5126, count: jaw + 1, type: 'MAT4' });
-  for (const mesh of json.meshes) {
+  for (const mesh of json.meshes.filter(({ name }) => name !== 'stand')) {
     const [primitive] = mesh.primitives;
     const open = mesh.extras?.targetNames.indexOf('jawOpen') ?? -1;
     const shift = open < 0 ? null : numbers(primitive.targets[open].POSITION);

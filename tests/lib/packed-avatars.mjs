@@ -60,7 +60,7 @@ export async function packed(bytes, { picture = 'hair', kind = 'etc1s', webp = n
     glb.binary = Buffer.concat([glb.binary, data, Buffer.alloc((4 - (data.length % 4)) % 4)]);
     return json.bufferViews.length - 1;
   };
-  for (const { primitives: [primitive] } of json.meshes) {
+  for (const { primitives: [primitive] } of json.meshes.filter(({ name }) => name !== 'stand')) {
     const own = Object.keys(BITS).filter((name) => name in primitive.attributes);
     const attributes = Object.fromEntries(own.map((name) => [name, Float32Array.from(numbers(primitive.attributes[name]))]));
     const { bytes: data, ids, points } = encode(draco, numbers(primitive.indices), attributes);

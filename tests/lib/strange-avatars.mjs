@@ -10,7 +10,7 @@ const METRES = 1.55; // height of the eyes in faccia's exports
 export function takenApart(bytes) {
   const { json, numbers } = readGlb(bytes);
   const binary = bytes.subarray(28 + bytes.readUInt32LE(12));
-  const meshes = json.meshes.map(({ name, primitives: [primitive], extras }) => ({
+  const meshes = json.meshes.filter(({ name }) => name !== 'stand').map(({ name, primitives: [primitive], extras }) => ({
     name,
     material: primitive.material,
     position: Float32Array.from(numbers(primitive.attributes.POSITION)),
@@ -50,6 +50,30 @@ export function meshopt(data, stride) {
 
 const CODES = { Float32Array: 5126, Int16Array: 5122, Uint16Array: 5123, Uint32Array: 5125, Uint8Array: 5121 };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
+
+/** Has meshopt's views named as Khronos does, their streams of version 1 and by its own encoder. @param {{json: object, binary: Buffer}} glb with views packed as `meshopt` does */
+export async function newMeshopt({ json, binary }) {
+  const [{ MeshoptEncoder }, { MeshoptDecoder }] = await Promise.all([import('../../web/node_modules/meshoptimizer/meshopt_encoder.js'), import('../../web/node_modules/meshoptimizer/meshopt_decoder.mjs')]);
+  await Promise.all([MeshoptEncoder.ready, MeshoptDecoder.ready]);
+  const pieces = [binary];
+  let size = binary.length;
+  for (const one of [...json.buffers, ...json.bufferViews]) {
+    const { EXT_meshopt_compression: packed, ...extensions } = one.extensions ?? {};
+    if (!packed) continue;
+    const { count, byteStride, byteOffset, byteLength, mode } = packed;
+    one.extensions = { ...extensions, KHR_meshopt_compression: packed };
+    if (packed.fallback) continue;
+    const plain = new Uint8Array(count * byteStride);
+    MeshoptDecoder.decodeGltfBuffer(plain, count, byteStride, binary.subarray(byteOffset, byteOffset + byteLength), mode);
+    const bytes = MeshoptEncoder.encodeGltfBuffer(plain, count, byteStride, mode, 1);
+    Object.assign(packed, { byteOffset: size, byteLength: bytes.length });
+    pieces.push(bytes, Buffer.alloc((4 - (bytes.length % 4)) % 4));
+    size += bytes.length + pieces.at(-1).length;
+  }
+  json.buffers[0].byteLength = size;
+  for (const name of ['extensionsUsed', 'extensionsRequired']) json[name] = json[name].map((one) => one.replace('EXT_meshopt', 'KHR_meshopt'));
+  return writeGlb({ json, binary: Buffer.concat(pieces) });
+}
 
 /** Builds a GLB. */
 class Writer {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One avatar of strange-avatars.mjs for each style of other programs.
-import { bodyMesh, joined, strange } from './strange-avatars.mjs';
+import { partsOf } from './foreign-avatars.mjs';
+import { bodyMesh, joined, newMeshopt, strange } from './strange-avatars.mjs';
 
 const only = (names, rename = (name) => name) => (name) => (names.includes(name) ? rename(name) : null);
 const isArkit = (name) => !name.startsWith('viseme_');
@@ -8,6 +9,11 @@ const arkit = (rename) => (name) => (isArkit(name) ? rename(name) : null);
 const sided = (name, left, right) => name.replace(/Left$/, left).replace(/Right$/, right);
 const capital = (name) => name[0].toUpperCase() + name.slice(1);
 const snake = (name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
+
+const MOUTH_AND_LIDS = [
+  'jawOpen', 'mouthClose', 'eyeBlinkLeft', 'eyeBlinkRight', 'mouthFunnel', 'mouthPucker', 'mouthLowerDownLeft', 'mouthLowerDownRight',
+  'mouthUpperUpLeft', 'mouthUpperUpRight', 'mouthSmileLeft', 'mouthSmileRight', 'mouthPressLeft', 'mouthPressRight',
+];
 
 const VOWELS = { viseme_aa: 'A', viseme_I: 'I', viseme_U: 'U', viseme_E: 'E', viseme_O: 'O' };
 const VROID = { ...Object.fromEntries(Object.entries(VOWELS).map(([own, vowel]) => [own, `Fcl_MTH_${vowel}`])), eyeBlinkLeft: 'Fcl_EYE_Close_L', eyeBlinkRight: 'Fcl_EYE_Close_R' };
@@ -94,7 +100,8 @@ export const strangeCases = (whole) => ({
   sparse: { bytes: () => strange(whole, { store: 'sparse', rename: arkit((name) => name) }) },
   quantised: { bytes: () => strange(whole, { store: 'short', rename: arkit((name) => name), add: (json) => (json.extensionsUsed = json.extensionsRequired = ['KHR_mesh_quantization']) }) },
   'extensions that shape nothing': { bytes: () => strange(whole, { rename: arkit((name) => name), add: oldLook }) },
-  meshopt: { bytes: () => strange(whole, { store: 'packed', rename: only(['jawOpen', 'mouthClose', 'eyeBlinkLeft', 'eyeBlinkRight', 'mouthFunnel', 'mouthPucker', 'mouthLowerDownLeft', 'mouthLowerDownRight', 'mouthUpperUpLeft', 'mouthUpperUpRight', 'mouthSmileLeft', 'mouthSmileRight', 'mouthPressLeft', 'mouthPressRight']) }) },
+  meshopt: { bytes: () => strange(whole, { store: 'packed', rename: only(MOUTH_AND_LIDS) }) },
+  'meshopt as Khronos names it': { bytes: () => newMeshopt(partsOf(strange(whole, { store: 'packed', rename: only(MOUTH_AND_LIDS) }))) },
   'no normals': { bytes: () => strange(whole, { normals: false, rename: arkit((name) => name) }) },
   'NaN in a target': { bytes: () => strange({ ...whole, meshes: whole.meshes.map((one) => ({ ...one, targets: Object.fromEntries(Object.entries(one.targets).map(([name, list]) => [name, /^(mouthSmile|browInner)/.test(name) ? list.map((x, i) => (i % 997 ? x : NaN)) : list])) })) }, { rename: arkit((name) => name) }) },
   'NaN places': { bytes: () => strange({ ...whole, meshes: whole.meshes.map((one) => (one.name === 'hair' ? { ...one, position: one.position.map((x, i) => (i % 997 ? x : NaN)) } : one)) }, { rename: arkit((name) => name) }) },

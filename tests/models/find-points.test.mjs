@@ -7,10 +7,10 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import test, { after } from 'node:test';
-import { findPoints } from '../../models/tools/import/find-points.mjs';
-import { readScene } from '../../models/tools/import/make-head.mjs';
+import { findPoints } from '../../models/tools/import/face/find-points.mjs';
+import { readScene } from '../../models/tools/import/formats/read-scene.mjs';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
-import { unpack } from '../../models/tools/lib/deform.mjs';
+import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/visibility.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { cases } from '../lib/long.mjs';
@@ -28,11 +28,11 @@ const MOUTH = ['2.2', '2.3', '2.4', '2.5', '2.6', '2.7', '2.8', '2.9', '8.1', '8
 const LIDS = ['3.1', '3.2', '3.3', '3.4', '3.5', '3.6'];
 const OTHERS = ['2.1', '2.10', '4.1', '4.2', '4.3', '4.4', '4.5', '4.6', '8.2', '8.5', '8.6', '8.7', '8.8', '9.1', '9.2', '9.3'];
 
-/** As the program finds them, with a mean face that is made of the other seven heads alone. @returns {Promise<object>} points in mm from between the eyes */
+/** As the program finds them, with a mean face that is made of the other heads alone. @returns {Promise<object>} points in mm from between the eyes */
 async function foundAlone(name, file, back) {
   const others = fs.readdirSync(path.join(models, 'heads')).filter((one) => one.endsWith('.json') && one !== `${name}.json`).map((one) => path.join(models, 'heads', one));
-  assert.equal(others.length, 7);
-  const tool = new URL('../../models/tools/import/make-template.mjs', import.meta.url).pathname;
+  assert.equal(others.length, 9);
+  const tool = new URL('../../models/tools/import/face/make-template.mjs', import.meta.url).pathname;
   const { stdout } = spawnSync(process.execPath, [tool, path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), ...others], { encoding: 'utf8', maxBuffer: 1 << 24 });
   const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
   const scene = await readScene(at(file));
@@ -83,6 +83,30 @@ for (const [name, file, write, place, back, said] of cases([
     const lines = stdout.split('\n').filter((line) => /^FAP (3|4|5|6|7|8|9|1\d|2[0-6]|5[1-9]|60) /.test(line));
     assert.deepEqual(lines.filter((line) => /does nothing|no vertex/.test(line)), []);
   });
+
+test('a slit between the lips that shows the inside of the head is no lip', async () => {
+  const head = ours('mara');
+  const parts = ['skin', 'eye_l', 'eye_r'].map((name) => head.parts.find((part) => part.name === name));
+  const lower = { 4: -40, 5: -40, 8: -40, 9: -40, 10: -40, 11: -40 };
+  writeObj(at('slit.obj'), { parts: parts.map((part) => ({ ...part, position: pose(head, part, lower) })) }, (p) => p);
+  const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
+  const { points: { fdp } } = await findPoints(await readScene(at('slit.obj')), await openEye());
+  for (const name of ['2.2', '2.3', '2.4', '2.5', '2.8', '2.9']) assert.ok(Math.hypot(...fdp[name].map((x, k) => x - head.fdp[name][k])) < 7, `${name}: ${fdp[name]}, not ${head.fdp[name]}`);
+});
+
+test('finds the lips of a flat-shaded mesh, whose triangles share no vertex, where those of a smooth one are', async () => {
+  const head = ours('mara');
+  const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
+  const eye = await openEye();
+  const split = (part) => ({ ...part, position: Float64Array.from({ length: 3 * part.index.length }, (_, i) => part.position[3 * part.index[Math.floor(i / 3)] + (i % 3)]), index: part.index.map((_, i) => i) });
+  const parts = ['skin', 'eye_l', 'eye_r'].map((name) => head.parts.find((part) => part.name === name));
+  const found = [];
+  for (const [name, own] of [['smooth', (part) => part], ['flat', split]]) {
+    writeObj(at(`${name}.obj`), { parts: parts.map(own) }, (p) => p);
+    found.push((await findPoints(await readScene(at(`${name}.obj`)), eye)).points.fdp);
+  }
+  for (const name of ['2.2', '2.3', '2.4', '2.5', '2.6', '2.9']) assert.ok(Math.hypot(...found[0][name].map((x, k) => x - found[1][name][k])) < 1, `${name}: ${found.map((fdp) => fdp[name])}`);
+});
 
 test('reports that there is no face; skips the search with --points', () => {
   fs.writeFileSync(at('box.obj'), ['0 0 0', '1 0 0', '1 1 0', '0 1 0', '0 0 1', '1 0 1', '1 1 1', '0 1 1'].map((p) => `v ${p}`).concat(['1 3 2', '1 4 3', '5 6 7', '5 7 8'].map((f) => `f ${f}`)).join('\n'));

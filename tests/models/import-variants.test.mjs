@@ -8,13 +8,15 @@ import path from 'node:path';
 import test, { after } from 'node:test';
 import zlib from 'node:zlib';
 import { PNG } from 'pngjs';
-import { findPoints } from '../../models/tools/import/find-points.mjs';
-import { makeHead, readScene } from '../../models/tools/import/make-head.mjs';
-import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.mjs';
+import { findPoints } from '../../models/tools/import/face/find-points.mjs';
+import { makeHead } from '../../models/tools/import/make-head.mjs';
+import { readScene } from '../../models/tools/import/formats/read-scene.mjs';
+import { gatherParts, guessPart, partOf } from '../../models/tools/import/mesh/parts.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { models } from '../lib/built-heads.mjs';
 import { violations } from '../lib/schema.mjs';
 import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
+import { newMeshopt, strange, takenApart } from '../lib/strange-avatars.mjs';
 import { strip, vrml1Of, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
@@ -92,6 +94,23 @@ test('glTF: reads every byte layout and index type, strips, nested nodes and mir
     writeGltf(at(file), list, how);
     same((await readScene(at(file))).meshes, metres, what);
   }
+  fs.writeFileSync(at('tail.glb'), Buffer.concat([fs.readFileSync(at('a.glb')), Buffer.alloc(77, 9)]));
+  same((await readScene(at('tail.glb'))).meshes, metres, 'bytes after the end');
+});
+
+test('covers of the eyes, and helpers for other programs, are left out', async () => {
+  for (const name of ['CC_Base_EyeOcclusion', 'M_LacrimalFluid', 'tear_line', 'Eyeshell_mesh']) {
+    writeObjAs(at('covered.obj'), [...parts, { ...parts[1], name }]);
+    const { meshes, notes } = await readScene(at('covered.obj'));
+    assert.deepEqual(meshes.map((mesh) => mesh.name), parts.map((part) => part.name));
+    assert.match(notes.join(), /covers of the eyes.*: 1/);
+  }
+  writeObjAs(at('helped.obj'), [...parts, ...['joint-l-eye', 'helper-tights', 'helper-hair', 'helper-l-eye'].map((name) => ({ ...parts[1], name }))]);
+  const { meshes, notes } = await readScene(at('helped.obj'));
+  assert.deepEqual(meshes.map((mesh) => mesh.name), [...parts.map((part) => part.name), 'helper-l-eye']);
+  assert.match(notes.join(), /MakeHuman's helpers are left out: 3/);
+  writeObjAs(at('alone.obj'), [{ ...parts[1], name: 'EyeOcclusion' }]);
+  assert.equal((await readScene(at('alone.obj'))).meshes.length, 1);
 });
 
 const comb = { name: 'comb', position: [0, 0, 0, 8, 0, 0, 8, 6, 0, 6, 6, 0, 6, 2, 0, 5, 2, 0, 5, 6, 0, 3, 6, 0, 3, 2, 0, 2, 2, 0, 2, 6, 0, 0, 6, 0], uv: Array(24).fill(0.5) };
@@ -388,12 +407,67 @@ test('rejects a part with too many vertices, naming its meshes', async () => {
   assert.throws(() => makeHead(scene, toldIn((p) => p), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] }), { message: /skin.*has \d{5} vertices \(skin \d+, body \d+\), more than 65535/ });
 });
 
+test('the portrait shows the chin, however long the face', async () => {
+  const shown = [1, 2].map((long) => {
+    const place = ([x, y, z]) => [x, y < 0 ? long * y : y, z];
+    writeObjAs(at(`long-${long}.obj`), placed(place));
+    return readScene(at(`long-${long}.obj`)).then((scene) => makeHead(scene, toldIn(place), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] }).head);
+  });
+  for (const { view, fdp } of await Promise.all(shown)) {
+    const half = Math.tan((view.fov * Math.PI) / 360) * (view.distance - fdp['2.1'][2]);
+    assert.ok(view.target[1] - fdp['2.1'][1] < 0.9 * half, `chin at ${fdp['2.1']}, ${view.distance} mm away`);
+  }
+});
+
+test('the portrait shows high hair, and of a tower as much as the face leaves', async () => {
+  for (const [high, whole] of [[120, true], [165, true], [400, false]]) {
+    const hair = { name: 'hair', position: [-40, 60, 0, 40, 60, 0, 0, high, -20], uv: [0, 0, 0, 0, 0, 0], index: [0, 1, 2] };
+    writeObjAs(at('high.obj'), [...parts, hair]);
+    const { head: { view, fdp } } = makeHead(await readScene(at('high.obj')), toldIn((p) => p), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] });
+    const half = Math.tan((view.fov * Math.PI) / 360);
+    assert.equal(view.target[1] + half * view.distance > high, whole, `${high}: ${JSON.stringify(view)}`);
+    assert.ok(view.target[1] - fdp['2.1'][1] < 0.9 * half * (view.distance - fdp['2.1'][2]), `${high}: the chin`);
+    assert.ok(view.distance < 750, `${high}: ${view.distance} mm away`);
+  }
+});
+
+test('lips that are a mesh of their own are the face', async () => {
+  const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
+  const { fdp, fapu } = mara;
+  const isLip = ({ position, index }, t) => {
+    const [x, y, z] = [0, 1, 2].map((k) => [0, 1, 2].reduce((sum, c) => sum + position[3 * index[t + c] + k], 0) / 3);
+    return Math.hypot(x / (0.6 * fapu.MW), (y - fdp['8.4'][1]) / (1.3 * (fdp['8.1'][1] - fdp['8.2'][1]) / 2)) < 1 && z > fdp['8.4'][2] - 4;
+  };
+  const [skin, ...others] = parts;
+  const cut = (name, wanted) => ({ ...skin, name, index: skin.index.filter((_, i) => isLip(skin, i - (i % 3)) === wanted) });
+  const lips = cut('Object_7', true);
+  assert.ok(lips.index.length > 300, `${lips.index.length / 3} triangles of lips`);
+  writeObjAs(at('lips.obj'), [cut('Object_1', false), lips, ...others]);
+  const scene = await readScene(at('lips.obj'));
+  const { points, notes } = await findPoints(scene, await openEye());
+  assert.match(notes.join('\n'), /the lips are a mesh of their own: they were joined/);
+  const head = unpack(makeHead(scene, points, { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] }).head);
+  const part = head.parts.find(({ name }) => name === 'skin');
+  assert.equal(part.index.length, skin.index.length);
+  const gap = (faps) => {
+    const moved = pose(head, part, faps);
+    const [upper, lower] = ['2.2', '2.3'].map((name) => {
+      const far = (v) => Math.hypot(...[0, 1, 2].map((k) => part.position[3 * v + k] - head.fdp[name][k]));
+      const v = Array.from({ length: part.position.length / 3 }, (_, i) => i).reduce((best, i) => (far(i) < far(best) ? i : best));
+      return moved[3 * v + 1];
+    });
+    return upper - lower;
+  };
+  assert.ok(gap({ 3: 600, 5: -500, 10: -400, 11: -400 }) - gap({}) > 4, `${gap({ 3: 600, 5: -500, 10: -400, 11: -400 })}, ${gap({})}`);
+});
+
 test('finds the face in any unit, axes and orientation, and turns the outside out', async (t) => {
   const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
   const eye = await openEye();
   const turn = (part, over) => (over ? { ...part, index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) } : part);
   for (const [what, place, over, axes, unit] of [
     ['inches, as a camera has it, inside out', ([x, y, z]) => [x / 25.4, -y / 25.4, -z / 25.4 + 16], true, 'y down, looking to -z', 25.4],
+    ['lying on its side', ([x, y, z]) => [-y, -x, -z], false, 'x down, looking to -z', 1],
   ]) {
     writeObjAs(at('axes.obj'), placed(place).map((part) => turn(part, over)));
     const scene = await readScene(at('axes.obj'));
@@ -404,5 +478,20 @@ test('finds the face in any unit, axes and orientation, and turns the outside ou
     const found = unpack(head);
     same(found.parts, parts, what);
     t.diagnostic(`${what}: mouth ${found.fapu.MW.toFixed(1)} for ${mara.fapu.MW.toFixed(1)} mm`);
+  }
+});
+
+test('glTF: meshopt is unpacked under its old name and its new one', async () => {
+  const whole = takenApart(fs.readFileSync(path.join(models, 'heads/mara.glb')));
+  const how = { meshes: whole.meshes.filter(({ name }) => ['skin', 'eye_l'].includes(name)), rename: (name) => (name === 'jawOpen' ? name : null) };
+  const read = async (name, bytes) => {
+    fs.writeFileSync(at(name), bytes);
+    return (await readScene(at(name))).meshes;
+  };
+  const plain = await read('plain.glb', strange(whole, how));
+  const packed = strange(whole, { ...how, store: 'packed' });
+  for (const meshes of [await read('old.glb', packed), await read('new.glb', await newMeshopt(partsOf(packed)))]) {
+    assert.deepEqual(meshes.map(({ name }) => name), plain.map(({ name }) => name));
+    meshes.forEach(({ position, targets }, i) => assert.deepEqual([position, targets], [plain[i].position, plain[i].targets]));
   }
 });

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Exports a head as an avatar for other programs: a GLB with ARKit's 52 shapes and the 15 visemes as morph targets, bones, and the expressions of
- * VRM 1.0. A target is the difference between the head at the FAPs of its definition and the head at rest.
+ * Exports a head as an avatar for other programs: a GLB with ARKit's 52 shapes, the 15 visemes and a breath as morph targets, bones, and the
+ * expressions of VRM 1.0. A target is the difference between the head at the FAPs of its definition and the head at rest.
  */
+import { decode } from '../lib/codec.mjs';
 import { pose } from '../lib/deform.mjs';
 import { openTexture } from '../lib/image.mjs';
 import { Glb } from './glb.mjs';
@@ -15,8 +16,10 @@ const LEAST_SHIFT = 2e-6,
   LEAST_TURN = 4e-3;
 
 const ROOT = 'Armature'; // what programs for talking heads look for
+export const STAND = 'stand';
 
 export const TARGETS = { ...ARKIT, ...VISEMES };
+export const BREATH = 'breath'; // a full one; the element's avatars look for the name, too
 
 /** @param {object} head unpacked @returns {Promise<Buffer>} the GLB */
 export async function makeAvatar(head) {
@@ -30,6 +33,7 @@ export async function makeAvatar(head) {
   addSkin(glb, bones);
   json.meshes = [];
   const meshes = head.parts.map((part) => addPart(glb, head, part));
+  addStand(glb, bones);
   json.scene = 0;
   json.nodes.push({ name: ROOT, children: [bones.nodes.Hips, ...meshes.map(({ node }) => node)] });
   json.scenes = [{ name: head.title, nodes: [json.nodes.length - 1] }];
@@ -72,6 +76,21 @@ function addSkin(glb, bones) {
   glb.json.skins = [{ joints: JOINTS.map((name) => bones.nodes[name]), inverseBindMatrices: glb.floats(Float32Array.from(matrices), 'MAT4', 16) }];
 }
 
+/** Adds a triangle without area on the floor: programs that stand an avatar on its lowest mesh leave this one, which ends at the chest, at its height. */
+function addStand(glb, { list, nodes }) {
+  const { json } = glb;
+  json.meshes.push({ name: STAND, primitives: [{ attributes: { POSITION: glb.floats(new Float32Array(9), 'VEC3', 3, true) }, indices: glb.indices([0, 1, 2]) }] });
+  json.nodes.push({ name: STAND, mesh: json.meshes.length - 1, translation: list[nodes.Hips].at.map((x) => -x) });
+  json.nodes[nodes.Hips].children.push(json.nodes.length - 1);
+}
+
+/**
+ * Hair on cards, in renderers that light a surface as one: their highlight lies on whole cards, and where light comes from all around they turn grey towards their
+ * edges. So it is dull.
+ */
+const STRANDS = { roughness: 0.8, specular: 0.3 };
+const SPECULAR = 'KHR_materials_specular';
+
 const ALPHA = { opaque: 'OPAQUE', cutout: 'MASK', blend: 'BLEND' };
 
 async function addMaterials(glb, head) {
@@ -79,9 +98,12 @@ async function addMaterials(glb, head) {
   Object.assign(json, { materials: [], textures: [], images: [], samplers: [{ magFilter: 9729, minFilter: 9987 }] });
   for (const [name, look] of Object.entries(head.materials)) {
     const texture = look.texture === undefined ? {} : { baseColorTexture: { index: await addTexture(glb, head.textures[look.texture], look) } };
+    const strands = look.alpha === 'cutout';
+    if (strands && !json.extensionsUsed.includes(SPECULAR)) json.extensionsUsed.push(SPECULAR);
     json.materials.push({
       name,
-      pbrMetallicRoughness: { baseColorFactor: [...look.color, 1], metallicFactor: 0, roughnessFactor: look.roughness, ...texture },
+      pbrMetallicRoughness: { baseColorFactor: [...look.color, 1], metallicFactor: 0, roughnessFactor: strands ? Math.max(STRANDS.roughness, look.roughness) : look.roughness, ...texture },
+      ...(strands ? { extensions: { [SPECULAR]: { specularFactor: STRANDS.specular } } } : {}),
       alphaMode: ALPHA[look.alpha],
       doubleSided: look.double_sided,
     });
@@ -111,7 +133,10 @@ function addPart(glb, head, part) {
   const uv = Float32Array.from(part.uv, (x, i) => (i % 2 ? 1 - x : x));
   const moved = movedBy(head, part);
   // the skin has all targets, so that programs find them; other parts have only targets that move them
-  const targets = Object.keys(TARGETS).filter((name) => part.name === 'skin' || moved(TARGETS[name]));
+  const names = Object.keys(TARGETS).filter((name) => part.name === 'skin' || moved(TARGETS[name]));
+  const breathed = breathe(head, part, rest);
+  const targets = breathed ? [...names, BREATH] : names;
+  const posed = (name) => (name === BREATH ? breathed : pose(head, part, TARGETS[name]));
   const primitive = {
     attributes: {
       POSITION: glb.floats(metres(rest, EYE_HEIGHT), 'VEC3', 3, true),
@@ -122,7 +147,7 @@ function addPart(glb, head, part) {
     },
     indices: glb.indices(part.index),
     material: json.materials.findIndex(({ name }) => name === part.material),
-    ...(targets.length ? { targets: targets.map((name) => addTarget(glb, head, part, TARGETS[name], rest, normals)) } : {}),
+    ...(targets.length ? { targets: targets.map((name) => addTarget(glb, part, posed(name), rest, normals)) } : {}),
   };
   json.meshes.push({
     name: part.name,
@@ -130,7 +155,7 @@ function addPart(glb, head, part) {
     ...(targets.length ? { weights: targets.map(() => 0), extras: { targetNames: targets } } : {}),
   });
   json.nodes.push({ name: part.name, mesh: json.meshes.length - 1, skin: 0 });
-  return { node: json.nodes.length - 1, targets, moving: new Set(targets.filter((name) => moved(TARGETS[name]))) };
+  return { node: json.nodes.length - 1, targets, moving: new Set(names.filter((name) => moved(TARGETS[name]))) };
 }
 
 /** Returns whether any of the FAPs moves the part. */
@@ -139,8 +164,16 @@ function movedBy(head, part) {
   return (target) => Object.keys(target).some((fap) => faps.has(Number(fap)));
 }
 
-function addTarget(glb, head, part, faps, rest, normals) {
-  const posed = pose(head, part, faps);
+/** @returns {Float64Array|null} the positions with full lungs (protocol/head-model.md); null: as at rest */
+export function breathe(head, { breath }, rest) {
+  if (!breath || !head.breath) return null;
+  const weights = decode('uint8', breath.weights);
+  const out = Float64Array.from(rest);
+  decode('uint16', breath.vertices).forEach((v, i) => head.breath.shift.forEach((mm, k) => (out[3 * v + k] += (mm * weights[i]) / 255)));
+  return out;
+}
+
+function addTarget(glb, part, posed, rest, normals) {
   const turned = normalsOf(part, posed);
   return {
     POSITION: glb.sparse(posed.map((x, i) => (x - rest[i]) / 1000), LEAST_SHIFT, true),

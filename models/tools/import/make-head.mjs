@@ -1,59 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Converts a scene to a head in the format of protocol/head-model.md. */
-import fs from 'node:fs';
-import path from 'node:path';
-import zlib from 'node:zlib';
 import { encodeDeltas, decode } from '../lib/codec.mjs';
 import { FAPS } from '../lib/faps.mjs';
-import { divide } from './divide.mjs';
-import { FileError, MOST } from './file-error.mjs';
-import { at, nearestVertex, xfaceField, zoneFields } from './fields.mjs';
+import { nearestVertex } from '../lib/mesh.mjs';
+import { at, xfaceField, zoneFields } from './actions/fields.mjs';
+import { actFromTable } from './actions/tables.mjs';
+import { actFromTargets, moveOf } from './actions/targets.mjs';
+import { jawPivot, jawTurn, lidsAndEyes, neck, some } from './actions/turns.mjs';
+import { FileError } from './limits.mjs';
+import { divide } from './mesh/divide.mjs';
+import { paintColors } from './mesh/paint.mjs';
+import { gatherParts, nameParts } from './mesh/parts.mjs';
+import { placeHead } from './mesh/place.mjs';
+import { faceOutward } from './mesh/triangles.mjs';
 import { packModel } from './pack-model.mjs';
-import { gatherParts, nameParts } from './parts.mjs';
-import { paintColors } from './paint.mjs';
-import { placeHead } from './place.mjs';
-import { Budget } from './budget.mjs';
-import { readFbx } from './read-fbx.mjs';
-import { readGltf } from './read-gltf.mjs';
-import { readObj } from './read-obj.mjs';
-import { readPly } from './read-ply.mjs';
-import { readVrml } from './read-vrml.mjs';
-import { faceOutward } from './winding.mjs';
-import { nameTargets } from './target-names.mjs';
-import { actFromTargets, moveOf } from './targets.mjs';
-import { jawPivot, jawTurn, lidsAndEyes, neck, some } from './turns.mjs';
 
 const FOLLOWS = ['mouth', 'brows', 'lashes', 'beard']; // parts without targets follow the skin below
 const REACH = 14; // mm: vertices farther from the skin do not follow
+const FOV = 26; // degrees
+const CHIN = 1.25; // of the way from the picture's middle to the chin: its lower edge
+const TOP = 0.96; // of the way from the middle to the upper edge: the hair
+const FAR = 720; // mm: the farthest that hair moves the camera
 const TONGUE = [43, 44, 45, 46];
 const LOOKS = { skin: { roughness: 0.55, specular: 0.35, subsurface: 0.3 }, eye_l: { roughness: 0.12, specular: 0.6 }, eye_r: { roughness: 0.12, specular: 0.6 } };
 
-const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, fbx: readFbx, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml, wrz: readVrml };
-
-/** Unpacks gzip, which VRML and PLY files may use without a matching name. */
-function unzipped(bytes) {
-  try {
-    return zlib.gunzipSync(bytes, { maxOutputLength: MOST.bytes });
-  } catch (error) {
-    throw new FileError('', `cannot be unpacked: ${error.message}`);
-  }
-}
-
-export async function readScene(file) {
-  const kind = path.extname(file).slice(1).toLowerCase();
-  if (!READERS[kind]) throw new FileError('', `".${kind}" is not read: ${Object.keys(READERS).join(', ')}; other files save as GLB (Blender does)`);
-  const { size } = fs.statSync(file);
-  if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
-  try {
-    const bytes = fs.readFileSync(file);
-    const scene = await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes, new Budget());
-    nameTargets(scene);
-    return scene;
-  } catch (error) {
-    // values of a wrong type: the JavaScript error names the member
-    if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);
-    throw error;
-  }
+/** For each vertex of a part that follows the skin under it: the skin's vertex, and the share; null: the part does not follow. */
+function followed(part, skin) {
+  if (!FOLLOWS.includes(part.name) || Object.keys(part.targets).length) return null;
+  return Array.from({ length: part.position.length / 3 }, (_, v) => {
+    const own = nearestVertex(skin, at(part.position, v));
+    const away = Math.hypot(...at(part.position, v).map((x, k) => x - skin.position[3 * own + k]));
+    return [own, away < REACH ? 0.5 + 0.5 * Math.cos((Math.PI * away) / REACH) : 0];
+  });
 }
 
 /** Adds moves of zones (or Xface's weights) to the skin and the parts that follow it. */
@@ -73,15 +51,9 @@ function zoneMoves(parts, face, influences, notes) {
     return d > 0.2 ? field.map((x) => x / d) : field;
   };
   for (const fap of fields.keys()) fields.set(fap, direct(fap));
-  const nearest = (part) =>
-    Array.from({ length: part.position.length / 3 }, (_, v) => {
-      const own = nearestVertex(skin, at(part.position, v));
-      const away = Math.hypot(...at(part.position, v).map((x, k) => x - skin.position[3 * own + k]));
-      return [own, away < REACH ? 0.5 + 0.5 * Math.cos((Math.PI * away) / REACH) : 0];
-    });
   const out = new Map();
   for (const part of parts) {
-    const follows = FOLLOWS.includes(part.name) && !Object.keys(part.targets).length ? nearest(part) : null;
+    const follows = followed(part, skin);
     if (part !== skin && !follows) continue;
     const of = (field) => (follows ? Float64Array.from(part.position, (_, i) => field[3 * follows[Math.floor(i / 3)][0] + (i % 3)] * follows[Math.floor(i / 3)][1]) : field);
     const moves = [...fields].filter(([fap]) => fap !== 3).map(([fap, field]) => moveOf(fap, 'both', of(field))).filter(Boolean);
@@ -129,11 +101,12 @@ function looksOf(scene, parts) {
 /**
  * @param {object} scene of a reader @param {object} points see points.mjs
  * @param {{name: string, title: string, licence: string, credits: string[], unit?: string, up?: string}} options
- * @returns {{head: object, notes: string[], used: string[]}} head: the file; notes: what was left out; used: targets behind its actions
+ * @returns {{head: object, notes: string[], used: string[], tabled: number}} head: the file; notes: what was left out; used: targets behind its actions; tabled: FAPs of an animation table
  */
 export function makeHead(scene, points, options) {
   nameParts(scene, points.parts ?? {});
-  const { fdp, fapu } = placeHead(scene, points, options);
+  const placed = placeHead(scene, points, options);
+  const { fdp, fapu } = placed;
   scene.notes.push(...faceOutward(scene), ...paintColors(scene, fapu));
   const parts = gatherParts(scene);
   const notes = [...scene.notes];
@@ -144,23 +117,41 @@ export function makeHead(scene, points, options) {
   const byPart = zoneMoves(parts, face, points.influences ?? [], notes);
   const lids = lidsAndEyes(parts, fdp);
   const head = neck(parts, fdp, fapu);
-  const turns = [jawTurn(fdp, fapu, pivot), ...lids.turns, ...head.turns];
+  const table = scene.animation && actFromTable(scene.animation, parts, placed, (part) => followed(part, skin));
+  const turns = [jawTurn(fdp, fapu, pivot), ...lids.turns, ...(table?.turns ?? []), ...head.turns];
   const made = parts.map((part) => {
     const own = byPart.get(part) ?? (['teeth_lower', 'tongue'].includes(part.name) ? insideMoves(part, face) : { moves: [], turns: [] });
-    return { ...part, material: part.name, moves: [...own.moves], turns: [...own.turns, ...lids.shares(part), ...head.shares(part)].filter(({ vertices }) => !vertices || vertices.length) };
+    const made = { moves: [...own.moves], turns: [...own.turns, ...lids.shares(part), ...head.shares(part)].filter(({ vertices }) => !vertices || vertices.length) };
+    return { ...part, material: part.name, ...(table ? table.replace(part, made, turns) : made) };
   });
   const model = { fapu, fdp, turns, parts: made };
   const { used, notes: more } = actFromTargets(model, parts);
   for (const part of made) for (const move of part.moves) checkScale(part, move);
-  const size = Math.max(...skin.position.reduce((most, x, i) => ((most[i % 3] = Math.max(most[i % 3], Math.abs(x))), most), [0, 0, 0]));
-  const view = { target: [0, -0.5 * fapu.ENS, 0], distance: Math.max(500, Math.min(620, 5 * size)), fov: 26 };
+  const view = viewOf(parts, fdp, fapu);
   const divided = made.flatMap((part, i) => divide(part, scene, part.name === 'skin' ? nearestVertex(skin, fdp['9.3']) : -1, parts[i].material));
   for (const { name, pieces } of made) {
     const own = divided.filter(({ part }) => part.pieces === pieces).map(({ part }) => part.name);
     if (own.length > 1) notes.push(`${name}: its ${own.length} pictures make it ${own.join(', ')}`);
   }
   const about = { name: options.name, title: options.title, licence: options.licence, credits: options.credits };
-  return { head: packModel(about, { ...model, parts: divided.map(({ part }) => part), view, ...looksOf(scene, divided.map(({ part, look }) => ({ name: part.name, material: look }))) }), notes: [...notes, ...more], used };
+  return { head: packModel(about, { ...model, parts: divided.map(({ part }) => part), view, ...looksOf(scene, divided.map(({ part, look }) => ({ name: part.name, material: look }))) }), notes: [...notes, ...(table?.notes ?? []), ...more], used, tabled: table?.faps.length ?? 0 };
+}
+
+/** The portrait: the whole head where it is small enough, the chin in any case, and high hair as far as there is room. */
+function viewOf(parts, fdp, fapu) {
+  const { position } = parts.find(({ name }) => name === 'skin');
+  const size = position.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+  const top = Math.max(...parts.filter(({ name }) => ['skin', 'hair'].includes(name)).map((part) => part.position.reduce((most, y, i) => (i % 3 === 1 ? Math.max(most, y) : most), -Infinity)));
+  const [, chin, front] = fdp['2.1'];
+  const half = Math.tan((FOV * Math.PI) / 360); // of the picture's height, at a distance of 1
+  let middle = -0.5 * fapu.ENS;
+  let distance = Math.max(500, Math.min(620, 5 * size), front + (CHIN * (middle - chin)) / half);
+  const highest = () => chin + (half * (distance - front)) / CHIN; // middle, for the chin
+  if (top > middle + TOP * half * distance) {
+    distance = Math.max(distance, Math.min(FAR, (top - chin + (half * front) / CHIN) / (half * (TOP + 1 / CHIN))));
+    middle = Math.max(middle, Math.min(top - TOP * half * distance, highest()));
+  }
+  return { target: [0, middle, 0], distance, fov: FOV };
 }
 
 /** Snaps a feature point to the nearest vertex of the skin. */
