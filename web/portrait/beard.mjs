@@ -10,6 +10,7 @@ const PALE = [0.2, 0.45]; // less red than the skin by (logarithms): from no gre
 // it is a shadow, or hair that hardly differs from its skin. Of drawn faces without a beard none was below 0.52, 0.39 and above
 // 0; with one, at least one figure lay beyond its bound on each of six.
 const HAIRY = { bright: 0.34, quarter: 0.2, pale: 0.06 };
+const UNLIKE = [0.1, 0.24]; // of a beard that is known of: less red, or darker, than the skin by (logarithms)
 const LIPS = 1.5; // mm about them that are theirs
 const BEGINS = 2; // rounds by which it extends beyond the dark area, where hair is thin
 
@@ -18,9 +19,10 @@ const BEGINS = 2; // rounds by which it extends beyond the dark area, where hair
  * @param {import('./fit.mjs').Points} base @param {object} part its skin @param {number[]} seen vertices that the picture shows
  * @param {(vertex: number) => number} brightness there, relative to the face's skin
  * @param {(vertex: number) => number} paleness there: how much less red than the face's skin (a difference of logarithms)
+ * @param {boolean} [known] whether there is a beard, of whatever colour
  * @returns {Float32Array|null} the beard's share of each vertex, 0 to 1; null: no beard
  */
-export function beardOf({ at }, part, seen, brightness, paleness) {
+export function beardOf({ at }, part, seen, brightness, paleness, known = false) {
   const { position, vertices } = part;
   const lips = [LIP_CORNERS.right[0], ...UPPER_LIP[0], LIP_CORNERS.left[0], ...[...LOWER_LIP[0]].reverse()];
   const ring = lips.map((i) => at[i]).filter(Boolean);
@@ -33,13 +35,13 @@ export function beardOf({ at }, part, seen, brightness, paleness) {
     const [x, y] = position.subarray(3 * v, 3 * v + 2);
     if (y > nose || inside(ring, x, y) > -LIPS) continue;
     const [bright, pale] = [brightness(v), ramp(PALE, paleness(v))];
-    hair[v] = Math.max(1 - ramp(DARK, bright), pale);
+    hair[v] = Math.max(1 - ramp(DARK, bright), pale, known ? ramp(UNLIKE, -Math.log(bright + 0.01) / 2) : 0);
     if (y > mouth) continue;
     chin.push(bright);
     if (pale > 0.5) pales++;
   }
   chin.sort((a, b) => a - b);
   const isDark = chin[chin.length >> 1] <= HAIRY.bright || chin[chin.length >> 2] <= HAIRY.quarter;
-  if (!chin.length || !(isDark || pales >= HAIRY.pale * chin.length)) return null;
+  if (!chin.length || !(known || isDark || pales >= HAIRY.pale * chin.length)) return null;
   return smoothOver(part, hair, BEGINS).map((share, v) => Math.min(1, 2 * Math.max(hair[v] / 2, share)));
 }

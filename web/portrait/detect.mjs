@@ -78,21 +78,25 @@ export async function findFace(human, picture) {
   const whole = piece(picture, { x: 0, y: 0, size: [width, height] }, Math.min(FIRST, Math.max(width, height)));
   const faces = (await look(human, whole)).sort((a, b) => b.box[2] - a.box[2]);
   if (!faces.length) throw new PortraitError('no_face', 'there is no face to be found in the picture');
-  if (faces[1] && faces[1].box[2] > SECOND_FACE * faces[0].box[2]) throw new PortraitError('several_faces', 'there is more than one face in the picture');
+  const another = faces.slice(1).some(({ box }) => box[2] > SECOND_FACE * faces[0].box[2] && !within(box, faces[0].box));
+  if (another) throw new PortraitError('several_faces', 'there is more than one face in the picture');
   return (await closeUp(human, picture, faces[0].box.map((n) => n / whole.scale))).landmarks;
 }
 
+/** Whether the middle of a box lies in another: then both show the same face. */
+const within = ([x, y, w, h], box) => [x + w / 2, y + h / 2].every((at, k) => at > box[k] && at < box[k] + box[2 + k]);
+
 /**
  * The same where it is known about where the face is: in a film, whose pictures follow each other.
- * @param {number[]} box column, row, width and height of the face, pixels
+ * @param {number[]} box column, row, width and height of the face, pixels @param {number} [longest] pixels of the piece with it
  * @returns {Promise<{landmarks: number[][], score: number}>} how sure the detector is that this is a face, 0 to 1
  * @throws {PortraitError}
  */
-export async function closeUp(human, picture, [x, y, w, h]) {
+export async function closeUp(human, picture, [x, y, w, h], longest = CLOSE) {
   if (Math.max(w, h) < LEAST_FACE) throw new PortraitError('too_small', `the face has ${Math.round(Math.max(w, h))} pixels: at least ${LEAST_FACE}`);
   const side = Math.max(w, h) * (1 + 2 * AROUND);
   const corner = { x: x + w / 2 - side / 2, y: y + h / 2 - side / 2, size: [side, side] };
-  const close = piece(picture, corner, CLOSE);
+  const close = piece(picture, corner, longest);
   const [face] = (await look(human, close)).sort((a, b) => b.box[2] - a.box[2]);
   if (!face) throw new PortraitError('no_face', 'the face in the picture is not clear enough');
   const landmarks = face.mesh.slice(0, COUNT).map(([u, v, z]) =>

@@ -18,10 +18,11 @@ const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
 const MOST_FRONT = 0.42; // rad: what may still be the only picture
 
 /**
- * @typedef {{at: (number[]|null)[], seen: number[][], tone: number[], worn: string[]}} Points of a base head: of each
- *   landmark the place
- *   on its skin (mm; null: none), where the detector sees it (mm, laid onto the places), and the colour of its skin
- * (linear); worn: beard, glasses
+ * @typedef {{at: (number[]|null)[], seen: number[][], cheeks: number[], face: number[], worn: string[], hair: number[],
+ *   lit: number}} Points
+ *   of a base head: of each landmark the place on its skin (mm; null: none), where the detector sees it (mm, laid onto
+ *   the places), and the colour of its skin (linear); worn: beard, glasses; hair: its form (traits.mjs); lit: by how much its
+ *   painted colour is darker than it is drawn
  */
 
 /** Landmarks laid onto a base head. @param {number[][]} landmarks @param {Points} base */

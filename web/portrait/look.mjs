@@ -6,7 +6,8 @@ const LOOKS = [[0.03, -0.03, 0.96], [-0.03, 0.03, 1.05]]; // beside and larger, 
 /** @param {ArrayLike<number>[]} lists as many numbers in each @returns {number[]} */
 const mean = (lists) => Array.from(lists[0], (_, i) => lists.reduce((sum, list) => sum + list[i], 0) / lists.length);
 
-const boxOf = (landmarks) => {
+/** The box around a face. @param {number[][]} landmarks @returns {number[]} left, top, width, height */
+export const boxOf = (landmarks) => {
   const [xs, ys] = [0, 1].map((k) => landmarks.map((p) => p[k]));
   const [x, y] = [Math.min(...xs), Math.min(...ys)];
   return [x, y, Math.max(...xs) - x, Math.max(...ys) - y];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Computes what one FAP does to a part of a head, for code that learns how a face moves.
 import { AU, faps } from '../../protocol/fap.mjs';
-import { turned } from '../element/head/mesh/influences.mjs';
+import { pastOf, turned } from '../element/head/mesh/influences.mjs';
 
 /** x to the head's own left, y up, z forward. */
 const DIRECTIONS = { up: [0, 1, 0], down: [0, -1, 0], left: [1, 0, 0], right: [-1, 0, 0], forward: [0, 0, 1] };
@@ -21,10 +21,11 @@ export const unitLength = ({ fapu }, fap) => (FAPS[fap].unit === 'AU' ? AU : fap
  */
 export function movedBy(part, turns, fap, value, mm) {
   const out = new Float64Array(part.position.length);
-  for (const { fap: of, sign, vertices, deltas } of part.moves) {
-    if (of !== fap || (sign === 'positive' && value < 0) || (sign === 'negative' && value > 0)) continue;
+  for (const { fap: of, sign, from, vertices, deltas } of part.moves) {
+    const amount = of === fap ? pastOf(value, sign, from) * mm : 0;
+    if (!amount) continue;
     vertices.forEach((v, i) => {
-      for (let k = 0; k < 3; k++) out[3 * v + k] += value * mm * deltas[3 * i + k];
+      for (let k = 0; k < 3; k++) out[3 * v + k] += amount * deltas[3 * i + k];
     });
   }
   for (const { turn, vertices, weights, weight } of part.turns) {

@@ -3,7 +3,7 @@
 // nets lie.
 // Pictures stay in the page: nothing here sends anything.
 import { closeUp, detectorSettings, findFace } from './detect.mjs';
-import { hairOf } from './hair.mjs';
+import { BEARDS, GLASSES, offerOf, OLDEST, wornOf } from './offer.mjs';
 import { base64 } from './pack.mjs';
 import { asProfile, inOrder, makeHead, nearest } from './portrait.mjs';
 import { pictureSize, pictureTrouble } from '../element/head/model/picture-size.mjs';
@@ -12,9 +12,10 @@ import { PortraitError } from './problem.mjs';
 export { PoseGuess } from './actions/guess.mjs';
 export { LEFT_OUT, nameOf, POSES } from './actions/poses.mjs';
 export { HANDLES, withMoved } from './landmarks.mjs';
-export { landmarksOf } from './look.mjs';
+export { boxOf, landmarksOf } from './look.mjs';
+export { Calm, FaceReader, mayRest, mirrored } from './mirror.mjs';
 export { TurnPicker } from './turn.mjs';
-export { asProfile, hairOf, inOrder, makeHead, nearest, PortraitError };
+export { asProfile, BEARDS, GLASSES, inOrder, makeHead, nearest, offerOf, OLDEST, PortraitError, wornOf };
 
 const LONGEST = 3000; // pixels: more is not needed for a texture
 const MOST_PIXELS = 100e6;
@@ -93,7 +94,8 @@ export async function openEye(folder) {
   })();
   try {
     const ready = await human;
-    return Object.assign((picture) => findFace(ready, picture), { closeUp: (picture, box) => closeUp(ready, picture, box) });
+    const close = (picture, box, longest) => closeUp(ready, picture, box, longest);
+    return Object.assign((picture) => findFace(ready, picture), { closeUp: close });
   } catch (error) {
     human = null;
     throw error;

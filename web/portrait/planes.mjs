@@ -23,7 +23,11 @@ function blur(plane, width, height, deviation) {
   return a;
 }
 
-function sweep(from, to, count, lines, step, jump, r) {
+/**
+ * A running mean over 2r + 1 numbers of each line; beyond its ends, the last ones go on.
+ * @param {number} count numbers of a line @param {number} step from one to the next @param {number} jump from line to line
+ */
+export function sweep(from, to, count, lines, step, jump, r) {
   const share = 1 / (2 * r + 1);
   for (let line = 0; line < lines; line++) {
     const at = line * jump;

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: MIT
 // A head out of pictures of a face, in a page and in Node alike: reading and writing images is the caller's.
-import { readModel } from '../element/head/model/model.mjs';
+import { HEAD_FAPS, readModel } from '../element/head/model/model.mjs';
+import { ageing, linesOf } from './age.mjs';
+import { dress } from './dress.mjs';
 import { fitShape, isFront, laid, tooTurned, unlikeness } from './fit.mjs';
-import { dye, underHair } from './hair.mjs';
+import { glasses } from './glasses.mjs';
+import { dye, nearness, underHair } from './hair.mjs';
+import { luma } from './lab.mjs';
 import { morph } from './morph.mjs';
 import { packPositions } from './pack.mjs';
 import { PortraitError } from './problem.mjs';
 import { layProfile, outlinesOf, withProfiles } from './profile.mjs';
-import { coded, linear, paintSkin, toneOf } from './skin.mjs';
+import { inWhiteLight } from './light.mjs';
+import { surfaceOf } from './sheen.mjs';
+import { coded, linear, paintSkin, tonesOf } from './skin.mjs';
+import { toneOfBoth } from './tone.mjs';
 
 const WORN_MM = 2; // what a beard or glasses cost there: their roots and shadows stay on the skin
 const TONE_MM = 5; // how many mm of shape a doubling of the skin's brightness is worth in the choice of a base
@@ -51,45 +58,60 @@ export function asProfile(picture, table) {
  * number}[]}
  */
 export function nearest({ picture, landmarks }, table) {
-  const tone = toneOf(picture, landmarks);
+  const tone = toneOfBoth(tonesOf(picture, landmarks));
   return Object.entries(table)
-    .map(([name, base]) => ({ name, mm: unlikeness(landmarks, base), tone: distant(tone, base.tone), worn: base.worn.length }))
+    .map(([name, base]) => {
+      return { name, mm: unlikeness(landmarks, base), tone: distant(tone, toneOfBoth(base)), worn: base.worn.length };
+    })
     .sort((a, b) => costOf(a) - costOf(b));
 }
 
 /**
- * @param {object} json the base head (protocol/head-model.md) @param {import('./fit.mjs').Points} base its landmarks
+ * @param {object} own the base head (protocol/head-model.md) @param {import('./fit.mjs').Points} base its landmarks
  * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks?: number[][], outlines?:
  *   object}[]} views upright
  *   pictures in RGBA; outlines in place of landmarks: of asProfile
  * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of
  *   a head as
  *   RGBA; write: RGBA as a texture
- * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null, hair?: 'none'|number[]|null, light?: number}}
+ * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null, hair?: 'none'|number[]|null, brows?:
+ *   number[]|null, wear?: Record<string, object>, light?: number, bearded?: boolean, lit?: number, age?: number|null, old?:
+ *   object|null, beard?: number[]|null, roots?: boolean, shaved?: boolean, glasses?: string|null}}
  *   [options] keep: of what the base wears (beard, glasses); eyes: the head that they are taken from; hair: none, or its linear
- *   colour (of hairOf; otherwise the base's); light: stops by which the skin is lighter than in the picture
+ *   colour (of hairOf; otherwise the base's); brows: their linear colour; wear: heads by what of them it wears instead of the
+ *   base's own (hair, beard, glasses); light: stops by which the skin is lighter than in the picture; bearded: the face in
+ *   it is known to have a beard or a moustache; lit: of the head whose hair it has, where that is another; beard: its
+ *   linear colour; roots: of the beard on the skin; shaved: no more than these; glasses: frames (glasses.mjs); age: in years,
+ *   and old: the head whose lines an old skin gets
  * @returns {Promise<{head: object, parted: boolean, sides: number, profiles: number, bearded: boolean}>} parted: the lips
  *   are, so the mouth is less the face's own; bearded: the face is, and its beard is not in the skin
  */
-export async function makeHead(json, base, views, images, options = {}) {
-  const ordered = inOrder(views.filter(({ landmarks }) => landmarks), base);
+export async function makeHead(own, base, views, images, options = {}) {
+  const ordered = inOrder(views.filter(({ landmarks }) => landmarks), base).map(inWhiteLight);
   const fitted = fitShape(ordered, base);
   const profiles = views.filter(({ outlines }) => outlines);
   const target = withProfiles(fitted.target, profiles);
+  const worn = Object.entries(options.wear ?? {});
+  const dressed = worn.reduce((head, [word, from]) => dress(head, from, word), own);
+  const roots = options.roots ? readModel(dressed).parts.filter(({ name }) => name.startsWith('beard')).map(({ position }) => position) : [];
+  const json = options.shaved ? { ...dressed, parts: dressed.parts.filter(({ name }) => !name.startsWith('beard')) } : dressed;
   const model = readModel(json);
   const part = model.parts.find(({ name }) => name === 'skin');
   const eyes = model.parts.filter(({ name }) => name.startsWith('eye'));
   const texture = json.textures[model.materials[part.material].texture];
   const { hair = null, light = 0 } = options;
-  const gone = [...WORN.filter((name) => !(options.keep ?? []).includes(name)), ...(hair === 'none' ? ['hair'] : [])];
-  const worn = gone.includes('glasses') ? model.parts.filter(({ name }) => name.startsWith('glasses')) : [];
+  const kept = [...(options.keep ?? []), ...worn.map(([word]) => word)].filter((word) => !(options.shaved && word === 'beard'));
+  const gone = [...WORN.filter((name) => !kept.includes(name)), ...(hair === 'none' ? ['hair'] : [])];
+  const before = readModel(own);
+  const isLost = (word) => gone.includes(word) || worn.some(([other]) => other === word);
+  const lost = (word) => (isLost(word) ? before.parts.filter(({ name }) => name.startsWith(word)) : []);
   const isLid = (turn) => model.turns[turn].name.startsWith('lid');
-  const hairs = model.parts.filter(({ name }) => name.startsWith('hair')).map(({ position }) => position);
-  const scalp = hair && {
-    share: underHair(part.position, earsOf(json.fdp), hair === 'none' ? hairs : []),
-    colour: hair === 'none' ? null : hair.map((x) => x * ROOTS),
-  };
-  const about = { part, texture: await images.read(texture), eyes, worn, base, isLid, scalp, light };
+  const stubble = options.beard ?? (Array.isArray(hair) ? hair : options.brows) ?? STUBBLE;
+  const scalp = [...scalpOf(part, own, { hair, lost: lost('hair').map(({ position }) => position), worn: options.wear?.hair ? model.parts.filter(({ name }) => name.startsWith('hair')).map(({ position }) => position) : null }),
+    ...(roots.length ? [{ share: stubbled(part, roots), colour: stubble.map((x) => x * ROOTS) }] : [])];
+  const age = ageing(options.age);
+  const lines = age && options.old ? linesOf(await images.read(skinOf(options.old)), linear) : null;
+  const about = { part, surface: json.materials[part.material], age, years: options.age, lines, texture: await images.read(texture), eyes, worn: lost('glasses'), base, isLid, scalp, light, bearded: options.bearded };
   const skin = paintSkin(about, ordered, fitted.views);
   const changed = morph(model, base, target);
   const head = {
@@ -101,37 +123,85 @@ export async function makeHead(json, base, views, images, options = {}) {
     credits: [...json.credits, `Shape and skin: made from ${views.length > 1 ? 'pictures' : 'a picture'}, whose rights are those of the person in it and of who took it`],
     fapu: changed.fapu,
     fdp: changed.fdp,
-    turns: changed.turns,
+    turns: changed.turns.filter(({ sways }) => !sways), // parts have their own
     textures: { ...json.textures, [model.materials[part.material].texture]: await images.write(skin) },
-    materials: { ...json.materials },
+    materials: { ...json.materials, [part.material]: surfaceOf(json.materials[part.material], skin.tone.face, age) },
     parts: json.parts.map((one, i) => ({ ...one,
       position: packPositions(changed.positions.get(model.parts[i])) })).filter(({ name }) =>
       !gone.some((word) => name.startsWith(word))),
   };
   delete head.rank;
-  if (Array.isArray(hair)) await dyeHair(head, hair, images);
+  if (options.glasses) wearGlasses(head, options.glasses, changed.positions.get(part));
+  const { brows = null, beard = null, lit = base.lit } = options;
+  await dyeHair(head, { hair: Array.isArray(hair) ? hair : null, brows, beard, lit }, images);
   if (options.eyes) swapEyes(head, options.eyes);
   dropUnused(head);
   return { head, parted: fitted.parted, sides: ordered.length - 1, profiles: profiles.length, bearded: skin.bearded };
 }
 
-const LIT = 0.55; // of a colour as it is seen: hair is drawn in a brighter light
+/** The texture of a head's skin. */
+function skinOf({ parts, materials, textures }) {
+  return textures[materials[parts.find(({ name }) => name === 'skin').material].texture];
+}
+
 const ROOTS = 0.35; // the scalp beneath it
-const BROWS = 0.3; // and brows, which are mostly darker
+const [LIGHT, LIGHT_ROOTS] = [0.4, 0.7]; // and that of light hair
+const BROWS = 0.55; // of the hair's colour: brows are mostly darker
+
+const STUBBLE = [0.03, 0.024, 0.02]; // linear, of no known colour
+const SHADE = 0.5; // of the skin that stubble covers
+const STUBBLED = [3, 9]; // mm from a beard that is close to the skin
+
+const stubbled = ({ position }, lists) => {
+  const near = nearness(lists, STUBBLED);
+  const at = (v) => near(position.subarray(3 * v, 3 * v + 3));
+  return Float32Array.from({ length: position.length / 3 }, (_, v) => SHADE * Math.min(1, Math.max(0, at(v))));
+};
+
+/** Frames on the new face. @param {Float32Array} skin positions */
+function wearGlasses(head, kind, skin) {
+  const whole = head.turns.filter(({ fap }) => HEAD_FAPS.includes(fap));
+  const { part, name, material } = glasses(kind, head.fdp, skin, whole);
+  head.parts.push(part);
+  head.materials[name] = material;
+}
 
 const EARS = [['10.1', '10.5'], ['10.2', '10.6']]; // top and lobe
 const earsOf = (fdp) => EARS.filter((ear) => ear.every((name) => fdp[name]))
   .map(([top, lobe]) => fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2));
 
-/** Hair, beard and brows in another colour. */
-async function dyeHair(head, colour, images) {
+const BARE = 0.85; // of the face's tone: a scalp is lit from above
+const UNDER_CARDS = [5, 12]; // mm from hair that is another head's, where its roots are: a parting is narrower than that
+const FOREHEAD = 14; // mm that another head's hair may begin lower
+
+/**
+ * What is painted on the scalp: roots of hair that is lost give way to skin, and hair of a known colour has roots of it; those
+ * of another hair in its own colour stay.
+ */
+function scalpOf({ position }, { fdp }, { hair, lost, worn }) {
+  const bare = lost.length && hair ? [{ share: underHair(position, earsOf(fdp), lost), colour: null, bright: BARE }] : [];
+  if (!Array.isArray(hair)) return bare;
+  const near = worn && nearness(worn, UNDER_CARDS);
+  const zone = underHair(position, earsOf(fdp), [], near ? FOREHEAD : 0);
+  const share = near ? zone.map((x, v) => Math.min(x, Math.max(0, near(position.subarray(3 * v, 3 * v + 3))))) : zone;
+  const roots = ROOTS + (LIGHT_ROOTS - ROOTS) * Math.min(1, luma(hair) / LIGHT);
+  return [...bare, { share, colour: hair.map((x) => x * roots) }];
+}
+
+/**
+ * Hair, beard and brows in other colours; brows of no known colour are as dark as that hair's mostly are; a bald head's beard
+ * is as its brows are.
+ */
+async function dyeHair(head, { hair, brows, beard, lit }, images) {
+  const colours = { hair, beard: beard ?? hair ?? brows, brows: brows ?? hair?.map((x) => x * BROWS) ?? null };
   const done = new Set();
   for (const { name, material } of head.parts) {
     const { texture } = head.materials[material];
-    if (!/^(hair|beard|brows)/.test(name) || !texture || done.has(texture)) continue;
+    const colour = colours[/^(hair|beard|brows)/.exec(name)?.[1]];
+    if (!colour || !texture || done.has(texture)) continue;
     done.add(texture);
     const image = await images.read(head.textures[texture]);
-    dye(image, colour.map((x) => x * (name.startsWith('brows') ? BROWS : LIT)), { linear, coded });
+    dye(image, colour.map((x) => x * lit), { linear, coded });
     head.textures = { ...head.textures, [texture]: await images.write(image, { alpha: true }) };
   }
 }

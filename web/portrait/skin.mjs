@@ -5,11 +5,16 @@
 // itself, is the picture's. Where no picture sees the skin, and outside the face, is the base's skin in the face's tone.
 import { Normals } from '../element/head/mesh/normals.mjs';
 import { rbf } from '../element/head/model/rbf.mjs';
+import { deeper, drawLines } from './age.mjs';
 import { bareColours, paintBare, underWorn } from './bare.mjs';
 import { beardOf } from './beard.mjs';
-import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
+import { drawFurrows } from './furrows.mjs';
+import { BROWS, COUNT, EYES, LIP_CORNERS, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
+import { luma } from './lab.mjs';
 import { lipLine, PARTED, partedLips } from './fit.mjs';
-import { eachTexel, inside, ramp, smoothOver, visible } from './surface.mjs';
+import { surfaceOf } from './sheen.mjs';
+import { apartFrom, eachTexel, inside, ramp, smoothOver, visible } from './surface.mjs';
+import { litShare, ratiosOf, toneOfBoth } from './tone.mjs';
 
 const EVEN = 0.8; // how much of the slow changes is the base's
 const SLOW = 17; // mm: what is slower counts as light
@@ -22,13 +27,10 @@ const BETWEEN = [1, 3.2]; // mm from where lips meet: of parted ones a picture s
 const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
 const SHINE = [1.15, 0.35]; // factor over the surroundings from which skin is shiny, and the share of the excess that is kept
 
-const SHEEN = 0.018; // linear: the sheen of skin in the portrait's light, independent of its colour
-
 /** The linear value of a byte, and the byte of a linear value. */
 export const linear = Float32Array.from({ length: 256 }, (_, i) =>
   (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 export const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
-const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 const FAINT = 0.004; // darkness at which no colour can be measured
 const redness = ([r, g, b]) => Math.log((r + FAINT) / (0.7 * g + 0.3 * b + FAINT));
 
@@ -56,24 +58,22 @@ export function toneOf(picture, landmarks) {
     [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
 }
 
-/** The linear light behind a drawn colour: the inverse of `filmic` (head/shader-surface.mjs), which presses what is bright. */
-export function beforeFilm(c) {
-  const pressed = Math.min(0.97, Math.max(...c));
-  if (pressed <= 0.7) return [...c];
-  const peak = 0.4 + 0.09 / (1 - pressed);
-  const white = 1 - 1 / (0.2 * (peak - pressed) + 1);
-  return c.map((x) => (Math.max(0, Math.min(x, pressed) - pressed * white) / (1 - white)) * (peak / pressed));
+const FEATURES = new Set([
+  ...UPPER_LIP.flat(), ...LOWER_LIP.flat(), ...Object.values(LIP_CORNERS).flat(), ...Object.values(BROWS).flat(),
+  ...Object.values(EYES).flatMap(({ outer, inner, lower, upper, iris }) => [outer, inner, ...lower, ...upper, ...iris])]);
+const NOSE = 2; // the landmark below it: a beard begins there
+
+/** The colour of the whole face above the mouth, linear, as it is lit. */
+export function wholeFace(picture, landmarks) {
+  const [top, nose] = [landmarks[10], landmarks[NOSE]];
+  const down = [nose[0] - top[0], nose[1] - top[1]];
+  const along = (p) => ((p[0] - top[0]) * down[0] + (p[1] - top[1]) * down[1]) / (down[0] ** 2 + down[1] ** 2);
+  return medians(landmarks.filter((p, i) => i < COUNT - 10 && !FEATURES.has(i) && along(p) < 1)
+    .map(([x, y]) => sample(picture, x, y, [0, 0, 0])));
 }
 
-/**
- * By how much the base's texture must change so that its skin is drawn in the picture's tone: what is drawn is the texture
- * times the light, and what shines, as it would on a film.
- * @param {number[]} wanted linear @param {number[]} drawn linear: how the base's skin looks
- */
-export function toneRatio(wanted, drawn) {
-  const [to, from] = [wanted, drawn].map(beforeFilm);
-  return to.map((x, k) => Math.max(0.15 * x, x - SHEEN) / Math.max(0.15 * from[k], from[k] - SHEEN));
-}
+/** The tones of cheeks and forehead, and of the whole face above the mouth, linear. */
+export const tonesOf = (picture, landmarks) => ({ cheeks: toneOf(picture, landmarks), face: wholeFace(picture, landmarks) });
 
 /** Makes the test whether a point is on the lower lip: below the line where the lips touch. */
 function lowerLip(base) {
@@ -162,7 +162,7 @@ function slowly(positions, colours, weights, chosen) {
 }
 
 /** A picture as the texture will have it: weights and gains by vertex. */
-function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, look }) {
+function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, look, bearded }) {
   const { position, index } = part;
   const seen = visible(position, index, look, view.turn);
   const weight = new Float32Array(mask.length);
@@ -182,7 +182,7 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
   }
   const brightness = (v) => luma(colours.subarray(3 * v, 3 * v + 3)) / bright;
   const paleness = (v) => redness(tone.is) - redness(colours.subarray(3 * v, 3 * v + 3));
-  const beard = beardOf(base, part, chosen.filter((v) => weight[v] > 0), brightness, paleness);
+  const beard = beardOf(base, part, chosen.filter((v) => weight[v] > 0), brightness, paleness, bearded);
   beard?.forEach((share, v) => (weight[v] *= 1 - share));
   const soft = smoothOver(part, weight, 5);
   for (let v = 0; v < weight.length; v++) {
@@ -194,15 +194,19 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
 }
 
 /**
- * @param {{part: object, texture: object, eyes: object[], worn: object[], base:
- *   import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
- *   RGBA; eyes: parts that hide skin behind them; worn: glasses that the new head has not; isLid: whether
- *   a turn of the model closes an eye; scalp: the share of each vertex that lies under hair, and the hair's colour there (none:
- *   it is bare); light: by how many stops the skin is lighter than in the picture
+ * @param {{part: object, surface: object, texture: object, eyes: object[], worn: object[], base:
+ *   import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); surface: its
+ *   material; texture: RGBA; eyes: parts that hide skin behind them; worn: glasses that the new head has not; isLid: whether
+ *   a turn of the model closes an eye; scalp: what is painted on it in turn, the share of each vertex and a colour (none:
+ *   the face's skin, as `bright` as it says); light: by how many stops the skin is lighter than in the picture;
+ *   bearded: the face is known to have a beard; age: of ageing (age.mjs), by its years; lines: of
+ *   an old head's skin (linesOf), or null
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
  * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}, bearded: boolean}}
  */
-export function paintSkin({ part, texture, eyes, worn, base, isLid, scalp = null, light = 0 }, pictures, views) {
+export function paintSkin(head, pictures, views) {
+  const { part, surface, texture, eyes, worn, base, isLid } = head;
+  const { scalp = [], light = 0, bearded = false, age = 0, years = null, lines = null } = head;
   const { position, uv, index } = part;
   const size = [texture.width, texture.height];
   let own = new Float32Array(position.length);
@@ -211,14 +215,17 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid, scalp = null
   const outer = Math.max(...Object.values(EYES).map((eye) => Math.abs(base.at[eye.outer]?.[0] ?? 0)));
   const share = worn.length ? underWorn(position, worn.map((one) => one.position), outer) : null;
   if (share) own = bareColours(part, own, share);
-  const tone = { was: skinTone(base, position, own), is: toneOf(pictures[0].picture, pictures[0].landmarks) };
+  const seen = tonesOf(pictures[0].picture, pictures[0].landmarks);
+  const tone = { was: skinTone(base, position, own), is: seen.cheeks, face: toneOfBoth(seen) };
   const mask = maskOf(base, part, isLid);
   const normals = new Normals(part).rest;
   const layers = pictures.map((one, i) =>
     layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
-    look: eyes }));
+    look: eyes, bearded }));
   // The base's drawn skin is known by the same measure: light adds to its texture.
-  const ratio = toneRatio(tone.is.map((x) => Math.min(0.95, x * 2 ** light)), base.tone);
+  const specular = { was: surface.specular, is: surfaceOf(surface, tone.face, age).specular };
+  const { all: ratio, lit } = ratiosOf(seen, base, specular, light);
+  const isLit = litShare(position, SKIN.map((i) => base.at[i]).filter(Boolean));
   // The picture shows its own light, too: this much of its colour belongs to the texture.
   const unlit = tone.was.map((x, k) => (x * ratio[k]) / (tone.is[k] + 1e-4));
   const slowOwn = slowly(position, own, mask, layers[0].chosen);
@@ -233,18 +240,45 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid, scalp = null
     for (const v of one.chosen) for (let k = 0, dull = dulled(one.colours, one.slow, v); k < 3; k++) painted[3 * v + k] *= dull;
     const got = wanted && skinTone(base, position, painted, one.weight);
     for (let i = 0; got && i < one.gain.length; i++) one.gain[i] *= (wanted[i % 3] * ratio[i % 3]) / (got[i % 3] + 1e-4);
+    for (let i = 0; i < one.gain.length; i++) one.gain[i] *= lit[i % 3] ** isLit[Math.floor(i / 3)];
   }
   divide(layers);
   const data = new Uint8ClampedArray(texture.data);
   if (share) paintBare(part, { share, bare: own }, size, data, coded);
   const table = ratio.map((r) => Uint8ClampedArray.from({ length: 256 }, (_, i) => coded(linear[i] * r)));
   for (let i = 0; i < data.length; i += 4) for (let k = 0; k < 3; k++) data[i + k] = table[k][data[i + k]];
-  if (scalp) {
-    const under = scalp.colour ?? tone.was.map((x, k) => x * ratio[k]);
-    paintBare(part, { share: scalp.share, bare: Float32Array.from(position, (_, i) => under[i % 3]) }, size, data, coded);
+  eachTexel(part, size, (corners) => corners.some((v) => isLit[v] > 0), (texel, corners, w) => {
+    const much = corners.reduce((sum, v, c) => sum + w[c] * isLit[v], 0);
+    for (let k = 0; k < 3; k++) data[4 * texel + k] = coded(Math.min(1, linear[data[4 * texel + k]] * lit[k] ** much));
+  });
+  for (const { share: covered, colour, bright = 1 } of scalp) {
+    const under = colour ?? tone.was.map((x, k) => x * ratio[k] * bright);
+    paintBare(part, { share: covered, bare: Float32Array.from(position, (_, i) => under[i % 3]) }, size, data, coded);
   }
-  paint(layers, { uv, index, size }, data);
+  const shown = paint(layers, { uv, index, size, age }, data);
+  if (lines && age) {
+    const bald = shares({ uv, index, size }, [...scalp.map(({ share: covered }) => covered), browShare(position, base.at)]);
+    drawLines({ width: size[0], height: size[1], data }, lines, { share: age, shown, bald }, { linear, coded });
+  }
+  drawFurrows({ width: size[0], height: size[1], data }, part, base.at, years, { linear, coded });
   return { width: size[0], height: size[1], data, tone, bearded: layers.some((one) => one.bearded) };
+}
+
+const BROW = [4, 9]; // mm from its landmarks, where an old head's skin has its own
+
+const browShare = (position, at) => {
+  const places = Object.values(BROWS).flat().map((i) => at[i]).filter(Boolean);
+  return Float32Array.from({ length: position.length / 3 }, (_, v) => 1 - ramp(BROW, apartFrom(places, position, v)));
+};
+
+/** The greatest of shares of the vertices, of each texel. @param {Float32Array[]} lists */
+function shares({ uv, index, size }, lists) {
+  const out = new Float32Array(size[0] * size[1]);
+  for (const list of lists)
+    eachTexel({ uv, index }, size, (corners) => corners.some((v) => list[v] > 0), (texel, corners, w) => {
+      out[texel] = Math.max(out[texel], corners.reduce((sum, v, c) => sum + w[c] * list[v], 0));
+    });
+  return out;
 }
 
 /** Blends several pictures of the skin by how directly each faces it. */
@@ -279,7 +313,9 @@ function dulled(colours, slow, v = 0) {
   return bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
 }
 
-function paint(layers, { uv, index, size }, data) {
+/** @returns {Float32Array} of each texel, how much of it pictures show */
+function paint(layers, { uv, index, size, age }, data) {
+  const shown = new Float32Array(size[0] * size[1]);
   const colour = [0, 0, 0];
   const wanted = (corners) => layers.some(({ weight }) => corners.some((v) => weight[v] > 0));
   eachTexel({ uv, index }, size, wanted, (texel, corners, share) => {
@@ -293,9 +329,12 @@ function paint(layers, { uv, index, size }, data) {
       if (w < 0.004) continue;
       rest -= w;
       sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
-      const dull = dulled(colour, [0, 1, 2].map((k) => mixed(slow, 3, k)));
+      const about = [0, 1, 2].map((k) => mixed(slow, 3, k));
+      const dull = dulled(colour, about) * (age ? deeper(luma(colour), luma(about), age) : 1);
       for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
     }
+    shown[texel] = Math.min(1, 1 - rest);
     if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
   });
+  return shown;
 }

@@ -106,6 +106,10 @@ export function inside(polygon, x, y) {
   return within ? least : -least;
 }
 
+/** Returns the distance of vertex v from the nearest place. @param {number[][]} places @param {Float32Array} position */
+export const apartFrom = (places, position, v) =>
+  Math.min(...places.map((p) => Math.hypot(p[0] - position[3 * v], p[1] - position[3 * v + 1], p[2] - position[3 * v + 2])));
+
 /** From 0 at the one to 1 at the other, smoothly. @param {number[]} between @param {number} x @returns {number} */
 export const ramp = ([low, high], x) => {
   const t = Math.min(1, Math.max(0, (x - low) / (high - low)));

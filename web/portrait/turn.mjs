@@ -3,6 +3,7 @@
 import { piece } from './detect.mjs';
 import { laid } from './fit.mjs';
 import { OVAL } from './landmarks.mjs';
+import { boxOf } from './look.mjs';
 
 const SMALL = 160; // size in pixels of the area where sharpness is measured
 const ENOUGH = 2; // pictures of each: the sharper one is kept
@@ -19,9 +20,8 @@ const ASIDE = 0.6; // of the worth of a picture at the border of its side
 
 /** Differences between neighbours in the face, against its contrast. */
 export function sharpness({ picture, landmarks }) {
-  const [xs, ys] = [0, 1].map((k) => OVAL.map((i) => landmarks[i][k]));
-  const [x, y] = [Math.min(...xs), Math.min(...ys)];
-  const { data, width, height } = piece(picture, { x, y, size: [Math.max(...xs) - x, Math.max(...ys) - y] }, SMALL);
+  const [x, y, ...size] = boxOf(OVAL.map((i) => landmarks[i]));
+  const { data, width, height } = piece(picture, { x, y, size }, SMALL);
   const grey = Float32Array.from({ length: width * height }, (_, i) => data[3 * i] + 2 * data[3 * i + 1] + data[3 * i + 2]);
   const mean = grey.reduce((sum, one) => sum + one, 0) / grey.length;
   const spread = grey.reduce((sum, one) => sum + (one - mean) ** 2, 0) || 1;

@@ -18,7 +18,7 @@ const short = (p, steps = 100) => p && p.map((x) => Math.round(x * steps) / step
 const table = {};
 for (const file of files) {
   const head = unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
-  const { at, seen, tone, worn } = await pointsOf(head, await flat(file.replace(/\.json$/, '.webp')), eye);
-  table[path.basename(file, '.json')] = { at: at.map((p) => short(p)), seen: seen.map((p) => short(p)), tone: short(tone, 1e4), worn };
+  const { at, seen, cheeks, face, iris, worn, hair, lit } = await pointsOf(head, await flat(file.replace(/\.json$/, '.webp')), eye);
+  table[path.basename(file, '.json')] = { at: at.map((p) => short(p)), seen: seen.map((p) => short(p)), cheeks: short(cheeks, 1e4), face: short(face, 1e4), iris: short(iris, 10), worn, hair, lit };
 }
 fs.writeFileSync(out, JSON.stringify(table));

@@ -5,7 +5,12 @@
 import { align, upright } from '../../../web/portrait/align.mjs';
 import { STEADY } from '../../../web/portrait/landmarks.mjs';
 import { WORN } from '../../../web/portrait/portrait.mjs';
-import { toneOf } from '../../../web/portrait/skin.mjs';
+import { hairOf, lightOf } from '../../../web/portrait/hair.mjs';
+import { luma } from '../../../web/portrait/lab.mjs';
+import { irisOf } from '../../../web/portrait/iris.mjs';
+import { linear, tonesOf } from '../../../web/portrait/skin.mjs';
+import { textures } from './images.mjs';
+import { hairForm, measure } from '../../../web/portrait/traits.mjs';
 import { seenAt } from '../lib/portrait.mjs';
 
 const ASIDE = 5; // pixels: a landmark this close to the skin counts as on it
@@ -39,6 +44,17 @@ function placeUnder(skin, screen, [u, v], guess) {
   return best;
 }
 
+const LIT = 0.4; // where it cannot be measured
+
+/** By how much the hair's painted colour is darker than it is drawn. */
+export async function litOf(head, picture, landmarks) {
+  const hair = head.parts.find(({ name }) => name.startsWith('hair'));
+  const { colour } = hairOf(picture, landmarks);
+  if (!hair || !colour) return LIT;
+  const image = await textures.read(head.textures[head.materials[hair.material].texture]);
+  return Math.round(100 * (lightOf(image, linear) / luma(colour))) / 100;
+}
+
 /**
  * @param {object} head unpacked (lib/deform.mjs) @param {{width: number, height: number, data: Uint8Array}} picture its neutral portrait
  * @param {(picture: object) => Promise<number[][]>} eye
@@ -55,5 +71,5 @@ export async function pointsOf(head, picture, eye) {
   const seen = up.map(onto.apply);
   const at = landmarks.map((place, i) => placeUnder(skin, screen, place, seen[i][2]));
   const worn = WORN.filter((word) => head.parts.some(({ name }) => name.startsWith(word)));
-  return { at, seen, tone: toneOf(picture, landmarks), worn };
+  return { at, seen, ...tonesOf(picture, landmarks), iris: irisOf(picture, landmarks), worn, hair: hairForm(measure(picture, landmarks)), lit: await litOf(head, picture, landmarks) };
 }

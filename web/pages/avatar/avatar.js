@@ -6,6 +6,7 @@ import { avatar as words } from '../texts/index.js';
 import { PictureBox } from './picture.js';
 import { Poses } from './poses.js';
 import { ProfileBox } from './profile.js';
+import { Wear } from './wear.js';
 
 const LOOKS_MAX = 120; // after this time the user is assumed to have given up
 
@@ -41,6 +42,8 @@ let stream = null; // of the camera
 let turning = null; // AbortController of a running capture of a turn or of poses
 let said = null; // the displayed state: its name and values
 
+const wearFields = Object.fromEntries(['seen', 'style', 'hair', 'beard', 'glasses', 'age'].map((id) => [id, $(id)]));
+const wear = new Wear(wearFields, say, () => made && doing(make));
 const poses = new Poses($('poses'), { say, tell, focus: () => $('pose-files').focus() });
 
 function tell(name, values) {
@@ -62,9 +65,9 @@ async function load() {
   if (tools) return tools;
   tell('loading');
   const module = await import('./portrait.js');
-  const table = await frame.load('face-points.json');
+  const [table, styles] = await Promise.all(['face-points.json', 'face-wear.json'].map((file) => frame.load(file)));
   if (!table) throw new Error('face-points.json');
-  tools = { ...module, table, find: await module.openEye(new URL('./', import.meta.url).href) };
+  tools = { ...module, table, styles: styles ?? {}, all: { ...table, ...styles }, find: await module.openEye(new URL('./', import.meta.url).href) };
   return tools;
 }
 
@@ -157,7 +160,7 @@ function show() {
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
   for (const id of ['like', 'eyes']) {
     const chosen = $(id).value;
-    const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('same'));
+    const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('hairPhoto'));
     const all = known.map(({ name, title }) => option(name, title));
     const isBest = ({ value }) => order.slice(0, BEST).includes(value);
     const [best, others] = [true, false].map((wanted) => all.filter((one) => isBest(one) === wanted));
@@ -165,18 +168,8 @@ function show() {
     $(id).replaceChildren(first, ...(id === 'like' ? groups() : all));
     $(id).value = chosen;
   }
-  showHair(front.view);
+  wear.show(front.view, tools, known);
   $('like').dataset.nearest = nearest;
-}
-
-/** Offers the hair's colours: what the picture shows comes first, if it is recognised. */
-function showHair({ picture, landmarks }) {
-  const seen = tools.hairOf(picture, landmarks);
-  const chosen = $('hair').value;
-  const offers = [...(seen.colour ? [['photo', say('hairPhoto')]] : []), ['head', say('hairHead')], ['none', say('hairNone')]];
-  $('hair').replaceChildren(...offers.map(([value, label]) => option(value, label)));
-  $('hair').value = offers.some(([value]) => value === chosen) ? chosen : { hair: 'photo', none: 'none', unsure: 'head' }[seen.kind];
-  $('hair').colours = { photo: seen.colour, none: 'none', head: null };
 }
 
 async function headOf(name) {
@@ -186,33 +179,70 @@ async function headOf(name) {
 
 async function make() {
   if (!$('like').value) {
-    tell('hairFirst');
+    tell('likeFirst');
     $('like').focus();
     return;
   }
+  if (!wear.isComplete) {
+    tell('styleFirst');
+    return;
+  }
   tell('working');
-  $('make').disabled = true;
+  $('make').disabled = $('save').disabled = true;
+  hideLook();
   try {
     await new Promise((resolve) => setTimeout(resolve));
     const start = performance.now();
     const name = $('like').value;
     const base = await headOf(name);
-    const eyes = $('eyes').value ? await headOf($('eyes').value) : null;
+    const eyes = await headOf($('eyes').value || wear.eyes);
+    const worn = await wear.options(name, tools, async (other) => (Object.hasOwn(tools.styles, other) ? frame.load(`wear-${other}.json`) : (await headOf(other)).json));
+    const old = worn.age ? await headOf(tools.OLDEST[base.json.voice?.gender] ?? tools.OLDEST.female) : null;
     const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, {
-      title: say('title'), eyes: eyes?.json, hair: $('hair').colours[$('hair').value], light: Number($('light').value),
+      title: say('title'), eyes: eyes.json, old: old?.json, light: Number($('light').value), ...worn,
     });
     made = result.head;
     await head.showHead(made);
     const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 });
     const took = () => seconds.format((performance.now() - start) / 1000);
-    tell('done', { seconds: took() });
+    tell('made', { seconds: took() });
     if (result.parted) state.append(` ${say('parted')}`);
     if (result.bearded) state.append(` ${say('bearded')}`);
-    $('save').disabled = false;
     if (poses.named.length) await learnPoses(took);
+    showLook();
   } finally {
     $('make').disabled = false;
   }
+}
+
+const SHOWN = { width: 480, height: 600, faces: 2.5 }; // the photograph beside the head: pixels, and its height in faces
+
+/** The photograph beside the head, as large as it: it is done when its user says so. */
+function showLook() {
+  const { picture, landmarks } = boxes.find(({ view }) => view.landmarks).view;
+  const whole = Object.assign(document.createElement('canvas'), { width: picture.width, height: picture.height });
+  whole.getContext('2d').putImageData(picture, 0, 0);
+  const [top, chin] = [landmarks[10], landmarks[152]];
+  const tall = SHOWN.faces * Math.hypot(top[0] - chin[0], top[1] - chin[1]);
+  const wide = (tall * SHOWN.width) / SHOWN.height;
+  const photo = Object.assign($('look-photo'), { width: SHOWN.width, height: SHOWN.height });
+  const above = Math.max(0, (top[1] + chin[1]) / 2 - 0.54 * tall);
+  photo.getContext('2d').drawImage(whole, (top[0] + chin[0] - wide) / 2, above, wide, tall, 0, 0, SHOWN.width, SHOWN.height);
+  $('look').hidden = photo.hidden = false;
+  photo.parentElement.classList.add('compared');
+  photo.parentElement.scrollIntoView({ block: 'nearest' });
+}
+
+function hideLook() {
+  $('look').hidden = $('look-photo').hidden = true;
+  $('look-photo').parentElement.classList.remove('compared');
+}
+
+function accept() {
+  hideLook();
+  $('save').disabled = false;
+  tell('done');
+  $('save').focus();
 }
 
 async function learnPoses(took) {
@@ -291,7 +321,8 @@ $('take').addEventListener('click', () => doing(() => add($('video'))));
 $('turn').addEventListener('click', () => doing(turn));
 $('camera-off').addEventListener('click', cameraOff);
 $('make').addEventListener('click', () => doing(make));
-for (const id of ['hair', 'light']) $(id).addEventListener('change', () => made && doing(make));
+$('light').addEventListener('change', () => made && doing(make));
+$('accept').addEventListener('click', accept);
 $('save').addEventListener('click', save);
 form.addEventListener('submit', (event) => {
   event.preventDefault();
