@@ -4,7 +4,7 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
-import { FileError, MOST } from '../import/file-error.mjs';
+import { FileError, MOST } from '../import/limits.mjs';
 import { filled, fromRest, LONGEST_GAP, smoothed, toCsv } from './curves.mjs';
 import { fapsOfMarkers, toFap } from './fap-tracks.mjs';
 import { allNumbersOf, readMap, rowsOfMarkers } from './markers.mjs';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** FAPs of a face with markers: each marker at a feature point of MPEG-4 moves the FAPs of that point, whatever the head does. */
 import fs from 'node:fs';
-import { FileError } from '../import/file-error.mjs';
+import { FileError } from '../import/limits.mjs';
 import { MARKERS } from './articulation.mjs';
 
 const { faps } = JSON.parse(fs.readFileSync(new URL('../../../protocol/fap-table.json', import.meta.url), 'utf8'));

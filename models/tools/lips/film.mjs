@@ -4,7 +4,7 @@ import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { PortraitError } from '../../../web/portrait/problem.mjs';
-import { FileError } from '../import/file-error.mjs';
+import { FileError } from '../import/limits.mjs';
 import { flat } from '../portrait/images.mjs';
 
 const PICTURES = /\.(jpe?g|png|webp|tiff?|gif|avif)$/i;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Selects the eight markers to use from a file: by a map (JSON: {"nose": "NOSE", ...}), by their names, or in the thesis's order. */
-import { FileError } from '../import/file-error.mjs';
+import { FileError } from '../import/limits.mjs';
 import { articulation, MARKERS } from './articulation.mjs';
 import { featurePoints } from './fap-tracks.mjs';
 

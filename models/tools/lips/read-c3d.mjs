@@ -3,7 +3,7 @@
  * Reads marker tracks from a C3D file (www.c3d.org): blocks of 512 bytes (a header, parameters by group and name, frames), numbers in the format
  * of Intel, DEC or MIPS, coordinates as integers or floats. Skips analogue channels.
  */
-import { FileError, MOST } from '../import/file-error.mjs';
+import { FileError, MOST } from '../import/limits.mjs';
 import { Tracks } from './tracks.mjs';
 
 const BLOCK = 512;

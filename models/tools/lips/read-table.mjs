@@ -3,7 +3,7 @@
  * Reads marker tracks from text: TRC (Motion Analysis, OpenSim), and CSV tables with a column for each coordinate (NAME_x, NAME_y, NAME_z or
  * NAME.x...), with or without a time column; without names, the columns of eight markers.
  */
-import { FileError } from '../import/file-error.mjs';
+import { FileError } from '../import/limits.mjs';
 import { Tracks } from './tracks.mjs';
 
 const MOST_MARKERS = 512;

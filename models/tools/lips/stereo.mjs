@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Places of markers from their tracks in two calibrated cameras, by linear triangulation (R. Hartley and A. Zisserman, "Multiple View Geometry", 12.2). */
-import { FileError } from '../import/file-error.mjs';
+import { FileError } from '../import/limits.mjs';
 import { Tracks } from './tracks.mjs';
 
 const MOST_PIXELS = 4; // farther from what both cameras saw, a place is a mistake of the tracker

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Marker positions over time, from any supported file. */
-import { FileError, MOST } from '../import/file-error.mjs';
+import { FileError, MOST } from '../import/limits.mjs';
 
 const UNITS = { mm: 1, cm: 10, dm: 100, m: 1000, in: 25.4, millimeters: 1, meters: 1000 };
 
