@@ -3,7 +3,7 @@
 // before a deep eye.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { lidsAndEyes } from '../../models/tools/import/turns.mjs';
+import { lidsAndEyes } from '../../models/tools/import/actions/turns.mjs';
 
 const RADIUS = 17;
 const SIDES = { l: 1, r: -1 };

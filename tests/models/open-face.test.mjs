@@ -2,7 +2,7 @@
 // Faces of one surface: lips are cut apart along their line and nowhere else; eyes are made where there are holes for them.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { addEyes, cutLips } from '../../models/tools/import/open-face.mjs';
+import { addEyes, cutLips } from '../../models/tools/import/face/open-face.mjs';
 
 const STEPS = 41;
 const WIDE = 80; // mm
@@ -90,6 +90,8 @@ test('places eyes of one size in the eye holes, and none without holes', () => {
   assert.equal(left.ball.radius, right.ball.radius);
   assert.ok(left.ball.radius >= 12 && left.ball.radius < 14 && Math.abs(left.ball.centre[2] + left.ball.radius - 2) < 1.5);
   assert.equal(scene.materials[0].picture.type, 'image/png');
+  const drawn = { name: 'Face_4', materialName: 'EyeIris', position: Float64Array.from([20, 20, -4, -20, 20, -4, 20, 24, -4]), index: Uint32Array.from([0, 1, 2]) };
+  assert.deepEqual(addEyes({ meshes: [plate(inHole).mesh, drawn], materials: [] }, { view: holes.view, marks }, { template, onto }), [], 'drawn eyes are there');
   const whole = plate();
   assert.deepEqual(addEyes({ meshes: [whole.mesh], materials: [] }, { view: whole.view, marks }, { template, onto }), []);
 });

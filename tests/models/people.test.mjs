@@ -19,8 +19,8 @@ const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'm
 const names = fs.readdirSync(recipes).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
 const head = (name) => JSON.parse(fs.readFileSync(path.join(built, `${name}.json`)));
 
-test('there are at least eight people, and Mara is the first', () => {
-  assert.ok(names.length >= 8, `${names}`);
+test('there are at least ten people, and Mara is the first', () => {
+  assert.ok(names.length >= 10, `${names}`);
   const ranked = names.map(head).sort((a, b) => a.rank - b.rank);
   assert.equal(ranked[0].name, 'mara');
   assert.equal(new Set(ranked.map(({ rank }) => rank)).size, names.length, 'ranks');
@@ -50,8 +50,8 @@ for (const name of names)
 for (const name of names)
   test(`the skin of ${name} is fully coloured`, async () => {
     const { data, info } = await sharp(Buffer.from(head(name).textures.skin.data, 'base64')).removeAlpha().raw().toBuffer({ resolveWithObject: true });
-    let green = 0; // NaN becomes null when written: nothing of red and blue would remain
-    for (let i = 0; i < data.length; i += info.channels) green += data[i + 1] > data[i] + 12;
+    let green = 0; // NaN becomes null when written: nothing of red and blue would remain (compression shifts a dark texel by 14 at most)
+    for (let i = 0; i < data.length; i += info.channels) green += data[i + 1] > data[i] + 20;
     assert.equal(green, 0, `${green} texels are greener than red`);
   });
 

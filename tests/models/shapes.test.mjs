@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The definitions of the avatar shapes: complete, as symmetric as faces, and the computed ones up to date.
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
@@ -47,6 +48,12 @@ test('closures close: mouthClose undoes jawOpen, a blink joins the lids, and no 
 test('the visemes and moods match what faccia shows', () => {
   assert.deepEqual(Object.fromEntries(Object.entries(read('shapes/visemes.json').visemes).map(([name, { faps }]) => [name, faps])), visemes(program));
   assert.deepEqual(read('shapes/moods.json').moods, moods(program));
+});
+
+test('the poses of the sets of pictures match what the engines show', () => {
+  const made = spawnSync('node', [path.join(root, 'models/tools/make-poses.mjs'), program], { encoding: 'utf8', maxBuffer: 1 << 24 });
+  assert.equal(made.status, 0, made.stderr);
+  assert.deepEqual(JSON.parse(made.stdout), read('pictures/poses.json'));
 });
 
 test('every phone of every pack has one viseme id', () => {

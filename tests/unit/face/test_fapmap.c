@@ -101,13 +101,13 @@ static double side_gap(const double faps[FAP_COUNT + 1]) {
 static const double u[PARAM_COUNT] = {
     [PARAM_LI] = 3, [PARAM_LS] = 1.2, [PARAM_AR] = -2.5, [PARAM_PI] = 1.6, [PARAM_PS] = 2.4, [PARAM_EM] = 4};
 
-/* A rounded mouth is open in the middle only; its corners hardly come nearer to each other. */
+/* A rounded mouth is hardly open beside the middle; its corners hardly come nearer to each other. */
 static void rounded_lips_leave_a_hole(void **state) {
     (void)state;
     double faps[FAP_COUNT + 1] = {0}, plain[FAP_COUNT + 1] = {0};
     fapmap_add(&fapu, u, faps);
     assert_true(-(faps[4] + faps[5]) / 50 >= 4.2);
-    NEAR(side_gap(faps), 0);
+    assert_true(side_gap(faps) > 0 && side_gap(faps) < 1);
     NEAR((faps[53] + faps[54]) / 20, -2.5);
     assert_true(faps[6] == faps[7] && (faps[6] + faps[7]) / 20 < -8);
     fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 3, [PARAM_LS] = 1.2, [PARAM_EM] = 4}, plain);
@@ -152,7 +152,7 @@ static void openings_keep_the_hole(void **state) {
     fapmap_add(&fapu, tight, faps);
     fapmap_open(&fapu, 4, 1, faps);
     NEAR(-(faps[4] + faps[5]) / 50, 4);
-    NEAR(side_gap(faps), 0);
+    assert_true(side_gap(faps) < 1);
     fapmap_open(&fapu, 4, 1, plain);
     NEAR(side_gap(plain), 3.2);
 }

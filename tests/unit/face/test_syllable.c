@@ -297,6 +297,31 @@ static void check_face(struct speech_layer *layer, double t, const double *from,
         NEAR(faps[n], (1 - part) * from[n] + part * to[n], 0.02);
 }
 
+/* models/shapes/letters.json has the shapes as FAPs for tools that make heads of meshes. */
+static void shapes_are_as_the_models_have_them(void **state) {
+    const struct shapes *shapes = &spelling_in(state)->common.shapes;
+    FILE *f = fopen(SOURCE_ROOT "/models/shapes/letters.json", "rb");
+    assert_non_null(f);
+    char file[1 << 15];
+    file[fread(file, 1, sizeof file - 1, f)] = '\0';
+    fclose(f);
+    for (size_t i = 0; i < shapes->count; i++) {
+        char line[1024];
+        int n = snprintf(line, sizeof line, "    \"%s\": {\"faps\": {", shapes->items[i].name);
+        const char *comma = "";
+        for (int fap = 1; fap <= FAP_COUNT; fap++) {
+            int value = (int)lround(shapes->items[i].faps[fap]);
+            if (value) {
+                n += snprintf(line + n, sizeof line - (size_t)n, "%s\"%d\": %d", comma, fap, value);
+                comma = ", ";
+            }
+        }
+        snprintf(line + n, sizeof line - (size_t)n, "}}");
+        if (!strstr(file, line))
+            fail_msg("models/shapes/letters.json must say:\n%s", line);
+    }
+}
+
 static void goes_straight_from_shape_to_shape(void **state) {
     const struct speech_pack *pack = *state;
     const struct spelling *s = pack->letters;
@@ -445,6 +470,7 @@ int main(void) {
         cmocka_unit_test(knows_durations),
         cmocka_unit_test(begins_each_word_when_the_voice_does),
         cmocka_unit_test(fills_words_by_the_table),
+        cmocka_unit_test(shapes_are_as_the_models_have_them),
         cmocka_unit_test(goes_straight_from_shape_to_shape),
         cmocka_unit_test(phones_come_first),
         cmocka_unit_test(ends_syllables_at_words),
