@@ -46,10 +46,10 @@ test('every file that the package names exists, and the scripts are valid', () =
   for (const file of ['talking-head-worklet.js', 'talking-head-avatar.js', 'talking-head-draco.js', 'talking-head-basis.js', 'opus-decoder.js']) assert.ok(read(`dist/${file}`).length, file);
 });
 
-test('the published element stays within 220 kB', () => {
+test('the published element stays within 225 kB', () => {
   for (const file of ['talking-head.js', 'talking-head.classic.js']) {
     const size = gzipSync(read(`dist/${file}`), { level: 9 }).length;
-    assert.ok(size < 220_000, `${file}: ${size} bytes`);
+    assert.ok(size < 225_000, `${file}: ${size} bytes`);
   }
 });
 

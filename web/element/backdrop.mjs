@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A picture or a film behind the face. It says nothing: assistive technology skips it.
+// A picture or a film behind the face, or a room (room-backdrop.mjs). It says nothing: assistive technology skips it.
+const ROOM = 'room';
 const FILM = /\.(?:mp4|m4v|webm|ogv)$/i;
 const SCHEMES = ['http:', 'https:', 'blob:'];
 
@@ -19,9 +20,13 @@ export class Backdrop {
   #shown = '';
   #element = null;
 
-  /** @param {HTMLElement} stage that it lies in, behind all else */
-  constructor(stage) {
+  /**
+   * @param {HTMLElement} stage that it lies in, behind all else
+   * @param {(there: boolean) => void} changed told whether there is one
+   */
+  constructor(stage, changed) {
     this.stage = stage;
+    this.changed = changed;
   }
 
   /** @param {string|null} source of the attribute */
@@ -42,17 +47,35 @@ export class Backdrop {
     this.#shown = source;
     this.#element?.remove();
     this.#element = null;
-    const { ownerDocument: page } = this.stage, url = source && addressOf(source, page.baseURI);
-    if (!url) return;
-    const film = FILM.test(url.pathname), element = page.createElement(film ? 'video' : 'img');
-    Object.assign(element, film ? { muted: true, loop: true, autoplay: true, playsInline: true } : { alt: '', decoding: 'async' });
-    element.className = 'backdrop';
+    this.#element = source === ROOM ? this.#room() : source ? this.#picture(source) : null;
+    if (this.#element) this.stage.prepend(this.#element);
+    this.changed(Boolean(this.#element));
+  }
+
+  #made(name, className = 'backdrop') {
+    const element = this.stage.ownerDocument.createElement(name);
+    element.className = className;
     element.setAttribute('part', 'backdrop');
     element.ariaHidden = 'true';
-    element.addEventListener('error', () => element.remove()); // rather nothing than a broken picture
+    return element;
+  }
+
+  #room() {
+    return this.#made('div', 'backdrop room');
+  }
+
+  #picture(source) {
+    const { ownerDocument: page } = this.stage, url = addressOf(source, page.baseURI);
+    if (!url) return null;
+    const film = FILM.test(url.pathname), element = this.#made(film ? 'video' : 'img');
+    const moving = { muted: true, loop: true, autoplay: true, playsInline: true };
+    Object.assign(element, film ? moving : { alt: '', decoding: 'async' });
+    element.addEventListener('error', () => {
+      element.remove(); // rather nothing than a broken picture
+      if (this.#element === element) this.changed(false);
+    });
     element.src = url.href;
-    this.#element = element;
-    this.stage.prepend(element);
     if (film && page.defaultView?.matchMedia('(prefers-reduced-motion: reduce)').matches) element.autoplay = false;
+    return element;
   }
 }

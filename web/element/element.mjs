@@ -70,7 +70,6 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     root.append(...parts());
     applyStyles(root, styles);
     const speech = this.#speech;
-    this.#backdrop = new Backdrop(root.querySelector('.stage'));
     const controls = new Controls(root, {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
@@ -85,6 +84,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     });
     this.#controls = controls;
     this.#presentation = presentation;
+    this.#backdrop = new Backdrop(root.querySelector('.stage'), (there) => (presentation.stage.fading = !there));
     this.#session = new Session(this, { controls, poster, speech, presentation }, {
       emit: (type, detail) => {
         this.#emit(type, detail);
@@ -305,6 +305,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    */
   overhear(on = true) {
     return this.#session.send({ type: 'overhear', on });
+  }
+
+  /**
+   * Drives the face of the room in real time; the event `driven` tells who does.
+   * @param {{time: number, faps: Record<number, number>}[]|null} frames with the times of the page's clock, s; null: no longer
+   * @returns {boolean} as `offer`
+   */
+  drive(frames) {
+    return this.#session.send(frames ? { type: 'drive', frames } : { type: 'drive', on: false });
   }
 
   /**

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 import { CaptionView } from './captions/view.mjs';
 import { Attention } from './face/attention.mjs';
+import { Breath } from './face/breath.mjs';
 import { FaceMixer, faceValues } from './face/face-mixer.mjs';
 import { FAP_VALUES } from './face/face-track.mjs';
+import { BREATH } from './head/model/model.mjs';
 import { IdleController } from './face/idle.mjs';
 import { Orbit } from './orbit.mjs';
 import { Seat } from './scene.mjs';
@@ -17,6 +19,8 @@ export class Presentation {
   #drawn = { seconds: null, at: 0 };
   #mixer = new FaceMixer();
   #attention = new Attention();
+  #breath = new Breath();
+  #drawnValues = new Float32Array(FAP_VALUES); // the face and the breath
   #shown = this.#mixer.values; // drawn last
   #values = new Float32Array(FAP_VALUES); // drawn in company
   #accompanied = false; // whether company moves it
@@ -71,7 +75,7 @@ export class Presentation {
 
   /** Media of the idle face. One that keeps still has no pictures running: it is drawn when its mood has changed. */
   idled(chunk) {
-    this.idle.face.take(chunk, performance.now() / 1000);
+    this.idle.take(chunk, performance.now() / 1000);
     if (this.#mixer.still && !this.speech.busy) this.wake();
   }
 
@@ -187,8 +191,20 @@ export class Presentation {
     const held = this.#mixer.pose && !changing; // overrides speech
     const attends = !heard?.running && !this.#mixer.pose && this.#attention.active(now);
     this.#shown = attends ? this.#attention.apply(values, now) : values;
-    const more = attends || changed || turning || this.#accompanied || (!held && (speaks || (idle && !this.#mixer.still)));
-    return { values: this.#shown, turned: this.orbit.turned, more, calm: !speaks && !turning };
+    const breathes = this.#breathe(now / 1000, heard, idle);
+    const more =
+      attends || changed || turning || breathes || this.#accompanied || (!held && (speaks || (idle && !this.#mixer.still)));
+    const still = this.#mixer.still || Boolean(this.#mixer.pose);
+    return { values: this.#drawnValues, turned: this.orbit.turned, more, calm: !speaks && !turning, still };
+  }
+
+  /** The face as it is drawn, with the breath. @returns {boolean} whether it breathes on without anything else that moves */
+  #breathe(now, heard, idle) {
+    const speech = heard?.running ? heard : null;
+    const alive = !this.#mixer.still && !this.#mixer.pose && (speech || idle) ? Math.min(1, this.element.life ?? 1) : 0;
+    this.#drawnValues.set(this.#shown);
+    this.#drawnValues[BREATH] = this.#breath.at(now, speech, alive, this.#shown[48]);
+    return !alive && this.#breath.shows;
   }
 
   /** The face with what its company adds to it, unless it is posed or keeps still. */

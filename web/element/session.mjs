@@ -11,7 +11,7 @@ import { wantsPictures } from './pictures/choice.mjs';
 import { PicturesSource } from './pictures/source.mjs';
 
 /** Messages that are passed to the page unchanged. */
-const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'asked', 'answered', 'heard', 'state', 'consent', 'observers', 'expressed', 'head', 'backdrop', 'overheard'];
+const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'asked', 'answered', 'heard', 'state', 'consent', 'observers', 'expressed', 'head', 'backdrop', 'overheard', 'driven'];
 const MERELY = ['', 'on', 'true', 'yes'];
 
 /** Joins a head to its server: the link, the messages that arrive, and the model that is requested. */

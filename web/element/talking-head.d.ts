@@ -90,7 +90,7 @@ export interface SpeakOptions {
   cast?: 'auto' | 'on' | 'off';
   /** Whether the narrator speaks the stage directions of a passage. */
   directions?: 'silent' | 'spoken';
-  /** How to read the dialogue of plain prose that does not say who speaks. one-voice: one voice speaks everything; voices: what stands in quotation marks or after dashes is spoken by two persons in turn. */
+  /** How to read the dialogue of plain prose that does not say who speaks. one-voice: one voice speaks everything; voices: what stands in quotation marks or after dashes is spoken by the persons whom the narrator names, or two in turn. */
   dialogue?: 'one-voice' | 'voices';
   /** Whether the narrator speaks the speakers' names in a section of the library. */
   names?: boolean;
@@ -130,8 +130,8 @@ export interface SpeakOptions {
   work?: string;
   /** Pronunciations, as a document of the W3C's Pronunciation Lexicon Specification; overrides all other lexicons. At most 65536 bytes. When left out: those of the work, the library, the room and the daemon only. */
   lexicon?: string;
-  /** How to read lines of plain text that end without punctuation. run-on: only where punctuation asks for a pause; pause: a comma's worth at each line's end where sense asks for it. */
-  verse?: 'run-on' | 'pause';
+  /** How to read lines of plain text that end without punctuation. run-on: only where punctuation asks for a pause; pause: a comma's worth at each line's end where sense asks for it; scan: a comma's worth at each line's end, and a fifth slower, as a school scans verse. */
+  verse?: 'run-on' | 'pause' | 'scan';
   /** When to speak it. queue: after all that waits; replace: at once, and all else is forgotten; interrupt: at once; what speaks is cut, what waits comes afterwards; quiet: only when nothing speaks or waits, else it is refused. */
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
   /** A higher priority goes first and interrupts a lower one. */
@@ -589,6 +589,16 @@ export interface ServerCalibrated {
   /** A picture of the skin, in base64. */
   texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
 }
+/** A client drives the face, or no longer does. */
+export interface ServerDriven {
+  type: 'driven';
+  /** The stream's name: that of hello, or the room's. */
+  stream: string;
+  /** Whether the face is driven. */
+  on: boolean;
+  /** Who drives it, as in chosen; absent when it is over. */
+  by?: string;
+}
 /** Another head is shown; empty: each page's own. */
 export interface ServerHead {
   type: 'head';
@@ -674,6 +684,7 @@ export interface TalkingHeadEventMap {
   overheard: CustomEvent<ServerOverheard>;
   state: CustomEvent<ServerState>;
   calibrated: CustomEvent<ServerCalibrated>;
+  driven: CustomEvent<ServerDriven>;
   head: CustomEvent<ServerHead>;
   expressed: CustomEvent<ServerExpressed>;
   consent: CustomEvent<ServerConsent>;
@@ -736,7 +747,7 @@ export interface TalkingHeadAttributes {
   blend?: 'auto' | 'regions' | 'weighted' | null;
   contacts?: 'engine' | 'on' | 'off' | null;
   normalization?: 'on' | 'off' | null;
-  verse?: 'run-on' | 'pause' | null;
+  verse?: 'run-on' | 'pause' | 'scan' | null;
   // </speak attributes>
   label?: string | null;
   'caption-size'?: 'large' | 'larger' | 'largest' | null;
@@ -793,7 +804,7 @@ export class TalkingHead extends HTMLElement {
   blend: 'auto' | 'regions' | 'weighted' | null;
   contacts: 'engine' | 'on' | 'off' | null;
   normalization: 'on' | 'off' | null;
-  verse: 'run-on' | 'pause' | null;
+  verse: 'run-on' | 'pause' | 'scan' | null;
   // </speak properties>
   label: string | null;
   backdrop: string | null;
@@ -847,6 +858,8 @@ export class TalkingHead extends HTMLElement {
   said(text: string, options?: { id?: string; final?: boolean; lang?: string; confidence?: number }): boolean;
   /** Sends an observer the speech of listeners, if they consent: the event `overheard`. */
   overhear(on?: boolean): boolean;
+  /** Drives the face of the room in real time with frames of FAPs, times in seconds; null: no longer. The event `driven` tells who does. */
+  drive(frames: { time: number; faps: Record<number, number> }[] | null): boolean;
   /** How all texts of the room are spoken, for who listens there: factors from 0.5 to 2. */
   setManner(manner?: { speed?: number; pitch?: number; volume?: number }): boolean;
   /** A picture or a film behind the face of all in the room; empty: none. */

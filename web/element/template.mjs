@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { CAPTION_LEAST_EM } from './captions/captions.mjs';
+import { roomCss } from './room-backdrop.mjs';
 
 // A page's own rules go over those of :host, so nothing inside depends on them: `.layout` fills the element, and is
 // 20rem by 26rem unless the page sets a size (`display: block` with `height: auto`, `all: unset`).
@@ -44,8 +45,9 @@ export const styles = `
   :host([hidden]), [hidden] { display: none !important; }
   .layout { display: flex; flex-direction: column; position: relative; inline-size: 100%; block-size: 100%; min-inline-size: 0;
     min-block-size: 0; contain: inline-size; contain-intrinsic-inline-size: 20rem; font-family: system-ui, sans-serif; }
-  .stage { position: relative; flex: 1 1 26rem; min-block-size: 0; }
+  .stage { position: relative; flex: 1 1 26rem; min-block-size: 0; overflow: clip; }
   .backdrop { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: cover; }
+  .room { background: ${roomCss}; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
   .poster { position: absolute; inset: 0; margin-inline: auto; max-inline-size: 100%; block-size: 100%; object-fit: contain;
     mask-image: linear-gradient(90deg, transparent, #000 12%, #000 88%, transparent); }

@@ -144,6 +144,17 @@ test('accepts an avatar of any size and direction, with its lips parted at rest'
   assert.ok(Math.max(...head.solver.opened) < 0.1, 'and closed');
 });
 
+test('an avatar with a breath breathes, and moves its face no more by that', async () => {
+  const { head } = await modelOf(glb(), readMap(null));
+  const weights = () => head.meshes.map(({ morphTargetInfluences = [], morphTargetDictionary = {} }) => Object.fromEntries(Object.entries(morphTargetDictionary).map(([name, i]) => [name, morphTargetInfluences[i]])));
+  head.setFaps(faceValues({ 3: 300 }));
+  const before = weights();
+  head.setFaps(faceValues({ 0: 0.75, 3: 300 }));
+  const after = weights();
+  assert.equal(after.filter(({ breath }) => breath === 0.75).length, 2);
+  assert.deepEqual(after.map((all) => ({ ...all, breath: 0 })), before.map((all) => ({ ...all, breath: 0 })));
+});
+
 test('uses expressions of VRM 1.0 where targets have no names', async () => {
   const parts = partsOf(glb());
   for (const mesh of parts.json.meshes) delete mesh.extras;

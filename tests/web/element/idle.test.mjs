@@ -135,8 +135,12 @@ test('requests idling and mood once, and again on a new link', () => {
   assert.deepEqual(sent, [{ type: 'express', mix: [{ name: 'joy', intensity: 0.4 }], ease: 0 }, idle]);
   life.idle({ life: 0.5 });
   assert.equal(sent.length, 2);
+  life.take(chunk(0), 10);
+  assert.ok(life.face.at(10.05));
   life.idle(null);
   assert.deepEqual(sent.at(-1), { type: 'idle', on: false });
+  life.take(chunk(CHUNK), 10.1);
+  assert.equal(life.face.at(10.15), null, 'what was under way is not shown');
   life.unlinked();
   life.linked();
   assert.equal(sent.length, 4, 'no idling is asked for that is not wanted');
@@ -166,4 +170,14 @@ test('a face without a server blinks, glances and moves as people do', () => {
   assert.ok(Math.max(...moved) < 700 && moved.filter((step) => step > 0).length > frames.length / 2, 'the head moves slowly, and is never quite still');
   const still = new IdleLife(0, dice(7));
   assert.ok([0, 1, 5, 9].every((time) => still.face(time).every((value) => value === 0)));
+});
+
+test('the short chunks of a driven face are shown sooner', () => {
+  const delay = (length) => {
+    const idle = new IdleFace();
+    const first = { utterance: 0, sampleRate: RATE, fps: 25, start: 0, samples: length * RATE, firstFrame: 0, frames: [new Int32Array(FAP_VALUES)] };
+    idle.take(first, 100);
+    return idle.base - 100;
+  };
+  assert.ok(delay(0.04) < 0.07 && delay(CHUNK) > 0.14, `${delay(0.04)} ${delay(CHUNK)}`);
 });

@@ -50,7 +50,7 @@ const LIDS = [['3.1', '3.3'], ['3.2', '3.4']];
 
 for (const [name, { bytes, lids = true, wink = true }] of Object.entries(strangeCases(whole)))
   test(`${name}: stands upright, lips meet and part, lids close`, async (t) => {
-    const { head } = await read(bytes());
+    const { head } = await read(await bytes());
     const at = lookAt(head);
     const rest = at({});
     const apart = (now, [upper, lower]) => now[upper][1] - now[lower][1];

@@ -4,11 +4,14 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
 import { FapcEncoder, fapcFrame } from '../../../protocol/fapc/fapc.mjs';
+import { isFba, readFba } from '../../../protocol/fba/fba.mjs';
 import { readFapcFile } from '../../../protocol/fapc/fapcfile.mjs';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../../web/pages/player/curve.js';
 import { prosody } from '../../../web/pages/player/prosody.js';
 import { gestureText, makeGesture } from '../../../web/pages/player/gesture.js';
-import { emptyFaps, FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../../web/pages/player/file.js';
+import { FbaWriter } from '../../lib/fba-writer.mjs';
+import { parseFap } from '../../lib/fapfile.mjs';
+import { emptyFaps, FRAMES_MAX, isFapc, readCoded, readFap, writeFap } from '../../../web/pages/player/file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../../protocol/fap-table.json', import.meta.url))).faps;
 
@@ -39,10 +42,25 @@ test('reads a .fapc file; rejects a truncated one with its position', () => {
   const packet = encoder.encode(frames, true);
   const bytes = Uint8Array.from([70, 80, 67, 49, 196, 9, 0, 0, 3, packet.length & 255, packet.length >> 8, ...packet]);
   assert.ok(isFapc(bytes));
-  const { fps, frames: read } = readFapc(bytes, readFapcFile);
+  const { fps, frames: read } = readCoded(bytes, readFapcFile);
   assert.equal(fps, 25);
   read.forEach((frame, k) => assert.ok(Math.abs(frame[3] - frames[k].values[3]) <= 8, `${frame[3]}`));
-  assert.throws(() => readFapc(bytes.subarray(0, -1), readFapcFile), { code: 'bad-fap', message: 'the file ends within a packet', byte: 8 });
+  assert.throws(() => readCoded(bytes.subarray(0, -1), readFapcFile), { code: 'bad-fap', message: 'the file ends within a packet', byte: 8 });
+});
+
+test('reads FBA bitstreams', () => {
+  const writer = new FbaWriter();
+  const types = [3, ...Array(9).fill(3)];
+  const high = { viseme: [1, 2, 60, 0], expression: [1, 63, 0, 0, 0, 0] };
+  const shown = [0, 1, 2].map((k) => writer.frame({ intra: !k, types, rate: [25, 0, 0], quant: 2, levels: { 3: 5, 48: -1 }, ...high }));
+  const bytes = Uint8Array.from(writer.end());
+  assert.ok(isFba(bytes) && !isFapc(bytes));
+  const read = readCoded(bytes, readFba);
+  assert.equal(read.fps, 25);
+  assert.deepEqual(read.frames.map((frame) => [...frame]), shown.map(({ values }) => values));
+  assert.deepEqual(read.high[2], [high.viseme, high.expression]);
+  assert.equal(parseFap(writeFap(read)).frames[2][48], -2 * 170 * 3);
+  assert.throws(() => readCoded(bytes.subarray(0, 40), readFba), { code: 'bad-fap', message: 'the stream ends within a frame', byte: 40 });
 });
 
 test('splines pass through their keys, and never overshoot', () => {
@@ -104,8 +122,8 @@ test('rejects a .fapc with more frames than a player holds before decoding one',
   const header = Buffer.from('FPC1\xc4\x09\0\0', 'latin1');
   const of = (frames) => new Uint8Array(Buffer.concat([header, ...Array(Math.ceil(frames / 64)).fill(packet)]));
   const place = 8 + 5 * Math.floor(FRAMES_MAX / 64);
-  assert.throws(() => readFapc(of(FRAMES_MAX + 64), readFapcFile), { code: 'bad-fap', message: 'more frames than one file may have', byte: place });
-  assert.throws(() => readFapc(of(64 * Math.floor(FRAMES_MAX / 64)), readFapcFile), { code: 'bad-fap', byte: 8 }, 'as many are decoded');
+  assert.throws(() => readCoded(of(FRAMES_MAX + 64), readFapcFile), { code: 'bad-fap', message: 'more frames than one file may have', byte: place });
+  assert.throws(() => readCoded(of(64 * Math.floor(FRAMES_MAX / 64)), readFapcFile), { code: 'bad-fap', byte: 8 }, 'as many are decoded');
 });
 
 test('an empty stream has the chosen rate and length, and can be written and read', () => {

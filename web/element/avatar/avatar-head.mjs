@@ -2,9 +2,11 @@
 import { AmbientLight, DirectionalLight, Euler, Group, Matrix4, Quaternion, SRGBColorSpace, Vector3 } from 'three';
 import { faceValues } from '../face/face-mixer.mjs';
 import { View } from '../head/view.mjs';
+import { BREATH } from '../head/model/model.mjs';
 import { BoneTurn, JAW_RADIANS } from './rig.mjs';
 
 const AU = 1e-5; // radians
+const BREATH_TARGET = 'breath'; // a morph target, as faccia's own avatars have it
 /** Degrees that a shape turns the eye by, as ARKit has it. */
 const LOOKS = { Up: [25, -1], Down: [25, 1], In: [30, 1], Out: [30, 1] };
 const EYES = [['Left', 23, 25, 1], ['Right', 24, 26, -1]];
@@ -50,6 +52,8 @@ export class AvatarHead {
     const jaw = controls.face.find(({ bone }) => bone);
     this.jaw = jaw ? new BoneTurn(jaw.bone) : null;
     this.base = this.meshes.map((mesh) => mesh.morphTargetInfluences?.slice());
+    this.breathing = this.meshes.map((mesh) => ({ mesh, index: mesh.morphTargetDictionary?.[BREATH_TARGET] }));
+    this.breathing = this.breathing.filter(({ index }) => index !== undefined);
     for (const mesh of this.meshes) mesh.frustumCulled = false;
     const { rest } = found;
     this.model = {
@@ -60,13 +64,14 @@ export class AvatarHead {
     this.setFaps(faceValues({}));
   }
 
-  /** @param {ArrayLike<number>} values by FAP number */
+  /** @param {ArrayLike<number>} values by FAP number, the breath at 0 */
   setFaps(values) {
     this.faps = values;
     this.meshes.forEach((mesh, i) => this.base[i]?.forEach((value, k) => (mesh.morphTargetInfluences[k] = value)));
     const weights = this.solver.solve(values);
     this.controls.face.forEach((control, i) => this.#apply(control, weights[i]));
     if (this.controls.tongue) this.#apply(this.controls.tongue, (values[45] - TIP_AT_TEETH) / (TIP_OUT - TIP_AT_TEETH));
+    for (const { mesh, index } of this.breathing) mesh.morphTargetInfluences[index] += values[BREATH];
     this.#turn(values);
     this.#look(values);
   }

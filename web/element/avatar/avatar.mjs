@@ -5,6 +5,7 @@ import { Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { AvatarHead, AvatarView } from './avatar-head.mjs';
 import { controlsOf, meshesIn, namesIn, swapSides } from './controls.mjs';
+import { MESHOPT } from './extensions.mjs';
 import { facingOf } from './facing.mjs';
 import { fetched } from './fetched.mjs';
 import { checkGlb, joinGlb, splitGlb } from './glb.mjs';
@@ -49,7 +50,7 @@ export async function modelOf(bytes, map, file = 'avatar') {
   const json = checkGlb(glb);
   const loader = new GLTFLoader().register(images);
   const packed = (name) => json.extensionsUsed?.includes(name);
-  if (packed('EXT_meshopt_compression')) loader.setMeshoptDecoder(await unpacker('meshopt'));
+  if (packed(MESHOPT)) loader.setMeshoptDecoder(await unpacker('meshopt'));
   if (packed('KHR_draco_mesh_compression')) loader.setDRACOLoader(dracoOf(await unpacker('draco'), json));
   let gltf;
   try {

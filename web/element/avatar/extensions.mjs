@@ -5,6 +5,8 @@
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const PLACES = ['buffers', 'bufferViews', 'accessors', 'meshes'];
 const MULTIPLIES = 'EXT_mesh_gpu_instancing'; // the only one that multiplies a node
+export const MESHOPT = 'EXT_meshopt_compression';
+const NEW_MESHOPT = 'KHR_meshopt_compression'; // the same members; its streams may be of version 1, its filter COLOR, which the decoder knows
 const OLD_LOOK = 'KHR_materials_pbrSpecularGlossiness'; // of exporters before 2020
 /** Stand at primitives, and change neither places nor corners. */
 const MARKS = /^\w+_materials_|^CESIUM_|^EXT_(mesh_features|structural_metadata)$/;
@@ -31,6 +33,23 @@ export function shapedBy(json, name) {
     if (found) return found;
   }
   return null;
+}
+
+/**
+ * A glTF that names meshopt's compression only as GLTFLoader does.
+ * @param {object} json of a glTF, possibly invalid
+ */
+export function oldMeshopt(json) {
+  const renamed = (one) => {
+    if (!isObject(one) || !isObject(one.extensions) || one.extensions[NEW_MESHOPT] === undefined) return one;
+    const { [NEW_MESHOPT]: packed, ...extensions } = one.extensions;
+    return { ...one, extensions: { ...extensions, [MESHOPT]: packed } };
+  };
+  const out = { ...json };
+  for (const name of ['buffers', 'bufferViews']) if (Array.isArray(out[name])) out[name] = out[name].map(renamed);
+  for (const name of ['extensionsUsed', 'extensionsRequired'])
+    if (Array.isArray(out[name])) out[name] = out[name].map((one) => (one === NEW_MESHOPT ? MESHOPT : one));
+  return out;
 }
 
 /** A material whose colour and picture stand in the extension of old exporters alone, as glTF 2.0 itself says it. */

@@ -2,7 +2,7 @@
 // Repairs output of real exporters that glTF 2.0 forbids but whose meaning is clear: -1 or null for "none", no scene, lists
 // of unequal length.
 
-import { plainLook } from './extensions.mjs';
+import { oldMeshopt, plainLook } from './extensions.mjs';
 
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const none = (value) => value === null || value === -1;
@@ -37,7 +37,7 @@ function weightsOf(one, count) {
  * @param {object} json of a GLB, possibly invalid @returns {object} a repaired copy for checkReferences
  */
 export function mended(json) {
-  const out = { ...json };
+  const out = oldMeshopt(json);
   const each = (name, change) => {
     if (Array.isArray(out[name])) out[name] = out[name].map((one) => (isObject(one) ? change(one) : one));
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Checks a GLB's references before use: every index refers to something that exists, all data lies within the file's bytes,
 // and the total size is plausible for a head.
+import { MESHOPT } from './extensions.mjs';
 import { AvatarProblem } from './problem.mjs';
 
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
@@ -12,7 +13,6 @@ const MOST_DEEP = 500; // nodes within nodes
 const MOST_NODES = 20000;
 const LISTS = ['accessors', 'bufferViews', 'buffers', 'images', 'materials', 'meshes', 'nodes', 'samplers', 'scenes', 'skins', 'textures'];
 const TRANSFORMS = { translation: 3, rotation: 4, scale: 3, matrix: 16 };
-const MESHOPT = 'EXT_meshopt_compression';
 const DRACO = 'KHR_draco_mesh_compression';
 
 const damaged = (place, what) => new AvatarProblem('damaged', `${place}: ${what}`);

@@ -9,7 +9,7 @@ const SCRIPTS = {
   draco: async (address) => (await import(/* webpackIgnore: true */ /* @vite-ignore */ address)).openDraco(),
   basis: async (address) => (await import(/* webpackIgnore: true */ /* @vite-ignore */ address)).openBasis(),
   meshopt: async () => {
-    const { MeshoptDecoder } = await import('three/examples/jsm/libs/meshopt_decoder.module.js'); // not before: it is WebAssembly
+    const { MeshoptDecoder } = await import('meshoptimizer/decoder'); // not before: it is WebAssembly
     await MeshoptDecoder.ready;
     return MeshoptDecoder;
   },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-export const FAP_VALUES = 69; // by FAP number; entry 0 is unused
+export const FAP_VALUES = 69; // by FAP number; entry 0 is the breath: see breath.mjs
 const KEPT_SECONDS = 2;
 
 /** The slope that a curve through three points, equally far apart, may have at the middle one without overshooting. */

@@ -2,7 +2,9 @@
 import { readMix } from './expression.mjs';
 import { FaceTrack } from './face-track.mjs';
 
-const AHEAD = 0.15; // seconds that a chunk is to come before it is shown
+const AHEAD = 0.15; // seconds that a chunk is to come before it is shown,
+const AHEAD_LIVE = 0.06; // or one of a face that is driven, which is short
+const LIVE = 0.05; // seconds of such a chunk, at most
 const DRIFT = 0.05; // of the difference, for every chunk
 const LOST = 1; // seconds behind at which nothing is made up for
 
@@ -30,15 +32,16 @@ export class IdleFace {
   /** @param {import('../../../protocol/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds */
   take(chunk, now) {
     const begin = chunk.start / chunk.sampleRate;
+    const ahead = chunk.samples / chunk.sampleRate <= LIVE ? AHEAD_LIVE : AHEAD;
     const stretch = this.next ?? this.shown;
     const follows = stretch && stretch.track.fps === chunk.fps && Math.abs(begin - stretch.end) < 0.01;
     const behind = now - this.base - begin;
     if (!follows || (stretch === this.shown && behind < -LOST)) this.#begin(begin, chunk.fps);
-    else if (stretch === this.shown) this.#steer(begin, now);
+    else if (stretch === this.shown) this.#steer(begin, now, ahead);
     const into = this.next ?? this.shown;
     into.track.put(chunk.firstFrame, chunk.frames);
     into.end = begin + chunk.samples / chunk.sampleRate;
-    if (!stretch) this.base = now - begin + AHEAD;
+    if (!stretch) this.base = now - begin + ahead;
   }
 
   /** Something else is shown: an utterance. */
@@ -71,9 +74,9 @@ export class IdleFace {
   }
 
   /** Continues from the last frame shown after an underrun; corrects small clock differences slowly. */
-  #steer(begin, now) {
+  #steer(begin, now, ahead) {
     this.base = Math.max(this.base, now - this.shown.end);
-    this.base += DRIFT * (now - begin + AHEAD - this.base);
+    this.base += DRIFT * (now - begin + ahead - this.base);
   }
 }
 
@@ -115,6 +118,14 @@ export class IdleController {
   idle(wanted) {
     this.wanted = wanted;
     this.#ask();
+  }
+
+  /**
+   * A chunk that was under way when idling was turned off would stay on the face.
+   * @param {import('../../../protocol/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds
+   */
+  take(chunk, now) {
+    if (this.wanted) this.face.take(chunk, now);
   }
 
   /** @param {object|object[]|string} mix see readMix @param {{ease?: number}} options seconds */

@@ -7,6 +7,7 @@ import { faceValues } from '../face/face-mixer.mjs';
 import { Drive, influencesOf, packInfluences } from './mesh/influences.mjs';
 import { grainTexture, loweredBy } from './shading/grain.mjs';
 import { lidsAt, lidsOf } from './shading/lids.mjs';
+import { lipsOf, MOIST } from './shading/lips.mjs';
 import { mouthUniforms, openingOf } from './shading/mouth-light.mjs';
 import { uncovered, ambientLightOf } from './shading/ambient-light.mjs';
 import { headTurnOf, Shape } from './mesh/shape.mjs';
@@ -15,8 +16,9 @@ import { breath } from './mesh/slices.mjs';
 import { eyeNormals, kindOf, THIN, volumeNormals } from './shading/surfaces.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shading/shader-surface.mjs';
 import { prepareOnce } from './model/cache.mjs';
+import { Sway } from './mesh/sway.mjs';
 import { Triangles } from './mesh/triangles.mjs';
-import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './shading/wrinkles.mjs';
+import { agedBy, foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './shading/wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const INSIDE = /^(teeth|tongue)/; // nothing is seen of these when the lips meet
@@ -55,6 +57,7 @@ export class Head {
   constructor(model) {
     this.model = model;
     this.drive = new Drive(model);
+    this.sway = this.drive.swaying.length ? new Sway() : null;
     this.group = new Group();
     this.parts = []; // {part, influences, geometry, shapes: the whole one, then with fewer triangles; shape: the one drawn}
     this.eyes = []; // {lids, lidUpper, lidLower: as they stand}
@@ -62,6 +65,7 @@ export class Head {
     this.materials = [];
     const creases = wrinklePlace(model.fdp, model.fapu);
     this.creased = Boolean(creases);
+    this.aged = agedBy(model.materials[model.parts.find(({ name }) => name === 'skin')?.material]?.relief);
     this.textures = new Map();
     this.uniforms = {
       slots: { value: this.drive.slotValues },
@@ -146,8 +150,13 @@ export class Head {
     return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris }, lidUpper, lidLower };
   }
 
-  #skinUniforms({ moist = [0.58, 0.72], relief = 1 }) {
-    return { moist: { value: new Vector2(...moist) }, grain: { value: this.grain }, relief: { value: relief } };
+  #skinUniforms({ moist = MOIST, relief = 1 }) {
+    const { seam, size } = lipsOf(this.model.fdp);
+    return {
+      moist: { value: new Vector2(...moist) },
+      lipSeam: { value: new Vector2(...seam) }, lipSize: { value: new Vector3(...size) },
+      grain: { value: this.grain }, relief: { value: relief },
+    };
   }
 
   /** Computes how much light reaches each vertex. */
@@ -261,14 +270,18 @@ export class Head {
     else material.blending = NoBlending;
   }
 
-  /** @param {Float32Array} values by FAP number */
-  setFaps(values) {
+  /**
+   * @param {Float32Array} values by FAP number, the breath at 0
+   * @param {number|null} [seconds] on any clock, for what sways; null: nothing does
+   */
+  setFaps(values, seconds = null) {
     this.faps = values;
-    this.drive.set(values);
+    this.drive.set(values, this.sway?.follow(values, seconds));
+    for (const i of this.drive.swaying) this.uniforms.turnAxis.value[i].set(...this.drive.turns[i].axis);
     this.uniforms.headTurn.value.copy(headTurnOf(this.drive));
     for (const { shape } of this.parts) shape.update(this.drive);
     if (this.creased) {
-      this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+      this.uniforms.wrinkles.value.set(...wrinklesOf(values, this.aged));
       this.uniforms.folds.value.set(...foldsOf(values));
     }
     this.uniforms.opening.value = openingOf(this.model, values);
@@ -277,6 +290,16 @@ export class Head {
       lidUpper.value.set(...upper);
       lidLower.value.set(...lower);
     }
+  }
+
+  /** Whether hair sways, also when the face does not change any more. */
+  get sways() {
+    return Boolean(this.sway?.moves);
+  }
+
+  /** How fast the ends of hair swing, in mm a second. */
+  get swing() {
+    return this.sway?.pace ?? 0;
   }
 
   /** It is about to be drawn. @param {Vector3} eye from where, a direction */

@@ -6,13 +6,14 @@ import {
   WebGLRenderTarget,
 } from 'three';
 
-const FADE = 0.08; // of the picture's height, over which the shoulders vanish
+const FADE = 0.08; // of the picture's height, over which shoulders vanish that end in it
 const SOFTWARE_ANISOTROPY = 2; // each more is a texture read more, and faces look at the viewer
 const CLOSE = ['face', 'mouth']; // views that end in the skin
 
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
 export class View {
   #framing = null;
+  #fading = true;
   #software = null;
   #turned = { yaw: 0, pitch: 0 };
   #eye = new Vector3(); // from where the head is seen, a direction
@@ -35,6 +36,7 @@ export class View {
     this.size = { width: 1, height: 1 };
     this.level = null;
     this.head = null;
+    this.point = 0; // mm that a point of the picture is large where the face is; 0: not known yet
     this.target = null;
     this.copy = new ShaderMaterial({
       uniforms: { picture: { value: null } },
@@ -99,6 +101,12 @@ export class View {
     this.#frame();
   }
 
+  /** @param {boolean} fading whether the shoulders vanish towards the lower border */
+  set fading(fading) {
+    this.#fading = fading;
+    this.#frame();
+  }
+
   /** @param {{yaw: number, pitch: number}} degrees that the head is turned to the right of the picture, and down */
   set turned({ yaw, pitch }) {
     if (yaw === this.#turned.yaw && pitch === this.#turned.pitch) return;
@@ -139,8 +147,10 @@ export class View {
     this.camera.updateMatrixWorld();
     this.edges.uniforms.leap.value = leapOf(this.camera, distance);
     const pixels = this.size.height * this.renderer.getPixelRatio();
-    this.head.point = (2 * distance * Math.tan((fov / 2) * (Math.PI / 180))) / pixels;
-    this.head.uniforms.fade.value = CLOSE.includes(this.#framing) ? 1e-3 : FADE * pixels;
+    this.point = (2 * distance * Math.tan((fov / 2) * (Math.PI / 180))) / pixels;
+    this.head.point = this.point;
+    const ends = this.#fading && !CLOSE.includes(this.#framing) && this.head.model.view.bottom === undefined;
+    this.head.uniforms.fade.value = ends ? FADE * pixels : 1e-3;
   }
 
   draw() {

@@ -37,12 +37,12 @@ export class PicturesView {
     this.#soften();
   }
 
-  /** Makes the sides of a picture soft that is narrower than its place: it ends in the middle of the shoulders. */
+  /** Makes the sides of a picture soft that ends in the middle of the shoulders, where the place is wider. */
   #soften() {
     const { canvas, shown, size } = this;
     if (!shown) return;
     const drawn = Math.min(size.width, (size.height * shown.width) / shown.height);
-    const beside = (100 * (size.width - drawn)) / 2 / size.width;
+    const beside = this.head.framed ? 0 : (100 * (size.width - drawn)) / 2 / size.width;
     const faded = beside + (100 * SIDES * drawn) / size.width;
     const at = (percent) => `${percent.toFixed(2)}%`;
     canvas.style.maskImage =
@@ -62,20 +62,27 @@ export class PicturesView {
       head.begin(context);
       this.#soften();
     } else head.draw(context);
-    const transform = shown === head.whole ? this.#turned() : '';
+    const transform = shown === head.whole ? this.#placed() : '';
     if (canvas.style.transform !== transform) canvas.style.transform = transform;
   }
 
-  /** Returns the CSS transform of the canvas for the head's turns. */
-  #turned() {
-    const { width, height } = this.head.whole;
-    const scale = Math.min(this.size.width / width, this.size.height / height);
-    const [x, y, roll] = this.head.turned;
-    if (!x && !y && !roll) return '';
-    const [px, py] = this.head.pivot;
-    const from = (value, middle) => `calc(50% + ${((value - middle) * scale).toFixed(1)}px)`;
-    this.canvas.style.transformOrigin = `${from(px, width / 2)} ${from(py, height / 2)}`;
-    return `translate(${(x * scale).toFixed(2)}px, ${(y * scale).toFixed(2)}px) rotate(${(-roll).toFixed(4)}rad)`;
+  /**
+   * Returns the CSS transform of the canvas: its frame comes to fill the place down to the lower border, what is beyond it is
+   * cut off there, and the head turns.
+   */
+  #placed() {
+    const { whole, frame, pivot, turned } = this.head;
+    const { width, height } = this.size;
+    const shown = Math.min(whole.width, Math.max(frame.width, (frame.height * width) / height)); // columns for this place
+    const scale = Math.min(width / shown, height / frame.height);
+    const contained = Math.min(width / whole.width, height / whole.height);
+    const down = this.head.framed ? height / 2 - scale * (frame.height - whole.height / 2) : 0;
+    const [x, y, roll] = turned;
+    const [right, under] = [scale * (pivot[0] - whole.width / 2), scale * (pivot[1] - whole.height / 2) + down];
+    const px = (value) => `${value.toFixed(2)}px`;
+    const turn = x || y || roll ? `translate(${px(x * scale + right)}, ${px(y * scale + under)}) rotate(${(-roll).toFixed(4)}rad) translate(${px(-right)}, ${px(-under)})` : '';
+    const place = this.head.framed ? `translate(0, ${px(down)}) scale(${(scale / contained).toFixed(4)})` : '';
+    return [turn, place].filter(Boolean).join(' ');
   }
 
   /** Records that the requested frame was drawn. */
@@ -85,7 +92,7 @@ export class PicturesView {
 
   dispose() {
     this.head?.dispose();
-    Object.assign(this.canvas.style, { objectFit: '', transform: '', transformOrigin: '', maskImage: '' });
+    Object.assign(this.canvas.style, { objectFit: '', transform: '', maskImage: '' });
   }
 }
 
@@ -100,8 +107,10 @@ export class Pictures {
   }
 
   /** @param {object} set @param {{base: ImageBitmap, regions: import('./morph.mjs').Region[]}} decoded */
-  constructor({ width, height, pivot, reach, regions: places }, { base, regions }) {
+  constructor({ width, height, frame, pivot, reach, regions: places }, { base, regions }) {
     this.whole = { x: 0, y: 0, width, height };
+    this.framed = Boolean(frame); // whether the body goes on beyond what is shown
+    this.frame = frame ?? this.whole;
     const mouth = places.find(({ name }) => name === 'mouth') ?? this.whole;
     const [w, h] = [Math.min(width, Math.round(mouth.width * ROOM)), Math.min(height, Math.round(mouth.height * ROOM))];
     this.mouth = {

@@ -22,8 +22,9 @@ const points = (list, count = null) =>
  */
 export function readPictures(json) {
   if (!isPictures(json) || json.version !== 1) throw new ModelError('not a set of pictures of version 1');
-  const { width, height, fapu, pivot, base, regions } = json;
+  const { width, height, frame, fapu, pivot, base, regions } = json;
   if (!positive(width, height, fapu?.MNS, fapu?.MW) || !points([pivot], 1) || !base?.data) throw new ModelError('the set has no measures, or no base');
+  if (frame && !(positive(frame.width, frame.height) && frame.width <= width && frame.height <= height)) throw new ModelError('the frame of the set is not within it');
   for (const region of regions) checkRegion(region, json);
   return { ...json, title: json.title ?? json.name, credits: json.credits ?? [] };
 }

@@ -37,6 +37,11 @@ export class FramePacer {
     return this.picture !== null && this.#span('alone') > this.beat;
   }
 
+  /** Milliseconds that a picture takes, the page beside it unchanged, and at least a beat. */
+  get usual() {
+    return Math.max(this.beat, this.#span('alone'));
+  }
+
   /** Returns the time that a frame takes, in ms: the median of the last ones. */
   #span(kind) {
     const taken = this.taken[kind].length ? this.taken[kind] : this.taken.alone;

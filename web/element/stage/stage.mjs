@@ -7,11 +7,14 @@ import { readModel } from '../head/model/model.mjs';
 import { Governor } from '../head/quality.mjs';
 import { FramePacer } from './frame-pacer.mjs';
 import { isPictures, readPictures } from '../pictures/set.mjs';
+import { VisibleChange } from './visible-change.mjs';
 
 const PAUSE_MS = 3000; // longest gap between frames that counts as slow drawing: beyond it the page was hidden
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
 const LAPSE_MS = 250; // from a picture to the next: beyond, they do not follow each other
-const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
+const CALM_MS = 30; // between pictures of a face that only idles: saves the battery;
+const REST_MS = 100; // as long as nothing moves by as much as this share of a point of the picture
+const SEEN = 0.35;
 const RESTORE_MS = 3000; // that a browser has to give a lost context back; then the face takes another, each time later
 const RESTORE_MOST_MS = 60000;
 const DISSOLVE_MS = 240; // from one quality to the next
@@ -24,8 +27,9 @@ export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
-   *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the
-   *   picture is on the display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
+   *   frame(now, ahead) -> {values, turned, more, calm, still}: what to show, from where, `ahead` milliseconds later, when the
+   *   picture is on the display, whether it goes on moving, whether slowly, and whether nothing but the lips may move;
+   *   trouble('noWebgl' | 'lost' | 'tooMany' | null);
    *   drawn(on, turns): whether there is a face on the canvas, and whether it can be seen from the side;
    *   unfit(error): the server's calibration does not fit the head, and is passed over
    */
@@ -37,11 +41,14 @@ export class Stage {
     this.request = 0;
     this.last = -Infinity;
     this.calm = false;
+    this.rested = false; // beats of the display have passed in which nothing visible moved
+    this.change = null; // of the head since it was drawn; null: not known
     this.following = false; // whether the next frame is to come right after the last one
     this.frames = 0;
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
     this.framed = null;
+    this.fades = true;
     this.read = null; // the model as it came
     this.model = null; // drawn, after calibration
     this.calibrations = { server: null, page: null };
@@ -90,6 +97,7 @@ export class Stage {
     this.#heed(this.canvas);
     this.governor = new Governor(this.wish, this.view.software);
     this.view.setLevel(this.governor.level);
+    this.view.fading = this.fades;
     this.view.framing = this.framed;
     this.observer.observe(this.canvas);
     this.#resize();
@@ -179,6 +187,7 @@ export class Stage {
       return;
     }
     view.show(head);
+    this.change = head.model?.fapu ? new VisibleChange(head.model.fapu) : null;
     this.ports.drawn?.(true, engine.turns);
     this.wake();
     if (view.software) await head.slim();
@@ -234,6 +243,13 @@ export class Stage {
     this.wake();
   }
 
+  /** @param {boolean} fades whether shoulders vanish towards the lower border: before a backdrop they are cut by it */
+  set fading(fades) {
+    this.fades = fades;
+    if (this.view) this.view.fading = fades;
+    this.wake();
+  }
+
   /** Something has changed. */
   wake() {
     if (!this.request && this.view) this.request = requestAnimationFrame((now) => this.#draw(now));
@@ -258,23 +274,38 @@ export class Stage {
       this.wake();
       return;
     }
+    const begun = performance.now();
+    const beside = this.ports.hear(begun);
+    const ahead = Math.min(AHEAD_MOST_MS, this.pacer.ahead(begun, beside));
+    const { values, turned, more, calm, still } = this.ports.frame(begun, ahead);
+    if (calm && this.calm && more && interval < REST_MS && !this.#moved(values, interval)) {
+      this.rested = true;
+      this.wake();
+      return;
+    }
     this.last = now;
     if (!this.following || interval > PAUSE_MS) this.governor.pause();
     else {
-      const taken = this.calm ? interval - CALM_MS / 2 : interval;
+      const taken = this.rested ? this.pacer.usual : this.calm ? interval - CALM_MS / 2 : interval;
       this.interval = this.interval ? this.interval + 0.1 * (taken - this.interval) : taken;
       if (this.governor.frame(taken)) this.#level();
     }
-    const begun = performance.now();
-    const beside = this.ports.hear(begun);
-    const { values, turned, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pacer.ahead(begun, beside)));
-    this.view.head?.setFaps(values);
+    this.rested = false;
+    this.view.head?.setFaps(values, still ? null : begun / 1000);
+    this.change?.drawn(values);
     this.view.turned = turned;
     this.#paint();
     this.pacer.drawn(begun, beside);
-    this.following = more;
+    this.following = more || Boolean(this.view.head?.sways);
     this.calm = Boolean(calm);
-    if (more) this.wake();
+    if (this.following) this.wake();
+  }
+
+  /** Whether it can be seen that the face has moved since it was drawn. */
+  #moved(values, interval) {
+    const { head, point } = this.view;
+    if (!this.change || !point) return true;
+    return Math.max(this.change.since(values), ((head.swing ?? 0) * interval) / 1000) > SEEN * point;
   }
 
   /** Goes over to the quality that is chosen: the picture as it was lies on top, and fades. */

@@ -61,6 +61,59 @@ for (const [place, aspect] of Object.entries(PLACES))
     }
   });
 
+/** Turned about a camera's target. @param {number} yaw @param {number} pitch degrees */
+function turned(points, { target }, yaw, pitch) {
+  const [a, b] = [yaw, pitch].map((degrees) => (degrees * Math.PI) / 180);
+  const out = [];
+  for (let i = 0; i < points.length; i += 3) {
+    const [x, y, z] = [0, 1, 2].map((k) => points[i + k] - target[k]);
+    const [u, w] = [x * Math.cos(a) + z * Math.sin(a), z * Math.cos(a) - x * Math.sin(a)];
+    out.push(u + target[0], y * Math.cos(b) - w * Math.sin(b) + target[1], y * Math.sin(b) + w * Math.cos(b) + target[2]);
+  }
+  return out;
+}
+
+test('the body goes out of every picture: where it is cut off is below, however the head is turned', () => {
+  const CUT = 16; // mm
+  const BACK = -120; // mm: what is cut farther behind is hidden by the front
+  for (const head of heads)
+    for (const [place, aspect] of Object.entries({ ...PLACES, column: 0.25 }))
+      for (const name of [null, 'bust'])
+        for (const [yaw, pitch] of [[0, 0], [25, 0], [-25, 0], [25, 10], [0, 10], [0, -10]]) {
+          const clothes = part(head, 'clothes').position;
+          const low = clothes.reduce((least, y, i) => (i % 3 === 1 ? Math.min(least, y) : least), Infinity);
+          const rim = clothes.filter((_, i) => clothes[i - (i % 3) + 1] < low + CUT && clothes[i - (i % 3) + 2] > BACK);
+          const camera = framed(head, name, aspect);
+          const { top } = box(turned(rim, camera, yaw, pitch), camera, aspect);
+          assert.ok(top < -1, `${head.name}, ${name ?? 'portrait'}, ${place}, turned by ${yaw}, ${pitch}: the cut at ${top.toFixed(2)}`);
+        }
+});
+
+test('is composed as a portrait: eyes in the upper third or a little below, room above the hair, shoulders in a bust', () => {
+  for (const head of heads)
+    for (const [place, aspect] of Object.entries(PLACES)) {
+      const hair = [...part(head, 'skin').position, ...part(head, 'hair').position];
+      for (const name of [null, 'bust']) {
+        const camera = framed(head, name, aspect);
+        const [eyes] = [box([0, 0, 0], camera, aspect)].map(({ top }) => (1 - top) / 2);
+        const room = (1 - box(hair, camera, aspect).top) / 2;
+        if (place !== 'phone') assert.ok(eyes > 0.33 && eyes < 0.48, `${head.name}, ${name}, ${place}: eyes at ${eyes.toFixed(2)}`);
+        assert.ok(room > 0.005 && room < (place === 'phone' ? 0.42 : 0.2), `${head.name}, ${name}, ${place}: ${room.toFixed(3)} above the hair`);
+      }
+      if (aspect < 0.7) continue;
+      const shoulders = above(part(head, 'clothes').position, -240);
+      const { left, right } = box(shoulders, framed(head, 'bust', aspect), aspect);
+      assert.ok(left > -1.25 && right < 1.25, `${head.name}, ${place}: shoulders from ${left.toFixed(2)} to ${right.toFixed(2)}`);
+    }
+});
+
+test('a head without a body is framed as ever', () => {
+  const { view, ...rest } = heads[0];
+  const { bottom: _, ...bare } = view;
+  assert.deepEqual(framed({ view: bare, ...rest }, null, 1), { target: view.target, distance: view.distance, fov: view.fov });
+  assert.ok(framed({ view: bare, ...rest }, null, 0.4).distance > view.distance);
+});
+
 /** The lips' vertices, moved: those within their contours at rest. */
 function lipsOf(head, { position }, moved) {
   const [upper, lower, corner] = [head.fdp['8.1'] ?? head.fdp['2.2'], head.fdp['8.2'] ?? head.fdp['2.3'], head.fdp['2.4']];

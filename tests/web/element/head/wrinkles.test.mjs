@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { faceValues } from '../../../../web/element/face/face-mixer.mjs';
-import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from '../../../../web/element/head/shading/wrinkles.mjs';
+import { agedBy, foldPlace, foldsOf, wrinklePlace, wrinklesOf } from '../../../../web/element/head/shading/wrinkles.mjs';
 
 const at = (faps) => wrinklesOf(faceValues(faps));
 
@@ -18,6 +18,15 @@ test('a smile folds the skin beside the eyes, each side by itself, up to a maxim
   const [, , left, right] = at({ 41: 220, 21: 190 });
   assert.ok(left > 0.9 && right === 0);
   assert.deepEqual(at({ 41: 600, 42: 600 }).slice(2), [1, 1]);
+});
+
+test('the young have no lines beside the eyes, and shallow ones on the forehead; older skin has more of both', () => {
+  const values = faceValues({ 31: 260, 32: 260, 33: 300, 34: 300, 35: 250, 36: 250, 41: 220, 42: 220 });
+  const [young, grown, old] = [0.9, 1.3, 1.7].map((relief) => wrinklesOf(values, agedBy(relief)));
+  assert.deepEqual(young.slice(2), [0, 0]);
+  assert.ok(young[0] > 0.4 && young[0] < grown[0] && grown[0] < old[0], `${young[0]} ${grown[0]} ${old[0]}`);
+  assert.ok(grown[2] > 0.3 && grown[2] < old[2] && old[2] === 1, `${grown[2]} ${old[2]}`);
+  assert.ok(agedBy() < 0.1); // a head that does not say
 });
 
 test('places wrinkles by feature points, and none without them', () => {

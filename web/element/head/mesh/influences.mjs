@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { faps, fapScale } from '../../../../protocol/fap.mjs';
+import { BREATH } from '../model/model.mjs';
 import { Normals } from './normals.mjs';
 
 const TRIAL_MM = 2; // the normals' change is measured at about this displacement
@@ -17,33 +18,38 @@ export class Drive {
   /** @param {ReturnType<import('../model/model.mjs').readModel>} model */
   constructor(model) {
     this.fapu = model.fapu;
-    this.turns = model.turns;
+    this.turns = model.turns.map((turn) => (turn.sways ? { ...turn } : turn)); // its axis changes
+    this.swaying = this.turns.flatMap(({ sways }, i) => (sways ? [i] : []));
     this.firstHeadTurn = model.turns.length - model.headTurns;
     this.slots = [];
     this.numbers = new Map();
-    for (const part of model.parts) for (const move of part.moves) this.slot(move.fap, move.sign);
+    for (const part of model.parts) for (const move of part.moves) this.slot(move.fap, move.sign, move.from);
     this.slotValues = new Float32Array(Math.max(1, this.slots.length));
     this.angles = new Float32Array(Math.max(1, this.turns.length));
   }
 
   /** The number of a slot, made when it is new. */
-  slot(fap, sign) {
-    const key = `${fap} ${sign}`;
+  slot(fap, sign, from = 0) {
+    const key = `${fap} ${sign} ${from}`;
     if (!this.numbers.has(key)) {
       this.numbers.set(key, this.slots.length);
-      this.slots.push({ fap, sign, scale: fapScale(fap, this.fapu) });
+      this.slots.push({ fap, sign, from, scale: fap === BREATH ? 1 : fapScale(fap, this.fapu) });
     }
     return this.numbers.get(key);
   }
 
-  /** @param {Float32Array} values by FAP number @returns {this} */
-  set(values) {
-    this.slots.forEach(({ fap, sign, scale }, i) => {
-      const value = values[fap];
-      const counts = sign === 'both' || (sign === 'positive' ? value > 0 : value < 0);
-      this.slotValues[i] = counts ? value * scale : 0;
+  /** @param {Float32Array} values by FAP number, the breath at 0 @param {number[]} [lag] of Sway @returns {this} */
+  set(values, lag) {
+    this.slots.forEach(({ fap, sign, from, scale }, i) => {
+      this.slotValues[i] = pastOf(values[fap], sign, from) * scale;
     });
     this.turns.forEach(({ fap, radians }, i) => (this.angles[i] = values[fap] * radians));
+    const angle = lag ? Math.hypot(...lag) : 0;
+    if (angle)
+      for (const i of this.swaying) {
+        this.turns[i].axis = lag.map((x) => x / angle);
+        this.angles[i] = angle;
+      }
     return this;
   }
 
@@ -53,6 +59,10 @@ export class Drive {
     return p;
   }
 }
+
+/** What of a FAP's value counts for a move of that sign, from that value on. */
+export const pastOf = (value, sign, from = 0) =>
+  sign === 'both' ? value : sign === 'positive' ? Math.max(0, value - from) : Math.min(0, value + from);
 
 /** `p` turned about an axis (unit) through `pivot`. */
 export function turned(p, { pivot, axis }, angle) {
@@ -96,7 +106,7 @@ export function influencesOf(part, drive) {
   };
   const restNormal = (v) => normals.rest.subarray(3 * v, 3 * v + 3);
 
-  for (const { fap, sign, vertices, deltas } of part.moves) {
+  for (const { fap, sign, from, vertices, deltas } of part.moves) {
     const largest = deltas.reduce((max, value) => Math.max(max, Math.abs(value)), 1e-6);
     const amount = ((sign === 'negative' ? -1 : 1) * TRIAL_MM) / largest;
     const own = new Map();
@@ -104,7 +114,7 @@ export function influencesOf(part, drive) {
       own.set(v, [...deltas.subarray(3 * i, 3 * i + 3)]);
       for (let k = 0; k < 3; k++) trial[3 * v + k] += amount * deltas[3 * i + k];
     });
-    addNormals(vertices, drive.slot(fap, sign), amount, (v) => own.get(v), restNormal);
+    addNormals(vertices, drive.slot(fap, sign, from), amount, (v) => own.get(v), restNormal);
   }
 
   for (const { turn, vertices, weights, weight } of part.turns) {

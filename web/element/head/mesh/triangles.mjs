@@ -11,8 +11,10 @@ import { breath, sliced } from './slices.mjs';
 import { strands } from './strands.mjs';
 import { CLEAR, kindOf, THIN } from '../shading/surfaces.mjs';
 import { prepareOnce } from '../model/cache.mjs';
+import { BREATH } from '../model/model.mjs';
 
-const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
+const WHOLE = /^(eye|brows|lashes|glasses|tongue)/; // they turn by themselves, or hide nothing: all of them is drawn
+const TONGUE = /^tongue/; // hides nothing for good: where it lies in the poses looked at, the mouth is open behind a raised one
 const SIMPLIFY_MM = [0.3, 0.42]; // error of a vertex at each level
 const SIMPLIFY_SHARE = 0.55; // largest such error, in pixels
 /** Weights, in mm, of a change of the normal, of the share of light, and of the texture coordinates. */
@@ -83,15 +85,16 @@ export class Triangles {
   #asked({ part, geometry, influences }) {
     const { double_sided } = this.head.model.materials[part.material] ?? {};
     const asked = !WHOLE.test(part.name);
-    const { firstHeadTurn } = this.head.drive;
-    const free = (v) => influences.moves[v].length || influences.turns[v].some(({ turn }) => turn < firstHeadTurn);
+    const { firstHeadTurn, slots } = this.head.drive;
+    const moves = ({ slot }) => slots[slot].fap !== BREATH;
+    const free = (v) => influences.moves[v].some(moves) || influences.turns[v].some(({ turn }) => turn < firstHeadTurn);
     return {
       asked,
       index: part.index,
       vertices: part.vertices,
       uv: geometry.attributes.uv.array,
       double: Boolean(double_sided),
-      hides: !CLEAR.includes(part.name),
+      hides: !CLEAR.includes(part.name) && !TONGUE.test(part.name),
       alpha: asked ? alphaOfPart(this.head, part) : null,
       free: kindOf(part.name) === 'skin' ? Uint8Array.from({ length: part.vertices }, (_, v) => (free(v) ? 1 : 0)) : null,
     };

@@ -5,6 +5,7 @@
 import { faps } from '../../../../protocol/fap.mjs';
 import { checkCalibration, ModelError } from './check.mjs';
 import { turned } from '../mesh/influences.mjs';
+import { BREATH } from './model.mjs';
 import { rbf, WarpError } from './rbf.mjs';
 
 const HOLDS_FROM = 60; // mm from all points that are given: there a point of the head stays
@@ -252,7 +253,7 @@ function following(skin, fdp, fap, sign) {
   if (best < 0) return null;
   let sum = 0;
   for (const move of skin.moves) {
-    if (move.fap !== fap || !(move.sign === 'both' || move.sign === sign)) continue;
+    if (move.fap !== fap || move.from || !(move.sign === 'both' || move.sign === sign)) continue;
     const i = move.vertices.indexOf(best);
     if (i >= 0) sum += dot(place(move.deltas, i), direction);
   }
@@ -296,7 +297,7 @@ function rescale(parts, before, fdpBefore, fdp) {
   return parts.map((part, i) => ({
     ...part,
     moves: part.moves.map((move, k) => {
-      const kept = move === before[i].moves[k];
+      const kept = move.fap === BREATH || move === before[i].moves[k];
       return kept ? move : { ...move, deltas: move.deltas.map((value) => value * factorOf(move.fap, move.sign)) };
     }),
   }));
@@ -342,7 +343,10 @@ export function calibrate(model, calibration, prefix = '') {
   const { view } = model;
   const out = {
     ...model, fapu, fdp: maps.fdp, turns, parts,
-    view: { ...view, target: maps.soft(view.target), distance: view.distance * maps.size },
+    view: {
+      ...view, target: maps.soft(view.target), distance: view.distance * maps.size,
+      ...(view.bottom === undefined ? {} : { bottom: view.bottom * maps.size }),
+    },
   };
   const { textureCoord, texture } = calibration;
   const skin = parts.findIndex(({ name }) => name === 'skin');

@@ -101,12 +101,15 @@ const every = (object, place, check) => Object.entries(object ?? {}).forEach(([n
 function checkPart(part, place) {
   members(part, place, {
     name: 'text', material: 'text', vertices: 'vertices', position: 'object', 'uv?': 'object', index: 'object', 'smooth?': 'object',
-    'moves?': 'list', 'turns?': 'list',
+    'moves?': 'list', 'turns?': 'list', 'breath?': 'object', 'sway?': 'object',
   });
+  if (part.breath) members(part.breath, `${place}.breath`, { vertices: 'base64', weights: 'base64' });
+  if (part.sway) members(part.sway, `${place}.sway`, { pivot: 'vector', weights: 'base64' });
   members(part.position, `${place}.position`, { data: 'base64', scale: 'positive', offset: 'vector' });
   for (const name of ['uv', 'index', 'smooth']) if (part[name]) members(part[name], `${place}.${name}`, { data: 'base64' });
   each(part.moves, `${place}.moves`, (move, at) => {
-    members(move, at, { fap: 'fap', 'sign?': 'sign', vertices: 'base64', deltas: 'object' });
+    members(move, at, { fap: 'fap', 'sign?': 'sign', 'from?': 'positive', vertices: 'base64', deltas: 'object' });
+    if (move.from && (move.sign ?? 'both') === 'both') throw new ModelError(`${at}.from`, 'needs the sign positive or negative');
     members(move.deltas, `${at}.deltas`, { data: 'base64', scale: 'positive' });
   });
   each(part.turns, `${place}.turns`, (turn, at) => {
@@ -120,7 +123,7 @@ function checkPart(part, place) {
 export function checkModel(json) {
   members(json, '', {
     format: 'text', version: 'number', name: 'text', 'title?': 'text', 'credits?': 'list', fapu: 'object', 'fdp?': 'object',
-    'view?': 'object', 'calibration?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
+    'view?': 'object', 'breath?': 'object', 'calibration?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
   });
   if (json.format !== 'faccia-head') throw new ModelError('format', 'this is not a head model');
   if (json.version !== 1) throw new ModelError('version', 'only version 1 is known');
@@ -130,7 +133,8 @@ export function checkModel(json) {
     if (!/^\d+\.\d+$/.test(name)) throw new ModelError(at, 'must be named by a feature point');
     members(json.fdp, 'fdp', { [name]: 'vector' });
   });
-  if (json.view) members(json.view, 'view', { 'target?': 'vector', 'distance?': 'positive', 'fov?': 'angle' });
+  if (json.view) members(json.view, 'view', { 'target?': 'vector', 'distance?': 'positive', 'fov?': 'angle', 'bottom?': 'number' });
+  if (json.breath) members(json.breath, 'breath', { shift: 'vector' });
   each(json.turns, 'turns', (turn, at) =>
     members(turn, at, { name: 'text', fap: 'fap', pivot: 'vector', axis: 'vector', radians: 'number' }),
   );

@@ -21,18 +21,30 @@ function vectors({ data, scale = 1, offset = [0, 0, 0] }) {
 }
 
 /**
- * @typedef {{fap: number, sign: 'both'|'positive'|'negative', vertices: Uint16Array, deltas: Float32Array}} Move
+ * @typedef {{fap: number, sign: 'both'|'positive'|'negative', from: number, vertices: Uint16Array, deltas: Float32Array}} Move
  * @typedef {{turn: number, vertices: Uint16Array|null, weights: Float32Array|null, weight: number}} PartTurn
  * @typedef {{name: string, material: string, vertices: number, position: Float32Array, uv: Float32Array|null,
- *   index: Uint16Array, smooth: Uint16Array|null, moves: Move[], turns: PartTurn[]}} Part
- * @typedef {{name: string, fap: number, pivot: number[], axis: number[], radians: number}} Turn
+ *   index: Uint16Array, smooth: Uint16Array|null, moves: Move[], turns: PartTurn[],
+ *   sway: {pivot: number[], weights: Uint8Array}|null}} Part
+ * @typedef {{name: string, fap: number, pivot: number[], axis: number[], radians: number,
+ *   sways?: boolean}} Turn sways: its axis and angle are those of Sway
  */
 
 /** Vertex numbers. */
 const list = (base64) => shared('list', base64, () => as(Uint16Array, base64));
 
+/** In the place of a FAP's number, of the moves that a breath makes: its value is 1 when the lungs are full. */
+export const BREATH = 0;
+
+/** The move of a part that a breath makes. @returns {Move[]} */
+function breathMoves({ vertices, weights }, { shift }) {
+  const shares = bytes(weights);
+  const deltas = Float32Array.from({ length: 3 * shares.length }, (_, i) => (shift[i % 3] * shares[(i - (i % 3)) / 3]) / 255);
+  return [{ fap: BREATH, sign: 'both', from: 0, vertices: list(vertices), deltas }];
+}
+
 /** @returns {Part} */
-function part(json, turnNumbers) {
+function part(json, turnNumbers, breath) {
   const uv = json.uv
     ? shared('uv', json.uv.data, () => Float32Array.from(as(Uint16Array, json.uv.data), (value) => value / 65535))
     : null;
@@ -44,23 +56,28 @@ function part(json, turnNumbers) {
     uv,
     index: list(json.index.data),
     smooth: json.smooth ? list(json.smooth.data) : null,
-    moves: (json.moves ?? []).map((move) => ({
-      fap: move.fap,
-      sign: move.sign ?? 'both',
-      vertices: list(move.vertices),
-      deltas: vectors(move.deltas),
-    })),
+    moves: [
+      ...(json.moves ?? []).map((move) => ({
+        fap: move.fap,
+        sign: move.sign ?? 'both',
+        from: move.from ?? 0,
+        vertices: list(move.vertices),
+        deltas: vectors(move.deltas),
+      })),
+      ...(json.breath && breath ? breathMoves(json.breath, breath) : []),
+    ],
     turns: (json.turns ?? []).map((turn) => ({
       turn: turnNumbers.get(turn.turn),
       vertices: turn.vertices ? list(turn.vertices) : null,
       weights: turn.weights ? Float32Array.from(bytes(turn.weights), (value) => value / 255) : null,
       weight: turn.weight ?? 1,
     })),
+    sway: json.sway ? { pivot: json.sway.pivot, weights: bytes(json.sway.weights) } : null,
   };
 }
 
 /** Checks what a schema cannot: that the arrays of a part fit each other. @param {Part} part */
-function checkCounts({ vertices, position, uv, index, smooth, moves, turns }, i) {
+function checkCounts({ vertices, position, uv, index, smooth, moves, turns, sway }, i) {
   const wrong = (where, what) => {
     throw new ModelError(`parts[${i}].${where}`, what);
   };
@@ -70,8 +87,10 @@ function checkCounts({ vertices, position, uv, index, smooth, moves, turns }, i)
   if (index.length % 3 || past(index)) wrong('index', 'must be triangles of the vertices');
   if (smooth && (smooth.length !== vertices || past(smooth))) wrong('smooth', 'must name a vertex for each');
   moves.forEach((move, k) => {
-    if (past(move.vertices) || move.deltas.length !== 3 * move.vertices.length) wrong(`moves[${k}]`, 'vertices and deltas do not fit');
+    const where = move.fap === BREATH ? 'breath' : `moves[${k}]`;
+    if (past(move.vertices) || move.deltas.length !== 3 * move.vertices.length) wrong(where, move.fap === BREATH ? 'vertices and weights do not fit' : 'vertices and deltas do not fit');
   });
+  if (sway && sway.weights.length !== vertices) wrong('sway.weights', `must be ${vertices}`);
   turns.forEach((turn, k) => {
     if (turn.turn === undefined) wrong(`turns[${k}].turn`, 'there is no such turn');
     if (past(turn.vertices) || turn.vertices?.length !== turn.weights?.length) wrong(`turns[${k}]`, 'vertices and weights do not fit');
@@ -95,8 +114,10 @@ function read(json) {
   const order = (turn) => HEAD_FAPS.indexOf(turn.fap) + 1;
   const turns = [...(json.turns ?? [])].sort((a, b) => order(a) - order(b));
   const numbers = new Map(turns.map((turn, i) => [turn.name, i]));
-  const parts = json.parts.map((one) => part(one, numbers));
+  const parts = json.parts.map((one) => part(one, numbers, json.breath));
   parts.forEach(checkCounts);
+  const headTurns = turns.filter(order).length;
+  turns.splice(turns.length - headTurns, 0, ...swayTurns(parts, turns.length - headTurns));
   return {
     name: json.name,
     title: json.title ?? json.name,
@@ -105,12 +126,27 @@ function read(json) {
     fdp: json.fdp ?? {},
     view: { target: [0, -20, 0], distance: 620, fov: 26, ...json.view },
     turns,
-    headTurns: turns.filter(order).length,
+    headTurns,
     calibration: json.calibration ?? null,
     materials: json.materials ?? {},
     textures: json.textures ?? {},
     parts,
   };
+}
+
+/**
+ * Makes a turn for each part with free ends, before those of the head.
+ * @param {Part[]} parts @param {number} first its number
+ */
+function swayTurns(parts, first) {
+  const free = parts.filter(({ sway }) => sway);
+  if (!free.length) return [];
+  for (const part of parts) for (const share of part.turns) if (share.turn >= first) share.turn += free.length;
+  return free.map(({ name, sway, turns: shares }, i) => {
+    const vertices = Uint16Array.from(sway.weights.keys()).filter((v) => sway.weights[v]);
+    shares.push({ turn: first + i, vertices, weights: Float32Array.from(vertices, (v) => sway.weights[v] / 255), weight: 1 });
+    return { name: `sway of ${name}`, fap: HEAD_FAPS[1], pivot: sway.pivot, axis: [0, 1, 0], radians: 0, sways: true };
+  });
 }
 
 const decoded = new WeakMap(); // image -> its promise, which is looked for, and kept while the image is

@@ -7,7 +7,10 @@ import { kindOf } from './surfaces.mjs';
 
 const SIZE = 128;
 const TILE_MM = 15;
-const CELLS = [[9, 0.3], [19, 0.3], [37, 0.22]]; // bumps along a side, and how high they are
+const BUMPS = 11; // along a side: how uneven skin is,
+const UNEVEN = 0.22; // and how high
+const PLATES = [[22, 0.18], [43, 0.09]]; // between the fine lines, along a side, and how deep the lines are
+const LINE = 0.35; // of a plate's size: how wide a line is
 const PORES = 17; // along a side
 const STEEP = 260; // slopes to bytes
 const LIDS_DOWN = [19, 20]; // FAPs that bring the upper lids down, at CLOSED
@@ -31,18 +34,60 @@ function bumps(u, v, cells) {
   return (at(0, 0) * (1 - s) + at(1, 0) * s) * (1 - t) + (at(0, 1) * (1 - s) + at(1, 1) * s) * t;
 }
 
-/** Returns the depth of a pore, 0..1. */
-function pore(u, v) {
-  const [x, y] = [u * PORES, v * PORES];
-  let deep = 0;
-  for (let j = Math.floor(y) - 1; j <= Math.floor(y) + 1; j++)
-    for (let i = Math.floor(x) - 1; i <= Math.floor(x) + 1; i++) {
-      const [a, b] = [(i + PORES) % PORES, (j + PORES) % PORES];
-      const far = Math.hypot(x - i - 0.2 - 0.6 * hash(a, b, 1), y - j - 0.2 - 0.6 * hash(a, b, 2));
-      const wide = 0.2 + 0.16 * hash(a, b, 3);
-      if (far < wide) deep = Math.max(deep, smooth(1 - far / wide));
+/** A point anywhere in each cell of the tile: its x and y in cells, row by row. */
+function scattered(cells, seed) {
+  const places = new Float32Array(2 * cells * cells);
+  for (let j = 0; j < cells; j++)
+    for (let i = 0; i < cells; i++)
+      for (const k of [0, 1]) places[2 * (j * cells + i) + k] = 0.02 + 0.96 * hash(i, j, seed + k);
+  return places;
+}
+
+/**
+ * Visits the points of the cells about a place of the tile: what is nearest is among them.
+ * @param {(square: number, a: number, b: number) => void} visit square of the distance, in cells; number of the cell
+ */
+function near(places, cells, u, v, visit) {
+  const left = Math.floor(u * cells) - 1, low = Math.floor(v * cells) - 1;
+  for (let j = low; j < low + 3; j++)
+    for (let i = left; i < left + 3; i++) {
+      const a = (i + cells) % cells, b = (j + cells) % cells;
+      const at = 2 * (b * cells + a);
+      const dx = u * cells - i - places[at], dy = v * cells - j - places[at + 1];
+      visit(dx * dx + dy * dy, a, b);
     }
-  return deep;
+}
+
+/** How deep a line between plates is at each texel, 0..1: where the nearest point is hardly nearer than the next. */
+function lines(cells) {
+  const places = scattered(cells, 5);
+  return texels((u, v) => {
+    let first = 9, second = 9;
+    near(places, cells, u, v, (square) => {
+      second = Math.min(second, Math.max(first, square));
+      first = Math.min(first, square);
+    });
+    return smooth(1 - Math.min(1, (Math.sqrt(second) - Math.sqrt(first)) / LINE));
+  });
+}
+
+/** Returns the depth of a pore at each texel, 0..1. */
+function pores() {
+  const places = scattered(PORES, 1);
+  return texels((u, v) => {
+    let deep = 0;
+    near(places, PORES, u, v, (square, a, b) => {
+      const wide = 0.2 + 0.16 * hash(a, b, 3);
+      if (square < wide * wide) deep = Math.max(deep, smooth(1 - Math.sqrt(square) / wide));
+    });
+    return deep;
+  });
+}
+
+function texels(of) {
+  const out = new Float32Array(SIZE * SIZE);
+  for (let j = 0; j < SIZE; j++) for (let i = 0; i < SIZE; i++) out[j * SIZE + i] = of(i / SIZE, j / SIZE);
+  return out;
 }
 
 /**
@@ -50,21 +95,17 @@ function pore(u, v) {
  * @param {boolean} plain whether it is to go from one size to the next in a step, which is cheaper to draw
  */
 export function grainTexture(plain) {
-  const height = new Float32Array(SIZE * SIZE);
-  const pores = new Float32Array(SIZE * SIZE);
-  for (let j = 0; j < SIZE; j++)
-    for (let i = 0; i < SIZE; i++) {
-      const [u, v] = [i / SIZE, j / SIZE];
-      pores[j * SIZE + i] = pore(u, v);
-      height[j * SIZE + i] = CELLS.reduce((sum, [cells, high]) => sum + high * bumps(u, v, cells), -0.35 * pores[j * SIZE + i]);
-    }
+  const holes = pores();
+  const height = texels((u, v) => UNEVEN * bumps(u, v, BUMPS));
+  for (const [cells, deep] of PLATES) lines(cells).forEach((line, k) => (height[k] -= deep * line));
+  holes.forEach((deep, k) => (height[k] -= 0.35 * deep));
   const data = new Uint8Array(4 * SIZE * SIZE);
   const at = (i, j) => height[((j + SIZE) % SIZE) * SIZE + ((i + SIZE) % SIZE)];
   for (let j = 0; j < SIZE; j++)
     for (let i = 0; i < SIZE; i++) {
       const byte = (slope) => Math.min(255, Math.max(0, Math.round(128 + STEEP * slope)));
       const k = j * SIZE + i;
-      data.set([byte(at(i + 1, j) - at(i - 1, j)), byte(at(i, j + 1) - at(i, j - 1)), Math.round(255 * pores[k]), 255], 4 * k);
+      data.set([byte(at(i + 1, j) - at(i - 1, j)), byte(at(i, j + 1) - at(i, j - 1)), Math.round(255 * holes[k]), 255], 4 * k);
     }
   const texture = new DataTexture(data, SIZE, SIZE);
   Object.assign(texture, {

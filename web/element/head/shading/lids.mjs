@@ -93,7 +93,7 @@ vec2 belowLids(vec3 place) {
 export const lidFragmentGlsl = /* glsl */ `
 /** The shadow of the upper lid and its lashes, and the red that the lower one throws back. */
 vec3 lidShade(vec2 gap) {
-  vec3 under = mix(vec3(0.42, 0.36, 0.36), vec3(1.0), smoothstep(-0.6, 3.2, gap.x));
+  vec3 under = mix(vec3(0.34, 0.28, 0.28), vec3(1.0), smoothstep(-0.6, 3.6, gap.x));
   return under * mix(vec3(0.86, 0.72, 0.68), vec3(1.0), smoothstep(-0.2, 1.4, gap.y));
 }
 

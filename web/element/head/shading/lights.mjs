@@ -1,29 +1,43 @@
 // SPDX-License-Identifier: MIT
-// The lights of the portrait, linear colours. Directions point to the light; x is to the right of the picture.
+// The lamps of the portrait, linear colours. Directions point to the light; x is to the right of the picture. What the room
+// adds: environment.mjs.
+import { environmentGlsl } from './environment.mjs';
 
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
-export const KEY = { direction: unit([-0.55, 0.55, 0.72]), color: [2.12, 1.98, 1.8] };
-export const FILL = { direction: unit([0.85, 0.1, 0.55]), color: [0.34, 0.39, 0.47] };
+export const KEY = { direction: unit([-0.62, 0.55, 0.66]), color: [2.06, 1.92, 1.74] };
+export const FILL = { direction: unit([0.85, 0.1, 0.55]), color: [0.3, 0.34, 0.41] };
 export const RIM = { direction: unit([0.6, 0.45, -0.75]), color: [1.3, 1.35, 1.45] };
-export const SKY = [0.42, 0.45, 0.5];
-export const GROUND = [0.25, 0.2, 0.175];
+
+/**
+ * The window as it is mirrored in an eye, with its right and its up: a little towards the viewer from the lamp, so that its
+ * picture lies on the iris.
+ */
+export const WINDOW = windowOf(unit(KEY.direction.map((value, k) => value + [0, 0.05, 0.3][k])));
+
+function windowOf(direction) {
+  const right = unit([direction[2], 0, -direction[0]]);
+  const [[x, y, z], [a, b, c]] = [direction, right];
+  return { direction, right, up: [y * c - z * b, z * a - x * c, x * b - y * a] };
+}
 
 // The light that falls on a surface. KIND and FINE: see shader-surface.mjs.
 
 const vec3 = (v) => `vec3(${v.map((value) => value.toFixed(4)).join(', ')})`;
 
-const lightsGlsl = [
-  ...Object.entries({ KEY, FILL, RIM }).flatMap(([name, { direction, color }]) => [
-    `const vec3 ${name}_DIRECTION = ${vec3(direction)};`,
-    `const vec3 ${name}_COLOR = ${vec3(color)};`,
-  ]),
-  `const vec3 SKY = ${vec3(SKY)};`,
-  `const vec3 GROUND = ${vec3(GROUND)};`,
-].join('\n');
+export const windowGlsl = `
+const vec3 WINDOW = ${vec3(WINDOW.direction)};
+const vec3 WINDOW_RIGHT = ${vec3(WINDOW.right)};
+const vec3 WINDOW_UP = ${vec3(WINDOW.up)};
+`;
+
+const lampsGlsl = Object.entries({ KEY, FILL, RIM })
+  .map(([name, { direction, color }]) => `const vec3 ${name}_DIRECTION = ${vec3(direction)};\nconst vec3 ${name}_COLOR = ${vec3(color)};`)
+  .join('\n');
 
 export const lightGlsl = /* glsl */ `
-${lightsGlsl}
+${lampsGlsl}
+${environmentGlsl}
 uniform float subsurface;
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
@@ -59,9 +73,9 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 keyReach = vec3(reach.y);
 #endif
 #if KIND == 4
-  vec3 light = mix(GROUND, SKY, 0.5) * ambientReach; // from all the flesh around
+  vec3 light = AROUND * ambientReach; // from all the flesh around
 #else
-  vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
+  vec3 light = room(n) * ambientReach;
 #endif
   light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
   light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;

@@ -11,6 +11,8 @@ export const mouthUniforms = (model) => ({
 
 /** mm by which the opening of round lips is lower than their FAPs say. */
 const ROLLED = 2.5;
+/** Share of the light that reaches what lies behind the corners. */
+const CORNER = 0.35;
 /** mm by which they are longer than they are pushed. */
 const TUBE = 5;
 
@@ -45,8 +47,13 @@ export function mouthLight(model, [up, down, width, forward], [x, y, z]) {
   const above = y - lipLine.value + part * down;
   const shadow = step(-3, 1 + 0.16 * depth, under) * (0.35 + 0.65 * step(0, 0.6, part));
   const lamps = 0.8 * reach * reach * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * step(-4, 1.5, above));
-  return [0.1 + 0.12 * step(0, 0.3, reach) + 1.0 * reach * (0.55 + 0.45 * shadow), lamps, 0.9 * lamps, 0];
+  const aside = sideLight(part);
+  const flesh = 0.12 * step(0, 0.3, reach) + 1.0 * reach * (0.55 + 0.45 * shadow);
+  return [0.1 + aside * flesh, aside * lamps, 0.9 * aside * lamps, 0];
 }
+
+/** Cheeks shade the teeth behind the corners. */
+const sideLight = (part) => CORNER + (1 - CORNER) * step(0, 0.55, part);
 
 function step(from, to, x) {
   const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
@@ -75,7 +82,8 @@ vec4 mouthLight(vec3 place) {
   float rim = smoothstep(-4.0, 1.5, above);
   // Flesh gives light back: what is left of it is never nothing, and no place is as bright as the skin outside.
   float lamps = 0.8 * reach * reach * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * rim);
-  float flesh = 0.1 + 0.12 * smoothstep(0.0, 0.3, reach) + 1.0 * reach * (0.55 + 0.45 * shadow);
-  return vec4(flesh, lamps, 0.9 * lamps, 0.0);
+  float flesh = 0.12 * smoothstep(0.0, 0.3, reach) + 1.0 * reach * (0.55 + 0.45 * shadow);
+  float aside = ${CORNER} + ${1 - CORNER} * smoothstep(0.0, 0.55, part); // cheeks shade the teeth behind the corners
+  return vec4(0.1 + aside * flesh, aside * lamps, 0.9 * aside * lamps, 0.0);
 }
 `;

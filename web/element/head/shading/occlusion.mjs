@@ -32,8 +32,8 @@ const SIZE = 192; // of a depth picture, in both directions
 const BIAS_MM = 2.5; // surfaces do not shade themselves
 const FOLD_MM = 4; // further tolerance for lids, so that the fold of an open lid does not shade the closed one
 const SKY_DIRECTIONS = 40;
-const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
-const LAMP_RADIUS = 0.2; // radians
+const LAMP_DIRECTIONS = [14, 6, 7]; // of key, fill and rim light, which have a size
+const LAMP_RADIUS = [0.3, 0.3, 0.2]; // radians
 const LEAST_SKY = 0.12; // some light gets everywhere: no skin is black under hair
 const AIRY_MM = 22; // hair is hairs: what lies just below it gets some of the light,
 const AIRY = 0.7; // this much, and less with the distance
@@ -136,10 +136,10 @@ export function* bakeOcclusion(parts) {
   const radius = Math.SQRT2 * Math.max(...parts.map(({ position }) => position.reduce((m, x) => Math.max(m, Math.abs(x)), 0)));
   const lights = [
     { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
-    { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
-    { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS[0], KEY.direction, LAMP_RADIUS[0]) },
+    { directions: directions(LAMP_DIRECTIONS[1], FILL.direction, LAMP_RADIUS[1]) },
     // from behind it would have to come through all the hair
-    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS), stopped: true },
+    { directions: directions(LAMP_DIRECTIONS[2], RIM.direction, LAMP_RADIUS[2]), stopped: true },
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));

@@ -17,6 +17,9 @@ export function kindOf(name) {
   return name.startsWith('skin') ? 'skin' : 'other';
 }
 
+/** How surfaces shine: seen from the front; the share of the narrow part, and its roughness as a share of the broad one's. */
+export const GLOSS = { f0: 0.028, strength: 2.6, narrow: 0.28, oily: 0.68 };
+
 const VOLUME = 0.65;
 const BACK_MM = 70; // from the eyes to the middle of the skull
 

@@ -13,16 +13,27 @@ const DRAWN = 240; // cheeks and lips together, see foldsOf
 const STILL = 50; // of that: what speech does to the lips folds nothing
 const WRINKLED = 60; // nose, FAP 63
 
+/** Relief of the skin (see the materials of a head) of the young, who have no crow's feet, and of the old. */
+const RELIEF = [0.95, 1.6];
+/** Depth of a young person's creases on the forehead and between the brows, as a share of an old one's. */
+const YOUNG = 0.6;
+
+/** @param {number} [relief] of the skin's material @returns {number} how creased a skin is by age, 0..1 */
+export const agedBy = (relief = 1) => share(relief - RELIEF[0], RELIEF[1] - RELIEF[0]);
+
 /**
  * Computes the depth of creases, 0..1.
  * @param {ArrayLike<number>} values by FAP number
+ * @param {number} [aged] see agedBy
  * @returns {number[]} forehead, between the brows, beside the left eye, beside the right eye
  */
-export function wrinklesOf(values) {
+export function wrinklesOf(values, aged = 1) {
   const raised = Math.max(mean(values, [31, 33, 35]), mean(values, [32, 34, 36]), 0.8 * mean(values, [31, 32]));
   const forehead = share(raised, RAISED);
   const frown = share(mean(values, [37, 38]) - 0.4 * Math.min(0, mean(values, [31, 32])), SQUEEZED);
-  return [forehead, frown, share(values[41] + 0.3 * values[21], LIFTED), share(values[42] + 0.3 * values[22], LIFTED)];
+  const brows = YOUNG + (1 - YOUNG) * aged;
+  const feet = (cheek, lid) => aged * share(values[cheek] + 0.3 * values[lid], LIFTED);
+  return [forehead * brows, frown * brows, feet(41, 21), feet(42, 22)];
 }
 
 /**
@@ -105,22 +116,22 @@ float wrinkle(inout vec3 n) {
     n.y += 0.1 * fold.y / max(far * 0.38, 2.0);
     deep += fold.x;
   }
-  // From the nose to the mouth: a line under a cheek that stands out beside it.
+  // From the nose to the mouth: a broad dip under a cheek that stands out beside it. A narrow one would shine like a scar.
   float down = (foldPlace.y - q.y) / (foldPlace.y - foldPlace.w);
-  at = (q.x > 0.0 ? folds.x : folds.y) * front * smoothstep(-0.05, 0.25, down) * (1.0 - smoothstep(0.75, 1.15, down));
+  at = (q.x > 0.0 ? folds.x : folds.y) * front * smoothstep(-0.1, 0.3, down) * (1.0 - smoothstep(0.6, 1.1, down));
   if (at > 0.0) {
-    float beside = side - mix(foldPlace.x, foldPlace.z, down) - 9.0 * down * (1.0 - down);
-    float valley = exp(-beside * beside / 5.0), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
-    n.x += sign(q.x) * at * (0.05 * (beside - 4.5) * cheek - 0.16 * beside * valley);
-    deep += at * 0.8 * valley;
+    float beside = side - mix(foldPlace.x, foldPlace.z, down) - 7.0 * down * (1.0 - down);
+    float valley = exp(-beside * beside / 14.0), cheek = exp(-(beside - 8.0) * (beside - 8.0) / 60.0);
+    n.x += sign(q.x) * at * (0.016 * (beside - 8.0) * cheek - 0.04 * beside * valley);
+    deep += at * 0.5 * valley;
   }
-  // Across the nose, beside its bridge.
-  at = folds.z * front * smoothstep(3.0, 6.0, side) * (1.0 - smoothstep(11.0, 16.0, side)) * smoothstep(foldPlace.y - 2.0, foldPlace.y + 6.0, q.y)
-    * (1.0 - smoothstep(-6.0, 0.0, q.y));
+  // Across the nose, beside its bridge and up to the corner of the eye.
+  at = folds.z * front * smoothstep(2.0, 5.0, side) * (1.0 - smoothstep(9.0, 15.0, side)) * smoothstep(foldPlace.y + 4.0, foldPlace.y + 12.0, q.y)
+    * (1.0 - smoothstep(-4.0, 3.0, q.y));
   if (at > 0.0) {
-    vec2 fold = crease((q.y - 0.45 * side) / 5.5) * at;
-    n.y += 0.1 * fold.y / 5.5;
-    deep += 0.5 * fold.x;
+    vec2 fold = crease((q.y - 0.7 * side) / 6.5 + 0.1 * sin(side * 0.9)) * at;
+    n.y += 0.05 * fold.y / 6.5;
+    deep += 0.45 * fold.x;
   }
   return deep;
 }
