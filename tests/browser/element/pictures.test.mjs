@@ -98,14 +98,14 @@ test('the set matches its schema and its size limit', async (t) => {
   assert.ok(bytes > 10000 && bytes <= 765000, `${bytes} bytes`);
 });
 
-test('every head has a set, whose mouth opens without WebGL; in a wide place its sides fade', async () => {
+test('every head has a set, whose mouth opens without WebGL; in a wide place its shoulders are whole', async () => {
   const { models } = await (await daemon.get('/v1/models')).json();
   assert.ok(models.length >= 8, `${models.length} heads`);
   const page = await browser.newPage({ viewport: { width: 600, height: 700 } });
   await page.goto(pages.url);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().frames);
   for (const [i, { name }] of models.entries()) {
-    const { level, opened, mask } = await page.evaluate(async ([model, first]) => {
+    const { level, opened, mask, cut } = await page.evaluate(async ([model, first]) => {
       const face = document.querySelector('talking-head');
       const shown = first || new Promise((resolve) => face.addEventListener('ready', resolve, { once: true }));
       Object.assign(face.style, { display: 'block', inlineSize: '500px', blockSize: '300px' });
@@ -120,12 +120,25 @@ test('every head has a set, whose mouth opens without WebGL; in a wide place its
       const [closed, open] = [await look({}), await look({ 3: 400, 5: -350, 10: -300, 11: -300 })];
       let opened = 0;
       for (let i = 0; i < open.length; i += 4) opened += Math.abs(open[i] - closed[i]) > 30;
-      return { level: face.debug().level, opened, mask: face.shadowRoot.querySelector('canvas').style.maskImage };
+      const { width, height, style } = face.shadowRoot.querySelector('canvas');
+      let cut = 0; // points of the body on the sides of the picture, down to where its frame ends
+      for (let y = 0; y < height - 60; y++) for (const x of [0, width - 1]) cut += Number(open[4 * (y * width + x) + 3] > 40);
+      return { level: face.debug().level, opened, mask: style.maskImage, cut };
     }, [name, i === 0]);
     assert.equal(level, 'pictures', name);
     assert.ok(opened > 100, `${name}: ${opened} pixels change as the mouth opens`);
-    assert.match(mask, /transparent 2\d/, name);
+    assert.equal(mask, '', `${name}: nothing fades`);
+    assert.equal(cut, 0, `${name}: the picture ends in the shoulders`);
   }
+  // A set without a frame ends in the shoulders: there its sides fade.
+  const { frame: _, ...unframed } = await (await daemon.get('/v1/pictures/mara')).json();
+  const mask = await page.evaluate(async (other) => {
+    const face = document.querySelector('talking-head');
+    await face.showHead(other);
+    for (let n = 0; n < 3; n++) await new Promise(requestAnimationFrame);
+    return face.shadowRoot.querySelector('canvas').style.maskImage;
+  }, { ...unframed, name: 'unframed' });
+  assert.match(mask, /transparent [12]\d/);
   await page.close();
 });
 

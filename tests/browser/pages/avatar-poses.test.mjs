@@ -72,6 +72,7 @@ test('assigns each picture to a pose by its name or its looks, and gives a reaso
   await page.dispatchEvent('#files', 'drop', { dataTransfer: dropped });
   await state(page, 'Found.');
   await page.selectOption('#like', 'mara');
+  await page.check('#style input[value="mara"]', { force: true });
   await page.setInputFiles('#pose-files', ['smile.png', 'IMG_7.png', 'open.png', 'IMG_8.png', 'stranger.png', 'puff.png', 'wall.png', 'sad.png'].map(file));
   await state(page, 'Not used:');
   const unfit = await told(page);
@@ -97,6 +98,7 @@ test('the resulting head has movements of its own, near those of the person, spe
   assert.match(list[2][2], /does not show this pose/);
   assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: path.join(artefacts, 'portrait-poses.png'), fullPage: true });
+  await page.click('#accept');
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
   await download.saveAs(file('own.json'));
   const json = JSON.parse(fs.readFileSync(file('own.json'), 'utf8'));
@@ -124,7 +126,8 @@ test('the resulting head has movements of its own, near those of the person, spe
 test('without pose pictures keeps the movements of the base head; the page also works in Turkish', async () => {
   for (let left = (await items()).length; left; left--) await page.locator('#poses li').first().getByRole('button').click();
   await page.click('#make');
-  await state(page, 'Done');
+  await state(page, 'Made');
+  await page.click('#accept');
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
   await download.saveAs(file('plain.json'));
   const count = (json) => json.parts.find(({ name }) => name === 'skin').moves.length;

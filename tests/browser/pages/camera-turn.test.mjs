@@ -74,8 +74,9 @@ test('takes the front and both sides from a turn of the head, and makes a head o
   await page.click('#camera-off');
   assert.equal(await page.evaluate(() => document.querySelector('#video').srcObject), null);
   await page.selectOption('#like', 'mara');
+  await page.check('#style input[value="mara"]', { force: true });
   await page.click('#make');
-  await page.waitForFunction(() => document.querySelector('#state').textContent.includes('Done'), null, { timeout: 120000 });
+  await page.waitForFunction(() => document.querySelector('#state').textContent.includes('Made'), null, { timeout: 120000 });
   checkStayed(watched, daemon.url);
   await page.close();
 });

@@ -125,6 +125,27 @@ test('small screens show the question and make every answer reachable', async ()
   await page.close();
 });
 
+test('captions beside a question leave the lips free', async () => {
+  const page = await open();
+  script.send({ type: 'choices', id: 'viene', ...OFFERS.two });
+  await page.waitForSelector('#question .answers button');
+  for (const [width, height] of [[720, 860], [390, 844], [1280, 800], [360, 640]]) {
+    await page.setViewportSize({ width, height });
+    const found = await page.evaluate(() => {
+      const root = document.querySelector('talking-head').shadowRoot;
+      const captions = root.querySelector('.captions');
+      captions.classList.remove('empty');
+      root.querySelector('.word').textContent = 'minestra';
+      const [stage, box] = [root.querySelector('.stage'), captions].map((one) => one.getBoundingClientRect());
+      return { over: stage.bottom - box.top, share: stage.height && (stage.bottom - box.top) / stage.height, height: stage.height };
+    });
+    // below the picture, or over its part below the chin
+    assert.ok(found.height > 60 && found.share <= 0.18, `${width} x ${height}: ${JSON.stringify(found)}`);
+  }
+  script.send({ type: 'choices', choices: [] });
+  await page.close();
+});
+
 test('small screens show both answers to a request for consent', async () => {
   const page = await open();
   script.send({ type: 'consent', consent: 'asked', text: 'Si annota che cosa si dice qui. '.repeat(20) });

@@ -219,6 +219,19 @@ test('in a frame of another site shows text and head only; a phone shows both', 
   await page.close();
 });
 
+test('a line can be practised: its words and its language go to the coach', async () => {
+  const page = await open('#mare:1:l6');
+  await page.waitForSelector('[id="mare:1:l6"].linked');
+  const line = (await page.textContent('[id="mare:1:l6"]')).trim().replace(/\s+/g, ' ');
+  await page.click('#more-controls summary');
+  await page.click('#practise');
+  await page.waitForURL(/coach\.html/);
+  await page.waitForFunction((text) => document.getElementById('text')?.value === text, line);
+  assert.equal(await page.inputValue('#lang'), 'it');
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
 test('says that there is no library', async () => {
   const page = await browser.newPage({ locale: 'it-IT', serviceWorkers: 'block' });
   await page.goto(`${daemon.url}/library.html`);

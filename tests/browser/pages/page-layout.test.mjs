@@ -208,6 +208,7 @@ test('highlights the current word by more than colour, also in forced colours', 
 test('the keyboard reaches everything, with a visible focus', async () => {
   const page = await visit('', { viewport: { width: 1100, height: 900 } });
   await page.waitForFunction(() => document.querySelector('#voice').options.length > 2);
+  await page.waitForFunction(() => [...document.querySelector('talking-head').shadowRoot.querySelectorAll('button')].filter((button) => button.offsetParent).length > 1);
   await page.evaluate(() => document.querySelector('#more').setAttribute('open', ''));
   const reached = [];
   for (let i = 0; i < 30; i++) {

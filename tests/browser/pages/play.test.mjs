@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of the library with a play: who speaks is shown, heard, and has a face of its own.
+// The page of the library with a play, and with dialogue in prose: who speaks is shown, heard, and has a face of its own.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -15,6 +15,7 @@ before(async () => {
   fs.mkdirSync(path.join(folder, 'works'));
   fs.copyFileSync(path.join(root, 'models/library/la-chiave.xml'), path.join(folder, 'works/la-chiave.xml'));
   fs.writeFileSync(path.join(folder, 'works/libro.md'), '---\ntitle: Libro\nlang: it\n---\n# Uno\n\nA.\n\n## Primo\n\nB.\n\n### Inizio\n\nC.\n\n## Secondo\n\nD.\n\n# Due\n\nE.\n');
+  fs.writeFileSync(path.join(folder, 'works/novella.md'), '---\ntitle: Novella\nlang: it\n---\n# Uno\n\nEra sera. — pensava il gatto.\n\n«Chi va là?» disse Renzo.\n\nLucia rispose: «Sono *io*, apri». E tacque.\n\n«Entrate dunque.»\n');
   daemon = await Daemon.start(['--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index'), '--editing'], { FACCIA_STATE: folder });
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
   browser = await launch({ webgl: false });
@@ -125,6 +126,31 @@ test('two who talk are shown side by side: each says its own words, and the othe
   await scene.close();
 });
 
+test('a weak device shows one face, which changes with who speaks', async () => {
+  const cast = Object.fromEntries((await (await daemon.get('/v1/library/works/la-chiave/cast')).json()).cast.map((member) => [member.id, member]));
+  for (const [memory, cores, width] of [[8, 2, 1100], [8, 8, 400]]) { // few cores, or a telephone
+    const weak = await browser.newPage({ viewport: { width, height: 800 }, locale: 'it-IT', serviceWorkers: 'block', reducedMotion: 'reduce' });
+    weak.setDefaultTimeout(90000);
+    await weak.addInitScript(([deviceMemory, hardwareConcurrency]) => {
+      for (const [name, value] of Object.entries({ deviceMemory, hardwareConcurrency })) Object.defineProperty(Navigator.prototype, name, { get: () => value });
+      globalThis.shown = [];
+      document.addEventListener('DOMContentLoaded', () => document.getElementById('head').addEventListener('word', ({ detail }) => {
+        const heads = [...document.querySelectorAll('#portrait talking-head')].map((head) => head.getAttribute('model'));
+        globalThis.shown.push([detail.speaker?.id ?? '', document.getElementById('who').textContent, heads.join(' ')].join('|'));
+      }));
+    }, [memory, cores]);
+    await weak.goto(`${daemon.url}/library.html#la-chiave:2`);
+    await weak.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 6);
+    assert.deepEqual(await weak.$$eval('#faces, #pair', (boxes) => boxes.map(({ checked }) => checked)), [true, false], `${cores} cores, ${width} wide`);
+    await weak.click('#play');
+    await weak.waitForFunction(() => ['anselmo|', 'lisetta|'].every((who) => globalThis.shown.some((one) => one.startsWith(who))));
+    await weak.keyboard.press('Escape');
+    const seen = new Set((await weak.evaluate(() => globalThis.shown)).filter((one) => !one.startsWith('|')));
+    assert.deepEqual([...seen].sort(), ['anselmo', 'lisetta'].map((id) => `${id}|${cast[id].name}|${cast[id].head}`));
+    await weak.close();
+  }
+});
+
 test('an editor decides how a person speaks, hears it, and saves it beside the work', async () => {
   const edit = await browser.newPage({ viewport: { width: 1200, height: 900 }, locale: 'it-IT', serviceWorkers: 'block' });
   edit.setDefaultTimeout(90000);
@@ -144,6 +170,9 @@ test('an editor decides how a person speaks, hears it, and saves it beside the w
   await edit.click('#persons li[data-who=anselmo] button');
   await edit.waitForSelector('#role:not([hidden])');
   assert.deepEqual(await edit.$eval('#role', ({ elements }) => [elements['role-voice'].value, elements['role-head'].value, elements['role-age'].value, Number(elements['role-rate'].value)]), [before.voice, before.head, 'old', before.rate]);
+  const words = await edit.textContent('#role-first');
+  assert.ok(words.length > 10 && before.first === words, words);
+  assert.equal(await edit.getAttribute('#role-first', 'lang'), 'it');
   assert.deepEqual(await violations(edit), []);
   await edit.screenshot({ path: path.join(artefacts, 'cast-editor.png') });
   await edit.fill('#role-pitch', '0.7');
@@ -180,6 +209,31 @@ test('an editor decides how a person speaks, hears it, and saves it beside the w
   await edit.waitForSelector('#problem *');
   assert.deepEqual(JSON.parse(fs.readFileSync(file, 'utf8')), { narrator: { rate: 0.8 } });
   await edit.close();
+});
+
+test('in prose, whom the narrator names has a voice of its own if that is chosen, and the same editor', async () => {
+  await page.goto(`${daemon.url}/library.html#novella:1`);
+  await page.waitForFunction(() => document.querySelectorAll('#persons li').length === 3);
+  assert.deepEqual(await page.$$eval('#persons li', (all) => all.map(({ dataset }) => dataset.who).sort()), ['', 'lucia', 'renzo']);
+  if (!(await page.$eval('#roles', ({ open }) => open))) await page.click('#roles summary');
+  assert.deepEqual(await page.$$eval('#dialogue, #directions, #names', (all) => all.map((box) => [box.id, box.checkVisibility()])), [['dialogue', true], ['directions', false], ['names', false]]);
+  assert.equal(await page.textContent('[data-who=lucia]'), '«Sono io, apri»');
+  assert.deepEqual((await read('Entrate')).found.map(([who]) => who), ['']);
+  await page.check('#dialogue');
+  await page.reload(); // from the beginning; the choice is kept
+  await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open' && document.querySelectorAll('#persons li').length === 3);
+  await page.click('#roles summary');
+  assert.deepEqual((await read('Entrate')).found.map(([who, words]) => [who, words.split(' ').at(-1)]), [['', 'gatto'], ['Renzo', 'là'], ['', 'rispose'], ['Lucia', 'apri'], ['', 'tacque'], ['Renzo', 'Entrate']]);
+  assert.deepEqual(await violations(page), []);
+  await page.click('#persons li[data-who=lucia] button');
+  await page.waitForSelector('#role:not([hidden])');
+  assert.match(await page.textContent('#role-first'), /Sono io/);
+  await page.fill('#role-rate', '0.8');
+  await page.screenshot({ path: path.join(artefacts, 'cast-prose.png') });
+  await page.click('#role button[type=submit]');
+  await page.waitForFunction(() => document.getElementById('role-news').textContent.includes('novella.cast.json'));
+  assert.deepEqual(JSON.parse(fs.readFileSync(path.join(folder, 'works/novella.cast.json'), 'utf8')), { cast: { lucia: { rate: 0.8 } } });
+  await page.uncheck('#dialogue');
 });
 
 test('the contents of a work are a tree', async () => {

@@ -63,14 +63,37 @@ test('makes a speaking head from a picture, which never leaves the page', async 
 
   assert.match(await page.textContent('#pictures-hint'), /an approximation, not a likeness/);
   await page.click('#make');
-  await state(page, 'whose hair');
-  assert.ok(await page.locator('#save').isDisabled(), 'no head is made with hair that nobody chose');
+  await state(page, 'whose build');
+  assert.ok(await page.locator('#save').isDisabled(), 'no head is made of a sex that nobody chose');
   assert.equal(await page.locator('#like optgroup').first().locator('option').count(), 3, 'the most similar faces come first');
-  assert.deepEqual(await page.locator('#hair option').evaluateAll((options) => options.map(({ value }) => value)), ['photo', 'head', 'none']);
+  assert.deepEqual(await page.locator('#hair option').evaluateAll((options) => options.map(({ value }) => value)), ['photo', 'head', 'black', 'dark', 'brown', 'blond', 'red', 'grey', 'white']);
   assert.equal(await page.inputValue('#hair'), 'photo');
+  const styles = await page.locator('#style input').evaluateAll((inputs) => inputs.map(({ value }) => value));
+  const tables = await Promise.all(['face-points', 'face-wear'].map((name) => page.evaluate((file) => fetch(file).then((reply) => reply.json()), `${name}.json`)));
+  const all = tables.flatMap(Object.keys).length;
+  assert.ok(all >= 17, `${all} hairstyles`);
+  assert.deepEqual([styles.indexOf('none'), styles.length], [3, all + 1], 'the three most similar hairstyles, then none, then the others');
+  assert.deepEqual([await page.inputValue('#beard'), await page.inputValue('#glasses')], ['none', 'none']);
   await page.selectOption('#like', 'mara');
   await page.selectOption('#eyes', 'bruno');
+  await page.check('#style input[value="mei"]', { force: true });
+  await page.selectOption('#glasses', 'some');
+  assert.equal(await page.inputValue('#age'), '', 'nobody is old who does not say so');
+  await page.selectOption('#age', '68');
   await page.click('#make');
+  await state(page, 'Made, in');
+  for (const viewport of [{ width: 390, height: 844 }, { width: 1100, height: 900 }]) {
+    await page.setViewportSize(viewport);
+    const [photo, face] = await Promise.all(['#look-photo', 'talking-head'].map((one) => page.locator(one).boundingBox()));
+    assert.ok(photo.x >= face.x + face.width && photo.x + photo.width <= viewport.width && Math.abs(photo.y - face.y) < 4, `the photograph is beside the head: ${JSON.stringify([photo, face])}`);
+    await page.locator('#look-photo').scrollIntoViewIfNeeded();
+    await page.screenshot({ path: path.join(artefacts, `portrait-look-${viewport.width}.png`) });
+  }
+  assert.ok(await page.locator('#save').isDisabled(), 'nobody looked at it yet');
+  assert.deepEqual(await violations(page), []);
+  await page.screenshot({ path: path.join(artefacts, 'portrait-look.png'), fullPage: true });
+  await page.click('#accept');
+  assert.ok(await page.locator('#look-photo').isHidden());
   await state(page, 'Done');
   assert.match(await page.textContent('#state'), /an approximation, not a likeness/, 'and again where the result is seen');
   assert.deepEqual(await violations(page), []);
@@ -79,6 +102,10 @@ test('makes a speaking head from a picture, which never leaves the page', async 
   await download.saveAs(file);
   const head = JSON.parse(fs.readFileSync(file, 'utf8'));
   assert.equal(head.format, 'faccia-head');
+  const partOf = (word) => head.parts.find(({ name }) => name.startsWith(word));
+  assert.ok(partOf('glasses') && !partOf('beard'), 'it wears what was chosen');
+  const mei = await page.evaluate(() => fetch('v1/models/mei').then((reply) => reply.json()));
+  assert.equal(partOf('hair').vertices, mei.parts.find(({ name }) => name === 'hair').vertices, 'hair of another head');
   assert.match(await page.textContent('#credits'), /whose rights are those of the person/);
 
   await page.selectOption('#lang', 'it');
@@ -113,12 +140,13 @@ test('accepts a side view as a profile, together with a front view', async () =>
   await state(page, 'Found.');
   await page.screenshot({ path: path.join(artefacts, 'portrait-profile.png'), fullPage: true });
   await page.selectOption('#like', 'luca');
+  await page.check('#style input[value="luca"]', { force: true });
   await page.click('#make');
-  await state(page, 'Done');
+  await state(page, 'Made');
   await page.close();
 });
 
-test('removes a dark beard, and says so', async () => {
+test('offers a dark beard, removes it where it is not wanted, and says so', async () => {
   const file = path.join(artefacts, 'photograph-bruno.png');
   await writePng(await photograph(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads'), 'bruno', 0), file);
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
@@ -126,9 +154,17 @@ test('removes a dark beard, and says so', async () => {
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
   await page.setInputFiles('#files', file);
   await state(page, 'Found.');
+  assert.match(await page.textContent('#seen'), /beard/, 'it is recognised, or at least asked for');
   await page.selectOption('#like', 'mara');
+  await page.check('#style input[value="none"]', { force: true });
+  await page.selectOption('#beard', 'full');
   await page.click('#make');
+  await state(page, 'Made');
+  await picture(page, 'portrait-bearded', {});
+  await page.click('#accept');
+  await page.selectOption('#beard', 'none');
   await state(page, 'The dark beard was taken off');
+  assert.ok(await page.locator('#save').isDisabled(), 'what is changed is looked at again');
   await picture(page, 'portrait-beardless', {});
   await page.close();
 });

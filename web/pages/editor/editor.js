@@ -3,6 +3,7 @@
 import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from './marks.js';
 import { read, write } from './markup.js';
 import { editor as words, emotion } from '../texts/index.js';
+import { bearer } from '../shared/bearer.js';
 import { Frame } from '../shared/frame.js';
 import { DocumentStore } from '../shared/document-store.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
@@ -120,12 +121,11 @@ function warningItem(warning) {
 async function check() {
   checking?.abort();
   const mine = (checking = new AbortController());
-  const { token } = frame.access;
   try {
     const answer = await fetch('v1/speech', {
       method: 'POST',
       signal: mine.signal,
-      headers: { 'content-type': 'application/json', ...(token ? { authorization: `Bearer ${token}` } : {}) },
+      headers: { 'content-type': 'application/json', ...bearer(frame.access.token) },
       body: JSON.stringify({ text: code.value, markup: $('markup').value, lang: $('lang').value, format: 'json' }),
     });
     const said = await answer.json();

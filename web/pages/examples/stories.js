@@ -270,6 +270,12 @@ talking-head::part(sound-button) { border-radius: 0.5em; }`,
     actions: { speak: ['Speak', (head) => head.speak('Ecco la mia voce.')] },
   },
   {
+    id: 'room-backdrop', group: looks, title: 'In a room',
+    about: 'A warm wall out of focus, with the light of the window that lights the face. Nothing is loaded.',
+    shows: ['backdrop'], attributes: { lang: 'it', backdrop: 'room' },
+    actions: { speak: ['Speak', (head) => head.speak('Da questa parte viene la luce.')] },
+  },
+  {
     id: 'slot', group: looks, title: 'Before the script has loaded',
     about: 'The content of the element is shown until the script has loaded, and where there is no script.',
     shows: ['slot'], content: 'The face needs JavaScript.',
@@ -325,6 +331,19 @@ const roomStories = [
     actions: {
       hear: ['Hear the room', (head) => head.overhear()],
       no: ['No more', (head) => head.overhear(false)],
+    },
+  },
+  {
+    id: 'drive', group: rooms, title: 'A face that is driven',
+    about: 'Frames of FAPs, such as those of a camera, move the face of the room while nothing is said, and all but the mouth while something is.',
+    shows: ['drive()', '@driven'], attributes: { room: 'examples', lang: 'en' },
+    actions: {
+      drive: ['Raise the brows', (head) => {
+        const brows = (up) => ({ 31: up, 32: up, 33: up, 34: up });
+        const frame = (i) => ({ time: performance.now() / 1000, faps: brows(200 * Math.sin(i / 10) ** 2) });
+        for (let i = 0; i < 60; i++) setTimeout(() => head.drive([frame(i)]), 33 * i);
+        setTimeout(() => head.drive(null), 2000);
+      }],
     },
   },
   {

@@ -75,6 +75,9 @@ export class CastEditor {
     this.#affects ??= (await frame.load('v1/expressions'))?.expressions.filter(({ kind }) => kind === 'affect').map(({ name }) => name) ?? null;
     if (this.#member !== member) return;
     this.form.querySelector('legend').textContent = member.name;
+    $('first').textContent = member.first ?? '';
+    $('first').hidden = !member.first;
+    $('first').lang = this.ports.lang();
     this.#fill(member);
     this.form.hidden = false;
     this.form.scrollIntoView({ block: 'nearest' });
@@ -130,13 +133,13 @@ export class CastEditor {
     $('news').textContent = name ? this.frame.say(name, values) : '';
   }
 
-  /** Says the person's first words in the section, or its name. */
+  /** Says the person's first words in the section, or in the work, or its name. */
   #hear() {
     const { id, name } = this.#member;
     const { voice, affect, pitch, rate } = this.#now;
-    const first = [...this.passage.querySelectorAll('[data-speaker]')].find(({ dataset }) => dataset.speaker === id)?.cloneNode(true);
+    const first = [...this.passage.querySelectorAll('[data-speaker], [data-who]')].find(({ dataset }) => (dataset.speaker ?? dataset.who) === id)?.cloneNode(true);
     for (const aside of first?.querySelectorAll('.stage, [data-unread]') ?? []) aside.remove();
-    const said = first?.textContent.replace(/\s+/g, ' ').trim() || name;
+    const said = first?.textContent.replace(/\s+/g, ' ').trim() || this.#member.first || name;
     const text = said.length > SAMPLE ? said.slice(0, said.lastIndexOf(' ', SAMPLE) + 1 || SAMPLE).trim() : said;
     const speaker = { id: id ?? '', ...(id !== null && { name }), ...(voice && { voice }), ...(affect && { affect }), pitch, rate, at: `0-${text.length}` };
     this.ports.quiet();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The reader's choices: voice, speed, sleep timer, mouth only, the face, size and contrast of the text.
+// The reader's choices: voice, speed, verse, sleep timer, mouth only, the face, size and contrast of the text.
 import { applyLooks, keepLooks, keptLooks } from './looks.js';
 import { voicesOf } from '../shared/voice-choice.js';
 
@@ -22,6 +22,7 @@ export class Choices {
     if (matchMedia('(max-width: 52rem)').matches) $('face').setAttribute('aria-pressed', 'false'); // reduced to a strip until opened
     $('face').addEventListener('click', () => this.face());
     $('speed').addEventListener('input', () => this.#setSpeed());
+    $('verse').addEventListener('change', () => this.#setVerse());
     $('sleep').addEventListener('change', () => this.#setSleep());
     $('voice').addEventListener('change', () => this.#setVoice());
     for (const name of ['size', 'spacing', 'contrast']) $(name).addEventListener('input', () => this.#setLooks());
@@ -42,6 +43,7 @@ export class Choices {
   set section(section) {
     this.#section = section;
     this.#fillVoices();
+    this.#setVerse();
   }
 
   #fillVoices() {
@@ -72,6 +74,13 @@ export class Choices {
     $('speed-now').textContent = `${speed.toLocaleString(this.frame.lang)} ×`;
     this.head.rate = speed === 1 ? null : Math.min(500, Math.max(40, Math.round(own * speed)));
     this.spoken.speed = speed;
+  }
+
+  /** Sets how lines end, in a section that has verse. */
+  #setVerse() {
+    const has = Boolean(this.#section?.blocks.some(({ kind }) => kind === 'verse'));
+    $('verse').closest('label').hidden = !has;
+    this.head.verse = (has && $('verse').value) || null;
   }
 
   #setSleep() {

@@ -2,6 +2,7 @@
 // Requests and shows the text named in the address before the page's other scripts run.
 import { applyLooks, keptLooks } from './looks.js';
 import { showText } from './text.js';
+import { bearer } from '../shared/bearer.js';
 import { forTab } from '../shared/storage.js';
 
 const UNSEEN_MS = 500;
@@ -63,8 +64,8 @@ const [work, number] = named().split(':');
 if (query.has('embed')) parsed.then(() => document.body.classList.add('embed'));
 if (/^\d+$/.test(number) && !query.has('token')) {
   const token = forTab.get('faccia.token');
-  const headers = token ? { authorization: `Bearer ${token}` } : {};
   const [about, section] = addressesOf(work, number);
+  const headers = bearer(token);
   const ask = (address) => fetch(address, { headers }).then((response) => (response.ok ? response.json() : null), () => null);
   begun.set(section, ask(section)); // first what is read
   begun.set(about, ask(about));

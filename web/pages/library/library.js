@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The library: search, read, listen.
 import { copy } from '../shared/copy.js';
+import { keepsStill, makeFilm, makesFilms } from '../shared/film.js';
+import { FilmButton } from '../shared/film-button.js';
 import { Frame } from '../shared/frame.js';
 import { ownName } from '../shared/languages.js';
 import { addressesOf, named, take } from './library-early.js';
@@ -170,6 +172,12 @@ async function copyLink() {
   frame.tell((await copy(address.href, $('link-field'))) ? 'linkCopied' : 'selected');
 }
 
+/** The page that has one say a line. @param {Element|null} line */
+function practiceOf(line) {
+  const lang = line?.closest('[lang]')?.lang ?? state.section?.work.lang;
+  return line ? `coach.html?${new URLSearchParams({ text: line.textContent.trim().replace(/\s+/g, ' '), lang })}` : 'coach.html';
+}
+
 // What is kept
 
 async function keepSection() {
@@ -248,7 +256,17 @@ $('back').addEventListener('click', () => listening.step(-1));
 $('forward').addEventListener('click', () => listening.step(1));
 $('repeat').addEventListener('click', () => listening.repeat());
 $('link').addEventListener('click', copyLink);
+$('practise').addEventListener('click', ({ currentTarget }) => (currentTarget.href = practiceOf(listening.line ?? passage.querySelector('.line, [data-passage]:not(.verse)'))));
 $('keep').addEventListener('click', keepSection);
+new FilmButton(frame, $('film'), $('film-progress'), async (told, signal) => {
+  const { id } = state.section;
+  const { model, voice, rate } = head;
+  const still = keepsStill(head) || undefined;
+  const chosen = { model: model || undefined, voice: voice || undefined, rate: rate || undefined };
+  const order = { passage: id, ...chosen, still, ...roles.film };
+  const film = await makeFilm(order, frame.access.token, told, signal);
+  return film && { film, name: `${id.replace(':', '-')}.mp4` };
+});
 document.addEventListener('keydown', (event) => event.key === 'Escape' && listening.stop());
 addEventListener('hashchange', () => (state.going = go()));
 
@@ -265,4 +283,5 @@ const opened = texts.catch(() => {}).then(() => frame.loadHead()).catch(() => {}
 await texts;
 $('keep').hidden = !(await startWorker());
 await opened;
+$('film').hidden = !(await makesFilms(frame.access.token));
 choices.voices = roles.voices = (await load('v1/voices'))?.voices ?? [];

@@ -19,6 +19,11 @@ export class Pair {
     return this.#places.length > 0;
   }
 
+  /** The name of the second head. */
+  get partner() {
+    return this.#places[1]?.head.model ?? undefined;
+  }
+
   /** Shows the second head, or removes it. @param {boolean} on */
   show(on) {
     if (on === this.on) return;

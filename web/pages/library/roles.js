@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// A play: who speaks, with which face, and whether stage directions and names are spoken.
+// A play, or dialogue in prose: who speaks, with which face, and whether stage directions and names are spoken.
 import { CastEditor } from './cast-editor.js';
 import { forGood } from '../shared/storage.js';
 import { Pair } from './pair.js';
 
 const KEY = 'faccia.roles';
-const OPTIONS = ['faces', 'pair', 'directions', 'names'];
+const BACK_MS = 200; // for the name of who speaks to come
+const UNNAMED = /^voice-\d$/; // in prose; the narrator's voice has them
+const PAIR_SIZE = '960x480'; // of a film
+const OPTIONS = ['faces', 'pair', 'dialogue', 'directions', 'names'];
+const OF_PLAYS = ['directions', 'names'];
 const $ = (id) => document.getElementById(id);
 
 /** Whether loading several heads asks too much of this device or its connection. */
@@ -29,6 +33,8 @@ export class Roles {
   #work = null;
   #who = undefined; // null: the narrator
   #section = null;
+  #told = false; // prose, of which the narrator tells who speaks
+  #back = 0; // timer: the narrator's face returns
   #pair;
   #editor;
 
@@ -66,7 +72,10 @@ export class Roles {
 
   /** Shows a section's speakers. @param {object} section of the library */
   async show(section) {
-    const plays = section.blocks.some(({ who }) => who);
+    this.#told = section.blocks.some(({ speeches }) => speeches);
+    const plays = this.#told || section.blocks.some(({ who }) => who);
+    $('dialogue').closest('label').hidden = !this.#told;
+    for (const name of OF_PLAYS) $(name).closest('label').hidden = this.#told;
     this.#mark();
     if (section.work.id !== this.#work || !plays) this.#leave();
     if (plays && section.work.id !== this.#work) await this.#enter(section.work.id);
@@ -78,10 +87,23 @@ export class Roles {
   /** Shows the first two who speak in the section, where two are shown. */
   #seat() {
     $('pair').disabled = !$('faces').checked;
-    this.#pair.show(Boolean(this.#section && this.#cast.size && $('faces').checked && $('pair').checked));
+    this.#pair.show(Boolean(this.#section && this.#cast.size && this.#speaksApart && $('faces').checked && $('pair').checked));
     if (!this.#pair.on) return;
-    const ids = new Set(this.#section.blocks.flatMap(({ who }) => who?.split('+') ?? []));
+    const ids = new Set(this.#section.blocks.flatMap(({ who, speeches }) => who?.split('+') ?? speeches?.map((speech) => speech.who) ?? []));
     this.#pair.seat([...ids].map((id) => this.#cast.get(id)).filter(Boolean));
+  }
+
+  /** Whether each has its own voice: always in a play. */
+  get #speaksApart() {
+    return !this.#told || $('dialogue').checked;
+  }
+
+  /** Members of an order of a film that shows what is shown here. */
+  get film() {
+    if (!this.#section) return {};
+    const shown = this.#pair.on ? { partner: this.#pair.partner, size: PAIR_SIZE } : {};
+    if (this.#told) return { dialogue: $('dialogue').checked ? 'voices' : undefined, ...shown };
+    return { directions: $('directions').checked ? 'spoken' : undefined, names: $('names').checked, ...shown };
   }
 
   /** The cast has changed. @returns {Promise<object|undefined>} the member of that id */
@@ -100,7 +122,8 @@ export class Roles {
     this.#work = work;
     const cast = await this.load(`v1/library/works/${work}/cast`).catch(() => null);
     if (this.#work !== work) return;
-    this.#cast = new Map((cast?.cast ?? []).map((member) => [member.id, member]));
+    const members = (cast?.cast ?? []).filter(({ id }) => !cast.told || !UNNAMED.test(id));
+    this.#cast = new Map(members.map((member) => [member.id, member]));
     this.#narrator = cast?.narrator ?? null;
     this.#list();
   }
@@ -116,17 +139,21 @@ export class Roles {
 
   #chosen() {
     forGood.set(KEY, JSON.stringify(Object.fromEntries(OPTIONS.map((name) => [name, $(name).checked]))));
-    if (!$('faces').checked) this.head.removeAttribute('model');
+    if (!$('faces').checked || !this.#speaksApart) this.head.removeAttribute('model');
     this.#seat();
     this.#mark();
   }
 
-  /** Marks what is read: stage directions and names, by the narrator, only if that is wanted. */
+  /** Marks what is read, and by whom: stage directions and names, by the narrator, only if that is wanted. */
   #mark() {
     const [directions, names] = [$('directions').checked, $('names').checked];
     const unread = (element, off) => element.toggleAttribute('data-unread', off);
     for (const element of this.passage.querySelectorAll('p.stage')) unread(element, !directions);
     for (const element of this.passage.querySelectorAll('p.speaker')) unread(element, !names);
+    for (const element of this.passage.querySelectorAll('[data-who]')) {
+      if ($('dialogue').checked && !UNNAMED.test(element.dataset.who)) element.dataset.speaker = element.dataset.who;
+      else delete element.dataset.speaker;
+    }
     for (const element of this.passage.querySelectorAll('span.stage')) element.toggleAttribute('data-aside', !directions);
   }
 
@@ -141,6 +168,8 @@ export class Roles {
       return;
     }
     this.#name(name ?? '');
+    clearTimeout(this.#back);
+    if (this.#told && !member?.head) this.#back = setTimeout(() => this.head.removeAttribute('model'), BACK_MS);
     if ($('faces').checked && this.#cast.size && member?.head && this.head.model !== member.head) this.head.model = member.head;
   }
 

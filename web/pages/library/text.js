@@ -34,7 +34,8 @@ const MARKS = { emphasis: 'em', foreign: 'i' };
 function inline(block, from, to, signs) {
   const parts = document.createDocumentFragment();
   const within = (block.marks ?? []).filter(({ start, end }) => start >= from && end <= to);
-  const marks = within.sort((a, b) => a.start - b.start || b.end - a.end);
+  const said = (block.speeches ?? []).filter(({ start, end }) => start >= from && end <= to).map((speech) => ({ ...speech, kind: 'speech' }));
+  const marks = [...within, ...said].sort((a, b) => a.start - b.start || b.end - a.end);
   const piece = (start, end, rest, depth) => {
     const here = document.createDocumentFragment();
     let at = start;
@@ -51,6 +52,7 @@ function inline(block, from, to, signs) {
         while (rest.length && rest[0].start < at) inner.push(rest.shift());
         const element = make(MARKS[mark.kind] ?? 'span', {}, piece(mark.start, at, inner, depth + 1));
         if (mark.lang) element.lang = mark.lang;
+        if (mark.kind === 'speech') element.dataset.who = mark.who;
         if (mark.kind === 'stage') {
           element.className = 'stage';
           element.setAttribute('data-aside', '');

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The page of an operator who speaks through the face of a room: prepared lines, free text, answers, moods, and a log.
+import { bearer } from '../shared/bearer.js';
 import { DocumentStore } from '../shared/document-store.js';
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, primary, spokenLanguage } from '../shared/languages.js';
@@ -337,7 +338,7 @@ function download(name, what, type) {
 async function preview(text, { lang, token }) {
   const answer = await fetch(`v1/speech?format=ogg&lang=${encodeURIComponent(lang)}`, {
     method: 'POST', body: text,
-    headers: { 'content-type': 'text/plain', ...(token ? { authorization: `Bearer ${token}` } : {}) },
+    headers: { 'content-type': 'text/plain', ...bearer(token) },
   });
   if (!answer.ok) throw await answer.json();
   const sound = new AudioContext(), source = sound.createBufferSource();

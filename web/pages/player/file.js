@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// FAP files: .fap (text) and .fapc (coded) read, .fap written. No page needed: tests/web reads this.
+// FAP files: .fap (text), .fapc and FBA (coded) read, .fap written. No page needed: tests/web reads this.
 export const FAPS = 68;
 export const FRAMES_MAX = 180000; // two hours at 25 a second: seconds of work, of a .fapc as of a .fap
 
@@ -64,10 +64,15 @@ export function readFap(text) {
 /** @param {Uint8Array} bytes */
 export const isFapc = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'FPC1';
 
-/** @param {Uint8Array} bytes @param {Function} readFapcFile of protocol/fapc/fapcfile.mjs @returns {Faps} */
-export function readFapc(bytes, readFapcFile) {
+/**
+ * @param {Uint8Array} bytes
+ * @param {Function} read readFapcFile of protocol/fapc/fapcfile.mjs, or readFba of protocol/fba/fba.mjs
+ * @returns {Faps}
+ */
+export function readCoded(bytes, read) {
   try {
-    return { name: 'faccia', ...readFapcFile(bytes, FRAMES_MAX) };
+    const { fps, frames, high } = read(bytes, FRAMES_MAX);
+    return { name: 'faccia', fps, frames, high };
   } catch (error) {
     if (error.at === undefined) throw error;
     throw new FileError(error.reason, { byte: error.at });

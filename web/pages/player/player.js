@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
 // The Face Player: shows FAP files and their sound frame by frame, and edits them.
+import { bearer } from '../shared/bearer.js';
 import { Frame } from '../shared/frame.js';
 import { fill, FIRST, spokenLanguage } from '../shared/languages.js';
 import { Anatomy } from './anatomy.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './curve.js';
-import { emptyFaps, isFapc, readFap, readFapc, wholeWav, writeFap } from './file.js';
-import { mono, readFapcFile } from './player-kit.js';
+import { emptyFaps, isFapc, readCoded, readFap, wholeWav, writeFap } from './file.js';
+import { isFba, mono, readFapcFile, readFba, supplyFba } from './player-kit.js';
 import { FILM, Film } from './film.js';
+import { FilmButton } from '../shared/film-button.js';
 import { openGestureForm } from './gesture.js';
 import { Plots } from './plots.js';
 import { lastTake } from '../shared/take.js';
 import { player as words } from '../texts/index.js';
+
+const FACE = /\.(fapc?|fba|bits)$/i;
 
 const $ = (id) => document.getElementById(id);
 const NEAR = 0.02; // of a curve's range: maximum deviation of its keys
@@ -37,7 +41,8 @@ const valuesOf = (n) => take.frames.map((values) => values[n]);
 // Opening
 
 async function open({ bytes, name, audio = null, times = null }) {
-  const read = isFapc(bytes) ? readFapc(bytes, readFapcFile) : readFap(new TextDecoder().decode(bytes));
+  const coded = isFapc(bytes) ? readFapcFile : isFba(bytes) ? (data, most) => supplyFba(readFba(data, most)) : null;
+  const read = coded ? readCoded(bytes, coded) : readFap(new TextDecoder().decode(bytes));
   edit({ ...read, name, ...times }, audio && (await context().decodeAudioData(audio)));
 }
 
@@ -68,7 +73,7 @@ async function speak() {
   const get = async (format) => {
     const answer = await fetch('v1/speech', {
       method: 'POST',
-      headers: { 'content-type': 'application/json', ...(frame.access.token ? { authorization: `Bearer ${frame.access.token}` } : {}) },
+      headers: { 'content-type': 'application/json', ...bearer(frame.access.token) },
       body: JSON.stringify({ ...wish, format }),
     });
     if (!answer.ok) throw await answer.json();
@@ -91,7 +96,7 @@ async function openLast() {
 
 async function openFiles(files) {
   const like = (pattern) => [...files].find(({ name }) => pattern.test(name));
-  const [face, audio, times, speaker] = [like(/\.fapc?$/i), like(/\.(wav|ogg|opus|mp3|flac)$/i), like(/\.json$/i), like(FILM)];
+  const [face, audio, times, speaker] = [like(FACE), like(/\.(wav|ogg|opus|mp3|flac)$/i), like(/\.json$/i), like(FILM)];
   if (speaker) {
     await film.open(speaker);
     $('film').hidden = $('film-place').hidden = false;
@@ -99,7 +104,7 @@ async function openFiles(files) {
   }
   if (!face) return;
   await open({
-    bytes: new Uint8Array(await face.arrayBuffer()), name: face.name.replace(/\.fapc?$/i, ''),
+    bytes: new Uint8Array(await face.arrayBuffer()), name: face.name.replace(FACE, ''),
     audio: audio ? wholeWav(await audio.arrayBuffer()) : null, times: times ? JSON.parse(await times.text()) : null,
   });
 }
@@ -274,6 +279,16 @@ function save() {
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
+/** Films the take in this page: the server has never seen it. */
+async function filmed(told, signal) {
+  const { frames, fps, name } = take;
+  const { filmTake } = await import('./film-kit.js');
+  const look = { head: await frame.access.load(`v1/models/${encodeURIComponent(frame.shown?.model)}`), view: head.view, width: 640, height: 480 };
+  const made = await filmTake({ frames, fps, buffer: sound.buffer }, look, told, signal);
+  return made && { film: made.blob, name: name + made.suffix };
+}
+
+new FilmButton(frame, $('film-make'), $('film-progress'), filmed);
 const on = (id, type, act) => $(id).addEventListener(type, (event) => take && act(event));
 $('open').addEventListener('submit', (event) => {
   event.preventDefault();

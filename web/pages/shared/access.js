@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The token for a server that requires one: from the page's address, stored for the tab, or from a field.
+import { bearer } from './bearer.js';
 import { forTab } from './storage.js';
 
 const KEY = 'faccia.token';
@@ -67,8 +68,7 @@ export class Access {
   /** Loads JSON from the server; asks for a token if needed, and retries. @param {string} address @returns {Promise<object>} */
   async load(address) {
     for (;;) {
-      const headers = this.token ? { authorization: `Bearer ${this.token}` } : {};
-      const response = await fetch(address, { headers });
+      const response = await fetch(address, { headers: bearer(this.token) });
       if (response.ok) return response.json();
       const error = await response.json().catch(() => ({ code: 'unreachable' }));
       if (!this.concerns(error.code)) throw Object.assign(new Error(error.message), error);

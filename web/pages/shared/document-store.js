@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Client of the documents that the server stores: texts (/v1/library/files), gestures (/v1/gestures), scenes (/v1/scenes).
+import { bearer } from './bearer.js';
 
 export class DocumentStore {
   #etags = new Map(); // by name: the ETag of the version that was last read or written here
@@ -47,11 +48,10 @@ export class DocumentStore {
   }
 
   async #request(method, name, body, conditions = {}) {
-    const { token } = this.access;
     const headers = {
       ...conditions,
       ...(body === undefined ? {} : { 'content-type': this.type }),
-      ...(token ? { authorization: `Bearer ${token}` } : {}),
+      ...bearer(this.access.token),
     };
     const address = name ? `${this.address}/${encodeURIComponent(name)}` : this.address;
     const response = await fetch(address, { method, body, headers, cache: 'no-store' });

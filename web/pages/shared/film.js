@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Orders a film from the server, waits for it, and saves it as a file.
+import { bearer } from './bearer.js';
 
 const LOOK_MS = 500; // between questions how far it is
 
 /** @param {string|null} token @returns {(address: string, options?: object) => Promise<Response>} throws server errors */
 function asker(token) {
   return async (address, options = {}) => {
-    const headers = { ...options.headers, ...(token ? { authorization: `Bearer ${token}` } : {}) };
+    const headers = { ...options.headers, ...bearer(token) };
     const answer = await fetch(address, { ...options, headers }).catch(() => {
       throw Object.assign(new Error(''), { code: 'unreachable' });
     });
@@ -45,6 +46,9 @@ export async function makeFilm(order, token, told, signal) {
     ask(address, { method: 'DELETE' }).catch(() => {}); // it may be gone, and the server, too
   }
 }
+
+/** Whether a head on the page keeps still, so that its film does, too. @param {HTMLElement & {still: boolean|null}} head */
+export const keepsStill = (head) => head.still ?? matchMedia('(prefers-reduced-motion: reduce)').matches;
 
 /** @param {Blob} film @param {string} name of the file */
 export function saveFilm(film, name) {

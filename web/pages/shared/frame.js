@@ -92,6 +92,11 @@ export class Frame {
     }
   }
 
+  /** What the event `ready` has said of the head. @returns {{model: string, title: string, credits: string[]}|null} */
+  get shown() {
+    return this.#shown;
+  }
+
   nameOf(tag) {
     return ownName(tag, this.lang);
   }

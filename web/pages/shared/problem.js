@@ -5,6 +5,9 @@
 const OF_THE_LINK = ['connection-lost', 'no-connection', 'too-many-connections', 'too-many-per-address', 'too-slow', 'stopping', 'unreachable', 'no-server',
   'server-busy', 'wrong-address', 'forbidden-origin'];
 
+/** Those whose message says more than their text here. */
+const DETAILED = ['film-failed'];
+
 /**
  * Describes the place of an error.
  * @param {object} error @param {(name: string, values: object) => string} say @returns {string}
@@ -46,7 +49,7 @@ export class Problem {
     const place = placeOf(error, this.say);
     const parts = [paragraph('what', known ?? error.message ?? error.code)];
     if (place) parts.push(paragraph('place', place));
-    if (known && place && error.message) {
+    if (known && error.message && (place || DETAILED.includes(error.code))) {
       const detail = paragraph('detail', error.message);
       detail.lang = 'en';
       parts.push(detail);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The first page: speaks what is typed, or what a link holds.
 import { copy } from '../shared/copy.js';
-import { makeFilm, makesFilms, saveFilm } from '../shared/film.js';
+import { keepsStill, makeFilm, makesFilms } from '../shared/film.js';
+import { FilmButton } from '../shared/film-button.js';
 import { Frame } from '../shared/frame.js';
 import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from '../shared/languages.js';
@@ -242,40 +243,13 @@ function choose() {
 
 // The film
 
-let filming = null; // AbortController of the film that is being made
-
-function showFilm() {
-  $('film').textContent = say(filming ? 'filmStop' : 'film');
-  $('film-progress').hidden = !filming;
-}
-
-async function film() {
-  if (filming) {
-    filming.abort();
-    return;
-  }
-  filming = new AbortController();
-  frame.problem.clear();
-  frame.tell('filming');
-  $('film-progress').removeAttribute('value');
-  showFilm();
-  try {
-    const order = { text: text.value, model: head.model ?? undefined, ...manner() };
-    const made = await makeFilm(order, frame.access.token, (share) => share && ($('film-progress').value = share), filming.signal);
-    if (made) saveFilm(made, 'faccia.mp4');
-    frame.tell(made ? 'filmed' : null);
-  } catch (error) {
-    frame.tell(null);
-    frame.problem.show(error);
-  }
-  filming = null;
-  showFilm();
-}
-
-$('film').addEventListener('click', film);
+new FilmButton(frame, $('film'), $('film-progress'), async (told, signal) => {
+  const order = { text: text.value, model: head.model ?? undefined, still: keepsStill(head) || undefined, ...manner() };
+  const film = await makeFilm(order, frame.access.token, told, signal);
+  return film && { film, name: 'faccia.mp4' };
+});
 
 frame.onTranslate(() => {
-  showFilm();
   fill(lang, offered, { page: frame.lang, others: say('otherLanguages'), chosen: lang.value });
   showVoices();
   showRate();
